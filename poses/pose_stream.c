@@ -407,9 +407,11 @@ static conus_status read_whole(conus_pose_stream *stream)
             : CONUS_OK;
     status = status ? status : pose_lines_rest(&bytes, &stream->lines, pose_memory(&stream->options));
     struct text text = {(const char *)bytes.data, bytes.size};
-    if (!status && stream->columns.pairs) {
+    if (!status && !text_starts(text_trim(text), "<")) { /* XML says itself what its letters are */
         status = decode(&text, stream);
-        status = status ? status : pairs_parse(&stream->list, &stream->columns, text, &stream->options);
+    }
+    if (!status && stream->columns.pairs) {
+        status = pairs_parse(&stream->list, &stream->columns, text, &stream->options);
         bytes_finish(&bytes);
         return status;
     }

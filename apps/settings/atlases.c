@@ -34,8 +34,8 @@ static char *name_of_path(const char *path)
 {
     struct system_stat info;
     bool is_folder = system_stat(&info, path) && info.kind == SYSTEM_FOLDER;
-    static const char *const keys[] = {
-        ",volume=", ",resolution=", ",orientation=", ",level=", ",template="}; /* behind a file: what is in it */
+    static const char *const keys[] = {",volume=", ",resolution=", ",orientation=",
+                                       ",level=",  ",template=",   ",space="}; /* behind a file: what is in it */
     size_t end = strlen(path);
     for (size_t i = 0; !is_folder && i < sizeof keys / sizeof keys[0]; i++) {
         const char *key = strstr(path, keys[i]);

@@ -88,12 +88,19 @@ conus_status label_table_sort(struct label_table *table, struct notes *notes)
     conus_status status = CONUS_OK;
     size_t kept = 0;
     size_t conflicts = 0;
+    size_t several = 0; /* labels with two names or more */
+    uint32_t latest = 0;
+    size_t colourless = 0;
     order_sort(table->entries, table->count, sizeof *table->entries, compare_labels);
     for (size_t i = 0; !status && i < table->count; i++) {
         struct label *label = &table->entries[i];
         struct label *last = kept ? &table->entries[kept - 1] : NULL; /* of equal ones the first that appeared */
+        colourless += label->bad_rgb;
+        label->bad_rgb = false;
         if (last && last->number == label->number) {
             bool differ = last->name && label->name && strcmp(last->name, label->name) != 0;
+            several += differ && latest != label->number;
+            latest = differ ? label->number : latest;
             if (differ && ++conflicts <= CONFLICTS_SHOWN) {
                 status = notes_warn(notes, "label %u is named twice in the label table: \"%s\" is used, \"%s\" is not",
                                     last->number, last->name, label->name);
@@ -106,6 +113,15 @@ conus_status label_table_sort(struct label_table *table, struct notes *notes)
         }
     }
     table->count = status ? table->count : kept;
+    if (!status && several > 1 && several == kept) {
+        status = fail(CONUS_ERROR_DATA,
+                      "each of the %zu labels has several names in the label table, as of levels: one row for each "
+                      "label is needed",
+                      kept);
+    }
+    if (!status && colourless) {
+        status = notes_add(notes, "label table: %zu of its colours cannot be read: left out", colourless);
+    }
     if (!status && conflicts > CONFLICTS_SHOWN) {
         status = notes_warn(notes, "%zu more labels are named twice in the label table", conflicts - CONFLICTS_SHOWN);
     }

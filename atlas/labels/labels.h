@@ -16,6 +16,7 @@ struct label {
     char *abbreviation; /**< UTF-8, owned; NULL if none.                                   */
     char hemisphere;    /**< 'L', 'R', 'B' or 0.                                           */
     bool has_rgb;
+    bool bad_rgb;   /**< The table has something else in its place; label_table_sort() notes that. */
     uint8_t rgb[3]; /**< sRGB.                                                         */
     bool has_parent;
     uint32_t parent; /**< Label number of the parent in the area tree.                  */

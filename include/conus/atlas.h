@@ -74,7 +74,8 @@ typedef struct conus_load_options {
  * @param path May end in ",volume=K" to choose volume K (from 0) of a 4-D file, of a TIFF stack in
  * ",resolution=R,orientation=ABC" (docs/spaces.md, "BrainGlobe"), and of CIFTI labels in ",map=K" or ",map=NAME".
  * ",template=WORD" states whose brain it is (conus_atlas_brain()): mni152, colin27, mni305, or none for one person's
- * own.
+ * own. ",space=WORD" states how the vertices of a surface are placed, whatever its file says: "ras" or "lps" in the
+ * world, or else the image in whose own mm, as FSL counts them, they are.
  * @param options NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_IO or #CONUS_ERROR_DATA where a file cannot be read or is damaged, and
  * #CONUS_ERROR_DATA for a volume that looks like an image unless labels_anyway is set; #CONUS_ERROR_UNSUPPORTED for a

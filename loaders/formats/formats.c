@@ -59,6 +59,26 @@ static bool has_lines_only(const struct head *head)
            !text_mentions(head->start, "NumberOfLines=\"0\"");
 }
 
+/* FreeSurfer's curvature as text: "000 x y z value", counting. */
+static bool is_vertex_values(const struct head *head)
+{
+    struct text rest = head->start;
+    struct text line;
+    bool is = head->readable;
+    for (size_t i = 0; is && i < 3; i++) {
+        struct text word;
+        uint64_t index = 1;
+        double number;
+        is = text_line(&rest, &line) && text_word(&line, &word) && word.size >= 3 && text_to_uint(word, 2, &index) &&
+             index == i;
+        for (size_t k = 0; is && k < 4; k++) {
+            is = text_word(&line, &word) && text_to_double(word, &number);
+        }
+        is = is && !text_trim(line).size;
+    }
+    return is;
+}
+
 static bool is_web_page(const struct head *head)
 {
     return head->readable && text_equal_ignoring_case(head->root, "html");
@@ -123,6 +143,9 @@ static const struct format {
     {.magic = BYTES("GIF8"), .kind = {"a GIF picture", NULL}},
     {.magic = BYTES("%PDF-"), .kind = {"a PDF document", NULL}},
     {.magic = BYTES("PK\3\4"), .ending = ".trx", .kind = {"a TRX tractogram", STREAMLINES}},
+    {.magic = BYTES("PK\3\4"),
+     .mentions = "[Content_Types].xml",
+     .kind = {"a document of Office (an Excel workbook, say)", "save its table as CSV"}},
     {.magic = BYTES("PK\3\4"),
      .kind = {"a ZIP archive", "unpack it, or give it as --streamlines if it is a TRX tractogram"}},
     {.magic = BYTES("Rar!"), .kind = {"a RAR archive", "unpack it"}},
@@ -200,6 +223,7 @@ static const struct format {
     {.ending = ".lut",
      .is = is_no_text,
      .kind = {"a table of colours", "put it beside the volume as X.lut", .certainty = KIND_BY_NAME}},
+    {.is = is_vertex_values, .kind = {"values of the vertices of a surface, as text", NULL}},
     {.is = is_text, .kind = {"plain text", NULL, .certainty = KIND_VAGUE}},
 #undef BYTES
 };

@@ -87,6 +87,60 @@ const struct label_format *label_format_of(struct text text)
     return *format;
 }
 
+static bool next_name(struct text *rest, struct text *name)
+{
+    struct text line;
+    while (text_line(rest, &line)) {
+        *name = text_trim(line);
+        if (name->size && name->data[0] != '#') {
+            return true;
+        }
+    }
+    return false;
+}
+
+size_t label_lines_count(struct text text)
+{
+    bool lines = text.size && text_is_readable(text) && !strchr("<{[", text.data[0]);
+    size_t count = 0;
+    for (struct text name; lines && next_name(&text, &name); count++) {
+        lines = !(name.data[0] >= '0' && name.data[0] <= '9');
+    }
+    return lines ? count : 0;
+}
+
+void label_lines_parse(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
+{
+    (void)use;
+    for (struct text name; job_ok(job) && next_name(&text, &name);) {
+        struct label *label = labels_add(job, out, (uint32_t)out->count + 1);
+        labels_set(job, &label->name, name);
+    }
+}
+
+/* Whether the lines are the names of the labels 1, 2, 3, ..., each of which has a voxel; lines of columns are not. */
+static bool are_names_of(struct text text, const struct label_voxels *voxels)
+{
+    size_t count = voxels && voxels->label_count ? voxels->label_count - 1 : 0; /* the first is 0 */
+    bool all = count > 1 && label_lines_count(text) == count && !text_mentions(text, "\t") && !is_foreign(text);
+    for (size_t i = 1; all && i <= count; i++) {
+        all = voxels->labels[i] <= count;
+    }
+    size_t commas = 0;
+    for (struct text name; all && next_name(&text, &name);) {
+        commas += text_mentions(name, ",") || text_mentions(name, ";");
+    }
+    return all && commas < count;
+}
+
+static const struct label_format label_format_lines = {.name = "list of names", .parse = label_lines_parse};
+
+const struct label_format *label_format_for(struct text text, const struct label_use *use)
+{
+    const struct label_format *format = label_format_of(text);
+    return format || !are_names_of(text, use->voxels) ? format : &label_format_lines;
+}
+
 void label_text_parse(struct job *job, struct label_table *out, const struct label_format *format, struct text text,
                       const struct label_use *use)
 {
@@ -111,7 +165,7 @@ static const struct label_format *find_format(struct job *job, struct text text,
         return NULL;
     }
     const struct label_format *format =
-        use->columns[0].size || use->columns[1].size ? &label_format_chosen : label_format_of(text);
+        use->columns[0].size || use->columns[1].size ? &label_format_chosen : label_format_for(text, use);
     if (!format) {
         label_columns_refuse(job, text);
         job_bad(job, "not a label table of a known format (known: " KNOWN ")");

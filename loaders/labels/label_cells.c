@@ -8,10 +8,20 @@
 
 enum { SHOWN = 60 };
 
+bool label_cell_whole(struct text cell, uint64_t *number)
+{
+    size_t size = cell.size;
+    while (size && cell.data[size - 1] == '0') {
+        size--;
+    }
+    bool is_padded = size > 1 && size < cell.size && cell.data[size - 1] == '.';
+    return text_to_uint(is_padded ? (struct text){cell.data, size - 1} : cell, UINT32_MAX, number);
+}
+
 uint32_t label_cell_number(struct job *job, struct text cell)
 {
     uint64_t number = 0;
-    if (!text_to_uint(cell, UINT32_MAX, &number)) {
+    if (!label_cell_whole(cell, &number)) {
         job_bad(job, "label \"%.*s\", a whole number from 0 to 4294967295 is needed", TEXT_SHOW(cell, SHOWN));
     }
     return (uint32_t)number;
@@ -87,6 +97,18 @@ void label_cell_rgb(struct job *job, struct label *label, const struct text cell
     label->has_rgb = true;
 }
 
+void label_colour(struct job *job, struct label *label, const struct text *cells, label_cell_part *part)
+{
+    struct attempt attempt = job_try(job);
+    if (part) {
+        label_cell_rgb(job, label, cells, part);
+    } else {
+        label_cell_colour(job, label->rgb, cells[0]);
+    }
+    label->bad_rgb = job_tried(job, &attempt) != NULL;
+    label->has_rgb = !label->bad_rgb;
+}
+
 static const char *key_of(const struct xml_event *event)
 {
     const char *key = xml_attribute(event, "Key");
@@ -107,7 +129,7 @@ void label_element(struct job *job, struct label *out, const struct xml_event *e
     }
     *out = (struct label){.number = label_cell_number(job, text_from(key ? key : ""))};
     if (coloured) {
-        label_cell_rgb(job, out, cells, label_cell_fraction);
+        label_colour(job, out, cells, label_cell_fraction);
     }
     job_out(job, place);
 }
@@ -160,12 +182,15 @@ void label_cell_colour(struct job *job, uint8_t out[3], struct text cell)
         return;
     }
     size_t start = cell.size == 7 && cell.data[0] == '#';
-    bool fine = cell.size - start == 6;
-    for (size_t i = 0; fine && i < 3; i++) {
-        int high = base16_value(cell.data[start + 2 * i]);
-        int low = base16_value(cell.data[start + 2 * i + 1]);
-        fine = high >= 0 && low >= 0;
-        out[i] = fine ? (uint8_t)(16 * high + low) : 0;
+    uint32_t value = 0;
+    /* spreadsheets leave zeros in front away, as of a number: "19399" */
+    bool fine = cell.size - start == 6 || (cell.size && cell.size < 6 && text_has_only(cell, "0123456789"));
+    for (size_t i = start; fine && i < cell.size; i++) {
+        fine = base16_value(cell.data[i]) >= 0;
+        value = 16 * value + (fine ? (uint32_t)base16_value(cell.data[i]) : 0);
+    }
+    for (int i = 0; fine && i < 3; i++) {
+        out[i] = (uint8_t)(value >> (16 - 8 * i));
     }
     if (!fine) {
         job_bad(job, "colour \"%.*s\", #rrggbb in hexadecimal, or rgba(R,G,B,A), is needed", TEXT_SHOW(cell, SHOWN));

@@ -54,6 +54,8 @@ size_t label_choose(struct job *job, size_t usual, label_trial *trial, void *use
 
 /** @name Values of cells; 0 and a failure where a cell has none @{ */
 uint32_t label_cell_number(struct job *job, struct text cell);
+/** Whether it is a whole number below 2^32, perhaps written as "17.0"; no failure. */
+bool label_cell_whole(struct text cell, uint64_t *number);
 typedef uint8_t label_cell_part(struct job *job, struct text cell, const char *channel);
 label_cell_part label_cell_channel;  /**< From 0 to 255. */
 label_cell_part label_cell_fraction; /**< From 0 to 1. */
@@ -61,6 +63,9 @@ label_cell_part label_cell_fraction; /**< From 0 to 1. */
 void label_cell_rgb(struct job *job, struct label *label, const struct text cells[3], label_cell_part *part);
 /** "#rrggbb", "rrggbb", "rgb(R,G,B)" or "rgba(R,G,B,A)". */
 void label_cell_colour(struct job *job, uint8_t out[3], struct text cell);
+/** The colour of a column that is called so, by label_cell_rgb(), or without @p part of one cell. What is none is
+ * bad_rgb, no failure: a colour is not worth a table. */
+void label_colour(struct job *job, struct label *label, const struct text *cells, label_cell_part *part);
 /** 'L', 'R', 'B' from the usual words for them, 0 from any other. */
 char label_hemisphere_of(struct text cell);
 /** @} */

@@ -20,6 +20,8 @@ enum column {
     PARENT,
     IDENTIFIER, /* what parent_identifier refers to, where that is not the label's number */
     PARENT_IDENTIFIER,
+    LEFT, /* the number on the left side */
+    RIGHT,
     RIVAL,      /* a second column that could be the index, */
     NAME_RIVAL, /* or the name */
     COLUMN_COUNT
@@ -29,7 +31,7 @@ enum { NO_COLUMN = -1, SYNONYM_COUNT = 7, FIELD_LIMIT = 1024 };
 /* The names that a column may have, the preferred one first. */
 static const char *const names[COLUMN_COUNT][SYNONYM_COUNT] = {
     [INDEX] = {"index", "LabelValue", "annotation_value", "id", "key", "ROIid", "label"},
-    [NAME] = {"name", "region", "structure", "ROIname", "label"},
+    [NAME] = {"name", "region", "structure", "ROIname", "LabelName", "label"},
     [ABBREVIATION] = {"abbreviation", "acronym", "abbr", "ROIabbr"},
     [COLOUR] = {"color", "colour", "color_hex_triplet", "hex"},
     [RED] = {"Color_R", "red", "r"},
@@ -39,6 +41,8 @@ static const char *const names[COLUMN_COUNT][SYNONYM_COUNT] = {
     [PARENT] = {"parent_structure_id", "parent_id"},
     [IDENTIFIER] = {"identifier"},
     [PARENT_IDENTIFIER] = {"parent_identifier"},
+    [LEFT] = {"left label", "left.label", "left_label", "left_id", "left_index", "label_left"},
+    [RIGHT] = {"right label", "right.label", "right_label", "right_id", "right_index", "label_right"},
 };
 
 /* The fields of a line. */
@@ -55,6 +59,7 @@ struct header {
     const char *twice; /* a column that two fields claim, or NULL */
     bool disputed[2];  /* a rival of the index, or of the name, has been noted */
     bool by_value;     /* the index is called value */
+    bool by_side;      /* there are two in its place, of the left and of the right */
     bool is_absent;    /* there is no header row: number and name are in front */
     struct candidate {
         int at;
@@ -77,6 +82,9 @@ static bool next_row(struct rows *rows, const struct header *header)
     while (text_line(&rows->rest, &rows->line)) {
         rows->number++;
         struct text trimmed = text_trim(rows->line);
+        if (rows->number == 1 && text_starts(trimmed, "sep=") && trimmed.size == 5) { /* Excel's */
+            continue;
+        }
         if (!text_has_only(trimmed, ",;\t ") && !(has_comments && trimmed.data[0] == '#')) {
             return true;
         }
@@ -103,10 +111,11 @@ static int kept_count(const struct fields *fields)
     return fields->count < FIELD_LIMIT ? fields->count : FIELD_LIMIT;
 }
 
-static bool is_whole(struct text cell)
+/* Of a column that is only called value, "1.0" is a measurement. */
+static bool is_whole(struct text cell, bool is_strict)
 {
     uint64_t number;
-    return text_to_uint(cell, UINT32_MAX, &number);
+    return is_strict ? text_to_uint(cell, UINT32_MAX, &number) : label_cell_whole(cell, &number);
 }
 
 static bool is_word(struct text cell)
@@ -136,13 +145,8 @@ static void match_column(struct header *header, int ranks[COLUMN_COUNT], struct 
     }
 }
 
-static char separator_of(struct text line)
-{
-    return memchr(line.data, '\t', line.size) ? '\t' : memchr(line.data, ',', line.size) ? ',' : ';';
-}
-
 /* The separator with which `line` has the most fields. */
-static char best_separator(struct text line)
+static char separator_of(struct text line)
 {
     static const char separators[] = {'\t', ';', ','};
     size_t most = 0;
@@ -182,7 +186,8 @@ static bool read_header(struct header *header, const struct fields *fields, char
         header->at[RIVAL] = NO_COLUMN;
         header->by_value = true;
     }
-    return *index != NO_COLUMN && header->at[NAME] != NO_COLUMN && *index != header->at[NAME];
+    header->by_side = *index == NO_COLUMN && header->at[LEFT] != NO_COLUMN && header->at[RIGHT] != NO_COLUMN;
+    return header->at[NAME] != NO_COLUMN && (header->by_side || (*index != NO_COLUMN && *index != header->at[NAME]));
 }
 
 /* The header in place of one that a table does not have; false if `line` does not begin with a number and ',' or ';'.
@@ -195,7 +200,7 @@ static bool assume_header(struct header *header, struct fields *fields, struct t
     }
     for (const char *separator = ",;"; !header->separator && *separator; separator++) {
         split(fields, line, *separator);
-        header->separator = fields->count > 1 && is_whole(fields->at[0]) ? *separator : 0;
+        header->separator = fields->count > 1 && is_whole(fields->at[0], true) ? *separator : 0;
     }
     header->count = fields->count;
     return header->separator;
@@ -234,10 +239,9 @@ static void fill_row(struct job *job, struct label_row *row, const struct text c
     const struct text hemisphere = cells[HEMISPHERE];
     label->number = label_cell_number(job, cells[INDEX]);
     if (cells[COLOUR].size) {
-        label->has_rgb = true;
-        label_cell_colour(job, label->rgb, cells[COLOUR]);
+        label_colour(job, label, &cells[COLOUR], NULL);
     } else if (cells[RED].size || cells[GREEN].size || cells[BLUE].size) {
-        label_cell_rgb(job, label, &cells[RED], label_cell_channel);
+        label_colour(job, label, &cells[RED], label_cell_channel);
     }
     label->hemisphere = label_hemisphere_of(hemisphere);
     if (hemisphere.size && !label->hemisphere) {
@@ -259,8 +263,8 @@ static void note_rivals(struct job *job, struct header *header, const struct tex
     const struct text rival = cells[NAME_RIVAL];
     uint64_t number = 0;
     uint64_t other;
-    if (!header->disputed[0] && text_to_uint(cells[INDEX], UINT32_MAX, &number) &&
-        text_to_uint(cells[RIVAL], UINT32_MAX, &other) && other != number) {
+    if (!header->disputed[0] && label_cell_whole(cells[INDEX], &number) && label_cell_whole(cells[RIVAL], &other) &&
+        other != number) {
         header->disputed[0] = true;
         job_warn(job,
                  "label table, line %zu: two columns could be the label's number, %llu and %llu: %llu is used, by the "
@@ -271,7 +275,7 @@ static void note_rivals(struct job *job, struct header *header, const struct tex
         header->disputed[1] = true;
         job_note(job,
                  "label table, line %zu: two columns could be the label's name, \"%.*s\" and \"%.*s\": \"%.*s\" is "
-                 "used, by the order name, region, structure, ROIname, label; FILE,name=COLUMN chooses",
+                 "used, by the order name, region, structure, ROIname, LabelName, label; FILE,name=COLUMN chooses",
                  line, TEXT_SHOW(name, 40), TEXT_SHOW(rival, 40), TEXT_SHOW(name, 40));
     }
 }
@@ -355,6 +359,28 @@ static void check_names_differ(struct job *job, const struct label_table *table)
     }
 }
 
+/* Keeps what a row says: of a row by sides one label of either, or one in the middle, whose number both have. */
+static void keep_row(struct job *job, struct label_table *out, const struct header *header,
+                     struct text cells[COLUMN_COUNT], size_t line, struct identifiers *identifiers)
+{
+    const bool is_middle = header->by_side && text_compare(cells[LEFT], cells[RIGHT]) == 0;
+    for (int side = LEFT; side <= (header->by_side && !is_middle ? RIGHT : LEFT); side++) {
+        struct label_row row = {0};
+        if (header->by_side) {
+            cells[INDEX] = cells[side];
+            cells[HEMISPHERE] = text_from(is_middle ? "B" : side == LEFT ? "L" : "R");
+        }
+        if (header->by_side && !is_middle && !cells[side].size) {
+            continue;
+        }
+        fill_row(job, &row, cells, line);
+        if (identifiers) {
+            keep_identifier(job, identifiers, label_cell_number(job, cells[IDENTIFIER]), row.label.number);
+        }
+        labels_keep(job, out, &row);
+    }
+}
+
 /* Parses the rows below the header. */
 static void parse_below(struct job *job, struct label_table *out, struct header *header, struct rows rows)
 {
@@ -370,7 +396,6 @@ static void parse_below(struct job *job, struct label_table *out, struct header 
     }
     job_own(job, finish_map, &identifiers->numbers);
     while (job_ok(job) && next_row(&rows, header)) {
-        struct label_row row = {0};
         size_t place = job_in(job, "line ", rows.number);
         read_cells(cells, &fields, header, rows.line);
         if (!fields.closed) {
@@ -382,13 +407,9 @@ static void parse_below(struct job *job, struct label_table *out, struct header 
         for (int i = 2; header->is_absent && i < kept_count(&fields); i++) {
             more_words = more_words || is_word(fields.at[i]);
         }
-        fill_row(job, &row, cells, rows.number);
+        keep_row(job, out, header, cells, rows.number, is_identified ? identifiers : NULL);
         note_rivals(job, header, cells, rows.number);
-        if (is_identified) {
-            keep_identifier(job, identifiers, label_cell_number(job, cells[IDENTIFIER]), row.label.number);
-        }
         job_out(job, place);
-        labels_keep(job, out, &row);
     }
     if (is_identified) {
         find_parents(job, out, first, identifiers);
@@ -448,12 +469,13 @@ static void choose_column(struct job *job, struct header *header, const struct f
 {
     if (wanted.size) {
         header->at[column] = header->at[RIVAL + column] = NO_COLUMN;
+        header->by_side = header->by_side && column != INDEX;
     }
     for (int i = header->count; wanted.size && i-- > 0;) {
         header->at[column] = text_compare(fields->at[i], wanted) == 0 ? i : header->at[column];
     }
     wanted = wanted.size ? wanted : text_from(names[column][0]);
-    if (header->at[column] == NO_COLUMN) {
+    if (header->at[column] == NO_COLUMN && !(column == INDEX && header->by_side)) {
         job_bad(job, "no column is called \"%.*s\", there are %s", (int)wanted.size, wanted.data,
                 list_columns(job, fields));
     }
@@ -469,8 +491,8 @@ static void parse_table(struct job *job, struct label_table *out, struct text te
         job_bad(job, "no header row that could name columns");
         return;
     }
-    split(&fields, rows.line, is_chosen ? best_separator(rows.line) : separator_of(rows.line));
-    (void)read_header(&header, &fields, is_chosen ? best_separator(rows.line) : separator_of(rows.line));
+    split(&fields, rows.line, separator_of(rows.line));
+    (void)read_header(&header, &fields, separator_of(rows.line));
     size_t place = job_in(job, "line ", rows.number);
     choose_column(job, &header, &fields, INDEX, use->columns[INDEX]);
     choose_column(job, &header, &fields, NAME, use->columns[NAME]);
@@ -478,7 +500,7 @@ static void parse_table(struct job *job, struct label_table *out, struct text te
         job_bad(job, "two columns are called %s", header.twice);
     }
     job_out(job, place);
-    if (job_ok(job) && use->voxels && !use->columns[INDEX].size) {
+    if (job_ok(job) && use->voxels && !use->columns[INDEX].size && !header.by_side) {
         choose_index(job, &header, rows, use->voxels);
     }
     parse_below(job, out, &header, rows);
@@ -491,12 +513,12 @@ void label_columns_refuse(struct job *job, struct text text)
     if (!text_is_readable(text) || !next_row(&rows, NULL) || strchr("<{[", rows.line.data[0])) {
         return;
     }
-    split(&fields, rows.line, best_separator(rows.line));
+    split(&fields, rows.line, separator_of(rows.line));
     if (fields.count > 1) {
         job_bad(job,
                 "not a label table of a known format: its columns are %s; needed are a label (index, LabelValue, "
-                "annotation_value, id, key, ROIid, label) and a name (name, region, structure, ROIname, label), or "
-                "FILE,label=COLUMN,name=COLUMN",
+                "annotation_value, id, key, ROIid, label; or left label and right label) and a name (name, region, "
+                "structure, ROIname, LabelName, label), or FILE,label=COLUMN,name=COLUMN",
                 list_columns(job, &fields));
     }
 }
@@ -511,7 +533,7 @@ static bool has_numbers_and_names(const struct header *header, struct rows rows)
     for (; next_row(&rows, header); count++) {
         read_cells(cells, &fields, header, rows.line);
         bool fits = header->is_absent || (fields.closed && fields.count <= header->count);
-        good += fits && is_whole(cells[INDEX]) && is_word(cells[NAME]);
+        good += fits && is_whole(cells[INDEX], header->by_value) && is_word(cells[NAME]);
     }
     return 2 * good > count;
 }

@@ -9,6 +9,7 @@
 #include "base/files/inputs.h"
 #include "base/geometry/math3.h"
 #include "base/path.h"
+#include "loaders/labels/freesurfer_names.h"
 #include "loaders/labels/fsl_find.h"
 #include "loaders/labels/label_cells.h"
 #include "loaders/labels/label_file.h"
@@ -47,8 +48,9 @@ static enum kind kind_of_volume(const struct label_search *search)
     static const char whole[] = "aseg/aseg.auto/aseg.auto_noCCseg/aseg.presurf/aseg.presurf.hypos/aparc+aseg/"
                                 "aparc.a2009s+aseg/aparc.DKTatlas+aseg/aparc.DKTatlas+aseg.deep/"
                                 "aparc.DKTatlas40+aseg/wmparc/ribbon";
-    static const char *const parts[] = {"brainstemSsLabels",  "ThalamicNuclei",   "lh.hippoAmygLabels",
-                                        "rh.hippoAmygLabels", "lh.hippoSfLabels", "rh.hippoSfLabels"};
+    static const char *const parts[] = {"brainstemSsLabels",        "ThalamicNuclei",   "lh.hippoAmygLabels",
+                                        "rh.hippoAmygLabels",       "lh.hippoSfLabels", "rh.hippoSfLabels",
+                                        "hypothalamic_subunits_seg"};
     if (text_is_one_of(stem, whole, true)) {
         return WHOLE;
     }
@@ -166,13 +168,24 @@ static void search_judged(struct job *job, struct label_search *search, const ch
     search->judge = NULL;
 }
 
-/* Tries FreeSurferColorLUT.txt of FREESURFER_HOME, or of the FreeSurfer whose subject the volume is, in folder, if
- * the volume's name is one of FreeSurfer's and its labels are where FreeSurfer's are. A note says which was taken. */
+/* Tries FreeSurferColorLUT.txt of FREESURFER_HOME, or of the FreeSurfer whose subject the volume is, in folder, or the
+ * names that conus has, if the volume's name is one of FreeSurfer's and its labels are where FreeSurfer's are. A note
+ * says which was taken. */
 static void search_freesurfer(struct job *job, struct label_search *search, const char *folder)
 {
     enum kind kind = kind_of_volume(search);
     const char *path = kind != FOREIGN && search->use.voxels ? find_freesurfer_table(job, folder) : NULL;
-    if (path && numbers_agree(&search->use, kind)) {
+    bool agree = kind != FOREIGN && search->use.voxels && numbers_agree(&search->use, kind);
+    struct label_offer offer = {.table = labels_new(job), .path = search->volume->info->path};
+    if (agree && !path) {
+        freesurfer_names_add(job, offer.table, search->use.voxels);
+        labels_sort(job, offer.table);
+    }
+    if (offer.table->count) {
+        offer.source = "FreeSurfer 7's names, which conus has";
+        label_search_offer(job, search, &offer);
+        (void)take_freesurfer(job, search, offer.table, offer.source);
+    } else if (agree && path) {
         search_judged(job, search, path, take_freesurfer);
     } else if (path) {
         job_note(job,

@@ -81,6 +81,16 @@ const struct label_format *const *label_formats(void);
 /** The format of @p text, which text_from_bytes() gave, or NULL. */
 const struct label_format *label_format_of(struct text text);
 
+/** As label_format_of(), but for the voxels of @p use a list of names, too: as many as they have labels, 1, 2, 3, ....
+ */
+const struct label_format *label_format_for(struct text text, const struct label_use *use);
+
+/** How many lines of @p text are names without a number, if all that are no comments are; else 0. */
+size_t label_lines_count(struct text text);
+
+/** Appends these lines to @p out, from 1. */
+void label_lines_parse(struct job *job, struct label_table *out, struct text text, const struct label_use *use);
+
 enum { LABEL_LUT_SIZE = 768 }; /**< MRIcron's .lut: 256 red, 256 green, 256 blue bytes. */
 bool label_is_lut(const uint8_t *data, size_t size);
 

@@ -34,29 +34,26 @@ static uint32_t read_number(struct job *job, const json_t *value, const char *fi
     return (uint32_t)number;
 }
 
-static uint8_t read_channel(struct job *job, const json_t *value)
+static void set_channel(struct label *label, int channel, const json_t *value)
 {
     json_int_t number = json_is_integer(value) ? json_integer_value(value) : -1;
-    if (number < 0 || number > 255) {
-        job_bad(job, "a colour must be three whole numbers from 0 to 255");
-        return 0;
-    }
-    return (uint8_t)number;
+    bool is_good = number >= 0 && number <= 255;
+    label->rgb[channel] = is_good ? (uint8_t)number : 0;
+    label->bad_rgb = label->bad_rgb || !is_good;
+    label->has_rgb = !label->bad_rgb;
 }
 
-static void set_rgb(struct job *job, struct label *label, const json_t *triplet)
+static void set_rgb(struct label *label, const json_t *triplet)
 {
-    label->has_rgb = triplet && !json_is_null(triplet);
-    for (size_t i = 0; label->has_rgb && i < 3; i++) {
-        label->rgb[i] = read_channel(job, json_array_get(triplet, i));
+    for (int i = 0; triplet && !json_is_null(triplet) && i < 3; i++) {
+        set_channel(label, i, json_array_get(triplet, (size_t)i));
     }
 }
 
 static void set_hex(struct job *job, struct label *label, const json_t *colour)
 {
     if (json_is_string(colour)) {
-        label->has_rgb = true;
-        label_cell_colour(job, label->rgb, text_from(json_string_value(colour)));
+        label_colour(job, label, &(struct text){json_string_value(colour), json_string_length(colour)}, NULL);
     }
 }
 
@@ -132,7 +129,7 @@ static void fill_structure(struct job *job, struct label_row *row, const json_t 
     (void)count;
     (void)data;
     row->label.number = read_number(job, json_object_get(structure, "id"), "id");
-    set_rgb(job, &row->label, json_object_get(structure, "rgb_triplet"));
+    set_rgb(&row->label, json_object_get(structure, "rgb_triplet"));
     set_parent(job, &row->label, json_object_get(structure, "structure_id_path"));
     set_hex(job, &row->label, json_object_get(structure, "color_hex_triplet"));
     row->abbreviation = json_text_of(json_object_get(structure, "acronym"));
@@ -169,9 +166,8 @@ static void parse_lists(struct job *job, struct label_table *out, struct text te
         struct label_row row = {.name = json_text_of(json_array_get(names, i))};
         size_t place = job_in(job, "labels", i);
         row.label.number = lists[3] ? read_number(job, number, "I") : (uint32_t)i;
-        row.label.has_rgb = lists[0] && lists[1] && lists[2];
-        for (int channel = 0; channel < 3; channel++) {
-            row.label.rgb[channel] = lists[channel] ? read_channel(job, json_array_get(lists[channel], i)) : 0;
+        for (int channel = 0; lists[0] && lists[1] && lists[2] && channel < 3; channel++) {
+            set_channel(&row.label, channel, json_array_get(lists[channel], i));
         }
         job_out(job, place);
         labels_keep(job, out, &row);
@@ -285,7 +281,7 @@ static void parse_ome_list(struct job *job, struct label_table *out, const json_
         struct label_row row = {0};
         size_t place = job_in(job, what, i);
         row.label.number = read_number(job, json_object_get(object, "label-value"), "label-value");
-        set_rgb(job, &row.label, json_object_get(object, "rgba"));
+        set_rgb(&row.label, json_object_get(object, "rgba"));
         job_out(job, place);
         for (size_t k = 0; !text_trim(row.name).size && k < sizeof names / sizeof names[0]; k++) {
             row.name = json_text_of(json_object_get(object, names[k]));
@@ -334,6 +330,9 @@ static bool is_map(const struct label_text *text)
         digits++;
     }
     rest = (struct text){rest.data + digits, rest.size - digits};
+    while (rest.size && (rest.data[0] == '.' || rest.data[0] == '0')) { /* "17.0" */
+        rest = (struct text){rest.data + 1, rest.size - 1};
+    }
     return begins && digits && skip(&rest, '"') && skip(&rest, ':') && skip(&rest, '"');
 }
 

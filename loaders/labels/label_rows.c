@@ -87,6 +87,29 @@ static struct shape shape_of(const struct row *row)
     return shape;
 }
 
+/* Skips a row of column names, which has no digits: two rows that begin with a number follow (of Workbench's pairs the
+ * second of them is a name). */
+static bool skip_heading(struct text *text, struct row *row)
+{
+    struct row rows[3] = {{0}};
+    struct text rest[3];
+    struct text after = *text;
+    bool good = true;
+    for (int i = 0; good && i < 3; i++) {
+        rows[i].line = i ? rows[i - 1].line : 0;
+        good = next_row(&after, &rows[i]) && looks_numeric(rows[i].first) == (i > 0);
+        rest[i] = after;
+    }
+    for (size_t i = 0; good && i < rows[0].all.size; i++) {
+        good = !(rows[0].all.data[i] >= '0' && rows[0].all.data[i] <= '9');
+    }
+    if (good && rows[0].rest.size) {
+        *row = rows[0];
+        *text = rest[0];
+    }
+    return good && rows[0].rest.size;
+}
+
 static bool has_only_first_tab(const struct row *row)
 {
     const char *tab = memchr(row->all.data, '\t', row->all.size);
@@ -111,11 +134,19 @@ static bool is_unnamed(const struct row *row, uint64_t *last)
     return good && (words == 3 || words == 4);
 }
 
+static bool ends_in_own_number(const struct row *row)
+{
+    struct text rest = row->rest;
+    return text_compare(take_last_word(&rest), row->first) == 0;
+}
+
 struct label_census label_rows_count(struct text text)
 {
     struct label_census census = {0};
     uint64_t last = UINT64_MAX;
-    for (struct row row = {0}; next_row(&text, &row); census.rows++) {
+    struct row row = {0};
+    (void)skip_heading(&text, &row);
+    for (; next_row(&text, &row); census.rows++) {
         struct shape s = shape_of(&row);
         bool five_numbers = s.numbered && s.words == 4 && s.lead == 4;
         const bool has[SHAPES] = {
@@ -124,7 +155,7 @@ struct label_census label_rows_count(struct text text)
                 !s.numbered && ((s.words == 1 && s.lead == 1) || (s.words == 2 && s.lead == 0 && s.tail == 1)),
             [SHAPE_UNNAMED] = is_unnamed(&row, &last),
             [SHAPE_ITK_SNAP] = s.numbered && s.lead == 6 && s.quoted,
-            [SHAPE_MRTRIX] = s.numbered && s.words == 6 && s.lead == 0 && s.tail == 4,
+            [SHAPE_MRTRIX] = s.numbered && s.words >= 6 && s.lead == 0 && s.tail == s.words - 2,
             [SHAPE_COLOURED] = s.numbered && s.tail >= 3,
             [SHAPE_FSLEYES] = s.numbered && s.lead >= 3 && s.lead < s.words,
             [SHAPE_NAMED] = s.numbered && s.lead < s.words,
@@ -134,6 +165,7 @@ struct label_census label_rows_count(struct text text)
         }
         census.tabbed = (census.tabbed || !census.rows) && has_only_first_tab(&row);
         census.coded += s.numbered && s.words == 2 && s.lead == 0 && s.tail == 1;
+        census.own += s.numbered && s.words == 2 && s.lead == 0 && s.tail == 1 && ends_in_own_number(&row);
         census.with_alpha = census.with_alpha || (s.numbered && s.tail >= 4);
     }
     if (census.rows < 2) { /* one row says too little of these */
@@ -156,9 +188,21 @@ static int compare_words(const void *a, const void *b)
     return order ? order : text_compare(x->number, y->number);
 }
 
-/* Whether the first, or last, word behind the number differs wherever the numbers do, and so can be a name or a code by
- * itself: "1 Area 17 / 2 Area 18" has names of two words, "1 Precentral_L 2001 / 2 Precentral_R 2002" of one. */
-static bool words_differ(struct job *job, struct text text, size_t rows, bool last)
+/* What stands behind the number: a word, or all but the numbers at the end. */
+enum part { FIRST_WORD, LAST_WORD, NAME };
+
+static struct text part_of(const struct row *row, enum part part)
+{
+    struct text rest = row->rest;
+    for (size_t tail = part == NAME ? shape_of(row).tail : 0; tail--;) {
+        take_last_word(&rest);
+    }
+    return part == NAME ? rest : part == LAST_WORD ? take_last_word(&rest) : take_word(&rest);
+}
+
+/* Whether that part differs wherever the numbers do, and so can be a name or a code by itself: "1 Area 17 / 2 Area 18"
+ * has names of two words, "1 Precentral_L 2001 / 2 Precentral_R 2002" of one. */
+static bool words_differ(struct job *job, struct text text, size_t rows, enum part part)
 {
     const struct job_mark mark = job_mark(job);
     struct word_of *words = job_array(job, &rows, sizeof *words);
@@ -166,7 +210,7 @@ static bool words_differ(struct job *job, struct text text, size_t rows, bool la
     bool differ = true;
     for (size_t i = 0; i < rows && next_row(&text, &row); i++) {
         words[i].number = row.first;
-        words[i].word = last ? take_last_word(&row.rest) : take_word(&row.rest);
+        words[i].word = part_of(&row, part);
     }
     order_sort(words, rows, sizeof *words, compare_words);
     for (size_t i = 1; i < rows; i++) {
@@ -175,6 +219,39 @@ static bool words_differ(struct job *job, struct text text, size_t rows, bool la
     }
     job_release(job, mark);
     return differ;
+}
+
+/* Whether numbers behind R G B A are a further column, as of FreeSurfer 8 (the tissue), and not the ends of names, to
+ * which the opacity belongs then: without them names differ, and opacities do not. Fails where both could be. */
+static bool has_further_numbers(struct job *job, struct text text, size_t rows)
+{
+    const struct text all = text;
+    struct text longer = {0};
+    struct text last[2] = {{0}}; /* the fourth number, and the last one of the row before */
+    bool is_one[2] = {true, true};
+    for (struct row row = {0}; next_row(&text, &row);) {
+        struct text rest = row.rest;
+        const size_t tail = shape_of(&row).tail;
+        struct text now[2] = {take_last_word(&rest)};
+        now[1] = now[0];
+        for (size_t i = 4; i < tail; i++) {
+            now[0] = take_last_word(&rest);
+        }
+        for (int i = 0; tail >= 4 && i < 2; i++) {
+            is_one[i] = is_one[i] && (!last[i].size || text_compare(last[i], now[i]) == 0);
+            last[i] = now[i];
+        }
+        longer = tail > 4 && !longer.size ? row.all : longer;
+    }
+    bool further = longer.size && is_one[0] && words_differ(job, all, rows, NAME);
+    if (further && is_one[1] && text_is_one_of(last[1], "0/1/255", true)) {
+        job_bad(job,
+                "\"%.*s\": is a number behind R G B A, or does the name end in one? Leave it out, or join it with '_'",
+                TEXT_SHOW(longer, 60));
+    } else if (further) {
+        job_note(job, "label table: numbers behind R G B A are passed over: \"%.*s\"", TEXT_SHOW(longer, 60));
+    }
+    return further;
 }
 
 static struct text unquote(struct text text)
@@ -227,6 +304,9 @@ static void read_row(struct job *job, struct label_row *out, const struct row *r
         job_bad(job, "%zu numbers after the name, %zu (%s) are needed as in the other lines", found, tail,
                 tail == 4 ? "R G B A" : "R G B");
     }
+    for (size_t i = tail; rows->further && i < found; i++) {
+        take_last_word(&rest);
+    }
     for (size_t i = 0; i < tail + rows->lead; i++) {
         cells[tail ? tail - 1 - i : i] = tail ? take_last_word(&rest) : take_word(&rest);
     }
@@ -238,7 +318,7 @@ static void read_row(struct job *job, struct label_row *out, const struct row *r
         struct text name = take_last_word(&rest);
         out->abbreviation = rest;
         rest = name;
-    } else if (rows->coded) {
+    } else if (rows->coded || (rows->own && shape_of(row).words == 2 && ends_in_own_number(row))) {
         take_last_word(&rest);
     }
     rest = text_trim(rest);
@@ -250,8 +330,9 @@ static void read_row(struct job *job, struct label_row *out, const struct row *r
     }
 }
 
-/* In a short list, "1 Area 17 / 2 Crus 1", numbers may differ and yet belong to the names. */
-enum { CODED_ROWS = 8 };
+/* In a short list, "1 Area 17 / 2 Crus 1", numbers may differ and yet belong to the names; of rows that end in their
+ * own number, "113 Vermis_1_2 113" among "1 Precentral_L", three are enough. */
+enum { CODED_ROWS = 8, OWN_ROWS = 3 };
 
 void label_rows_parse(struct job *job, struct label_table *out, struct text text, const struct label_rows *format)
 {
@@ -259,10 +340,22 @@ void label_rows_parse(struct job *job, struct label_table *out, struct text text
     const size_t count = census.rows;
     struct label_rows rows = *format;
     size_t tail = rows.colours_last ? census.with_alpha ? 4 : 3 : 0;
+    struct row row = {0};
+    if (skip_heading(&text, &row)) {
+        job_note(job, "label table: line %zu is taken for the names of the columns: \"%.*s\"", row.line,
+                 TEXT_SHOW(row.all, 60));
+    }
     rows.coded = rows.is_plain && census.coded == count && count >= CODED_ROWS && !census.tabbed &&
-                 words_differ(job, text, count, false) && words_differ(job, text, count, true);
-    rows.two_names = rows.two_names && words_differ(job, text, count, false);
-    for (struct row row = {0}; job_ok(job) && next_row(&text, &row);) {
+                 words_differ(job, text, count, FIRST_WORD) && words_differ(job, text, count, LAST_WORD);
+    rows.own = rows.is_plain && !rows.coded && census.own >= OWN_ROWS && census.own == census.coded &&
+               words_differ(job, text, count, NAME);
+    rows.two_names = rows.two_names && words_differ(job, text, count, FIRST_WORD);
+    rows.further = tail == 4 && has_further_numbers(job, text, count);
+    if (rows.own) {
+        job_note(job, "label table: %zu of %zu rows have the label's number behind the name, too: it is left out",
+                 census.own, count);
+    }
+    while (job_ok(job) && next_row(&text, &row)) {
         struct label_row entry = {0};
         const struct text above = row.all;
         if (rows.name_above && !next_row(&text, &row)) {

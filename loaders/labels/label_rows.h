@@ -11,7 +11,7 @@ enum label_shape {
     SHAPE_NUMBER_LAST, /**< One or two words and a number. */
     SHAPE_UNNAMED,     /**< A number that grows, and numbers from 0 to 1. */
     SHAPE_ITK_SNAP,    /**< Seven numbers and a quotation mark. */
-    SHAPE_MRTRIX,      /**< A number, two words, four numbers. */
+    SHAPE_MRTRIX,      /**< A number, two words, four numbers or more. */
     SHAPE_COLOURED,    /**< A number, words, three numbers or more. */
     SHAPE_FSLEYES,     /**< Four numbers or more, and words. */
     SHAPE_NAMED,       /**< A number and words. */
@@ -20,7 +20,7 @@ enum label_shape {
 
 struct label_census {
     size_t rows, of[SHAPES]; /**< All rows, and those that have each shape. */
-    size_t coded;            /**< Rows of a number, a word and a number. */
+    size_t coded, own;       /**< Rows of a number, a word and a number; and those where both numbers are one. */
     bool with_alpha;         /**< A coloured row has four numbers. */
     bool tabbed;             /**< A tab behind every first word and no other: the name is all the rest. */
 };
@@ -36,7 +36,9 @@ struct label_rows {
     bool colours_last; /**< or behind it: R G B, or R G B A if a row has four. */
     bool fractions;    /**< Colours are 0 to 1, else 0 to 255. */
     bool is_plain;     /**< No numbers but for a code behind the name, and the name may stand in quotation marks. */
-    bool coded;        /**< There is such a code; label_rows_parse() finds out. */
+    bool coded;        /**< There is such a code; label_rows_parse() finds out, */
+    bool own;          /**< or that some rows have their own number there, */
+    bool further;      /**< or that numbers follow R G B A. */
     bool quoted;       /**< The name stands in quotation marks. */
     bool two_names;    /**< Abbreviation and name, if all abbreviations differ. */
     bool unnamed;      /**< There is no name. */

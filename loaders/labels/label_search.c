@@ -229,7 +229,7 @@ void label_search_text(struct job *job, struct label_search *search, const char 
                        struct text text)
 {
     const char *name = path_base(path);
-    const struct label_format *format = label_format_of(text);
+    const struct label_format *format = file ? label_format_for(text, &search->use) : label_format_of(text);
     if (!format) {
         note_unknown(job, search, name, !file);
         return;

@@ -50,32 +50,6 @@ static bool count_from_one(struct job *job, struct label_table *table, size_t co
     return true;
 }
 
-static bool next_name(struct text *rest, struct text *name)
-{
-    struct text line;
-    while (text_line(rest, &line)) {
-        *name = text_trim(line);
-        if (name->size && name->data[0] != '#') {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* Lines without numbers, one a volume, as a table that counts from 1. False if the text is not that. */
-static bool read_lines(struct job *job, struct label_table *out, struct text text, size_t count)
-{
-    bool lines = text_is_readable(text) && !strchr("<{[", text.data[0]);
-    for (struct text name; lines && next_name(&text, &name);) {
-        lines = !(name.data[0] >= '0' && name.data[0] <= '9') && out->count < count && job_ok(job);
-        if (lines) {
-            struct label *label = labels_add(job, out, (uint32_t)out->count + 1);
-            labels_set(job, &label->name, name);
-        }
-    }
-    return lines && out->count == count;
-}
-
 /* Reads the text of the file as a table into `out`; false if it is none. */
 static bool read_names(struct job *job, struct label_table *out, const struct bytes *bytes, struct text text,
                        const struct label_use *wanted)
@@ -86,7 +60,11 @@ static bool read_names(struct job *job, struct label_table *out, const struct by
                                         : is_chosen                            ? &label_format_chosen
                                                                                : label_format_of(text);
     if (!format) {
-        return text.size && read_lines(job, out, text, wanted->info->volume_count);
+        bool lines = label_lines_count(text) == wanted->info->volume_count;
+        if (lines) {
+            label_lines_parse(job, out, text, &use);
+        }
+        return lines && job_ok(job);
     }
     if (format == &label_format_colours) {
         return false;
@@ -132,6 +110,9 @@ static void take_names(struct job *job, struct label_table *out, const char *pat
     bool is_table = settle(job, &attempt, path, given);
     attempt = job_try(job);
     is_table = is_table && read_names(job, table, &bytes, text, use);
+    if (given && !is_table) {
+        label_columns_refuse(job, text);
+    }
     is_table = settle(job, &attempt, path, given) && is_table;
     job_out(job, place);
     if (!is_table) {

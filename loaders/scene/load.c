@@ -6,6 +6,7 @@
 #include "atlas/atlas.h"
 #include "atlas/surface/mesh_split.h"
 #include "base/files/folder.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "loaders/brainglobe/brainglobe_atlas.h"
 #include "loaders/file_kind.h"
@@ -21,6 +22,8 @@
 #include "loaders/scene/plan_cifti.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 #include "loaders/surfaces/mesh_file.h"
+#include "loaders/transform/transform_formats.h"
+#include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_zarr.h"
 
 #include <string.h>
@@ -44,10 +47,53 @@ static void end_surface(void *thing)
     mesh_parts_finish(&surface->parts);
 }
 
-/* Reads a file in which each object is an area. */
-static void read_objects(struct job *job, struct surface *out, const char *path, const conus_load_options *options)
+/* What is stated of a surface's coordinates, ",space=WORD" behind its path; all zero: nothing. */
+struct statement {
+    enum mesh_space space;
+    bool is_placed; /* by world: an image's own mm, as FSL counts them, in the world */
+    double world[16];
+};
+
+/* Takes the statement off the path. */
+static const char *take_statement(struct job *job, struct statement *out, const char *path)
 {
-    const struct mesh_foreign_options foreign = {.max_memory = options->max_memory};
+    static const char key[] = ",space=";
+    const char *at = strstr(path, key); /* the image may lie in another folder */
+    conus_volume_info image;
+    double flirt[16];
+    double voxel[16];
+    if (!at || file_exists(path)) {
+        return path;
+    }
+    const char *word = at + strlen(key);
+    out->space = strcmp(word, "lps") == 0 ? MESH_SPACE_LPS : MESH_SPACE_RAS;
+    out->is_placed = strcmp(word, "lps") != 0 && strcmp(word, "ras") != 0;
+    if (out->is_placed && JOB_CALL(job, volume_file_header(&image, word))) {
+        flirt_from_voxel(flirt, &image);
+        if (mat4_invert_affine(voxel, flirt)) {
+            mat4_multiply(out->world, image.world_from_voxel, voxel);
+        } else {
+            job_bad(job, "%s: the matrix is singular", word);
+        }
+    }
+    return job_format(job, "%.*s", (int)(at - path), path);
+}
+
+static void place_surface(struct surface *surface, const struct statement *stated)
+{
+    if (stated->is_placed && surface->mesh.vertex_count) {
+        mesh_transform(&surface->mesh, stated->world);
+    }
+    for (size_t i = 0; stated->is_placed && i < surface->parts.count; i++) {
+        mesh_transform(&surface->parts.parts[i].mesh, stated->world);
+    }
+}
+
+/* Reads a file in which each object is an area. */
+static void read_objects(struct job *job, struct surface *out, const char *path, const struct statement *stated,
+                         const conus_load_options *options)
+{
+    const struct mesh_foreign_options foreign = {.space = stated->space, .max_memory = options->max_memory};
     (void)JOB_CALL(job, mesh_foreign_objects(&out->parts, &out->labels.table, path, &foreign, &job->notes));
     out->name = mesh_name(job, path);
     out->source = job_format(job, "the name in %s", path);
@@ -55,9 +101,10 @@ static void read_objects(struct job *job, struct surface *out, const char *path,
 
 /* Reads a surface that the labels of its vertices cut into areas: those of options->labels, else of its own file. One
  * without labels stays whole. */
-static void read_surface(struct job *job, struct surface *out, const char *path, const conus_load_options *options)
+static void read_surface(struct job *job, struct surface *out, const char *path, const struct statement *stated,
+                         const conus_load_options *options)
 {
-    const struct mesh_file_options file_options = {.max_memory = options->max_memory};
+    const struct mesh_file_options file_options = {.space = stated->space, .max_memory = options->max_memory};
     const struct mesh_file_options label_options = {
         .max_memory = options->max_memory, .read = options->labels ? &job->files : NULL, .surface = path};
     const char *labels = options->labels ? options->labels : path;
@@ -112,7 +159,7 @@ static void note_missing(struct job *job, const struct surface *surface)
 }
 
 /* Loads the surface `path`: each part is an area, or the whole. */
-static void load_surface(struct load *load, const char *path)
+static void load_surface(struct load *load, const char *path, const struct statement *stated)
 {
     struct job *job = &load->job;
     const conus_load_options *options = load->options;
@@ -126,10 +173,11 @@ static void load_surface(struct load *load, const char *path)
         job_refuse(job, "%s: labels of vertices need a surface that numbers its vertices, as all formats but STL do",
                    path);
     } else if (!options->labels && mesh_file_is_foreign(path)) {
-        read_objects(job, surface, path, options);
+        read_objects(job, surface, path, stated, options);
     } else {
-        read_surface(job, surface, path, options);
+        read_surface(job, surface, path, stated, options);
     }
+    place_surface(surface, stated);
     load_create(load, NULL, 0, NULL, surface->source);
     if (job_ok(job) && surface->mesh.vertex_count) {
         add_area(load, surface, 1, &surface->mesh);
@@ -268,9 +316,11 @@ static bool is_probabilistic(struct job *job, const struct open_file *file)
     return is;
 }
 
-static void load_file(struct load *load, const struct probe *probe, const char *path)
+static void load_file(struct load *load, const struct probe *probe, const char *path, const struct statement *stated)
 {
-    if (probe->reader == READER_MANIFEST) {
+    if (stated->space && (probe->reader == READER_MANIFEST || (probe->is_open && !mesh_file_is(path)))) {
+        job_fail(&load->job, CONUS_ERROR_ARGUMENT, "%s: space= is for surfaces, and this is none", path);
+    } else if (probe->reader == READER_MANIFEST) {
         load_json(load, &probe->file);
     } else if (probe->reader == READER_CIFTI) {
         load_cifti(load, path);
@@ -281,7 +331,7 @@ static void load_file(struct load *load, const struct probe *probe, const char *
         load_volumes(load, probe, path);
     } else {
         report_only_file(load, path);
-        load_surface(load, path);
+        load_surface(load, path, stated);
     }
 }
 
@@ -289,6 +339,8 @@ static void load_path(struct load *load, const char *path)
 {
     struct job *job = &load->job;
     struct probe probe = {0};
+    struct statement stated = {0};
+    path = take_statement(job, &stated, path);
     const bool is_folder = file_is_folder(path) && !volume_zarr_is(path);
     const bool may_be_brainglobe = is_folder || strcmp(path_base(path), "manifest.json") == 0;
     const char *brainglobe = may_be_brainglobe ? find_brainglobe(job, path) : NULL;
@@ -297,9 +349,35 @@ static void load_path(struct load *load, const char *path)
     } else if (is_folder) {
         load_folder(load, path);
     } else if (JOB_CALL(job, probe_open(&probe, path))) {
-        load_file(load, &probe, path);
+        load_file(load, &probe, path, &stated);
     }
     probe_close(&probe);
+}
+
+/* Warns of surfaces whose coordinates cannot be mm of a brain. */
+static conus_status note_unit(conus_atlas *atlas)
+{
+    static const double most = 1000; /* of a brain in mm, */
+    static const double least = 0.3; /* and of a brain in metres */
+    static const double world[16] = {1, [5] = 1, [10] = 1, [15] = 1};
+    double low[3];
+    double high[3];
+    double farthest = 0;
+    if (!atlas->mesh_count || !atlas_area_bounds(low, high, atlas, world)) {
+        return CONUS_OK;
+    }
+    for (int a = 0; a < 3; a++) {
+        farthest = fmax(farthest, fmax(-low[a], high[a]));
+    }
+    return farthest > most    ? notes_warn(&atlas->notes,
+                                           "areas reach %g mm from the origin: are the coordinates of their "
+                                              "surfaces micrometres? They were taken as millimetres",
+                                           farthest)
+           : farthest < least ? notes_warn(&atlas->notes,
+                                           "areas reach %g mm from the origin: are the coordinates of "
+                                           "their surfaces metres? They were taken as millimetres",
+                                           farthest)
+                              : CONUS_OK;
 }
 
 /* Checks the whole atlas while the log still gets its notes. */
@@ -312,6 +390,7 @@ static conus_status check_whole(struct load *load, const char *path)
         return fail(CONUS_ERROR_ARGUMENT, "--probability %g: %s has no areas of probabilities", probability, path);
     }
     conus_status status = swapped_sides_note(atlas);
+    status = status ? status : note_unit(atlas);
     atlas->notes.sink = NULL;
     atlas->path = memory_text(path, strlen(path));
     return status || atlas->path ? status : CONUS_ERROR_MEMORY;

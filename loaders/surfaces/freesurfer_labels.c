@@ -211,7 +211,7 @@ static conus_status annot_fill_labels(uint32_t *labels, const struct annot *anno
     memset(labels, 0xff, annot->count * sizeof *labels);
     for (size_t i = 0; i < annot->count; i++) {
         uint32_t vertex = order_u32(annot->vertices + 8 * i, BIG_ENDIAN_IS_SWAPPED);
-        uint32_t colour = order_u32(annot->vertices + 8 * i + 4, BIG_ENDIAN_IS_SWAPPED);
+        uint32_t colour = order_u32(annot->vertices + 8 * i + 4, BIG_ENDIAN_IS_SWAPPED) & 0xffffff; /* no opacity */
         if (vertex >= annot->count || labels[vertex] != UNSEEN) {
             return fail(CONUS_ERROR_DATA, "pair %zu: vertex %d%s, allowed are 0 to %zu, each once", i, (int)vertex,
                         vertex < annot->count ? " again" : "", annot->count - 1);

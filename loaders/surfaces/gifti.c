@@ -513,18 +513,12 @@ static conus_status start_transform(struct gifti_array *array)
     return CONUS_OK;
 }
 
-static conus_status end_space(int *space, const char *name, struct text text)
+static void end_space(struct gifti_transform *transform, int *space, struct text text)
 {
     const struct text trimmed = text_trim(text);
     int value = trimmed.size ? gifti_value_of(spaces, trimmed) : 0; /* as old programs leave it */
-    if (value < 0) {
-        return fail(CONUS_ERROR_DATA,
-                    "%s: found \"%.*s\", allowed are NIFTI_XFORM_ with UNKNOWN, SCANNER_ANAT, "
-                    "ALIGNED_ANAT, TALAIRACH and MNI_152",
-                    name, TEXT_SHOW(text, 60));
-    }
-    *space = value;
-    return CONUS_OK;
+    *space = value < 0 ? 0 : value;
+    transform->is_foreign = transform->is_foreign || value < 0;
 }
 
 static conus_status end_matrix(double matrix[16], struct text text)
@@ -626,11 +620,13 @@ static conus_status end_element(struct parsing *parsing, const struct xml_event 
     conus_status status = CONUS_OK;
     if (array && array->transform_count) { /* the CoordinateSystemTransformMatrix that is open, or the last one */
         struct gifti_transform *transform = &array->transforms[array->transform_count - 1];
-        status = strcmp(event->name, "DataSpace") == 0 ? end_space(&transform->data_space, event->name, event->text)
-                 : strcmp(event->name, "TransformedSpace") == 0
-                     ? end_space(&transform->transformed_space, event->name, event->text)
-                 : strcmp(event->name, "MatrixData") == 0 ? end_matrix(transform->matrix, event->text)
-                                                          : CONUS_OK;
+        if (strcmp(event->name, "DataSpace") == 0) {
+            end_space(transform, &transform->data_space, event->text);
+        } else if (strcmp(event->name, "TransformedSpace") == 0) {
+            end_space(transform, &transform->transformed_space, event->text);
+        } else if (strcmp(event->name, "MatrixData") == 0) {
+            status = end_matrix(transform->matrix, event->text);
+        }
     }
     for (size_t i = 0; !status && i < sizeof elements / sizeof elements[0]; i++) {
         if (strcmp(event->name, elements[i].name) == 0) {

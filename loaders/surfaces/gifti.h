@@ -14,6 +14,7 @@ enum gifti_intent { GIFTI_OTHER, GIFTI_POINTSET, GIFTI_TRIANGLE, GIFTI_LABEL, GI
 
 /** A CoordinateSystemTransformMatrix. Spaces are NIfTI's xform codes. */
 struct gifti_transform {
+    bool is_foreign;       /**< A space has a name that is none of NIfTI's. */
     int data_space;        /**< Space of the stored numbers. */
     int transformed_space; /**< To which the matrix leads.               */
     double matrix[16];     /**< Column-major, as in base/geometry/math3.h.        */
@@ -73,6 +74,10 @@ conus_status gifti_mesh(struct mesh *out, const struct gifti *gifti, bool as_sto
  * memory_free(). Negative ones become 0, with a note. None (NULL, 0) where the file has no LABEL array and @p map is 0.
  */
 conus_status gifti_labels(uint32_t **labels, size_t *count, const struct gifti *gifti, size_t map, struct notes *notes);
+
+/** Where no array is called labels, and the file has no surface: the only array is, with a note, if all its numbers are
+ * in the table; else CONUS_ERROR_DATA. */
+conus_status gifti_find_labels(struct gifti *gifti, struct notes *notes);
 
 /** Finds the LABEL array of @p gifti that @p wanted, a number from 0 or a name, means. An empty @p wanted means the
  * first; a note then names the others. CONUS_ERROR_ARGUMENT for a name that no array or several have; a number is

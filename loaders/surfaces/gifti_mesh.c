@@ -3,6 +3,7 @@
 #include "loaders/surfaces/gifti.h"
 
 #include "atlas/space.h"
+#include "atlas/surface/mesh_space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/tolerance.h"
@@ -93,6 +94,12 @@ static conus_status gifti_find_place(double world[16], const struct gifti_array 
     const struct gifti_geometry *geometry = &points->geometry;
     conus_status status = find_space(&space, points);
     mat4_identity(world);
+    for (size_t i = 0; !status && i < points->transform_count; i++) {
+        if (points->transforms[i].is_foreign) {
+            status =
+                notes_warn(notes, "DataSpace or TransformedSpace: a name that is none of NIfTI's: taken as unknown");
+        }
+    }
     if (status) {
         return status;
     }
@@ -124,7 +131,7 @@ static conus_status gifti_find_place(double world[16], const struct gifti_array 
     return status
                ? status
                : notes_add(notes, "the surface does not say in which space it is (DataSpace is unknown): vertices were "
-                                  "taken as the world's");
+                                  "taken as the world's (" MESH_SPACE_WAY ")");
 }
 
 conus_status gifti_mesh(struct mesh *out, const struct gifti *gifti, bool as_stored, struct notes *notes)
@@ -197,7 +204,11 @@ conus_status gifti_labels(uint32_t **labels, size_t *count, const struct gifti *
         return fail(CONUS_ERROR_UNSUPPORTED,
                     "labels of only some vertices (NODE_INDEX array), all vertices are needed");
     }
-    if (array->dim[0] != array->count) {
+    size_t longest = 0; /* N, N x 1 or 1 x N */
+    for (size_t d = 0; d < array->rank; d++) {
+        longest = array->dim[d] > longest ? array->dim[d] : longest;
+    }
+    if (longest != array->count) {
         return fail(CONUS_ERROR_DATA, "LABEL array: found %zu numbers for %zu vertices, one each is needed",
                     array->count, array->dim[0]);
     }
@@ -210,6 +221,36 @@ conus_status gifti_labels(uint32_t **labels, size_t *count, const struct gifti *
     *labels = out;
     *count = array->count;
     return CONUS_OK;
+}
+
+/* Whether each number of the array is 0 or one of the table's. */
+static bool is_of_table(const struct gifti_array *array, const struct label_table *table)
+{
+    bool is = table->count && array->count && array->values;
+    for (size_t i = 0; is && i < array->count; i++) {
+        double value = array->values[i];
+        is = value == 0 ||
+             (value > 0 && value <= UINT32_MAX && value == floor(value) && label_table_find(table, (uint32_t)value));
+    }
+    return is;
+}
+
+conus_status gifti_find_labels(struct gifti *gifti, struct notes *notes)
+{
+    size_t count[3];
+    (void)find_array(gifti, GIFTI_LABEL, 0, &count[0]);
+    (void)find_array(gifti, GIFTI_POINTSET, 0, &count[1]);
+    const struct gifti_array *other = find_array(gifti, GIFTI_OTHER, 0, &count[2]);
+    if (count[0] || count[1] || !other) {
+        return CONUS_OK;
+    }
+    if (count[2] == 1 && is_of_table(other, &gifti->labels)) {
+        gifti->arrays[other - gifti->arrays].intent = GIFTI_LABEL;
+        return notes_add(notes, "no array has the intent LABEL: the only one is taken, whose numbers are all in the "
+                                "LabelTable");
+    }
+    return fail(CONUS_ERROR_DATA, "no array has the intent LABEL, but others (NONE, SHAPE, TIME_SERIES, ...): these "
+                                  "are values of vertices, or labels that were saved as such");
 }
 
 conus_status gifti_map_find(size_t *out, const struct gifti *gifti, struct text wanted, struct notes *notes)

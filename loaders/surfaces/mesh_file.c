@@ -249,6 +249,7 @@ static conus_status take_gifti_labels(struct vertex_labels *out, const struct by
     struct gifti gifti = {0};
     size_t map = 0;
     conus_status status = parse_gifti(&gifti, bytes, path, options, notes);
+    status = status ? status : gifti_find_labels(&gifti, notes);
     status = status ? status : gifti_map_find(&map, &gifti, wanted, notes);
     status = status ? status : gifti_labels(&out->labels, &out->count, &gifti, map, notes);
     if (!status) {

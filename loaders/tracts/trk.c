@@ -20,7 +20,7 @@ struct trk_names {
 
 struct trk_header {
     bool swapped;
-    int32_t version;             /* 1 or 2 */
+    int32_t version;             /* 1 to 3 */
     uint32_t streamline_count;   /* 0 = not stated. */
     struct trk_names scalars;    /* Per point. */
     struct trk_names properties; /* Per streamline. */
@@ -267,8 +267,8 @@ static conus_status trk_header_parse(struct trk_header *out, const uint8_t *data
     int32_t count = order_i32(data + STREAMLINE_COUNT, swapped);
     struct trk_header header = {
         .swapped = swapped, .version = order_i32(data + VERSION, swapped), .streamline_count = (uint32_t)count};
-    if (header.version < 1 || header.version > 2) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "version: found %d, allowed are 1 and 2", header.version);
+    if (header.version < 1 || header.version > 3) { /* 3 is laid out as 2 */
+        return fail(CONUS_ERROR_UNSUPPORTED, "version: found %d, allowed are 1 to 3", header.version);
     }
     if (count < 0) {
         return fail(CONUS_ERROR_DATA, "n_count: found %d, allowed are 0 (not stated) and more", count);

@@ -132,8 +132,9 @@ static conus_status vectors_kind(enum field_kind *out, const struct field_header
                     name);
     }
     vectors = vectors ? vectors : stated;
-    vectors = !vectors && space && code == INTENT_DISPLACEMENT ? CONUS_VECTORS_RELATIVE : vectors;
-    space = space ? space : stated ? CONUS_FILE_SPACE_RAS : CONUS_FILE_SPACE_AS_STATED;
+    vectors = !vectors && code == INTENT_DISPLACEMENT ? CONUS_VECTORS_RELATIVE : vectors;
+    bool is_ras = stated || (code == INTENT_DISPLACEMENT && vectors == CONUS_VECTORS_RELATIVE);
+    space = space ? space : is_ras ? CONUS_FILE_SPACE_RAS : CONUS_FILE_SPACE_AS_STATED;
     if (space && !vectors) {
         return fail(CONUS_ERROR_ARGUMENT,
                     "space: ',relative' (displacements) or ',absolute' (positions) is needed, too");
@@ -191,15 +192,49 @@ conus_status field_header_kind(enum field_kind *out, const struct field_header *
     return status ? status : (has_images ? flirt_kind : vectors_kind)(out, header, vectors, space);
 }
 
+/* The text of a NRRD or MetaImage header that has three real numbers at each voxel. */
+static bool has_vectors(struct text head)
+{
+    bool is_nrrd = text_starts(head, "NRRD");
+    return is_nrrd ? text_mentions(head, "kinds: vector") || text_mentions(head, "kinds: covariant-vector") ||
+                         text_mentions(head, "kinds: 3-vector")
+                   : text_mentions(head, "ElementNumberOfChannels = 3") &&
+                         (text_mentions(head, "MET_FLOAT") || text_mentions(head, "MET_DOUBLE"));
+}
+
+/* As ITK, elastix and 3D Slicer write displacements: in LPS, like the header. */
+static conus_status read_foreign(struct field_header *out, bool *found, struct text head, const char *path)
+{
+    conus_volume_info info;
+    *found = has_vectors(head) && volume_file_header(&info, path) == CONUS_OK && info.volume_count == 3;
+    if (!*found) {
+        return CONUS_OK;
+    }
+    if (text_mentions(head, "displacement field type:=modeling")) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "displacement field type: found modeling, which moves points the other "
+                                             "way; invert it in 3D Slicer and save it again");
+    }
+    *out = (struct field_header){.intent_code = INTENT_VECTOR, .dim = {5, 0, 0, 0, 1, 3}};
+    for (int a = 0; a < 3; a++) {
+        out->dim[a + 1] = (int64_t)info.dim[a];
+    }
+    if (text_starts(head, "NRRD") && !text_mentions(head, "space: left-posterior-superior") &&
+        !text_mentions(head, "space: LPS")) {
+        out->intent_code = 0; /* a space must be stated */
+    }
+    return CONUS_OK;
+}
+
 enum { HEAD_READ = 1 << 16, LATTICE = 64 }; /* LATTICE: nodes along an axis that show what vectors are */
 
 #define NEAR 0.01 /* mm by which the field's grid and FSL's image may differ */
 
-/* The first unpacked bytes of a NIfTI file; nothing of another one. */
-static conus_status read_head(struct bytes *out, const char *path)
+/* The header of a field: of a NIfTI file what it says of vectors; *found: it is one, or another that has vectors. */
+static conus_status read_header(struct field_header *out, bool *found, const char *path)
 {
     struct bytes stored = {0};
     struct bytes head = {0};
+    *found = false;
     conus_status status = file_read_head(&stored, path, HEAD_READ);
     if (status) {
         return status;
@@ -210,56 +245,53 @@ static conus_status read_head(struct bytes *out, const char *path)
         head = stored;
         stored = (struct bytes){0};
     }
-    bytes_finish(&stored);
-    if (!status && nifti_has_magic(head.data, head.size)) {
-        *out = head;
-        return CONUS_OK;
+    if (status) {
+        status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* a damaged header is of no known kind */
+    } else if (nifti_has_magic(head.data, head.size)) {
+        *found = true;
+        status = field_header_parse(out, head.data, head.size);
+    } else {
+        status = read_foreign(out, found, (struct text){(const char *)head.data, head.size}, path);
     }
+    bytes_finish(&stored);
     bytes_finish(&head);
-    *out = (struct bytes){0};
-    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* a damaged header is of no known kind */
+    return status;
 }
 
 conus_status field_file_is(bool *out, const char *path)
 {
-    struct bytes head = {0};
-    conus_status status = read_head(&head, path);
-    *out = !status && head.data;
-    bytes_finish(&head);
-    return status;
+    struct field_header header;
+    conus_status status = read_header(&header, out, path);
+    return *out ? CONUS_OK : status;
 }
 
 conus_status field_file_words(const char **out, bool *usable, const char *path)
 {
-    struct bytes head = {0};
     struct field_header header;
-    conus_status status = read_head(&head, path);
-    bool known = !status && head.data && field_header_parse(&header, head.data, head.size) == CONUS_OK;
+    bool found;
+    conus_status status = read_header(&header, &found, path);
     *usable = false;
-    *out = known ? field_header_words(usable, &header) : NULL;
-    bytes_finish(&head);
-    return status;
+    *out = !status && found ? field_header_words(usable, &header) : NULL;
+    return found ? CONUS_OK : status;
 }
 
 static conus_status find_kind(enum field_kind *out, const char *path, const conus_transform_options *options)
 {
-    struct bytes head = {0};
     struct field_header header;
-    conus_status status = read_head(&head, path);
-    if (status) {
+    bool found;
+    conus_status status = read_header(&header, &found, path);
+    if (!found) {
         return status;
     }
-    if (!options->from != !options->to) {
+    if (!status && !options->from != !options->to) {
         status = fail(CONUS_ERROR_ARGUMENT, "%s=IMAGE is needed, too", options->from ? "to" : "from");
     }
-    status = status ? status : field_header_parse(&header, head.data, head.size);
     status = status ? status : field_header_kind(out, &header, options->from, options->vectors, options->space);
     if (!status && options->inverse) {
         status = fail(CONUS_ERROR_UNSUPPORTED,
                       "a deformation field is not inverted; the field of the other direction is needed: "
                       "1InverseWarp.nii.gz for 1Warp.nii.gz, iy_ for y_, or what FSL's 'invwarp' writes");
     }
-    bytes_finish(&head);
     return status ? fail_in(status, path) : CONUS_OK;
 }
 

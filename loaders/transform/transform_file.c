@@ -69,34 +69,56 @@ static bool matrix_text_is(struct text text)
     return next_line(&text, &line) && text_word(&line, &word) && text_to_double(word, &number);
 }
 
-/* The MNI's. */
-static conus_status xfm_parse(double out[16], struct text text)
+/* Goes over the lines before the next matrix of the MNI's text; *found: there is one. */
+static conus_status xfm_take_head(bool *found, bool *invert, struct text *rest)
 {
     struct text line;
     bool linear = false;
-    bool found = false;
-    while (!found && text_line(&text, &line)) {
+    *found = *invert = false;
+    while (!*found && text_line(rest, &line)) {
         line = text_trim(line);
-        linear = linear || (text_starts(line, "Transform_Type") && text_mentions(line, "Linear;"));
-        found = text_starts(line, "Linear_Transform");
+        if (!line.size || line.data[0] == '%' || text_starts(line, "MNI Transform File")) {
+            continue;
+        }
         if (text_starts(line, "Transform_Type") && !text_mentions(line, "Linear;")) {
             return fail(CONUS_ERROR_UNSUPPORTED, "%.*s: only Linear is read", TEXT_SHOW(line, 60));
         }
+        *invert = *invert || (text_starts(line, "Invert_Flag") && text_mentions(line, "True"));
+        linear = linear || text_starts(line, "Transform_Type");
+        *found = text_starts(line, "Linear_Transform");
+        if (!*found && !text_starts(line, "Transform_Type") && !text_starts(line, "Invert_Flag")) {
+            return fail(CONUS_ERROR_DATA, "\"%.*s\": not a line of the MNI's transforms", TEXT_SHOW(line, 60));
+        }
     }
-    if (!linear || !found) {
-        return fail(CONUS_ERROR_DATA, "%s is missing", linear ? "Linear_Transform" : "Transform_Type = Linear;");
-    }
+    return *found == linear
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "%s is missing", linear ? "Linear_Transform" : "Transform_Type = Linear;");
+}
+
+/* The MNI's: the first transform of several comes first. */
+static conus_status xfm_parse(double out[16], struct text text)
+{
+    double all[16];
     double m[16];
-    mat4_identity(m);
-    conus_status status = matrix_rows_parse(m, &text, 3, "Linear_Transform");
-    if (status) {
-        return status;
+    bool found = false;
+    bool invert = false;
+    size_t count = 0;
+    mat4_identity(all);
+    conus_status status = xfm_take_head(&found, &invert, &text);
+    for (; !status && found; count++) {
+        mat4_identity(m);
+        status = matrix_rows_parse(m, &text, 3, "Linear_Transform");
+        if (!status && invert && !mat4_invert_affine(m, m)) {
+            status = fail(CONUS_ERROR_DATA, "the matrix is singular, an invertible one is needed");
+        }
+        mat4_multiply(all, m, all);
+        status = status ? status : xfm_take_head(&found, &invert, &text);
     }
-    if (text_mentions(text, "Transform_Type")) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "several transforms in one file, one is read");
+    if (!status && !count) {
+        status = fail(CONUS_ERROR_DATA, "Transform_Type = Linear; is missing");
     }
-    memcpy(out, m, sizeof m);
-    return CONUS_OK;
+    memcpy(out, all, sizeof all);
+    return status;
 }
 
 enum { AFFINE_LIMIT = 1 << 20 }; /* bytes: a hundred times what an affine takes */
@@ -366,6 +388,18 @@ static conus_status register_parse(double out[16], struct text text, const char 
     return status ? status : place_between(out, images, tkregister_from_voxel);
 }
 
+static size_t count_words(struct text text)
+{
+    struct text line = {0};
+    struct text word;
+    size_t count = 0;
+    (void)next_line(&text, &line);
+    while (text_word(&line, &word)) {
+        count++;
+    }
+    return count;
+}
+
 /* Sixteen numbers, four in a line, the last line 0 0 0 1; lines that begin with # are comments. */
 static conus_status transform_read_matrix(double out[16], struct text text, const char *path, const char *from,
                                           const char *to)
@@ -374,6 +408,11 @@ static conus_status transform_read_matrix(double out[16], struct text text, cons
     size_t length = strlen(path);
     bool is_fsl = length > 4 && strcmp(path + length - 4, ".mat") == 0;
     struct text line;
+    if (count_words(text) == 12) {
+        return fail(CONUS_ERROR_UNSUPPORTED,
+                    "12 numbers in a line, a matrix of AFNI's (.aff12.1D), which is in LPS: needed are 4 x 4 numbers "
+                    "in RAS: a b -c -d, e f -g -h, -i -j k l, 0 0 0 1 of its a to l");
+    }
     conus_status status = matrix_rows_parse(out, &text, 4, "matrix");
     if (status) {
         return status;
@@ -400,17 +439,34 @@ enum kind { KIND_NONE, KIND_MATRIX, KIND_ITK, KIND_XFM, KIND_LTA, KIND_REGISTER,
 static conus_status fail_kind(const char *path, const struct bytes *file)
 {
     static const struct {
-        const char *begin, *words;
+        const char *begin, *words, *inside;
     } kinds[] = {
-        {"MATLAB 5.0", "a MATLAB file of level 5, which is not read as a transform; ITK's (level 4, as "
-                       "out_0GenericAffine.mat) and 4 x 4 numbers of RAS mm as text are"},
-        {"(Transform ", "elastix's parameters, which are not read; with (WriteITKCompositeTransform \"true\") and "
-                        "(ITKTransformOutputFileNameExtension \"tfm\") among its own, elastix writes ITK's text"},
-        {"/NumWaves", "a design matrix of FSL's statistics, and no transform"},
+        {"MATLAB 5.0",
+         "a MATLAB file of level 5, which is not read as a transform; ITK's (level 4, as "
+         "out_0GenericAffine.mat) and 4 x 4 numbers of RAS mm as text are",
+         NULL},
+        {"(Transform ",
+         "elastix's parameters, which are not read; with (WriteITKCompositeTransform \"true\") and "
+         "(ITKTransformOutputFileNameExtension \"tfm\") among its own, elastix writes ITK's text",
+         "\n(Transform "},
+        {"/NumWaves", "a design matrix of FSL's statistics, and no transform", NULL},
+        {"Transform = \"",
+         "elastix's parameters as TOML, which are not read; elastix writes ITK's text, too, with "
+         "WriteITKCompositeTransform and ITKTransformOutputFileNameExtension = \"tfm\"",
+         "\nTransform = \""},
     };
-    const struct text text = {(const char *)file->data, file->size};
+    const struct text text = text_from_bytes(file->data, file->size);
+    struct text rest = text;
+    struct text line;
+    struct text words;
+    if (next_line(&rest, &line) && text_has_only(line, "0123456789,-+eE \t") && text_mentions(line, ",") &&
+        text_word(&line, &words) && count_words(text) == 4) {
+        return fail(CONUS_ERROR_DATA, "\"%.*s\" begins a matrix: decimals are written with a point",
+                    TEXT_SHOW(words, 20));
+    }
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
-        if (text_starts(text, kinds[i].begin) || (kinds[i].begin[0] == '(' && text_mentions(text, "\n(Transform "))) {
+        const char *inside = kinds[i].inside; /* elastix's parameters may come in any order */
+        if (text_starts(text, kinds[i].begin) || (inside && text_mentions(text, inside))) {
             return fail(CONUS_ERROR_UNSUPPORTED, "%s", kinds[i].words);
         }
     }

@@ -364,6 +364,7 @@ conus_status nifti_header_parse(struct volume_header *out, const uint8_t *data, 
         f.placement.pixdim[i] = absent ? 1 : f.placement.pixdim[i];
     }
     status = nifti_place(&header.info, &f.placement, notes);
+    header.has_unit = (f.placement.units & 7) != 0;
     if (!status) {
         *out = header;
     }

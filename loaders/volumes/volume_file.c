@@ -207,6 +207,7 @@ static conus_status parse_head(struct volume_header *out, const struct stored *s
 static conus_status volume_read_header(struct opening *o, const struct stored *stored)
 {
     conus_status status = parse_head(&o->header, stored, o->needed ? o->needed : default_needed, &o->notes);
+    status = status ? status : volume_header_settle(&o->header, &o->notes);
     return status ? fail_in(status, stored->path) : CONUS_OK;
 }
 

@@ -11,7 +11,8 @@
 static const struct {
     int code;
     const char *mark;
-} kept[] = {{30, "<LabelTable"}, {4, "LABEL_DTABLE"}, {4, "ATLAS_LABEL_TABLE"}};
+} kept[] = {
+    {30, "<LabelTable"}, {4, "LABEL_DTABLE"}, {4, "ATLAS_LABEL_TABLE"}, {0, "<LabelTable"}}; /* 0: TotalSegmentator */
 
 enum { KEPT = sizeof kept / sizeof kept[0] };
 

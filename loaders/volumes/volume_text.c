@@ -43,6 +43,7 @@ static conus_status describe_text(struct volume_header *out, const struct text_v
     out->offset = text->file || text->brik ? 0 : text->header_size;
     out->info.slope = 1;
     out->info.space_code = text->space_code;
+    out->has_unit = text->has_unit;
     snprintf(out->info.format, sizeof out->info.format, "%s", text->format);
     conus_status status = volume_header_set_datatype(out, volume_datatype_of(text->type.kind, text->type.size));
     status = status ? status : volume_header_set_dim(out, dim);

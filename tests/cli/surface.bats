@@ -299,3 +299,18 @@ numbers() {
     gl "${scene[@]}" -q -o wider.exr --map m.shape.gii,array=leeway_mm,range=0:5
     run -1 conus diff map.exr wider.exr
 }
+
+@test "its space can be stated, and that it is in the mm of an image" {
+    cd "$BATS_TEST_TMPDIR"
+    printf 'OFF\n3 1 0\n10 1 0\n20 1 0\n10 9 0\n3 0 1 2\n' >t.off
+    # voxels of 2 mm from (0, 0, 0), the first axis to the left: FSL counts as the voxels do
+    printf 'NRRD0004\ntype: uchar\ndimension: 3\nspace: RAS\nsizes: 2 2 2\nspace directions: (-2,0,0) (0,2,0) (0,0,2)\n' >i.nrrd
+    printf 'space origin: (0,0,0)\nencoding: text\n\n0 1 0 1 0 1 0 1\n' >>i.nrrd
+    at() { "$CONUS" query "$1" --origin "$2,3,50" --direction 0,0,-1 --angle 1 --format tsv --quiet | cut -f 4 | sed -n 2p; }
+    [ "$(at t.off 12)" = t ]
+    [ "$(at t.off,space=i.nrrd -12)" = t ]
+    "$CONUS" query t.off,space=lps --origin=-12,-3,50 --direction 0,0,-1 --angle 1 --format tsv 2>notes | grep -q t
+    [ ! -s notes ] || ! grep -q "RAS was taken" notes
+    run -2 "$CONUS" info i.nrrd,space=lps
+    [[ "$output" == *"space= is for surfaces, and this is none"* ]]
+}

@@ -10,7 +10,19 @@
 
 enum { ELEMENT_LIMIT = 64, PROPERTY_LIMIT = 256 };
 
-enum ply_type { PLY_INT8, PLY_UINT8, PLY_INT16, PLY_UINT16, PLY_INT32, PLY_UINT32, PLY_FLOAT32, PLY_FLOAT64, PLY_NONE };
+enum ply_type {
+    PLY_INT8,
+    PLY_UINT8,
+    PLY_INT16,
+    PLY_UINT16,
+    PLY_INT32,
+    PLY_UINT32,
+    PLY_INT64,
+    PLY_UINT64,
+    PLY_FLOAT32,
+    PLY_FLOAT64,
+    PLY_NONE
+};
 
 /* The purpose of a property. */
 enum use { USE_X, USE_Y, USE_Z, USE_CORNERS, USE_NOTHING };
@@ -45,6 +57,7 @@ static const struct {
     [PLY_INT8] = {"char", "int8", 1},        [PLY_UINT8] = {"uchar", "uint8", 1},
     [PLY_INT16] = {"short", "int16", 2},     [PLY_UINT16] = {"ushort", "uint16", 2},
     [PLY_INT32] = {"int", "int32", 4},       [PLY_UINT32] = {"uint", "uint32", 4},
+    [PLY_INT64] = {"int64", "long", 8},      [PLY_UINT64] = {"uint64", "ulong", 8},
     [PLY_FLOAT32] = {"float", "float32", 4}, [PLY_FLOAT64] = {"double", "float64", 8},
 };
 
@@ -250,7 +263,7 @@ static conus_status next_number(double *out, struct ply *ply, enum ply_type type
     if (!data) {
         return ply_fail_cut_off(ply);
     }
-    bool is_signed = type == PLY_INT8 || type == PLY_INT16 || type == PLY_INT32;
+    bool is_signed = type == PLY_INT8 || type == PLY_INT16 || type == PLY_INT32 || type == PLY_INT64;
     *out = type >= PLY_FLOAT32 ? order_real(data, size, ply->swapped)
                                : (double)order_whole(data, size, is_signed, ply->swapped);
     return CONUS_OK;

@@ -106,6 +106,7 @@ static void read_unit(struct job *job, void *header, struct text value)
 {
     double *mm = &((struct metaimage *)header)->mm;
     bool unknown = !value.data || text_equal(value, "?") || text_equal(value, "");
+    ((struct metaimage *)header)->out->has_unit = !unknown;
     *mm = unknown ? 1 : header_unit(value);
     if (!(*mm > 0)) {
         job_refuse(job, "DistanceUnits: found \"%.*s\", allowed are mm, um, cm and m", HEADER_SHOW(value));

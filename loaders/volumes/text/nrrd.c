@@ -261,41 +261,8 @@ static const struct header_row rows[] = {
 };
 static const struct header_table table = {rows, sizeof rows / sizeof rows[0], .exact = false};
 
-/* The Allen Institute's volumes count micrometres and call AP, DV and ML x, y and z: "space directions" of 25, 0, 0 and
- * so on. No other brain is that large, and they are placed as they are meant: from the corner backward, downward and to
- * the right. False for others. */
-static bool place_ccf(struct job *job, struct text_volume *out)
+static void nrrd_place(struct text_volume *out, const struct nrrd *nrrd)
 {
-    double *m = out->world_from_voxel;
-    double size[3];
-    double inverse[16];
-    bool plain = m[12] == 0 && m[13] == 0 && m[14] == 0 && mat4_invert_affine(inverse, m);
-    for (size_t i = 0; i < 3; i++) {
-        const double *step = m + 4 * i;
-        double length = vec3_length(step);
-        plain = plain && (fabs(step[0]) == length || fabs(step[1]) == length || fabs(step[2]) == length);
-        size[i] = length * (double)out->dim[i];
-    }
-    if (!plain || !frame_is_ccf_size(size)) {
-        return false;
-    }
-    double steps[3];
-    for (size_t i = 0; i < 3; i++) {
-        steps[i] = size[i] / (double)out->dim[i] / 1000;
-    }
-    const double placed[16] = {
-        0, -steps[0], 0, 0, 0, 0, -steps[1], 0, steps[2], 0, 0, 0, steps[2] / 2, -steps[0] / 2, -steps[1] / 2, 1};
-    memcpy(m, placed, sizeof placed);
-    snprintf(out->transform, sizeof out->transform, "the Allen CCF's grid");
-    job_note(job,
-             "space directions: the grid is the Allen CCF's in micrometres, and is placed as that one: x = ML, y = "
-             "-AP, z = -DV from its corner, in mm");
-    return true;
-}
-
-static void nrrd_place(struct job *job, struct text_volume *out, const struct nrrd *nrrd)
-{
-    static const double most = 1000; /* a brain is not larger than a metre: the numbers mean something else */
     const double signs[3] = {nrrd->space > 0 ? -1 : 1, nrrd->space > 1 ? -1 : 1, 1}; /* of x and y that lead to RAS */
     size_t axis = nrrd->list == 0;
     mat4_identity(out->world_from_voxel);
@@ -306,20 +273,7 @@ static void nrrd_place(struct job *job, struct text_volume *out, const struct nr
         }
     }
     snprintf(out->transform, sizeof out->transform, "space directions, %.*s", HEADER_SHOW(nrrd->space_word));
-    if (nrrd->has_units || place_ccf(job, out)) {
-        return;
-    }
-    double largest = 0;
-    for (size_t i = 0; i < 3; i++) {
-        largest = fmax(largest, vec3_length(out->world_from_voxel + 4 * i) * (double)out->dim[i]);
-    }
-    if (largest > most) {
-        job_warn(
-            job,
-            "space directions: the grid is %g mm long: are they micrometres? The header has no \"space units\", so "
-            "they were taken as millimetres",
-            largest);
-    }
+    out->has_unit = nrrd->has_units;
 }
 
 /* "\n" and "\\" stand for what no line can hold. */
@@ -529,6 +483,6 @@ void nrrd_parse(struct job *job, struct text_volume *out, struct text bytes)
     memcpy(out->dim, nrrd.sizes.values + first, sizeof out->dim);
     out->count = nrrd.list < AXES ? nrrd.sizes.values[nrrd.list] : 1;
     out->interleaved = first && out->count > 1;
-    nrrd_place(job, out, &nrrd);
+    nrrd_place(out, &nrrd);
     take_segments(job, out, &nrrd);
 }

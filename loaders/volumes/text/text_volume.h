@@ -41,6 +41,7 @@ struct text_volume {
     bool interleaved;            /**< All volumes' values of a voxel lie together.                              */
     double world_from_voxel[16]; /**< To RAS mm; column-major.                                                  */
     char transform[64];          /**< Where that comes from.                                                    */
+    bool has_unit;               /**< The header states the unit of these. */
     int space_code;              /**< NIfTI's code of the space; 0 if unknown.                                  */
     enum text_encoding encoding;
     uint64_t header_size; /**< Bytes of the header in its file.                                                 */

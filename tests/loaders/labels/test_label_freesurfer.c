@@ -4,6 +4,7 @@
 #include "builders/label_row.h"
 #include "builders/nifti_builder.h"
 #include "conus/atlas.h"
+#include "conus/atlas_info.h"
 #include "conus/file.h"
 #include "test.h"
 
@@ -41,6 +42,7 @@ static void write_labels(const char *name, int step, const int *labels, size_t c
     write_labels(name, step, (const int[]){__VA_ARGS__}, sizeof((const int[]){__VA_ARGS__}) / sizeof(int))
 
 static const char source[] = "FreeSurfer colour table in FreeSurferColorLUT.txt";
+static const char own_source[] = "FreeSurfer 7's names, which conus has";
 
 /* The folder is SUBJECTS/SUBJECT/mri/, and FreeSurfer elsewhere. */
 static void begin(const char *name)
@@ -79,7 +81,7 @@ static void the_table_may_lie_in_other_places(void **state)
     assert_int_equal(rename(test_in("home/FreeSurferColorLUT.txt"), test_in("home/luts/FreeSurferColorLUT.txt")), 0);
     assert_row_of("aseg.nii", "Left-Cortex", 3, source, "home/luts/FreeSurferColorLUT.txt");
     unsetenv("FREESURFER_HOME");
-    assert_row_of("aseg.nii", "3", 3, "none found", NULL);
+    assert_row_of("aseg.nii", "Left-Cerebral-Cortex", 3, own_source, "FreeSurfer 7's names");
     assert_int_equal(mkdir(test_in("subjects"), 0700), 0);
     assert_int_equal(mkdir(test_in("subjects/one"), 0700), 0);
     assert_int_equal(mkdir(test_in("subjects/one/mri"), 0700), 0);
@@ -129,6 +131,51 @@ static void the_real_table_is_found(void **state)
     unsetenv("FREESURFER_HOME");
 }
 
+/* A row of all labels of the real table, with it and without: where conus has a name, it and the colour are those. */
+static void names_without_a_table_are_those_of_the_real_one(void **state)
+{
+    (void)state;
+    enum { LABELS_MOST = 4096 };
+    static int labels[LABELS_MOST];
+    char home[4096];
+    char line[512];
+    conus_atlas *atlases[2] = {NULL, NULL};
+    size_t count = 1;
+    size_t named = 0;
+    snprintf(home, sizeof home, "%s", test_shared("labels/freesurfer/FreeSurferColorLUT.txt"));
+    FILE *table = fopen(home, "r");
+    assert_non_null(table);
+    while (fgets(line, sizeof line, table)) {
+        long label = strtol(line, NULL, 10);
+        for (int i = 0; label > 1 && count < LABELS_MOST && i < 2; i++) { /* areas have neighbours */
+            labels[count++] = (int)label;
+        }
+    }
+    fclose(table);
+    *strrchr(home, '/') = '\0';
+    test_folder("own");
+    write_labels("wmparc.nii", 1, labels, count);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(i ? setenv("FREESURFER_HOME", home, 1) : unsetenv("FREESURFER_HOME"), 0);
+        assert_ok(conus_atlas_load(&atlases[i], test_in("wmparc.nii"), NULL));
+    }
+    for (size_t i = 1; i <= conus_atlas_object_count(atlases[0]); i++) {
+        const conus_object *own = conus_atlas_object(atlases[0], i);
+        for (size_t k = 1; own->named && k <= conus_atlas_object_count(atlases[1]); k++) {
+            const conus_object *real = conus_atlas_object(atlases[1], k);
+            if (real->label == own->label) {
+                assert_string_equal(own->name, real->name);
+                assert_memory_equal(own->rgb, real->rgb, sizeof own->rgb);
+                named++;
+            }
+        }
+    }
+    assert_int_equal(named, 818); /* all but label 1, which no volume of FreeSurfer has */
+    conus_atlas_destroy(atlases[0]);
+    conus_atlas_destroy(atlases[1]);
+    unsetenv("FREESURFER_HOME");
+}
+
 static conus_status load(void *data)
 {
     (void)data;
@@ -147,6 +194,8 @@ static void every_allocation_may_fail(void **state)
     WRITE("aseg.nii", 1, 0, 1, 3, 41, 42);
     test_every_allocation(load, NULL);
     unsetenv("FREESURFER_HOME");
+    WRITE("aseg.nii", 1, 0, 2, 3, 41, 42);
+    test_every_allocation(load, NULL);
 }
 
 TEST_GROUP(label_freesurfer)
@@ -156,6 +205,7 @@ TEST_GROUP(label_freesurfer)
         cmocka_unit_test(the_table_may_lie_in_other_places),
         cmocka_unit_test(what_is_not_freesurfers_keeps_its_numbers),
         cmocka_unit_test(the_real_table_is_found),
+        cmocka_unit_test(names_without_a_table_are_those_of_the_real_one),
         cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -124,7 +124,9 @@ static void headers_say_whose_field_it_is(void **state)
 {
     (void)state;
     assert_int_equal(kind_of(1007, "", 0, 0, 0), FIELD_VECTORS);
-    assert_int_equal(kind_of(1006, "", 0, 0, 0), FIELD_VECTORS);
+    assert_int_equal(kind_of(1006, "", 0, 0, 0), FIELD_RAS); /* of NIfTI's own axes */
+    assert_int_equal(kind_of(1006, "", CONUS_VECTORS_RELATIVE, 0, 0), FIELD_RAS);
+    assert_int_equal(kind_of(1006, "", 0, CONUS_FILE_SPACE_LPS, 0), FIELD_ITK);
     assert_int_equal(kind_of(1007, "Mapping", 0, 0, 0), FIELD_SPM);
     assert_int_equal(kind_of(1007, "", CONUS_VECTORS_RELATIVE, 0, 0), FIELD_ITK);
     assert_int_equal(kind_of(0, "", CONUS_VECTORS_ABSOLUTE, 0, 0), FIELD_SPM);

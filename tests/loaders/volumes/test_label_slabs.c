@@ -84,8 +84,9 @@ static void labels_and_notes_are_those_of_all_voxels_at_once(void **state)
     }
     assert_near(file.info.minimum, 100, 0);
     assert_near(file.info.maximum, label_at(6 * NI + NI - 1), 0);
-    assert_int_equal(notes.count, 1); /* bytes after the last voxel */
+    assert_int_equal(notes.count, 2); /* a grid of more than a metre, bytes after the last voxel */
     assert_string_equal(notes.lines[0], wanted.lines[0]);
+    assert_string_equal(notes.lines[1], wanted.lines[1]);
     assert_string_equal(file.info.sha256, other.info.sha256);
     memory_free(list);
     label_voxels_finish(&labels);
