@@ -271,6 +271,8 @@ typedef struct conus_view {
     size_t point_count;              /**< 0 = none. */
     const char *title; /**< UTF-8: what the selection is of, such as the name of its pose, at the head of its legend;
                           NULL = nothing. */
+    bool no_covered_context; /**< A context volume that opaque areas cover, all but a rim, is not drawn. */
+    bool is_beam;            /**< The selection's cone is a beam from where it ends to its focus, at its apex. */
 } conus_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -323,6 +325,9 @@ typedef struct conus_cut_view {
     bool own_colours;                 /**< As of conus_view. Else areas that are not hit have only an outline, over an
                                          image, and are a neutral grey without one. */
     bool no_cone;                     /**< The selection's cone is not drawn. */
+    const conus_pathway_transfer *pathways; /**< [pathway_count] Pathways that conus_cuts_image() colours by their
+                                               values; NULL = as its renderer does. */
+    size_t pathway_count;
 } conus_cut_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -378,9 +383,11 @@ typedef struct conus_cut_plane {
  * @param look Its fill, no_outlines, window and chosen are those of all cuts. NULL = defaults.
  * @param renderer The atlas's, which draws the view in space before the first cut; NULL = only cuts.
  * @param sheet Of the whole: its size, legend, background, dpi, no_legend, selection, own_colours, print, listed,
- * points, title and frame; all else is of the view in space. Its height 0 means as high as the cuts need it, at most
- * three quarters of the width, in print the width. With dpi outlines are half a point wide and of one grey. NULL =
- * defaults.
+ * points, title, is_beam and frame; all else is of the view in space. Without a selection, points and colours that
+ * somebody chose, what is listed has its colour, and all other areas only outlines over an image; where there are
+ * pathways or bundles these are what is listed, too. Its height 0 means as high as the cuts need it, at most
+ * three quarters of the width, in print 1.4 times the width. With dpi outlines are half a point wide and of one grey.
+ * NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for something out of its range, and for a sheet too small for so many cuts;
  * #CONUS_ERROR_DATA for an atlas in which nothing shows; #CONUS_ERROR_MEMORY for more than 8 GiB, at 32 bytes per
  * pixel; the errors of conus_render().

@@ -124,7 +124,7 @@ static const char *name_of(char out[PICTURE_TEXT], const struct picture *picture
 {
     const conus_object *object = &picture->atlas->objects[number - 1];
     return picture->probes->is_short && object->abbreviation[0] ? object->abbreviation
-                                                                : picture_name(out, picture->atlas, number);
+                                                                : picture_name(out, picture, number);
 }
 
 /* Finds the width of the names of each probe's areas, at most `limit`, and gives their sum. */
