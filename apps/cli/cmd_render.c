@@ -1193,22 +1193,24 @@ static conus_status place_point(conus_drawn_point *out, struct picture *picture,
     return status;
 }
 
-/* Along an axis, the point that is near most others; of several that nearest to the middle of all. */
-static double find_crowd(const conus_drawn_point *points, size_t count, int axis)
+/* Of sorted coordinates, the one that is near most others; of several that nearest to the middle of all. */
+static double find_crowd(const double *sorted, size_t count)
 {
-    static const double near = 2; /* mm, as cuts draw them */
     double middle = 0;
     double best = NAN;
     size_t most = 0;
     for (size_t i = 0; i < count; i++) {
-        middle += points[i].at[axis] / (double)count;
+        middle += sorted[i] / (double)count;
     }
-    for (size_t i = 0; i < count; i++) {
-        const double at = points[i].at[axis];
-        size_t others = 0;
-        for (size_t k = 0; k < count; k++) {
-            others += fabs(points[k].at[axis] - at) <= near;
+    for (size_t i = 0, first = 0, end = 0; i < count; i++) {
+        const double at = sorted[i];
+        while (at - sorted[first] > CONUS_POINT_NEAR_CUT) {
+            first++;
         }
+        while (end < count && sorted[end] - at <= CONUS_POINT_NEAR_CUT) {
+            end++;
+        }
+        const size_t others = end - first;
         if (others > most || (others == most && fabs(at - middle) < fabs(best - middle))) {
             most = others;
             best = at;
@@ -1218,14 +1220,24 @@ static double find_crowd(const conus_drawn_point *points, size_t count, int axis
 }
 
 /* Lets cuts go where most points are, if that is in the atlas. */
-static void place_cuts(struct picture *picture, const conus_drawn_point *points, size_t count)
+static int place_cuts(struct picture *picture, const conus_drawn_point *points, size_t count)
 {
     double low[3], high[3];
+    double *sorted = calloc(count + 1, sizeof *sorted);
+    if (!sorted) {
+        return print_no_memory();
+    }
     picture->has_cut_at = !conus_atlas_bounds(low, high, picture->atlas);
     for (int a = 0; a < 3; a++) {
-        const double at = picture->cut_at[a] = find_crowd(points, count, a);
+        for (size_t i = 0; i < count; i++) {
+            sorted[i] = points[i].at[a];
+        }
+        order_sort(sorted, count, sizeof *sorted, compare_f64);
+        const double at = picture->cut_at[a] = find_crowd(sorted, count);
         picture->has_cut_at = picture->has_cut_at && at > low[a] && at < high[a];
     }
+    free(sorted);
+    return EXIT_DONE;
 }
 
 /* Draws all rows in one picture; those that cannot be drawn are named. */
@@ -1252,12 +1264,15 @@ static int draw_points(struct picture *picture)
                  "--output's name draws a cone for each",
                  rows->file, poses);
     }
-    const bool has_electrodes = !code && !picture->settings->colour_by && contacts_are_all(points, count);
+    bool has_electrodes = false;
+    if (!code && !picture->settings->colour_by && !contacts_are_all(&has_electrodes, points, count)) {
+        code = print_no_memory();
+    }
     if (has_electrodes && !contacts_group(points, count)) {
         code = print_no_memory();
     }
-    if (!picture->has_cut_at && picture->settings->cuts.cuts && count) {
-        place_cuts(picture, points, count);
+    if (!code && !picture->has_cut_at && picture->settings->cuts.cuts && count) {
+        code = place_cuts(picture, points, count);
     }
     picture->points = points;
     picture->point_count = count;

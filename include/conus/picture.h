@@ -181,6 +181,9 @@ typedef struct conus_drawn_point {
                           paler the farther they lie behind the atlas's middle. */
 } conus_drawn_point;
 
+/** How near to a cut the middle of a smaller ball is drawn there, mm. */
+#define CONUS_POINT_NEAR_CUT 2.0
+
 /** Something over a picture in space, whatever lies before it: a line, or a disc, and a name. */
 typedef struct conus_mark {
     double ends[2][3]; /**< World mm. Not drawn where one of them is behind the camera. */
@@ -263,8 +266,9 @@ typedef struct conus_view {
                                 one before or beside the drawing. */
     size_t mark_count;       /**< 0 = none. */
     const conus_drawn_point *points; /**< [point_count] With neither a selection nor probes: balls over the drawing,
-                                        and over cuts that go through them or, of smaller ones, are up to 2 mm from
-                                        their middle. Areas are a neutral grey unless @p own_colours, the palette or
+                                        and over cuts that go through them or, of smaller ones, are up to
+                                        #CONUS_POINT_NEAR_CUT from their middle. Areas are a neutral grey unless @p
+                                        own_colours, the palette or
                                         @p listed gives them colours. The picture shows those up to three radii of the
                                         atlas from its middle; how many are outside, and how many names have no room,
                                         stands in its corner. */

@@ -24,6 +24,9 @@ enum { PICTURE_FRUSTUM_LIMIT = 1000 };
  * mm in a column of print. */
 #define PICTURE_LEAST_PART (1.0 / 20000)
 
+/** The dark edge of balls and of lines of probes, linear. */
+#define PICTURE_CASING ((const float[4]){LOOK_PROBE_CASING, 1})
+
 struct picture_legend;
 struct picture_probes;
 
