@@ -762,12 +762,13 @@ static conus_status list_pathways(struct sheet *sheet)
 }
 
 /* Finds for the legend what part of the cuts each object has, in cuts of so many pixels. Beside a view in space all
- * counts as seen. */
+ * counts as seen; outlines of one grey have no colour to explain. */
 static conus_status see_cuts(struct sheet *sheet)
 {
     enum { PIXELS = 240 };
     const conus_atlas *atlas = sheet->picture.atlas;
     const bool has_space = sheet->renderer;
+    const bool is_grey = sheet->look->fill == 0 && sheet->view.dpi > 0;
     double low[3], high[3];
     size_t pixels = 0;
     conus_status status =
@@ -777,7 +778,7 @@ static conus_status see_cuts(struct sheet *sheet)
     }
     double *seen = sheet->picture.seen = memory_zeroed(atlas->object_count + 1, sizeof *seen);
     status = seen ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = has_space; i < sheet->count && !status; i++) {
+    for (size_t i = has_space; i < sheet->count && !is_grey && !status; i++) {
         const conus_cut_plane *plane = sheet->panels[i].plane;
         conus_cut_view view = {.width = PIXELS, .height = PIXELS, .own_colours = true};
         double offset[3], normal[3];

@@ -23,6 +23,8 @@ nifti.write("many.nii", (30, 10, 10), "B", lambda i, j, k: i // 2 + 1)'
     grep -q '>and 1 other<' more.svg
     answers render many.nii --cuts axial --legend none -o none.svg -q
     [ "$(grep -c '>and' none.svg)" -eq 0 ]
+    answers render many.nii --cuts axial --fill 0 --width-mm 85 -o grey.svg -q # outlines of one grey
+    [ "$(grep -c '>and' grey.svg)" -eq 0 ]
 }
 
 @test "names in pictures have spaces and sides, and the very names stand in the description and the caption" {
