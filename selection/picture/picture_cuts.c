@@ -771,15 +771,15 @@ static conus_status see_cuts(struct sheet *sheet)
     const bool is_grey = sheet->look->fill == 0 && sheet->view.dpi > 0;
     double low[3], high[3];
     size_t pixels = 0;
-    conus_status status =
-        sheet->view.selection || sheet->view.point_count ? CONUS_OK : conus_atlas_bounds(low, high, atlas);
-    if (status || sheet->view.selection || sheet->view.point_count) {
+    conus_status status = conus_atlas_bounds(low, high, atlas);
+    if (status) {
         return status;
     }
     double *seen = sheet->picture.seen = memory_zeroed(atlas->object_count + 1, sizeof *seen);
     status = seen ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = has_space; i < sheet->count && !is_grey && !status; i++) {
-        const conus_cut_plane *plane = sheet->panels[i].plane;
+    const struct panel *panels = is_grey ? NULL : sheet->panels;
+    for (size_t i = has_space; panels && i < sheet->count && !status; i++) {
+        const conus_cut_plane *plane = panels[i].plane;
         conus_cut_view view = {.width = PIXELS, .height = PIXELS, .own_colours = true};
         double offset[3], normal[3];
         for (int a = 0; a < 3; a++) {
@@ -850,7 +850,7 @@ conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const
         of.picture.hazy = &of.hazy;
     }
     status = status ? status : list_pathways(&of);
-    status = status ? status : see_cuts(&of);
+    status = status || of.view.selection || of.view.point_count ? status : see_cuts(&of);
     status = status ? status : picture_cut_init(&of.picture, &whole, &of.view);
     status = status ? status : draw_sheet(&of);
     if (status) {
