@@ -27,7 +27,7 @@ struct cite_settings {
 static const char *const formats[] = {"text", "bibtex", NULL};
 
 #define FIELD(member) OPTION_AT(struct cite_settings, member)
-enum { TEXT, BIBTEX, WIDTH = 100 };
+enum { TEXT, BIBTEX };
 
 static const struct option own_options[] = {
     {.name = "format",
@@ -70,19 +70,6 @@ struct citing {
     struct atlases atlases; /* of ATLAS */
 };
 
-/* "aal" of "aal.nii.gz"; NULL without memory. */
-static char *stem_of(const char *path)
-{
-    char *name = strdup(path_name(path));
-    static const char *const endings[] = {".gz", ".nii", ".json", ".atlas", ".xml", ".mgz", ".nrrd", ".tif", ".tiff"};
-    for (size_t i = 0; name && i < sizeof endings / sizeof endings[0]; i++) {
-        if (path_ends_in(name, endings[i])) {
-            name[strlen(name) - strlen(endings[i])] = '\0';
-        }
-    }
-    return name;
-}
-
 static int make_atlases(struct citing *citing, size_t count)
 {
     citing->citation.atlases = calloc(count, sizeof *citing->citation.atlases);
@@ -122,7 +109,7 @@ static int list_recorded(struct citing *citing, const char *ran)
         if (!path) {
             return print_data_error("%s: Atlas: path: is missing", citing->given);
         }
-        atlas->name = name ? strdup(name) : stem_of(path);
+        atlas->name = name ? strdup(name) : cited_stem(path);
         atlas->file = path_name(path);
         code = atlas->name ? look_for_references(citing, atlas, path, ran) : print_no_memory();
     }
@@ -150,70 +137,6 @@ static int cite_result(struct citing *citing, const char *sidecar)
     return code;
 }
 
-static int cite_atlas(struct citing *citing)
-{
-    const struct atlas_settings settings = {.max_memory = citing->settings->max_memory, .no_cache = true};
-    struct atlas_name found;
-    int code = make_atlases(citing, 1);
-    code = code ? code : atlases_load(&citing->atlases, citing->given, &settings, NULL);
-    code = code ? code : atlas_name_find(&found, citing->given);
-    if (code) {
-        return code;
-    }
-    struct cited_atlas *atlas = &citing->citation.atlases[0];
-    atlas->name = found.atlas ? strdup(found.atlas->name) : stem_of(found.path);
-    const conus_volume_info *info = conus_atlas_volume(citing->atlases.items[0].atlas, 0);
-    const char *path = info && found.atlas ? info->path : found.path;
-    references_find(&atlas->references, found.path);
-    if (!atlas->references.count && path != found.path) {
-        references_find(&atlas->references, path);
-    }
-    citing->citation.version = conus_version();
-    for (size_t i = 0; i < conus_atlas_volume_count(citing->atlases.items[0].atlas) && !atlas->sha256; i++) {
-        const conus_volume_info *volume = conus_atlas_volume(citing->atlases.items[0].atlas, i);
-        atlas->sha256 = strcmp(volume->path, path) == 0 ? volume->sha256 : NULL;
-    }
-    atlas->file = found.atlas && info ? path_name(info->path) : path_name(citing->given);
-    atlas->is_here = true;
-    atlas_name_finish(&found);
-    return atlas->name ? EXIT_DONE : print_no_memory();
-}
-
-/* Breaks a line at spaces. */
-static void put_wrapped(FILE *out, const char *text)
-{
-    size_t column = 0;
-    for (const char *word = text; *word;) {
-        size_t length = strcspn(word, " ");
-        size_t shown = 0;
-        for (size_t i = 0; i < length; i++) {
-            shown += ((unsigned char)word[i] & 0xc0) != 0x80;
-        }
-        bool breaks = column && column + 1 + shown > WIDTH;
-        fprintf(out, "%s%.*s", breaks ? "\n" : column ? " " : "", (int)length, word);
-        column = breaks ? shown : column + (column > 0) + shown;
-        word += length;
-        word += strspn(word, " ");
-    }
-    fputc('\n', out);
-}
-
-static int put_text(FILE *out, const struct citation *citation)
-{
-    struct system_text text;
-    if (system_text_open(&text)) {
-        citation_methods(text.stream, citation);
-    }
-    if (!system_text_close(&text)) {
-        return print_no_memory();
-    }
-    put_wrapped(out, text.data);
-    fputc('\n', out);
-    citation_list(out, citation);
-    free(text.data);
-    return EXIT_DONE;
-}
-
 static int write_citation(const struct citing *citing)
 {
     struct system_text text;
@@ -222,7 +145,7 @@ static int write_citation(const struct citing *citing)
     if (out && citing->settings->format == BIBTEX) {
         citation_bibtex(out, &citing->citation);
     } else if (out) {
-        code = put_text(out, &citing->citation);
+        code = citation_text(out, &citing->citation);
     }
     bool is_whole = system_text_close(&text);
     code = code || is_whole ? code : print_no_memory();
@@ -231,6 +154,23 @@ static int write_citation(const struct citing *citing)
         code = output_write(NULL, text.data, strlen(text.data));
     }
     free(text.data);
+    return code;
+}
+
+static int cite_atlas(struct citing *citing)
+{
+    const struct atlas_settings settings = {.max_memory = citing->settings->max_memory, .no_cache = true};
+    int code = make_atlases(citing, 1);
+    code = code ? code : atlases_load(&citing->atlases, citing->given, &settings, NULL);
+    citing->citation.version = conus_version();
+    struct atlas_name found;
+    code = code ? code : atlas_name_find(&found, citing->given);
+    if (code) {
+        return code;
+    }
+    code = cited_atlas_find(&citing->citation.atlases[0], citing->given, found.atlas ? found.atlas->name : NULL,
+                            found.path, citing->atlases.items[0].atlas);
+    atlas_name_finish(&found);
     return code;
 }
 
@@ -269,13 +209,7 @@ static int run_cite(const void *given, const struct arguments *arguments)
         code = cite_atlas(&citing);
     }
     code = code ? code : write_citation(&citing);
-    for (size_t i = 0; i < citing.citation.atlas_count; i++) {
-        references_finish(&citing.citation.atlases[i].references);
-        free(citing.citation.atlases[i].name);
-    }
-    free(citing.citation.atlases);
-    json_decref(citing.citation.facts);
-    json_decref(citing.citation.atlases_asked);
+    citation_finish(&citing.citation);
     record_finish(&citing.record);
     atlases_finish(&citing.atlases);
     free(sidecar);

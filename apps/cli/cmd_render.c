@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "cli/commands.h"
 #include "cli/contacts.h"
+#include "cli/render_caption.h"
 #include "cli/render_cuts.h"
 #include "cli/render_turn.h"
 #include "conus/file.h"
@@ -44,7 +45,10 @@ struct drawn_rows {
     size_t count;
 };
 
-enum { NAME_LIMIT = 200 }; /* bytes of a row's name in that of a file */
+enum {
+    NAME_LIMIT = 200, /* bytes of a row's name in that of a file */
+    LEGEND_ROWS = 12  /* of objects */
+};
 
 /* Opacity of areas that no probe passes, and of those that a beam passes on its way. */
 static const double FAINT = 0.12, PASSED = 0.5;
@@ -411,6 +415,7 @@ struct render_settings {
     struct turn_settings turn;
     bool strips;
     const char *colour_by; /* a column of the file of poses */
+    const char *caption;
 };
 
 static const struct option picture_options[] = {
@@ -426,6 +431,13 @@ static const struct option picture_options[] = {
      .common = true,
      .role = OPTION_WRITES_ANSWER,
      .endings = ".png .svg .pdf .exr"},
+    {.name = "caption",
+     OPTION_AT(struct render_settings, caption),
+     .value = "FILE",
+     .help = "also write a text for the caption: what is shown, what each colour is with the atlas's own names and "
+             "numbers, warnings, and the paragraph of conus cite",
+     .words = "legend, methods, description",
+     .role = OPTION_WRITES},
     {.name = "camera",
      OPTION_AT(struct render_settings, camera),
      .value = "FILE",
@@ -576,6 +588,7 @@ struct picture {
     bool has_camera;
     bool has_cut_at;
     bool failed; /* Some poses have no picture. */
+    struct caption caption;
 };
 
 static void picture_finish(struct picture *picture)
@@ -593,6 +606,7 @@ static void picture_finish(struct picture *picture)
     free(picture->rows.items);
     conus_pose_list_destroy(picture->poses);
     named_places_finish(&picture->places);
+    caption_finish(&picture->caption);
 }
 
 static bool has_camera(const struct arguments *arguments)
@@ -659,6 +673,9 @@ static bool check_settings(const struct render_settings *settings, const struct 
     if ((!file || settings->strips) && render_pattern_varies(settings->output)) {
         return refuse("--output: {query} and {row} stand for poses of a file%s",
                       file ? ", --strips draws all in one picture" : ", --poses FILE");
+    }
+    if (settings->caption && render_pattern_varies(settings->output)) {
+        return refuse("--caption: one file is for one picture, and {query} or {row} in --output's name make several");
     }
     if ((file && !render_pattern_check(settings->output)) || !figure_check(&settings->figure) ||
         !translucent_check(&settings->translucent)) {
@@ -792,7 +809,7 @@ static int check_outputs(const struct picture *picture)
             return EXIT_USAGE;
         }
     }
-    return EXIT_DONE;
+    return output_spares_inputs("--caption", picture->settings->caption) ? EXIT_DONE : EXIT_USAGE;
 }
 
 /* Whether the pose is of a beam, which goes through the head: other areas would hide it. */
@@ -887,27 +904,28 @@ static conus_status draw_view(conus_image **out, const struct picture *picture, 
     if (!cuts->cuts) {
         return conus_render(out, picture->renderer, view);
     }
-    const conus_cut_view look = render_cuts_look(cuts, picture->arguments);
+    conus_cut_view look = render_cuts_look(cuts, picture->arguments);
+    look.pathways = picture->translucent.pathways;
+    look.pathway_count = picture->translucent.pathway_count;
     return conus_cuts_image(out, picture->atlas, planes, count, &look, picture->renderer, view);
 }
 
 /* What part of the width a legend, or strips, leave at least. */
-static double room_of(const struct picture *picture, const conus_view *view)
+static double room_of(const conus_view *view)
 {
-    const bool has_colours = picture->settings->figure.streamline_colour || picture->translucent.pathway_count;
-    const bool is_auto = view->legend == CONUS_LEGEND_AUTO && (has_colours || view->legend_rows);
-    return view->legend == CONUS_LEGEND_RIGHT || is_auto || view->probe_count ? 0.5 : 1;
+    const bool is_beside = view->legend == CONUS_LEGEND_RIGHT || view->legend == CONUS_LEGEND_AUTO;
+    return is_beside || view->probe_count ? 0.5 : 1;
 }
 
 /* Draws the frames of a turntable, or the one picture that there is without. */
-static int draw_frames(const struct picture *picture, const conus_view *view, const conus_cut_plane *planes,
-                       size_t count, const char *path)
+static int draw_frames(struct picture *picture, const conus_view *view, const conus_cut_plane *planes, size_t count,
+                       const char *path)
 {
     const struct turn_settings *turn = &picture->settings->turn;
     double field_of_view = view->field_of_view;
     int code = EXIT_DONE;
     if (turn->frames && !picture->has_camera && field_of_view == 0) {
-        code = print_status(turn_fit(&field_of_view, picture->atlas, picture->renderer, view, room_of(picture, view)));
+        code = print_status(turn_fit(&field_of_view, picture->atlas, picture->renderer, view, room_of(view)));
     }
     for (uint32_t frame = 0; (frame == 0 || frame < turn->frames) && !code; frame++) {
         conus_image *image = NULL;
@@ -928,6 +946,7 @@ static int draw_frames(const struct picture *picture, const conus_view *view, co
         status = status ? status : draw_view(&image, picture, &of_frame, planes, count);
         status = status ? status : conus_image_write(image, name);
         code = print_status(status);
+        code = code || !picture->settings->caption ? code : caption_take(&picture->caption, image);
         conus_image_destroy(image);
         free(name);
     }
@@ -950,8 +969,54 @@ static double *beam_opacities(const struct picture *picture, const conus_selecti
     return opacity;
 }
 
+/* What the picture shows, in a sentence; NULL without memory. */
+static char *describe_picture(const struct picture *picture, const conus_view *view)
+{
+    static const char *const from[] = {"the cone's side", "the left", "the right",       "the front",      "the back",
+                                       "above",           "below",    "beside the cone", "across the beam"};
+    const struct render_settings *settings = picture->settings;
+    const char *atlas = picture->arguments->operands[0];
+    const bool has_side = view->side || view->selection;
+    struct system_text text;
+    FILE *out = system_text_open(&text);
+    if (!out) {
+        return system_text_close(&text);
+    }
+    fprintf(out, settings->cuts.cuts ? "Cuts of the atlas %s: %s" : "The atlas %s", path_name(atlas),
+            settings->cuts.cuts ? settings->cuts.cuts : "");
+    if (!settings->cuts.cuts && !view->camera && has_side) {
+        fprintf(out, ", seen from %s", from[view->side]);
+    }
+    if (view->selection) {
+        fprintf(out, ", with %s%s%s",
+                view->is_beam                 ? "a beam"
+                : settings->engine.radius > 0 ? "a cylinder along the axis of the device"
+                                              : "a cone from the device",
+                view->title ? " at " : "", view->title ? view->title : "");
+    } else if (view->point_count || view->probe_count) {
+        fprintf(out, ", with %zu %s%s", view->point_count + view->probe_count, view->point_count ? "points" : "probes",
+                picture->rows.file ? " of " : "");
+        fprintf(out, "%s", picture->rows.file ? path_name(picture->rows.file) : "");
+    }
+    return system_text_close(&text);
+}
+
+/* Keeps what the caption says of a picture, before it is drawn. */
+static int prepare_caption(struct picture *picture, const conus_view *view)
+{
+    if (!picture->settings->caption) {
+        return EXIT_DONE;
+    }
+    picture->caption.shown = describe_picture(picture, view);
+    return !picture->caption.shown ? print_no_memory()
+           : view->selection
+               ? caption_ask(&picture->caption, picture->selector, view->selection, &picture->frame, picture->arguments,
+                             picture->settings->engine.radius > 0 ? "cylinder" : "cone")
+               : EXIT_DONE;
+}
+
 /* Draws a picture, of a cone if there is one: `selection` is its selection at `pose`. */
-static int draw_picture(const struct picture *picture, const conus_selection *selection, const conus_pose *pose,
+static int draw_picture(struct picture *picture, const conus_selection *selection, const conus_pose *pose,
                         const char *path)
 {
     const struct render_settings *settings = picture->settings;
@@ -972,6 +1037,9 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
                        .points = picture->points,
                        .point_count = picture->point_count,
                        .title = picture->title,
+                       .no_covered_context =
+                           !settings->transfer && !option_given(picture->arguments, "context-opacity"),
+                       .is_beam = is_beam(picture),
                        .frame = &picture->frame};
     figure_view(&view, &settings->figure);
     if (is_beam(picture) && !settings->figure.side && !view.camera) {
@@ -983,29 +1051,23 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
     if ((picture->probe_count || picture->point_count) && !settings->translucent.opacity.count) {
         view.pale = FAINT;
     }
-    if (!view.legend_rows && view.legend != CONUS_LEGEND_NONE &&
-        option_given(picture->arguments, "legend")) { /* a legend that was asked for is drawn without a cone, too */
-        view.legend_rows = UINT32_MAX;
-    }
-    if (settings->cuts.cuts && !render_cuts_need_space(&settings->cuts) && !selection && view.legend_rows &&
-        view.legend != CONUS_LEGEND_NONE && !settings->common.quiet) {
-        print_error_line("note: --legend lists no areas in cuts but those that a cone hits (--origin or --pose), "
-                         "unless 3d is beside them");
+    const bool has_own = settings->turn.frames && !option_given(picture->arguments, "legend"); /* each other rows */
+    if (!view.legend_rows && view.legend != CONUS_LEGEND_NONE && !picture->probe_count && (selection || !has_own)) {
+        view.legend_rows = LEGEND_ROWS; /* without a cone, too */
     }
     view.shapes = path_ends_in(path, ".svg") || path_ends_in(path, ".pdf");
     if (settings->cuts.cuts && !option_given(picture->arguments, "size") &&
         !option_given(picture->arguments, "height-mm")) {
         view.height = 0;
     }
-    bool is_sheet = settings->cuts.cuts && !view.height;
-    if ((settings->turn.frames || is_sheet) && (selection || picture->point_count) &&
-        !option_given(picture->arguments, "legend")) {
-        view.legend = CONUS_LEGEND_BELOW; /* all frames are as large, and rows of cuts as wide as they can be */
+    if (settings->turn.frames && (selection || picture->point_count) && !option_given(picture->arguments, "legend")) {
+        view.legend = CONUS_LEGEND_BELOW; /* all frames are as large */
     }
     int code = settings->cuts.cuts
                    ? render_cuts_find(&planes, &count, &settings->cuts, picture->has_cut_at ? picture->cut_at : NULL,
-                                      picture->atlas, &picture->frame, selection, pose)
+                                      picture->atlas, &picture->frame, picture->selector, selection, pose)
                    : EXIT_DONE;
+    code = code ? code : prepare_caption(picture, &view);
     code = code ? code : draw_frames(picture, &view, planes, count, path);
     free(planes);
     free(glass);
@@ -1131,22 +1193,24 @@ static conus_status place_point(conus_drawn_point *out, struct picture *picture,
     return status;
 }
 
-/* Along an axis, the point that is near most others; of several that nearest to the middle of all. */
-static double find_crowd(const conus_drawn_point *points, size_t count, int axis)
+/* Of sorted coordinates, the one that is near most others; of several that nearest to the middle of all. */
+static double find_crowd(const double *sorted, size_t count)
 {
-    static const double near = 2; /* mm, as cuts draw them */
     double middle = 0;
     double best = NAN;
     size_t most = 0;
     for (size_t i = 0; i < count; i++) {
-        middle += points[i].at[axis] / (double)count;
+        middle += sorted[i] / (double)count;
     }
-    for (size_t i = 0; i < count; i++) {
-        const double at = points[i].at[axis];
-        size_t others = 0;
-        for (size_t k = 0; k < count; k++) {
-            others += fabs(points[k].at[axis] - at) <= near;
+    for (size_t i = 0, first = 0, end = 0; i < count; i++) {
+        const double at = sorted[i];
+        while (at - sorted[first] > CONUS_POINT_NEAR_CUT) {
+            first++;
         }
+        while (end < count && sorted[end] - at <= CONUS_POINT_NEAR_CUT) {
+            end++;
+        }
+        const size_t others = end - first;
         if (others > most || (others == most && fabs(at - middle) < fabs(best - middle))) {
             most = others;
             best = at;
@@ -1156,14 +1220,24 @@ static double find_crowd(const conus_drawn_point *points, size_t count, int axis
 }
 
 /* Lets cuts go where most points are, if that is in the atlas. */
-static void place_cuts(struct picture *picture, const conus_drawn_point *points, size_t count)
+static int place_cuts(struct picture *picture, const conus_drawn_point *points, size_t count)
 {
     double low[3], high[3];
+    double *sorted = calloc(count + 1, sizeof *sorted);
+    if (!sorted) {
+        return print_no_memory();
+    }
     picture->has_cut_at = !conus_atlas_bounds(low, high, picture->atlas);
     for (int a = 0; a < 3; a++) {
-        const double at = picture->cut_at[a] = find_crowd(points, count, a);
+        for (size_t i = 0; i < count; i++) {
+            sorted[i] = points[i].at[a];
+        }
+        order_sort(sorted, count, sizeof *sorted, compare_f64);
+        const double at = picture->cut_at[a] = find_crowd(sorted, count);
         picture->has_cut_at = picture->has_cut_at && at > low[a] && at < high[a];
     }
+    free(sorted);
+    return EXIT_DONE;
 }
 
 /* Draws all rows in one picture; those that cannot be drawn are named. */
@@ -1190,12 +1264,15 @@ static int draw_points(struct picture *picture)
                  "--output's name draws a cone for each",
                  rows->file, poses);
     }
-    const bool has_electrodes = !code && !picture->settings->colour_by && contacts_are_all(points, count);
+    bool has_electrodes = false;
+    if (!code && !picture->settings->colour_by && !contacts_are_all(&has_electrodes, points, count)) {
+        code = print_no_memory();
+    }
     if (has_electrodes && !contacts_group(points, count)) {
         code = print_no_memory();
     }
-    if (!picture->has_cut_at && picture->settings->cuts.cuts && count) {
-        place_cuts(picture, points, count);
+    if (!code && !picture->has_cut_at && picture->settings->cuts.cuts && count) {
+        code = place_cuts(picture, points, count);
     }
     picture->points = points;
     picture->point_count = count;
@@ -1303,7 +1380,10 @@ static int run_render(const void *given, const struct arguments *arguments)
     }
     if (!code) {
         atlas_notes_say(picture.atlas, &settings->common);
-        code = picture.failed ? EXIT_DIFFERENT : EXIT_DONE;
+        code = !settings->caption || !picture.caption.shown
+                   ? EXIT_DONE
+                   : caption_write(&picture.caption, settings->caption, arguments->operands[0], picture.atlas);
+        code = code || !picture.failed ? code : EXIT_DIFFERENT;
     }
     picture_finish(&picture);
     return code;

@@ -2,6 +2,7 @@
 /* Tells contacts of electrodes by their names. */
 #include "cli/contacts.h"
 
+#include "base/order.h"
 #include "base/text.h"
 
 #include <stdlib.h>
@@ -20,21 +21,38 @@ static size_t electrode_length(const char *name)
     return length;
 }
 
-bool contacts_are_all(const conus_drawn_point *points, size_t count)
+struct electrode {
+    const char *name;
+    size_t length;
+};
+
+static int compare_electrodes(const void *a, const void *b)
+{
+    const struct electrode *one = a;
+    const struct electrode *other = b;
+    const int order = strncmp(one->name, other->name, one->length < other->length ? one->length : other->length);
+    return order || one->length == other->length ? order : one->length < other->length ? -1 : 1;
+}
+
+bool contacts_are_all(bool *out, const conus_drawn_point *points, size_t count)
 {
     enum { EACH = 3 };
     size_t electrodes = 0;
     bool have_numbers = count;
-    for (size_t i = 0; i < count && have_numbers; i++) {
-        const size_t length = electrode_length(points[i].name);
-        bool is_new = true;
-        for (size_t k = i; k-- > 0 && is_new;) { /* mostly that of the one before */
-            is_new = electrode_length(points[k].name) != length || strncmp(points[k].name, points[i].name, length) != 0;
-        }
-        have_numbers = length && points[i].name[length];
-        electrodes += is_new;
+    struct electrode *all = calloc(count + 1, sizeof *all);
+    for (size_t i = 0; all && i < count && have_numbers; i++) {
+        all[i] = (struct electrode){points[i].name, electrode_length(points[i].name)};
+        have_numbers = all[i].length && all[i].name[all[i].length];
     }
-    return have_numbers && EACH * electrodes <= count;
+    if (all && have_numbers) {
+        order_sort(all, count, sizeof *all, compare_electrodes);
+        for (size_t i = 0; i < count; i++) {
+            electrodes += !i || compare_electrodes(&all[i - 1], &all[i]);
+        }
+    }
+    *out = have_numbers && EACH * electrodes <= count;
+    free(all);
+    return all;
 }
 
 bool contacts_group(conus_drawn_point *points, size_t count)

@@ -5,9 +5,9 @@
 
 #include "conus/picture.h"
 
-/** Whether all names, which are not NULL, are those of contacts: a word and a number behind it, three or more for each
- * word on average. */
-bool contacts_are_all(const conus_drawn_point *points, size_t count);
+/** Finds out whether all names, which are not NULL, are those of contacts: a word and a number behind it, three or more
+ * for each word on average. False without memory. */
+bool contacts_are_all(bool *out, const conus_drawn_point *points, size_t count);
 
 /** Gives contacts their electrodes as groups: "LA" to "LA12", "LA-12" and "LA 12". False without memory. In either case
  * contacts_ungroup() ends it. */

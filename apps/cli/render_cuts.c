@@ -6,6 +6,7 @@
 #include "settings/settings.h"
 
 #include "conus/atlas_info.h"
+#include "conus/segments.h"
 #include "conus/space.h"
 
 #include <math.h>
@@ -29,14 +30,14 @@ const struct option cut_options[] = {
     {.name = "cuts",
      FIELD(cuts),
      .value = "PLANES",
-     .help = "flat cuts on one sheet, such as axial,coronal,sagittal through the best hit's contact, or axial:-10,0,10 "
+     .help = "flat cuts on one sheet, such as axial,coronal,sagittal through the best hit's middle, or axial:-10,0,10 "
              "at these places, or mosaic:N, N axial cuts (default 12); 3d among them adds the view in space",
      .words = "slices, mosaic, montage, sections",
      .role = OPTION_ASKS},
     {.name = "at",
      FIELD(at),
      .value = PLACE_VALUE,
-     .help = "the place through which cuts go (default: the best hit's contact, where most points are, or "
+     .help = "the place through which cuts go (default: the best hit's middle, where most points are, or "
              "the atlas's middle)",
      .role = OPTION_ASKS,
      .flags = OPTION_IS_PLACE,
@@ -185,8 +186,9 @@ bool render_cuts_have_places(const struct cut_settings *settings, const struct a
 bool render_cuts_check(const struct cut_settings *settings, const struct arguments *arguments)
 {
     static const char *const of_space[] = {
-        "view",    "camera",          "camera-origin", "field-of-view",     "frustum", "transfer",   "pathway-transfer",
-        "opacity", "context-opacity", "map",           "streamline-colour", "frames",  "unselected", "shell"};
+        "view",    "camera",          "camera-origin", "field-of-view",     "frustum", "transfer",
+        "opacity", "context-opacity", "map",           "streamline-colour", "frames",  "unselected",
+        "shell"};
     if (!settings->cuts) {
         return true;
     }
@@ -315,9 +317,31 @@ static int add_mosaic(struct cut_finder *finder, int plane, size_t count)
     return code;
 }
 
-/* --at, the contact of the best hit, or the middle of the atlas. */
-static int find_point(struct cut_finder *finder, const double *given, const conus_selection *selection,
-                      const conus_pose *pose)
+/* The middle of what a ray from the apex through the contact passes of the object; the contact where that is not known,
+ * as of an open surface. */
+static void find_middle(double out[3], conus_selector *selector, const conus_result *hit, const conus_pose *pose)
+{
+    conus_segments *segments = NULL;
+    conus_pose ray;
+    conus_status status = conus_pose_toward(&ray, pose->world_from_device + 12, hit->contact, NULL);
+    status = status ? status : conus_segments_create(&segments, selector, &ray);
+    bool found = status;
+    for (int a = 0; a < 3; a++) {
+        out[a] = hit->contact[a] - INTO * pose->world_from_device[8 + a];
+    }
+    for (size_t i = 0; i < conus_segments_count(segments) && !found; i++) {
+        const conus_segment *segment = conus_segments_segment(segments, i);
+        found = segment->object == hit->object && isfinite(segment->exit);
+        for (int a = 0; a < 3 && found; a++) {
+            out[a] = (segment->entry_at[a] + segment->exit_at[a]) / 2;
+        }
+    }
+    conus_segments_destroy(segments);
+}
+
+/* --at, the middle of the best hit, or that of the atlas. */
+static int find_point(struct cut_finder *finder, const double *given, conus_selector *selector,
+                      const conus_selection *selection, const conus_pose *pose)
 {
     for (int a = 0; a < 3; a++) {
         finder->through[a] = (finder->low[a] + finder->high[a]) / 2;
@@ -335,9 +359,7 @@ static int find_point(struct cut_finder *finder, const double *given, const conu
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         if (result->object && result->pixels) {
-            for (int a = 0; a < 3; a++) {
-                finder->through[a] = result->contact[a] - INTO * pose->world_from_device[8 + a];
-            }
+            find_middle(finder->through, selector, result, pose);
             return EXIT_DONE;
         }
     }
@@ -345,8 +367,8 @@ static int find_point(struct cut_finder *finder, const double *given, const conu
 }
 
 int render_cuts_find(conus_cut_plane **planes, size_t *count, const struct cut_settings *settings, const double *at,
-                     const conus_atlas *atlas, const conus_frame *frame, const conus_selection *selection,
-                     const conus_pose *pose)
+                     const conus_atlas *atlas, const conus_frame *frame, conus_selector *selector,
+                     const conus_selection *selection, const conus_pose *pose)
 {
     struct cut_finder finder = {.settings = settings, .frame = frame};
     struct cut_word words[CUT_LIMIT + 1];
@@ -356,7 +378,7 @@ int render_cuts_find(conus_cut_plane **planes, size_t *count, const struct cut_s
     if (status || !finder.planes) {
         return status ? print_status(status) : print_no_memory();
     }
-    int code = find_point(&finder, at, selection, pose);
+    int code = find_point(&finder, at, selector, selection, pose);
     for (size_t i = 0; i < word_count && !code; i++) {
         const struct cut_word *word = &words[i];
         if (word->plane == PLANES) {

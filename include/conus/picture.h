@@ -181,6 +181,9 @@ typedef struct conus_drawn_point {
                           paler the farther they lie behind the atlas's middle. */
 } conus_drawn_point;
 
+/** How near to a cut the middle of a smaller ball is drawn there, mm. */
+#define CONUS_POINT_NEAR_CUT 2.0
+
 /** Something over a picture in space, whatever lies before it: a line, or a disc, and a name. */
 typedef struct conus_mark {
     double ends[2][3]; /**< World mm. Not drawn where one of them is behind the camera. */
@@ -263,14 +266,17 @@ typedef struct conus_view {
                                 one before or beside the drawing. */
     size_t mark_count;       /**< 0 = none. */
     const conus_drawn_point *points; /**< [point_count] With neither a selection nor probes: balls over the drawing,
-                                        and over cuts that go through them or, of smaller ones, are up to 2 mm from
-                                        their middle. Areas are a neutral grey unless @p own_colours, the palette or
+                                        and over cuts that go through them or, of smaller ones, are up to
+                                        #CONUS_POINT_NEAR_CUT from their middle. Areas are a neutral grey unless @p
+                                        own_colours, the palette or
                                         @p listed gives them colours. The picture shows those up to three radii of the
                                         atlas from its middle; how many are outside, and how many names have no room,
                                         stands in its corner. */
     size_t point_count;              /**< 0 = none. */
     const char *title; /**< UTF-8: what the selection is of, such as the name of its pose, at the head of its legend;
                           NULL = nothing. */
+    bool no_covered_context; /**< A context volume that opaque areas cover, all but a rim, is not drawn. */
+    bool is_beam;            /**< The selection's cone is a beam from where it ends to its focus, at its apex. */
 } conus_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -323,6 +329,9 @@ typedef struct conus_cut_view {
     bool own_colours;                 /**< As of conus_view. Else areas that are not hit have only an outline, over an
                                          image, and are a neutral grey without one. */
     bool no_cone;                     /**< The selection's cone is not drawn. */
+    const conus_pathway_transfer *pathways; /**< [pathway_count] Pathways that conus_cuts_image() colours by their
+                                               values; NULL = as its renderer does. */
+    size_t pathway_count;
 } conus_cut_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -378,9 +387,11 @@ typedef struct conus_cut_plane {
  * @param look Its fill, no_outlines, window and chosen are those of all cuts. NULL = defaults.
  * @param renderer The atlas's, which draws the view in space before the first cut; NULL = only cuts.
  * @param sheet Of the whole: its size, legend, background, dpi, no_legend, selection, own_colours, print, listed,
- * points, title and frame; all else is of the view in space. Its height 0 means as high as the cuts need it, at most
- * three quarters of the width, in print the width. With dpi outlines are half a point wide and of one grey. NULL =
- * defaults.
+ * points, title, is_beam and frame; all else is of the view in space. Without a selection, points and colours that
+ * somebody chose, what is listed has its colour, and all other areas only outlines over an image; where there are
+ * pathways or bundles these are what is listed, too. Its height 0 means as high as the cuts need it, at most
+ * three quarters of the width, in print 1.4 times the width. With dpi outlines are half a point wide and of one grey.
+ * NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for something out of its range, and for a sheet too small for so many cuts;
  * #CONUS_ERROR_DATA for an atlas in which nothing shows; #CONUS_ERROR_MEMORY for more than 8 GiB, at 32 bytes per
  * pixel; the errors of conus_render().

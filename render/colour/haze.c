@@ -3,6 +3,7 @@
  * so that no colour bleeds from where nothing is. */
 #include "render/colour/haze.h"
 
+#include "atlas/volume_sample.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "render/image/image_srgb.h"
@@ -108,6 +109,15 @@ void haze_choice_finish(struct haze_choice *choice)
     }
     memory_free(choice->transfers);
     *choice = (struct haze_choice){0};
+}
+
+void haze_colour_at(double rgba[4], const conus_atlas *atlas, const struct haze_choice *choice, uint32_t number,
+                    const double world[3])
+{
+    const struct volume *volume = atlas_object_volume(atlas, number);
+    double place[3];
+    mat4_point(place, volume->voxel_from_world, world);
+    transfer_at(rgba, &choice->transfers[number], volume_trilinear(volume, place));
 }
 
 /* The pathway whose haze the voxel has, 0 if none. */

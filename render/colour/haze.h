@@ -30,6 +30,10 @@ static inline bool haze_is(const struct haze_choice *choice, size_t number)
     return choice && choice->transfers && choice->transfers[number].count > 0;
 }
 
+/** The colour, sRGB, and opacity of a pathway that is haze at a place, between voxel centres trilinearly. */
+void haze_colour_at(double rgba[4], const conus_atlas *atlas, const struct haze_choice *choice, uint32_t number,
+                    const double world[3]);
+
 /** The field of all chosen pathways that are not hidden, on the grid of the first, with a margin of one voxel without
  * haze. No texels if there are none. @p max_memory limits the texels. Call haze_field_finish() in any case. */
 conus_status haze_fill(struct haze_field *out, const conus_atlas *atlas, const struct haze_choice *choice,

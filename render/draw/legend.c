@@ -157,7 +157,8 @@ static void leave_out(struct layout *layout, size_t lines)
         layout->head = layout->shown ? layout->shown - 1 - layout->key : 0;
         layout->more = (struct legend_row){.plain = true, .name = layout->text};
     } while (layout->shown && !fits_into_columns(layout));
-    snprintf(layout->text, sizeof layout->text, "\u2026 and %zu more", legend->count - layout->shown + 1);
+    const size_t others = legend->count - layout->shown + 1;
+    snprintf(layout->text, sizeof layout->text, others == 1 ? "and %zu other" : "and %zu others", others);
 }
 
 /* Puts the rows into the columns, or those that have place in so many lines of each. Measures the details, and the

@@ -17,6 +17,7 @@ struct legend_row {
     const uint8_t (
         *bar)[3]; /**< [LEGEND_BAR] sRGB of the bar from the row above, which has a mark, too; NULL = none. */
     const char *name;
+    const char *own; /**< For the legend in words: the object's own name, where that is another; NULL = it is `name`. */
     const char *detail[LEGEND_DETAILS]; /**< Right-aligned columns after the name; NULL = empty.      */
 };
 
@@ -45,7 +46,7 @@ void legend_fit(double size[2], struct legend *legend, struct font *font, const 
 size_t legend_capacity(const struct legend *legend, double height);
 
 /** Appends it. Names that are too long end in an ellipsis, details that do not fit are left out from the last on, and
- * of too many rows the first are shown, a line "... and N more", and the tail, if there is space for these. A picture
+ * of too many rows the first are shown, a line "and N others", and the tail, if there is space for these. A picture
  * too small for one row stays as it is. */
 void legend_draw(struct draw_list *list, struct font *font, const struct legend *legend);
 

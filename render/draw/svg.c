@@ -108,7 +108,7 @@ static conus_status put_picture(struct buffer *out, const struct draw_list *list
 }
 
 conus_status draw_format_svg(struct buffer *out, const struct draw_list *list, const uint8_t *png, size_t png_size,
-                             double dpi)
+                             double dpi, const char *description)
 {
     const double mm = dpi > 0 ? 25.4 / dpi : 0;
     buffer_text(out, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
@@ -118,6 +118,11 @@ conus_status draw_format_svg(struct buffer *out, const struct draw_list *list, c
     buffer_format(out, "%s\" height=\"", mm > 0 ? "mm" : "");
     buffer_number(out, mm > 0 ? list->height * mm : list->height);
     buffer_format(out, "%s\" viewBox=\"0 0 %u %u\">\n", mm > 0 ? "mm" : "", list->width, list->height);
+    if (description && description[0]) {
+        buffer_text(out, "<desc>");
+        buffer_xml(out, description);
+        buffer_text(out, "</desc>\n");
+    }
     conus_status status = put_picture(out, list, png, png_size);
     buffer_text(out, "<g font-family=\"Liberation Sans, Arial, Helvetica, sans-serif\" xml:space=\"preserve\">\n");
     for (size_t i = 0; i < list->count && !status; i++) {

@@ -206,6 +206,12 @@ const char *conus_image_channel(const conus_image *image, size_t index)
     return image && index < image->channel_count ? image->channels[index].name : NULL;
 }
 
+const char *conus_image_legend(const conus_image *image)
+{
+    const struct image_attribute *found = image ? image_find_attribute(image, IMAGE_LEGEND) : NULL;
+    return found && found->text ? found->text : "";
+}
+
 const float *conus_image_floats(const conus_image *image, const char *channel)
 {
     const struct image_channel *found = image_find(image, channel);

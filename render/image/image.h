@@ -63,6 +63,9 @@ conus_status image_create_listed(conus_image **out, uint32_t width, uint32_t hei
 /** Lays the list, which is there, over the pixels, and ends it. */
 conus_status image_paint(conus_image *image);
 
+/** The attribute that says what a picture's colours mean. */
+#define IMAGE_LEGEND "conus:legend"
+
 /** Attribute names have 1 to 31 bytes; a second attribute of a name replaces the first. */
 conus_status image_add_text(conus_image *image, const char *name, const char *text);
 conus_status image_add_matrix(conus_image *image, const char *name, const double matrix[16]);

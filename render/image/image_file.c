@@ -48,7 +48,8 @@ static conus_status format_svg(struct bytes *out, const conus_image *image)
     struct buffer text = {0};
     struct bytes png = {0};
     conus_status status = image_format_png(&png, image);
-    status = status ? status : draw_format_svg(&text, image->list, png.data, png.size, image->dpi);
+    status = status ? status
+                    : draw_format_svg(&text, image->list, png.data, png.size, image->dpi, conus_image_legend(image));
     bytes_finish(&png);
     return finish_text(out, &text, status);
 }

@@ -20,6 +20,13 @@ enum { PICTURE_FRUSTUM_LIMIT = 1000 };
 /* Half the width of the disc of a number, em. */
 #define PICTURE_TAG 0.75
 
+/** The part of the picture from which on something is listed because it is seen: a square of a 140th of its side, 0.6
+ * mm in a column of print. */
+#define PICTURE_LEAST_PART (1.0 / 20000)
+
+/** The dark edge of balls and of lines of probes, linear. */
+#define PICTURE_CASING ((const float[4]){LOOK_PROBE_CASING, 1})
+
 struct picture_legend;
 struct picture_probes;
 
@@ -39,6 +46,9 @@ struct picture {
     uint32_t sheet_height;         /**< Height of the image, which is options.width wide.                             */
     struct font *font;             /**< NULL = no text.                                                        */
     struct picture_legend *legend; /**< NULL = none.                                                   */
+    bool is_low;                   /**< A legend that may stand anywhere stands below. */
+    char *key;                     /**< What its colours mean, with the names that the atlas has; NULL = none. */
+    char *sides;                   /**< [objects + 1] of conus_atlas_sides(); with a font. */
     struct picture_probes *probes; /**< Strips; NULL = none. */
     struct picture_group *groups;  /**< [group_count] Of points, in the order of the first of each. */
     size_t group_count;
@@ -150,17 +160,18 @@ bool picture_draws(const struct picture *picture, uint32_t number);
 /** Fills in `seen`, by rays from the camera through the whole picture. Whatever is drawn is opaque or haze. */
 conus_status picture_see(struct picture *picture);
 
+/** Whether areas lie at or less than 8 mm behind the first bright voxels of the context, in 92 of 100 columns that look
+ * at it from six sides; false without one. */
+conus_status picture_covers_context(bool *out, const conus_atlas *atlas);
+
 /** Whether the camera sees neither it nor anything below it in the area tree, as far as that is known. */
 bool picture_is_hidden(const struct picture *picture, uint32_t number);
 
 /** Whether a legend without a cone names all that is in the picture. */
 bool picture_lists_all(const struct picture *picture);
 
-/** Whether its options have a legend, and there is something to put in: hits of a cone, objects that are listed, or
- * colours that stand for something. */
-bool picture_has_legend(const struct picture *picture);
-
-/** Makes the legend of a picture that has one, and place for it beside or below the drawing. */
+/** Makes the legend of a picture with a font that has something to explain, in words as `key`, and unless its options
+ * have none, place for it beside or below the drawing. */
 conus_status picture_legend_init(struct picture *picture);
 void picture_legend_finish(struct picture *picture);
 
@@ -217,9 +228,10 @@ void picture_points_count(struct draw_list *list, const struct picture *picture,
 
 enum { PICTURE_TEXT = 160, PICTURE_NUMBER = 24 };
 
-/** What pictures call an object: its name, or path_title() of a number in the file of its voxels, or the atlas's first;
- * perhaps in @p out. */
-const char *picture_name(char out[PICTURE_TEXT], const conus_atlas *atlas, uint32_t number);
+/** What pictures call an object, perhaps in @p out: path_title() of a number in the file of its voxels, or the atlas's
+ * first; else its name with spaces for underscores, and "left" or "right" for a letter L or R at its beginning or end
+ * where that is the area's side, unless left and right are exchanged, or another object would then be called so. */
+const char *picture_name(char out[PICTURE_TEXT], const struct picture *picture, uint32_t number);
 
 /** A coordinate: all its digits where it was given with up to six after the point, else @p most, which show less than
  * a pixel. */
@@ -231,6 +243,9 @@ void picture_describe_cone(char out[2][PICTURE_TEXT], const struct cone *cone, c
 /** Makes the drawing, and with it the sheet, as low as @p height, but the sheet not lower than a legend beside the
  * drawing. A legend below follows. */
 void picture_lower(struct picture *picture, uint32_t height);
+
+/** Adds the key to the image. */
+conus_status picture_add_key(conus_image *image, const struct picture *picture);
 
 void picture_legend_draw(struct draw_list *list, const struct picture *picture);
 

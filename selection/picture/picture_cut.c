@@ -11,8 +11,8 @@
 
 #include <string.h>
 
-/* On paper outlines are of one grey, but not those of surfaces that are not closed: these have nothing else to show
- * their colour. */
+/* On paper outlines are of one grey, but not those of what stands out, nor of surfaces that are not closed: these have
+ * nothing else to show their colour. */
 static conus_status grey_outlines(struct picture *picture)
 {
     const conus_atlas *atlas = picture->atlas;
@@ -20,7 +20,8 @@ static conus_status grey_outlines(struct picture *picture)
     picture->line_rgb = picture_rank_colours(NULL, atlas, LOOK_OUTLINE, NULL);
     for (uint32_t n = 1; picture->line_rgb && n <= atlas->object_count; n++) {
         const struct mesh *mesh = atlas_object_mesh(atlas, n);
-        if (mesh && !mesh->shape.closed) {
+        const bool stands_out = picture->options.listed && picture->options.listed[n] && !picture->options.selection;
+        if (stands_out || (mesh && !mesh->shape.closed)) {
             memcpy(picture->line_rgb[n], own ? own[n] : atlas->objects[n - 1].rgb, sizeof *own);
         }
     }
@@ -47,14 +48,16 @@ conus_status picture_cut_init(struct picture *picture, const conus_cut_view *vie
                                     .points = sheet->points,
                                     .point_count = sheet->point_count,
                                     .title = sheet->title,
+                                    .is_beam = sheet->is_beam,
                                     .own_colours = view->own_colours || sheet->own_colours};
     memcpy(picture->options.background_rgb, sheet->background_rgb, sizeof sheet->background_rgb);
     picture->areas = memory_raw(count, sizeof *picture->areas);
+    const bool is_marked = sheet->point_count || (sheet->listed && !picture->options.own_colours);
     bool has_ranks = picture_has_ranks(view->selection, picture->options.own_colours);
-    picture->emphasis = view->selection      ? picture_emphasis(view->selection, has_ranks ? 0 : view->chosen)
-                        : sheet->point_count ? memory_zeroed(count, sizeof *picture->emphasis)
-                                             : NULL;
-    if (!picture->areas || ((view->selection || sheet->point_count) && !picture->emphasis)) {
+    picture->emphasis = view->selection ? picture_emphasis(view->selection, has_ranks ? 0 : view->chosen)
+                        : is_marked     ? memory_zeroed(count, sizeof *picture->emphasis)
+                                        : NULL;
+    if (!picture->areas || ((view->selection || is_marked) && !picture->emphasis)) {
         return CONUS_ERROR_MEMORY;
     }
     memset(picture->areas, PATHWAYS_AREA_OVER, count * sizeof *picture->areas);
@@ -105,6 +108,7 @@ static conus_status make_image(conus_image **out, struct picture *picture, const
         image->dpi = picture->options.dpi;
         lay_out(image, picture, rgba);
         status = picture_add_volumes(image, picture->atlas, true);
+        status = status ? status : picture_add_key(image, picture);
     }
     double *axes = picture->camera.world_from_camera;
     cut_view_axes(axes, axes + 4, view); /* the letters at the edges depend on them */

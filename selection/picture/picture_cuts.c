@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "conus/atlas_info.h"
+#include "render/colour/pathways.h"
 #include "render/flat/cut_trace.h"
 #include "render/image/image.h"
 #include "selection/picture/picture.h"
@@ -38,6 +39,9 @@ static const double TITLE = 1.7;
 static const double STRIP = 3;
 static const double TALL = 8;
 
+/* How much wider than others the outlines are of what stands out. */
+static const double FIRM = 2.5;
+
 /* A panel shows so many mm; its picture is in the pixels `at` to `at` + `size` of the sheet. */
 struct panel {
     const conus_cut_plane *plane; /* NULL = the view in space */
@@ -59,7 +63,9 @@ struct sheet {
     size_t count, columns;
     bool trims; /* no height was asked for */
     enum title title;
-    bool *shown; /* [point_count] of points: in a cut */
+    bool *shown;  /* [point_count] of points: in a cut */
+    bool *listed; /* [objects + 1] what stands out; NULL = as the view says */
+    struct haze_choice hazy;
     double pixels_per_mm;
     double beside, above, below, strip; /* pixels around each panel, and below all */
     uint8_t *rgba;                      /* of the panel that is drawn: scratch */
@@ -169,13 +175,14 @@ static void measure_rows(double mm[2], const struct sheet *sheet, size_t columns
     }
 }
 
-/* The number of columns at which the scale is largest; a last row that is not full counts against it. */
+/* The number of columns at which the scale is largest; a last row that is not full counts against it. A sheet that is
+ * as high as it needs to be has no single column. */
 static void choose_scale(struct sheet *sheet)
 {
     const uint32_t *drawing = sheet->picture.drawing;
     double best = 0;
     sheet->pixels_per_mm = 0;
-    for (size_t columns = sheet->count; columns >= 1; columns--) {
+    for (size_t columns = sheet->count; columns >= (sheet->trims && sheet->count > 1 ? 2 : 1); columns--) {
         double mm[2];
         size_t rows = (sheet->count + columns - 1) / columns;
         measure_rows(mm, sheet, columns);
@@ -320,6 +327,26 @@ static void lay_pixel(const struct sheet *sheet, const struct image_rgba *to, lo
     }
 }
 
+/* Colours pathways by their values where somebody asked for that. */
+static void colour_values(const struct sheet *sheet, const struct cut *cut)
+{
+    const struct cut_place *at = &cut->of;
+    for (size_t i = 0; sheet->picture.hazy && i < (size_t)at->width * at->height; i++) {
+        const uint32_t number = cut->shown[i];
+        if (number && haze_is(sheet->picture.hazy, number)) {
+            double place[3], rgba[4];
+            const double across = (double)(i % at->width) + 0.5 - 0.5 * at->width;
+            const double down = floor((double)i / at->width) + 0.5 - 0.5 * at->height;
+            vec3_add_scaled(place, at->centre, across * at->mm_per_pixel, at->right);
+            vec3_add_scaled(place, place, -down * at->mm_per_pixel, at->up);
+            haze_colour_at(rgba, sheet->picture.atlas, sheet->picture.hazy, number, place);
+            for (int c = 0; c < 3; c++) {
+                sheet->rgba[4 * i + (size_t)c] = (uint8_t)lrint(255 * rgba[c]);
+            }
+        }
+    }
+}
+
 static bool is_black(const struct sheet *sheet, size_t pixel)
 {
     const uint8_t *rgb = sheet->rgba + 4 * pixel;
@@ -362,6 +389,30 @@ static void clear_outside(struct sheet *sheet, const struct cut *cut, size_t wid
                 sheet->rgba[4 * next[n] + 3] = 0;
                 sheet->stack[top++] = (uint32_t)next[n];
             }
+        }
+    }
+}
+
+/* Makes transparent what is dark within so many mm of what is, as the rim of a head without its skull mostly is: on
+ * paper it would be a black fringe. */
+static void clear_fringe(struct sheet *sheet, const struct cut *cut, size_t width, size_t height)
+{
+    enum { DARK = 64, MARKED = 1 };
+    static const double rim = 2.5;
+    const long steps = atlas_context(sheet->picture.atlas) ? lrint(ceil(rim * sheet->pixels_per_mm)) : 0;
+    uint8_t *rgba = sheet->rgba;
+    for (long step = 0; step < steps; step++) {
+        for (size_t i = 0; i < width * height; i++) {
+            const size_t column = i % width;
+            const bool is_dark =
+                rgba[4 * i + 3] && !cut->shown[i] && cut->grey[i] < DARK && !(cut->contours && cut->contours[i]);
+            const bool is_next = is_dark && ((column && !rgba[4 * i - 1]) || (column + 1 < width && !rgba[4 * i + 7]) ||
+                                             (i >= width && !rgba[4 * (i - width) + 3]) ||
+                                             (i + width < width * height && !rgba[4 * (i + width) + 3]));
+            rgba[4 * i + 3] = is_next ? MARKED : rgba[4 * i + 3];
+        }
+        for (size_t i = 0; i < width * height; i++) {
+            rgba[4 * i + 3] = rgba[4 * i + 3] == MARKED ? 0 : rgba[4 * i + 3];
         }
     }
 }
@@ -413,6 +464,15 @@ static conus_status trace(const struct sheet *sheet, const struct cut *cut, stru
     conus_status status = has_edges ? trace_edges(sheet, cut, lines, skips) : CONUS_OK;
     if (!status && has_outlines) {
         status = cut_trace_areas(lines, cut->shown, cut->of.width, cut->of.height, skips);
+    }
+    if (!status && has_outlines && sheet->listed) { /* firm lines around what stands out */
+        const double width = lines->width;
+        for (size_t n = 1; n <= atlas->object_count; n++) {
+            skips[n] = skips[n] || !sheet->listed[n];
+        }
+        lines->width = FIRM * width;
+        status = cut_trace_areas(lines, cut->shown, cut->of.width, cut->of.height, skips);
+        lines->width = width;
     }
     memory_free(skips);
     cut_lines_finish(lines);
@@ -511,7 +571,9 @@ static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
     sheet->stack = sheet->rgba ? memory_raw(pixels, sizeof *sheet->stack) : NULL;
     status = status || sheet->stack ? status : CONUS_ERROR_MEMORY;
     if (!status) {
+        colour_values(sheet, cut);
         clear_outside(sheet, cut, view.width, view.height);
+        clear_fringe(sheet, cut, view.width, view.height);
         if (view.selection) {
             struct cut_cone cone;
             cutter_cone(&cone, view.selection);
@@ -679,7 +741,65 @@ static conus_status draw_sheet(struct sheet *sheet)
         picture_legend_draw(sheet->image->list, picture);
     }
     status = status || picture->options.shapes ? status : image_paint(sheet->image);
-    return status ? status : picture_add_volumes(sheet->image, picture->atlas, true);
+    status = status ? status : picture_add_volumes(sheet->image, picture->atlas, true);
+    return status ? status : picture_add_key(sheet->image, picture);
+}
+
+/* Without a cone, points, or colours that somebody chose, pathways and bundles stand out from areas. */
+static conus_status list_pathways(struct sheet *sheet)
+{
+    const conus_atlas *atlas = sheet->picture.atlas;
+    const conus_view *view = &sheet->view;
+    if (view->selection || view->point_count || view->own_colours || atlas->has_palette || !pathways_shown(atlas)) {
+        return CONUS_OK;
+    }
+    sheet->listed = memory_zeroed(atlas->object_count + 1, sizeof *sheet->listed);
+    for (size_t n = 1; sheet->listed && n <= atlas->object_count; n++) {
+        sheet->listed[n] = n > atlas->area_count || (view->listed && view->listed[n]);
+    }
+    sheet->view.listed = sheet->listed;
+    return sheet->listed ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+/* Finds for the legend what part of the cuts each object has, in cuts of so many pixels. Beside a view in space all
+ * counts as seen; outlines of one grey have no colour to explain. */
+static conus_status see_cuts(struct sheet *sheet)
+{
+    enum { PIXELS = 240 };
+    const conus_atlas *atlas = sheet->picture.atlas;
+    const bool has_space = sheet->renderer;
+    const bool is_grey = sheet->look->fill == 0 && sheet->view.dpi > 0;
+    double low[3], high[3];
+    size_t pixels = 0;
+    conus_status status = conus_atlas_bounds(low, high, atlas);
+    if (status) {
+        return status;
+    }
+    double *seen = sheet->picture.seen = memory_zeroed(atlas->object_count + 1, sizeof *seen);
+    status = seen ? CONUS_OK : CONUS_ERROR_MEMORY;
+    const struct panel *panels = is_grey ? NULL : sheet->panels;
+    for (size_t i = has_space; panels && i < sheet->count && !status; i++) {
+        const conus_cut_plane *plane = panels[i].plane;
+        conus_cut_view view = {.width = PIXELS, .height = PIXELS, .own_colours = true};
+        double offset[3], normal[3];
+        for (int a = 0; a < 3; a++) {
+            view.centre[a] = (low[a] + high[a]) / 2;
+            view.mm_per_pixel = fmax(view.mm_per_pixel, (high[a] - low[a]) / PIXELS);
+        }
+        vec3_cross(normal, plane->right, plane->up);
+        vec3_sub(offset, plane->at, view.centre);
+        vec3_add_scaled(view.centre, view.centre, vec3_dot(offset, normal), normal);
+        memcpy(view.right, plane->right, sizeof view.right);
+        memcpy(view.up, plane->up, sizeof view.up);
+        status = conus_cutter_draw(sheet->cutter, &view);
+        for (size_t p = 0; p < (size_t)PIXELS * PIXELS && !status; p++, pixels++) {
+            seen[conus_cutter_shown(sheet->cutter)[p]]++;
+        }
+    }
+    for (size_t n = 1; n <= atlas->object_count && !status; n++) {
+        seen[n] = fmax(seen[n] / fmax((double)pixels, 1), has_space ? PICTURE_LEAST_PART : 0);
+    }
+    return status;
 }
 
 static conus_status check_planes(const conus_cut_plane *planes, size_t count)
@@ -698,8 +818,8 @@ conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const
     struct sheet of = {.look = options_of(conus_cut_view, look), .renderer = renderer, .picture = {.atlas = atlas}};
     of.view = *options_of(conus_view, sheet);
     of.view.width = of.view.width ? of.view.width : DEFAULT_WIDTH;
-    of.trims = !of.view.height;
-    const double highest = of.view.print ? 1 : 0.75; /* on paper the width is scarce */
+    of.trims = of.picture.is_low = !of.view.height;
+    const double highest = of.view.print ? 1.4 : 0.75; /* on paper the width is scarce */
     of.view.height = of.trims ? (uint32_t)fmax(ceil(highest * of.view.width), 1) : of.view.height;
     of.count = count + (renderer ? 1 : 0);
     const conus_cut_view whole = {
@@ -724,6 +844,13 @@ conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const
         of.picture.streamlines = &renderer->colour.streamlines;
         of.picture.hazy = &renderer->colour.hazy;
     }
+    if (!status && of.look->pathway_count) {
+        const conus_renderer_options haze = {.pathways = of.look->pathways, .pathway_count = of.look->pathway_count};
+        status = haze_choose(&of.hazy, atlas, &haze);
+        of.picture.hazy = &of.hazy;
+    }
+    status = status ? status : list_pathways(&of);
+    status = status || of.view.selection || of.view.point_count ? status : see_cuts(&of);
     status = status ? status : picture_cut_init(&of.picture, &whole, &of.view);
     status = status ? status : draw_sheet(&of);
     if (status) {
@@ -735,5 +862,7 @@ conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const
     conus_cutter_destroy(of.cutter);
     memory_free(of.panels);
     memory_free(of.shown);
+    memory_free(of.listed);
+    haze_choice_finish(&of.hazy);
     return status;
 }

@@ -2,12 +2,14 @@
 /* The legend of a picture: its rows, and the place beside or below the drawing that it takes. */
 #include "selection/picture/picture.h"
 
+#include "base/buffer.h"
 #include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/memory.h"
 #include "base/path.h"
 #include "render/colour/pathways.h"
 #include "render/draw/legend.h"
+#include "render/image/image.h"
 #include "selection/measure/tract_census.h"
 
 #include <ctype.h>
@@ -17,8 +19,7 @@
 
 enum {
     TEXT_SIZE = PICTURE_TEXT,
-    PATHWAY_ROWS = 4, /* that are not hit */
-    OTHER_ROWS = 2 * PATHWAY_ROWS + 1,
+    OTHER_ROWS = 3, /* what is in the cone without being hit, what is not drawn, sides that are exchanged */
     MARKS = 5,
     COLOUR_ROWS = MARKS + 2,
     GROUP_ROWS = 12, /* of points */
@@ -37,14 +38,34 @@ static const double SMALLEST = 6.0 / 7;
 /* Below the drawing a column has at least so many rows. */
 enum { LEAST_ROWS = 3 };
 
-/* The part of the picture from which on something is listed because it is seen: a square of a 140th of its side, 0.6 mm
- * in a column of print. */
-static const double LEAST_PART = 1.0 / 20000;
-
 /* A share that would be 0.0 %. */
 static const double NO_SHARE = 0.0005;
 
 static const char BEHIND[] = "behind";
+
+/* Of a tube with at most this radius, mm, the part of its cross-section that meets something first says nothing. */
+static const double NEEDLE = 3;
+
+/* The words about a selection. */
+struct wording {
+    const char *first, *all; /* titles, of first hits and of all layers */
+    bool has_share, has_length;
+    const char *place[2]; /* the heads of where it hits, or with all layers enters, an object */
+};
+
+static const struct wording *wording_of(const conus_view *options)
+{
+    static const struct wording cone = {
+        "First hits of the cone", "Hits of the cone", true, false, {"distance", "entry"}};
+    static const struct wording tube = {
+        "First hits of the cylinder", "The cylinder passes", true, true, {"entered at", "entered at"}};
+    static const struct wording needle = {
+        "The needle enters first", "The needle passes", false, true, {"entered at", "entered at"}};
+    static const struct wording beam = {
+        "The beam passes", "The beam passes", false, true, {"from focus", "from focus"}};
+    const double radius = options->selection->cone.radius;
+    return options->is_beam ? &beam : radius > NEEDLE ? &tube : radius > 0 ? &needle : &cone;
+}
 
 struct picture_legend {
     struct legend legend;
@@ -96,7 +117,7 @@ static bool colours_streamlines(const struct picture *picture)
 /* As far as that is known. */
 static bool is_seen(const struct picture *picture, size_t number)
 {
-    return !picture->seen || picture->seen[number] >= LEAST_PART;
+    return !picture->seen || picture->seen[number] >= PICTURE_LEAST_PART;
 }
 
 /* Whether the pathway is seen as haze coloured by its values, not by a colour of its own. */
@@ -124,14 +145,13 @@ static size_t count_by_value(const struct picture *picture)
     return count;
 }
 
-/* Without a cone a legend that is asked for, by its place or its rows, names all that is in the picture. A cut has no
- * haze. */
+/* Without a cone a legend that is asked for, by its place or its rows, names all that has a colour in the picture. */
 bool picture_lists_all(const struct picture *picture)
 {
     const conus_view *options = &picture->options;
     bool has_place = options->legend == CONUS_LEGEND_RIGHT || options->legend == CONUS_LEGEND_BELOW;
     bool is_long = options->legend_rows && options->legend != CONUS_LEGEND_NONE;
-    return picture->hazy && (has_place || is_long) && !options->selection && !options->listed;
+    return (picture->hazy || picture->seen) && (has_place || is_long) && !options->selection && !options->listed;
 }
 
 bool picture_stands_out(const struct picture *picture, size_t number)
@@ -156,7 +176,8 @@ bool picture_draws(const struct picture *picture, uint32_t number)
     bool has_voxels = atlas_object_volume(atlas, number) && atlas->objects[number - 1].voxels;
     bool is_left_out = has_voxels && number <= atlas->area_count && pathways_shown(atlas) &&
                        picture->areas[number] == PATHWAYS_AREA_LEFT_OUT;
-    bool shows = !picture->opacity || picture->opacity[number] > 0 || haze_is(picture->hazy, number);
+    bool shows = !picture->opacity || picture->opacity[number] > 0 || haze_is(picture->hazy, number) ||
+                 place->is_bundle; /* an opacity does not change tubes */
     return shows && !is_left_out && !conus_atlas_is_hidden(atlas, number) &&
            (place->is_mesh || place->is_bundle || has_voxels);
 }
@@ -164,14 +185,17 @@ bool picture_draws(const struct picture *picture, uint32_t number)
 /* Whether the legend has a row for it even if the cone does not hit it. */
 static bool is_listed(const struct picture *picture, uint32_t number)
 {
-    bool counts = picture_lists_all(picture) && is_seen(picture, number);
+    bool is_pale = picture->emphasis && picture->emphasis[number] == EMPHASIS_PALE;
+    bool counts = picture_lists_all(picture) && is_seen(picture, number) && !is_pale;
     return picture_draws(picture, number) &&
            (picture_stands_out(picture, number) || counts || is_by_value(picture, number));
 }
 
-bool picture_has_legend(const struct picture *picture)
+/* Whether there is something to explain: hits of a cone, objects that are listed, or colours that stand for something.
+ */
+static bool has_meaning(const struct picture *picture)
 {
-    return picture->font && picture->options.legend != CONUS_LEGEND_NONE && !picture->options.probe_count &&
+    return !picture->options.probe_count &&
            (picture->options.selection || picture->options.listed || picture_lists_all(picture) ||
             picture_has_groups(picture) || colours_streamlines(picture) || count_by_value(picture) ||
             atlas_mapped_surface(picture->atlas));
@@ -213,32 +237,54 @@ bool picture_is_hidden(const struct picture *picture, uint32_t number)
     return hidden;
 }
 
-const char *picture_name(char out[PICTURE_TEXT], const conus_atlas *atlas, uint32_t number)
+/* What stands between words of a name. */
+static bool is_joint(char c)
 {
-    const struct volume *volume = atlas_object_volume(atlas, number);
-    const char *path = volume ? volume->info.path : conus_atlas_file(atlas, 0);
-    return path_title(out, PICTURE_TEXT, atlas->objects[number - 1].name, path ? path : "");
+    return c == '_' || c == ' ' || c == '.' || c == '-';
 }
 
-/* Writes an object's name: behind its number in the picture, with its kind or side where another object has that name,
- * and saying so where it is hidden. */
-static const char *name_of(struct picture_legend *legend, const struct picture *picture, uint32_t number, bool hidden)
+/* Writes a name as people do: with spaces, and "left" or "right" for a letter of the side that the area has. */
+static void write_name(char out[PICTURE_TEXT], const struct picture *picture, uint32_t number)
 {
-    const char *own = picture->atlas->objects[number - 1].name;
-    const char *word = legend->prefixes[number];
-    char text[PICTURE_TEXT];
-    const char *name = word[0] ? own : picture_name(text, picture->atlas, number);
-    char tag[PICTURE_NUMBER] = "";
-    if (picture_tag(picture, number)) {
-        snprintf(tag, sizeof tag, "%zu  ", picture_tag(picture, number));
+    const char *name = picture->atlas->objects[number - 1].name;
+    const size_t size = strlen(name);
+    const char side = picture->sides ? picture->sides[number] : 0;
+    const bool is_first = size > 2 && toupper((unsigned char)name[0]) == side && is_joint(name[1]);
+    const bool is_last =
+        size > 2 && !is_first && toupper((unsigned char)name[size - 1]) == side && is_joint(name[size - 2]);
+    const char *words = side == 'L' ? "left" : "right";
+    snprintf(out, PICTURE_TEXT, "%s%.*s%s", is_first ? words : "", (int)(size - (is_first || is_last)), name + is_first,
+             is_last ? words : "");
+    for (char *c = out; *c; c++) {
+        *c = *c == '_' ? ' ' : *c;
     }
-    return say(legend, "%s%s%s%s%s", tag, word, word[0] ? " " : "", name, hidden ? " (not seen)" : "");
+}
+
+const char *picture_name(char out[PICTURE_TEXT], const struct picture *picture, uint32_t number)
+{
+    const conus_atlas *atlas = picture->atlas;
+    const char *own = atlas->objects[number - 1].name;
+    const struct volume *volume = atlas_object_volume(atlas, number);
+    const char *path = volume ? volume->info.path : conus_atlas_file(atlas, 0);
+    char other[PICTURE_TEXT];
+    const char *title = path_title(out, PICTURE_TEXT, own, path ? path : "");
+    if (title != own || conus_atlas_exchanged(atlas) || strlen(own) + sizeof "right" >= PICTURE_TEXT) {
+        return title;
+    }
+    write_name(out, picture, number);
+    for (uint32_t n = 1; n <= atlas->object_count; n++) { /* two that would then be one stay as they are */
+        write_name(other, picture, n);
+        if (strcmp(other, out) == 0 && strcmp(atlas->objects[n - 1].name, own) != 0) {
+            return own;
+        }
+    }
+    return out;
 }
 
 conus_status picture_rank(struct picture *picture, bool on_dark)
 {
     const conus_view *options = &picture->options;
-    if (!(options->selection || options->point_count) || options->own_colours) {
+    if (!picture->emphasis || options->probe_count || options->own_colours) {
         return CONUS_OK;
     }
     picture->ranks = options->selection ? picture_ranks(options->selection)
@@ -308,18 +354,46 @@ static void set_chip(struct legend_row *row, struct picture_legend *out, const s
     row->striped = picture->emphasis && picture->emphasis[number] == EMPHASIS_HATCHED;
 }
 
+/* Adds a row with an object's name: behind its number in the picture, with its kind or side where another object has
+ * that name, and saying so where it is hidden. */
+static struct legend_row *add_object(struct picture_legend *legend, const struct picture *picture, uint32_t number,
+                                     bool hidden)
+{
+    const char *own = picture->atlas->objects[number - 1].name;
+    const char *word = legend->prefixes[number];
+    char text[PICTURE_TEXT];
+    const char *name = word[0] ? own : picture_name(text, picture, number);
+    char tag[PICTURE_NUMBER] = "";
+    if (picture_tag(picture, number)) {
+        snprintf(tag, sizeof tag, "%zu  ", picture_tag(picture, number));
+    }
+    struct legend_row *row =
+        add_row(legend, say(legend, "%s%s%s%s%s", tag, word, word[0] ? " " : "", name, hidden ? " (not seen)" : ""));
+    row->own = strcmp(name, own) == 0 ? NULL : own;
+    set_chip(row, legend, picture, number);
+    return row;
+}
+
 /* With all layers, from the apex to where the cone enters it, whether or not it is hit first. */
 static void add_result(struct picture_legend *out, const struct picture *picture, const conus_result *result)
 {
     const bool is_entry = picture->options.selection->has_layers;
-    struct legend_row *row = add_row(out, "unassigned");
-    bool is_behind = result->object && !result->pixels;
-    row->detail[0] = is_behind ? BEHIND : say(out, "%.1f %%", 100 * result->share);
+    const struct wording *words = wording_of(&picture->options);
+    const bool is_behind = result->object && !result->pixels;
+    int column = 0;
+    if (!result->object && !words->has_share) {
+        return;
+    }
+    struct legend_row *row = result->object ? add_object(out, picture, result->object,
+                                                         result->pixels && picture_is_hidden(picture, result->object))
+                                            : add_row(out, "unassigned");
     row->plain = !result->object;
+    if (words->has_share) {
+        row->detail[column++] = is_behind ? BEHIND : say(out, "%.1f %%", 100 * result->share);
+    }
     if (result->object) {
-        row->name = name_of(out, picture, result->object, result->pixels && picture_is_hidden(picture, result->object));
-        set_chip(row, out, picture, result->object);
-        row->detail[1] = say(out, "%.1f mm", is_entry ? result->entry : result->distance);
+        row->detail[column++] = say(out, "%.1f mm", is_entry ? result->entry : result->distance);
+        row->detail[column] = words->has_length && is_entry ? say(out, "%.1f mm", result->path) : NULL;
     }
 }
 
@@ -347,44 +421,19 @@ static bool is_entered(const struct picture *picture, uint32_t number)
     return found && count > 0;
 }
 
-/* Adds rows for pathways and bundles that are shown but not hit, while they are few: those of which streamlines are
- * coloured in the cone, or the others. */
-static void add_not_hit(struct picture_legend *out, const struct picture *picture, bool entered)
-{
-    const conus_atlas *atlas = picture->atlas;
-    const char *detail = entered ? "inside" : "not hit";
-    const size_t first = out->legend.count;
-    size_t count = 0;
-    size_t bundles = 0;
-    for (uint32_t number = (uint32_t)atlas->area_count + 1; number <= atlas->object_count; number++) {
-        if (picture_draws(picture, number) && !is_listed(picture, number) &&
-            picture->emphasis[number] == EMPHASIS_PALE && is_entered(picture, number) == entered) {
-            bundles += atlas->objects[number - 1].kind == CONUS_KIND_BUNDLE;
-            if (count++ < PATHWAY_ROWS) {
-                struct legend_row *row = add_row(out, name_of(out, picture, number, false));
-                row->detail[0] = detail;
-                set_chip(row, out, picture, number);
-                if (entered) {
-                    set_tube_chip(row, out, picture);
-                }
-            }
-        }
-    }
-    if (count > PATHWAY_ROWS) {
-        const char *kind = !bundles ? "pathways" : bundles == count ? "bundles" : "pathways and bundles";
-        out->legend.count = first;
-        struct legend_row *row = add_row(out, say(out, "%zu %s", count, kind));
-        row->plain = true;
-        row->detail[0] = detail;
-    }
-}
-
-/* Adds rows for what is shown but not hit, and one that says that other areas are left out. */
+/* Adds rows for bundles that are not hit first and of which streamlines are coloured in the cone, while they are few,
+ * and one that says that other areas are left out. */
 static void add_pathways(struct picture_legend *out, const struct picture *picture)
 {
     const conus_atlas *atlas = picture->atlas;
-    add_not_hit(out, picture, true);
-    add_not_hit(out, picture, false);
+    for (uint32_t number = (uint32_t)atlas->area_count + 1; number <= atlas->object_count; number++) {
+        if (picture_draws(picture, number) && !is_listed(picture, number) &&
+            picture->emphasis[number] == EMPHASIS_PALE && is_entered(picture, number)) {
+            struct legend_row *row = add_object(out, picture, number, false);
+            row->detail[0] = "passes";
+            set_tube_chip(row, out, picture);
+        }
+    }
     if ((pathways_first(atlas) || pathways_shown(atlas)) && atlas_parcellation_count(atlas) && leaves_out(picture)) {
         struct legend_row *row = add_row(out, "other areas");
         row->plain = true;
@@ -503,9 +552,11 @@ static void add_haze(struct picture_legend *out, const struct picture *picture)
 {
     const struct transfer *first = NULL;
     const char *unit = NULL;
+    const char *name = NULL;
     double span[2] = {0, 1};
     bool is_same = true;
     bool is_one_unit = true;
+    char text[PICTURE_TEXT];
     for (uint32_t number = 1; number <= picture->atlas->object_count; number++) {
         if (!is_by_value(picture, number)) {
             continue;
@@ -524,14 +575,16 @@ static void add_haze(struct picture_legend *out, const struct picture *picture)
             is_same = is_same && is_one_unit && fabs(ends[0] - span[0]) + fabs(ends[1] - span[1]) < 1e-6;
         } else {
             first = transfer;
+            name = picture_name(text, picture, number);
             unit = own_unit;
             memcpy(span, ends, sizeof span);
         }
     }
     if (first) {
         const char *shared = !is_one_unit ? "value" : unit == percent ? "probability" : unit;
-        add_row(out, is_same ? say(out, "Pathways by %s", unit) : say(out, "Pathways by %s, %% of range", shared))
-            ->heading = true;
+        const char *of = count_by_value(picture) == 1 ? name : "Pathways";
+        add_row(out, say(out, "%s by %s%s", of, is_same ? unit : shared, is_same ? "" : ", % of range"))->heading =
+            true;
         add_bar(out, is_same ? span[0] : 0, is_same ? span[1] : 100, first);
     }
 }
@@ -618,9 +671,8 @@ static void add_listed(struct picture_legend *out, const struct picture *picture
         bool was_done = done[shown];
         done[shown] = done[shown] || !selection || is_listed(picture, number);
         if (!was_done && is_listed(picture, number)) {
-            struct legend_row *row = add_row(out, name_of(out, picture, shown, picture_is_hidden(picture, shown)));
-            row->detail[0] = selection ? "not hit" : NULL;
-            set_chip(row, out, picture, shown);
+            add_object(out, picture, shown, picture_is_hidden(picture, shown))->detail[0] =
+                selection ? "not hit" : NULL;
         }
     }
 }
@@ -640,7 +692,7 @@ static void add_groups(struct picture_legend *out, const struct picture *picture
         row->detail[0] = say(out, "%zu", group->count);
     }
     if (shown < count) {
-        add_row(out, say(out, "\u2026 and %zu more groups", count - shown))->plain = true;
+        add_row(out, say(out, "and %zu other groups", count - shown))->plain = true;
     }
 }
 
@@ -655,12 +707,18 @@ static const char *title_of(const struct picture *picture)
                                          "Pathways and bundles",
                                          "Areas, pathways and bundles"};
     unsigned kinds = 0;
+    bool is_any = false;
     for (uint32_t number = 1; number <= picture->atlas->object_count; number++) {
         const bool bundle = picture->atlas->objects[number - 1].kind == CONUS_KIND_BUNDLE;
-        const unsigned kind = number <= picture->atlas->area_count ? 1 : bundle ? 4 : 2;
+        const struct volume *volume = atlas_object_volume(picture->atlas, number);
+        const char *unit = volume ? volume->info.unit : "";
+        const bool is_named =
+            (volume && value_map_is_mask(&volume->map)) || (unit[0] && strcmp(unit, "probability") != 0);
+        const unsigned kind = number <= picture->atlas->area_count ? 1 : bundle ? 4 : is_named ? 0 : 2;
+        is_any = is_any || is_listed(picture, number);
         kinds |= is_listed(picture, number) ? kind : 0;
     }
-    return kinds ? titles[kinds] : "Points";
+    return is_any ? titles[kinds] : "Points"; /* a mask or map is no pathway: its name says what it is */
 }
 
 /* Leaves out rows of objects from number `kept` on, or only those behind others; one row says how many they are. */
@@ -687,7 +745,7 @@ static void leave_out(struct picture_legend *out, size_t kept, bool only_behind)
         }
     }
     if (more) {
-        more->name = say(out, "\u2026 and %zu more", left_out);
+        more->name = say(out, left_out == 1 ? "and %zu other" : "and %zu others", left_out);
         more->detail[0] = all_behind ? BEHIND : NULL;
     }
     out->legend.count = count;
@@ -696,8 +754,6 @@ static void leave_out(struct picture_legend *out, size_t kept, bool only_behind)
 /* Fills the rows: the hits of the cone, then what else the picture shows. CONUS_ERROR_MEMORY. */
 static conus_status fill_rows(struct picture_legend *out, const struct picture *picture)
 {
-    static const char *const titles[][2] = {{"First hits of the cone", "Hits of the cone"},
-                                            {"First hits of the cylinder", "Hits of the cylinder"}};
     const conus_selection *selection = picture->options.selection;
     bool *done = memory_zeroed(picture->atlas->object_count + 1, sizeof *done);
     if (!done) {
@@ -727,14 +783,20 @@ static conus_status fill_rows(struct picture_legend *out, const struct picture *
     out->legend.tail = out->legend.count - count;
     if (selection) {
         char subtitle[2][PICTURE_TEXT];
-        picture_describe_cone(subtitle, &selection->cone, picture->options.frame);
-        const char *title = titles[selection->cone.radius > 0][selection->has_layers];
+        const struct wording *words = wording_of(&picture->options);
+        const char *title = selection->has_layers ? words->all : words->first;
         const char *own = picture->options.title;
+        picture_describe_cone(subtitle, &selection->cone, picture->options.frame);
         out->legend.title = own ? say(out, "%s: %c%s", own, tolower((unsigned char)title[0]), title + 1) : title;
-        out->legend.subtitle[0] = say(out, "%s", subtitle[0]);
-        out->legend.subtitle[1] = say(out, "%s", subtitle[1]);
-        out->legend.header[0] = "share";
-        out->legend.header[1] = selection->has_layers ? "entry" : "distance";
+        for (int n = 0; n < 2; n++) {
+            out->legend.subtitle[n] = say(out, "%s", subtitle[n]);
+        }
+        int column = 0;
+        if (words->has_share) {
+            out->legend.header[column++] = "share";
+        }
+        out->legend.header[column++] = words->place[selection->has_layers];
+        out->legend.header[column] = words->has_length && selection->has_layers ? "for" : NULL;
     } else if (count) {
         out->legend.title = title_of(picture);
     } else if (out->legend.tail) { /* without a cone, the heading of the colours is the title */
@@ -796,7 +858,7 @@ static bool stands_right(struct picture_legend *legend, const struct picture *pi
         return options->legend == CONUS_LEGEND_RIGHT;
     }
     legend_fit(legend->size, &legend->legend, picture->font, width, picture->em, picture->em);
-    return legend->size[0] <= width[0] && options->width > options->height &&
+    return !picture->is_low && legend->size[0] <= width[0] && options->width > options->height &&
            !(options->frustum[0] < options->frustum[1]);
 }
 
@@ -843,6 +905,83 @@ static void place(struct picture_legend *legend, struct picture *picture)
     drawn->faint = (double)picture->dim;
 }
 
+/* Whether all that the legend would say is the name of the only area, which has one colour. */
+static bool is_plain(const struct picture *picture)
+{
+    const conus_view *options = &picture->options;
+    return options->legend == CONUS_LEGEND_AUTO && !options->selection && picture->atlas->object_count == 1 &&
+           picture->atlas->area_count == 1 && picture->legend->legend.count == 1 && !picture->legend->legend.tail;
+}
+
+/* Appends "Precentral_L (#00A0A8): share 7.3 %, distance 28.2 mm", or of a bar its ends. */
+static void describe_row(struct buffer *out, const struct legend *legend, size_t index)
+{
+    const struct legend_row *row = &legend->rows[index];
+    const struct legend_row *next = index + 1 < legend->count && row[1].mark ? row + 1 : NULL;
+    const bool is_inside_bar = row->mark && row->bar && next;
+    const uint8_t *rgb = !row->mark ? row->rgb : row->bar ? row->bar[LEGEND_BAR - 1] : next ? next->bar[0] : row->rgb;
+    const char *joint = ": ";
+    if (is_inside_bar) {
+        return;
+    }
+    buffer_text(out, row->own ? row->own : row->name);
+    if (row->ramp) {
+        buffer_text(out, " (by its values)");
+    } else if (!row->plain && !row->heading) {
+        buffer_format(out, " (#%02X%02X%02X%s)", rgb[0], rgb[1], rgb[2], row->striped ? ", striped" : "");
+    }
+    for (int d = 0; d < LEGEND_DETAILS; d++) {
+        const char *head = legend->header[d];
+        if (row->detail[d]) {
+            const bool has_head = head && row->detail[d][0] >= '0' && row->detail[d][0] <= '9';
+            buffer_format(out, "%s%s%s%s", joint, has_head ? head : "", has_head ? " " : "", row->detail[d]);
+            joint = ", ";
+        }
+    }
+    buffer_text(out, row->heading ? ":\n" : "\n");
+}
+
+/* The legend in words, before rows leave for want of place: what it is of, a line each row, and what is drawn in grey.
+ */
+static conus_status describe(struct picture *picture)
+{
+    const struct legend *legend = &picture->legend->legend;
+    struct buffer out = {0};
+    if (legend->title) {
+        buffer_text(&out, legend->title);
+        for (int n = 0; n < LEGEND_SUBTITLES; n++) {
+            if (legend->subtitle[n]) {
+                buffer_format(&out, "%s%s", n ? ", " : ": ", legend->subtitle[n]);
+            }
+        }
+        buffer_text(&out, "\n");
+    }
+    for (size_t i = 0; i < legend->count; i++) {
+        describe_row(&out, legend, i);
+    }
+    const char *before = "Grey, not hit: ";
+    for (uint32_t n = (uint32_t)picture->atlas->area_count + 1; n <= picture->atlas->object_count; n++) {
+        if (picture->options.selection && picture->emphasis[n] == EMPHASIS_PALE && picture_draws(picture, n) &&
+            !is_listed(picture, n) && !is_entered(picture, n)) {
+            buffer_format(&out, "%s%s", before, picture->atlas->objects[n - 1].name);
+            before = ", ";
+        }
+    }
+    buffer_text(&out, before[0] == ',' ? "\n" : "");
+    conus_status status = buffer_status(&out);
+    if (status) {
+        buffer_finish(&out);
+        return status;
+    }
+    picture->key = out.data;
+    return CONUS_OK;
+}
+
+conus_status picture_add_key(conus_image *image, const struct picture *picture)
+{
+    return picture->key && picture->key[0] ? image_add_text(image, IMAGE_LEGEND, picture->key) : CONUS_OK;
+}
+
 void picture_legend_finish(struct picture *picture)
 {
     struct picture_legend *legend = picture->legend;
@@ -862,6 +1001,9 @@ conus_status picture_legend_init(struct picture *picture)
 {
     size_t results = conus_selection_count(picture->options.selection);
     size_t most = results + picture->atlas->object_count + OTHER_ROWS;
+    if (!has_meaning(picture)) {
+        return CONUS_OK;
+    }
     struct picture_legend *legend = picture->legend = memory_zeroed(1, sizeof *legend);
     if (legend) {
         legend->rows = memory_zeroed(most + 1 + GROUP_ROWS + 1 + KEYS * COLOUR_ROWS, sizeof *legend->rows);
@@ -871,10 +1013,18 @@ conus_status picture_legend_init(struct picture *picture)
         return CONUS_ERROR_MEMORY;
     }
     conus_status status = fill_rows(legend, picture);
-    if (!status) {
+    status = status || legend->failed ? CONUS_ERROR_MEMORY : describe(picture);
+    if (!status && legend->legend.count && picture->options.legend != CONUS_LEGEND_NONE && !is_plain(picture)) {
+        if (picture->options.print) { /* on paper the caption has them */
+            legend->legend.subtitle[0] = legend->legend.subtitle[1] = NULL;
+        }
         place(legend, picture);
+        return legend->failed ? CONUS_ERROR_MEMORY : CONUS_OK;
     }
-    return legend->failed ? CONUS_ERROR_MEMORY : status;
+    if (!status) {
+        picture_legend_finish(picture);
+    }
+    return status;
 }
 
 void picture_lower(struct picture *picture, uint32_t height)

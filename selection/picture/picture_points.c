@@ -3,6 +3,7 @@
 #include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/memory.h"
+#include "base/name_set.h"
 #include "base/order.h"
 #include "selection/picture/picture.h"
 
@@ -11,9 +12,8 @@
 
 enum { NAMED_LIMIT = 1000, TEXT_SIZE = 64 };
 
-/* Radius of a ball that has none, and how near to a cut the middle of a smaller ball is drawn, mm. */
+/* Radius of a ball that has none, mm. */
 static const double RADIUS = 1;
-static const double NEAR_CUT = 2;
 
 /* The camera takes no notice of what is farther from the atlas's middle than so many of its radii. */
 static const double FAR = 3;
@@ -24,8 +24,6 @@ static const double EDGE = 0.08;
 static const double LINE = 0.16;
 static const double LETTERS = 0.85;
 static const double GAP = 0.25;
-
-static const float CASING[4] = {LOOK_PROBE_CASING, 1};
 
 /* How much of its colour a ball loses that lies a radius of the atlas behind its middle. */
 static const double PALEST = 0.4;
@@ -58,11 +56,6 @@ conus_status picture_points_check(const conus_view *view)
     return CONUS_OK;
 }
 
-static bool is_same_group(const char *a, const char *b)
-{
-    return a == b || (a && b && strcmp(a, b) == 0);
-}
-
 /* The first groups have the colours of the first ranks, all others one. */
 static void colour_group(uint8_t rgb[3], size_t group)
 {
@@ -80,23 +73,25 @@ conus_status picture_points_init(struct picture *picture)
     if (!picture->groups || !picture->group_of) {
         return CONUS_ERROR_MEMORY;
     }
-    for (size_t i = 0; i < count; i++) {
+    struct name_set names = {0};
+    size_t nameless = SIZE_MAX; /* the group without a name */
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < count && !status; i++) {
         const char *name = picture->options.points[i].group;
-        size_t group = i ? picture->group_of[i - 1] : 0; /* mostly that of the point before */
-        bool found = i && is_same_group(picture->groups[group].name, name);
-        for (size_t k = 0; k < picture->group_count && !found; k++) {
-            found = is_same_group(picture->groups[k].name, name);
-            group = k;
-        }
-        if (!found) {
+        const struct known_name *known = name ? name_set_find(&names, name) : NULL;
+        size_t group = known ? known->value : name ? SIZE_MAX : nameless;
+        if (group == SIZE_MAX) {
             group = picture->group_count++;
             picture->groups[group] = (struct picture_group){.name = name};
             colour_group(picture->groups[group].rgb, group);
+            nameless = name ? nameless : group;
+            status = name ? name_set_add(&names, name, group) : CONUS_OK;
         }
         picture->groups[group].count++;
         picture->group_of[i] = (uint32_t)group;
     }
-    return CONUS_OK;
+    name_set_finish(&names);
+    return status;
 }
 
 size_t picture_points_near(double (*out)[3], const struct picture *picture)
@@ -161,7 +156,7 @@ static bool cut_ball(struct ball *out, const struct picture *picture, const stru
                                 plane->middle[1] - vec3_dot(plane->up, offset) * plane->pixels_per_mm}};
     out->radius = sqrt(fmax(radius * radius - away * away, 0)) * plane->pixels_per_mm;
     out->radius = fmax(out->radius, LEAST * picture->em);
-    return away <= fmax(radius, NEAR_CUT);
+    return away <= fmax(radius, CONUS_POINT_NEAR_CUT);
 }
 
 static bool is_inside(const struct draw_box *box, const double at[2])
@@ -192,7 +187,7 @@ static void draw_ball(struct draw_list *list, const struct picture *picture, con
     float colour[4], casing[4];
     draw_colour(colour, picture->groups[picture->group_of[ball->index]].rgb, 1);
     blend(colour, colour, picture, ball->pale);
-    blend(casing, CASING, picture, ball->pale);
+    blend(casing, PICTURE_CASING, picture, ball->pale);
     if (is_inside(limit, ball->end)) { /* NaN is not */
         draw_line(list, ball->at, ball->end, line + 2 * edge, casing);
         draw_line(list, ball->at, ball->end, line, colour);

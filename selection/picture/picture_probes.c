@@ -31,7 +31,6 @@ static const double WIDEST = 0.5;
 static const double BEFORE = 0.3;
 static const double NEAR = 1.6;
 
-static const float CASING[4] = {LOOK_PROBE_CASING, 1};
 static const float OUTSIDE[4] = {LOOK_PROBE_OUTSIDE, 1};
 
 struct picture_probes {
@@ -124,7 +123,7 @@ static const char *name_of(char out[PICTURE_TEXT], const struct picture *picture
 {
     const conus_object *object = &picture->atlas->objects[number - 1];
     return picture->probes->is_short && object->abbreviation[0] ? object->abbreviation
-                                                                : picture_name(out, picture->atlas, number);
+                                                                : picture_name(out, picture, number);
 }
 
 /* Finds the width of the names of each probe's areas, at most `limit`, and gives their sum. */
@@ -247,7 +246,7 @@ static void draw_line_of(struct draw_list *list, const struct picture *picture, 
     if (!project_ends(from, to, picture, index)) {
         return;
     }
-    draw_in_drawing(list, picture, from, to, width + fmax(2, 0.14 * picture->em), CASING);
+    draw_in_drawing(list, picture, from, to, width + fmax(2, 0.14 * picture->em), PICTURE_CASING);
     for (int pass = 0; pass < 2; pass++) { /* first what is in no object, all along */
         for (size_t i = 0; i < (pass ? conus_segments_count(segments) : 1); i++) {
             const conus_segment *row = conus_segments_segment(segments, i);

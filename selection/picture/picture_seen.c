@@ -164,3 +164,71 @@ conus_status picture_see(struct picture *picture)
     conus_selector_destroy(selector);
     return status;
 }
+
+/* Whether an area that is not hidden lies at a place. */
+static bool is_in_area(const conus_atlas *atlas, const double world[3])
+{
+    bool found = false;
+    for (size_t v = 0; v < atlas->volume_count && !found; v++) {
+        size_t voxel = 0;
+        const struct volume *volume = &atlas->volumes[v];
+        const bool is_there = volume->info.role == CONUS_ROLE_PARCELLATION && volume_find_voxel(&voxel, volume, world);
+        const uint32_t number = is_there ? volume_object(volume, voxel) : 0;
+        found = number && number != VOLUME_BLOCKER && !conus_atlas_is_hidden(atlas, number);
+    }
+    return found;
+}
+
+/* Along a column of the context from one of its ends: whether there is something bright, and whether an area begins
+ * within so many voxels of it. */
+static bool look_along(bool *is_covered, const conus_atlas *atlas, size_t at[3], int axis, bool is_back, double bright,
+                       size_t steps)
+{
+    const struct volume *context = atlas_context(atlas);
+    const size_t *dim = context->info.dim;
+    size_t left = SIZE_MAX; /* steps, from the first bright voxel on */
+    *is_covered = false;
+    for (size_t k = 0; k < dim[axis] && left > 0 && !*is_covered; k++) {
+        at[axis] = is_back ? dim[axis] - 1 - k : k;
+        const size_t voxel = at[0] + dim[0] * (at[1] + dim[1] * at[2]);
+        left = left < SIZE_MAX ? left - 1 : (double)volume_value(context, voxel) > bright ? steps : left;
+        if (left < SIZE_MAX) {
+            double world[3];
+            mat4_point(world, context->info.world_from_voxel,
+                       (const double[]){(double)at[0], (double)at[1], (double)at[2]});
+            *is_covered = is_in_area(atlas, world);
+        }
+    }
+    return left < SIZE_MAX;
+}
+
+conus_status picture_covers_context(bool *out, const conus_atlas *atlas)
+{
+    enum { COLUMNS = 90 };            /* along each side */
+    static const double bright = 0.2; /* of the way from black to white */
+    static const double reach = 8;    /* mm */
+    static const double most = 0.92;  /* of the columns, from all six sides */
+    const struct volume *context = atlas_context(atlas);
+    double window[2];
+    size_t count = 0;
+    size_t covered = 0;
+    *out = false;
+    conus_status status =
+        context ? conus_atlas_window(window, atlas, (size_t)(context - atlas->volumes)) : CONUS_ERROR_ARGUMENT;
+    for (int n = 0; n < 6 && !status; n++) {
+        const int axis = n / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
+        const size_t *dim = context->info.dim;
+        const size_t strides[2] = {dim[u] / COLUMNS + 1, dim[v] / COLUMNS + 1};
+        size_t at[3];
+        for (at[u] = 0; at[u] < dim[u]; at[u] += strides[0]) {
+            for (at[v] = 0; at[v] < dim[v]; at[v] += strides[1]) {
+                bool is_covered = false;
+                count += look_along(&is_covered, atlas, at, axis, n % 2, window[0] + bright * (window[1] - window[0]),
+                                    (size_t)ceil(reach / context->info.spacing[axis]) + 1);
+                covered += is_covered;
+            }
+        }
+    }
+    *out = count && (double)covered >= most * (double)count;
+    return context ? status : CONUS_OK;
+}

@@ -38,6 +38,8 @@ void picture_finish(struct picture *picture)
     picture_legend_finish(picture);
     picture_probes_finish(picture);
     font_destroy(picture->font);
+    memory_free(picture->key);
+    memory_free(picture->sides);
     memory_free(picture->groups);
     memory_free(picture->group_of);
     memory_free(picture->emphasis);
@@ -615,10 +617,15 @@ conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory,
     picture->line = options->dpi > 0 ? 0.5 / 72 * options->dpi : 1;
     choose_ink(picture);
     conus_status status = find_font(picture, log, log_user);
-    if (!status && picture->font && options->probe_count) {
+    if (status || !picture->font) {
+        return status;
+    }
+    picture->sides = memory_zeroed(picture->atlas->object_count + 1, 1);
+    status = picture->sides ? conus_atlas_sides(picture->sides, picture->atlas) : CONUS_ERROR_MEMORY;
+    if (!status && options->probe_count) {
         status = picture_probes_init(picture);
     }
-    return status || !picture_has_legend(picture) ? status : picture_legend_init(picture);
+    return status || options->draft ? status : picture_legend_init(picture);
 }
 
 static conus_status add_lens(conus_image *image, const conus_view *options)
@@ -644,6 +651,7 @@ static conus_status add_attributes(conus_image *image, const struct picture *pic
     status = status ? status : add_lens(image, &picture->options);
     status = status ? status : image_add_matrix(image, "conus:worldFromCamera", picture->camera.world_from_camera);
     status = status ? status : picture_add_volumes(image, picture->atlas, true);
+    status = status ? status : picture_add_key(image, picture);
     if (!status && picture->options.selection) {
         const struct cone *cone = &picture->options.selection->cone;
         char angle[TEXT_NUMBER_SIZE];
@@ -912,6 +920,18 @@ static conus_status reveal_hits(struct picture *picture)
     return find_opacities(picture);
 }
 
+/* Leaves out a context of which opaque areas would leave shreds. */
+static conus_status leave_context(struct picture *picture)
+{
+    const conus_atlas *atlas = picture->atlas;
+    bool is_covered = false;
+    bool may_be =
+        picture->options.no_covered_context && !picture->opacity && !pathways_first(atlas) && !pathways_shown(atlas);
+    conus_status status = may_be ? picture_covers_context(&is_covered, atlas) : CONUS_OK;
+    picture->options.fade = is_covered ? 1 : picture->options.fade;
+    return status;
+}
+
 conus_status conus_render(conus_image **out, conus_renderer *renderer, const conus_view *view)
 {
     struct picture picture = {
@@ -942,6 +962,7 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     status = status || picture.options.camera ? status : choose_side(&picture);
     status = status ? status : find_seen(&picture, &renderer->colour);
     status = status ? status : reveal_hits(&picture);
+    status = status ? status : leave_context(&picture);
     status = status ? status : picture_prepare_sheet(&picture, renderer->max_memory, renderer->log, renderer->log_user);
     status = status ? status : place_camera(&picture, &renderer->colour);
     status = status ? status : draw(&picture, renderer);

@@ -54,16 +54,23 @@ height() {
 }
 
 # bats test_tags=main
-@test "cuts go through the best hit's contact, and each row of a file has its own" {
+@test "cuts go through the best hit's middle, and each row of a file has its own" {
     sphere --size 32
     printf 'query_id,x,y,z,tx,ty,tz,angle\n1,60,0,8,0,0,8,5\n2,-60,0,0,0,0,0,5\n' >two.csv # no names: their legends would have them
     answers render sphere.nii.gz --poses two.csv -o '{query}.exr' --cuts sagittal,axial -q --size 300x200
     run -0 --separate-stderr "$CONUS" query sphere.nii.gz --pose two.csv --format tsv
     awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
-        $at["kind"] == "area" { x = $at["contact_x"] + (n ? 0.001 : -0.001) # into the ball
-            print (n++ ? 2 : 1), x "," $at["contact_y"] "," $at["contact_z"] }' \
-        <<<"$output" >contacts
-    [ "$(wc -l <contacts)" -eq 2 ]
+        $at["kind"] == "area" { print $at["contact_x"] "," $at["contact_y"] "," $at["contact_z"] }' <<<"$output" >ends
+    [ "$(wc -l <ends)" -eq 2 ]
+    local n=0 end
+    while read -r end; do # the middle of what a ray through the contact passes
+        n=$((n + 1))
+        run -0 --separate-stderr "$CONUS" query sphere.nii.gz --origin=$([ $n = 1 ] && echo 60,0,8 || echo -60,0,0) \
+            --toward="$end" --segments - --format tsv -q
+        awk -F '\t' -v n=$n -v CONVFMT=%.12g 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
+            $at["kind"] == "area" { print n, ($at["entry_x"] + $at["exit_x"]) / 2 "," \
+                ($at["entry_y"] + $at["exit_y"]) / 2 "," ($at["entry_z"] + $at["exit_z"]) / 2 }' <<<"$output"
+    done <ends >contacts
     while read -r name contact; do
         [ "$name" = 1 ] && aim='--origin=60,0,8 --toward=0,0,8' || aim='--origin=-60,0,0 --toward=0,0,0'
         # shellcheck disable=SC2086 # several words
@@ -146,8 +153,9 @@ END
 # bats test_tags=main
 @test "closed surfaces are filled, as labels are" {
     answers phantom brain -o brain
-    answers render brain/brain.atlas.json --cuts axial --fill 1 -o full.png --size 300x300 -q
-    answers render brain/brain.atlas.json --cuts axial --fill 0 -o lines.png --size 300x300 -q
+    local look=(--cuts axial --palette file --no-legend --size 300x300 -q)
+    answers render brain/brain.atlas.json "${look[@]}" --fill 1 -o full.png
+    answers render brain/brain.atlas.json "${look[@]}" --fill 0 -o lines.png
     read -r -a full < <(colours full.png)
     read -r -a lines < <(colours lines.png)
     [ "${full[4]}" -gt 1000 ] && [ "${lines[0]}" -lt $((full[4] / 2)) ]
@@ -188,7 +196,7 @@ END
     grep -qF ' from -90.125, 0.0625, -12, RAS mm along 0.99, 0, 0.13<' title.svg # 12 / 90.92 = 0.132
     grep -qF '>First hits of the cone<' title.svg
     answers render sphere.nii.gz --cuts axial --origin=-90,0,0 --toward 0,0,0 --radius 2 --layers all -q -o title.svg
-    grep -qF '>Hits of the cylinder<' title.svg
+    grep -qF '>The needle passes<' title.svg
     printf 'name,x,y,z,tx,ty,tz\nM1 <left>,-90,0,0,0,0,0\n7,90,0,0,0,0,0\n' >named.csv
     answers render sphere.nii.gz --cuts axial --poses named.csv -q -o 'named-{row}.svg'
     grep -qF '>M1 &lt;left&gt;: first hits of the cone<' named-1.svg
@@ -205,7 +213,7 @@ END
         answers render u-shape.nii.gz --cuts "$cuts" --origin=-90,20,20 --toward 0,0,0 --angle 30 --legend-rows 1 -q \
             -o one.svg
         grep -qF '>U<' one.svg
-        grep -qF '>… and 1 more<' one.svg
+        grep -qF '>and 1 other<' one.svg
         [ "$(grep -cF '>Ball<' one.svg)" -eq 0 ]
     done
 }

@@ -55,7 +55,7 @@ def labels_at(atlas, world):
 
 def picture_of(conus, name, *options):
     subprocess.run((conus, "render", "blocks.nii.gz", "--labels", "blocks.txt", "-o", name, "--background", "white",
-                    "--quiet", *options), check=True)
+                    "--quiet", "--legend", "none", *options), check=True)
     return oiio.ImageInput.open(name).read_image(oiio.UINT8)[..., :3].astype(int)  # not ImageBuf, which has a cache
 
 

@@ -58,7 +58,7 @@ ROWS = [
     ("plan u-shape.nii.gz --poses poses.tsv --reach Ball,@list.txt,length=1",
      {"output": ".tsv", "poses-out": ".mrk.json"}, [*ATLAS, "poses.tsv", "list.txt"]),
     (f"render u-shape.nii.gz {AIM} --context grey.nii.gz --size 16x16 --camera camera.txt --palette palette.txt --transfer transfer.txt",
-     {"output": ".png"}, [*ATLAS, "grey.nii.gz", "camera.txt", "palette.txt", "transfer.txt"]),
+     {"output": ".png", "caption": ".txt"}, [*ATLAS, "grey.nii.gz", "camera.txt", "palette.txt", "transfer.txt"]),
     ("page both.atlas.json --template template.html", {"output": ".html"},
      ["both.atlas.json", "u-shape.nii.gz", "u-shape.tsv", "grey.nii.gz", "bundle.tck", "template.html"]),
     ("page u-shape.nii.gz --context region.nii.gz --template template.html", {"output": ".html"},

@@ -39,7 +39,7 @@ scaled() {
     cp header.nii tstat.nii # the header before the name
     while IFS=: read -r file wanted; do
         answers render slabs.nii.gz --pathway "$file,threshold=3.1,name=M" --pathway-transfer heat --size 300x200 -q -o m.svg
-        grep -qF ">Pathways by $wanted<" m.svg
+        grep -qF ">M by $wanted<" m.svg
     done <<'END'
 act.nii:value
 zstat1.nii:z
@@ -48,7 +48,7 @@ tstat.nii:z
 tstat.nii,unit=% signal change:% signal change
 END
     answers render slabs.nii.gz --pathway sphere.nii.gz --pathway-transfer heat --size 300x200 -q -o m.svg
-    grep -qF '>Pathways by probability, %<' m.svg
+    grep -qF '>sphere by probability, %<' m.svg
     fails 2 'unit= is empty' render slabs.nii.gz --pathway act.nii,unit= -o m.svg
     fails 2 'allowed are up to 23 bytes' render slabs.nii.gz --pathway act.nii,unit=123456789012345678901234 -o m.svg
 }

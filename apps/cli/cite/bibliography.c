@@ -2,7 +2,12 @@
 /* The references, as text and as BibTeX. */
 #include "cli/cite/citation.h"
 
+#include "base/system/system.h"
+#include "options/messages.h"
+#include "options/output.h"
+
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 const char citation_method[] =
@@ -91,4 +96,51 @@ void citation_bibtex(FILE *out, const struct citation *citation)
         }
         fputs(atlas->references.count ? "}\n}\n" : "\n}\n", out);
     }
+}
+
+/* Breaks a line at spaces. */
+static void put_wrapped(FILE *out, const char *text)
+{
+    enum { WIDTH = 100 };
+    size_t column = 0;
+    for (const char *word = text; *word;) {
+        size_t length = strcspn(word, " ");
+        size_t shown = 0;
+        for (size_t i = 0; i < length; i++) {
+            shown += ((unsigned char)word[i] & 0xc0) != 0x80;
+        }
+        bool breaks = column && column + 1 + shown > WIDTH;
+        fprintf(out, "%s%.*s", breaks ? "\n" : column ? " " : "", (int)length, word);
+        column = breaks ? shown : column + (column > 0) + shown;
+        word += length;
+        word += strspn(word, " ");
+    }
+    fputc('\n', out);
+}
+
+int citation_text(FILE *out, const struct citation *citation)
+{
+    struct system_text text;
+    if (system_text_open(&text)) {
+        citation_methods(text.stream, citation);
+    }
+    if (!system_text_close(&text)) {
+        return print_no_memory();
+    }
+    put_wrapped(out, text.data);
+    fputc('\n', out);
+    citation_list(out, citation);
+    free(text.data);
+    return EXIT_DONE;
+}
+
+void citation_finish(struct citation *citation)
+{
+    for (size_t i = 0; i < citation->atlas_count; i++) {
+        references_finish(&citation->atlases[i].references);
+        free(citation->atlases[i].name);
+    }
+    free(citation->atlases);
+    json_decref(citation->facts);
+    json_decref(citation->atlases_asked);
 }

@@ -3,6 +3,7 @@
 #ifndef CONUS_CLI_CITE_CITATION_H
 #define CONUS_CLI_CITE_CITATION_H
 
+#include "conus/atlas_info.h"
 #include "options/provenance.h"
 
 #include <jansson.h>
@@ -32,12 +33,21 @@ struct cited_atlas {
     bool is_here; /**< Its files were found as they were, and read for references. */
 };
 
+/** The name of a file without its ending: "aal" of "aal.nii.gz". NULL without memory; the caller frees it. */
+char *cited_stem(const char *path);
+
+/** Describes the atlas that was loaded as @p given, which is the installed one of a name (NULL = it is a path), at @p
+ * path. Returns the exit code and prints an error unless it is 0; @p out is
+ * the caller's in any case. */
+int cited_atlas_find(struct cited_atlas *out, const char *given, const char *installed, const char *path,
+                     const conus_atlas *atlas);
+
 struct citation {
     const json_t *sidecar;       /**< NULL of an atlas alone. */
     const char *version;         /**< The version of conus. */
     struct cited_atlas *atlases; /**< [atlas_count] */
     size_t atlas_count;
-    json_t *facts, *atlases_asked; /**< Of citation_is_known(); the caller releases them. */
+    json_t *facts, *atlases_asked; /**< Of citation_is_known(). */
 };
 
 /** The method that conus implements, as README.md has it. */
@@ -48,6 +58,12 @@ bool citation_is_known(struct citation *citation);
 
 /** Whether the method has a part in the answer: it has none where no rays were traced. */
 bool citation_has_rays(const struct citation *citation);
+
+/** Frees all but the sidecar. */
+void citation_finish(struct citation *citation);
+
+/** Writes the paragraph in lines, and the references. Returns the exit code and prints an error unless it is 0. */
+int citation_text(FILE *out, const struct citation *citation);
 
 /** Writes the paragraph, which has the warnings of the sidecar; one line. */
 void citation_methods(FILE *out, const struct citation *citation);

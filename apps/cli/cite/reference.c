@@ -144,3 +144,34 @@ void references_finish(struct references *references)
     free(references->source);
     *references = (struct references){0};
 }
+
+char *cited_stem(const char *path)
+{
+    char *name = strdup(path_name(path));
+    static const char *const endings[] = {".gz", ".nii", ".json", ".atlas", ".xml", ".mgz", ".nrrd", ".tif", ".tiff"};
+    for (size_t i = 0; name && i < sizeof endings / sizeof endings[0]; i++) {
+        if (path_ends_in(name, endings[i])) {
+            name[strlen(name) - strlen(endings[i])] = '\0';
+        }
+    }
+    return name;
+}
+
+int cited_atlas_find(struct cited_atlas *out, const char *given, const char *installed, const char *path,
+                     const conus_atlas *atlas)
+{
+    const conus_volume_info *info = installed ? conus_atlas_volume(atlas, 0) : NULL;
+    const char *file = info ? info->path : path;
+    out->name = installed ? strdup(installed) : cited_stem(path);
+    references_find(&out->references, path);
+    if (!out->references.count && file != path) {
+        references_find(&out->references, file);
+    }
+    for (size_t i = 0; i < conus_atlas_volume_count(atlas) && !out->sha256; i++) {
+        const conus_volume_info *volume = conus_atlas_volume(atlas, i);
+        out->sha256 = strcmp(volume->path, file) == 0 ? volume->sha256 : NULL;
+    }
+    out->file = path_name(info ? info->path : given);
+    out->is_here = true;
+    return out->name ? EXIT_DONE : print_no_memory();
+}
