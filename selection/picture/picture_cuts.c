@@ -400,12 +400,15 @@ static void clear_fringe(struct sheet *sheet, const struct cut *cut, size_t widt
     enum { DARK = 64, MARKED = 1 };
     static const double rim = 2.5;
     const long steps = atlas_context(sheet->picture.atlas) ? lrint(ceil(rim * sheet->pixels_per_mm)) : 0;
+    const uint8_t *emphasis =
+        sheet->picture.ranks ? sheet->picture.emphasis : NULL; /* then pale areas are not filled */
     uint8_t *rgba = sheet->rgba;
     for (long step = 0; step < steps; step++) {
         for (size_t i = 0; i < width * height; i++) {
             const size_t column = i % width;
+            const bool is_filled = cut->shown[i] && !(emphasis && emphasis[cut->shown[i]] == EMPHASIS_PALE);
             const bool is_dark =
-                rgba[4 * i + 3] && !cut->shown[i] && cut->grey[i] < DARK && !(cut->contours && cut->contours[i]);
+                rgba[4 * i + 3] && !is_filled && cut->grey[i] < DARK && !(cut->contours && cut->contours[i]);
             const bool is_next = is_dark && ((column && !rgba[4 * i - 1]) || (column + 1 < width && !rgba[4 * i + 7]) ||
                                              (i >= width && !rgba[4 * (i - width) + 3]) ||
                                              (i + width < width * height && !rgba[4 * (i + width) + 3]));
