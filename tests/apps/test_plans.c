@@ -404,10 +404,10 @@ static void before_the_first_pose_nothing_has_a_colour(void **state)
     viewer_colour(rgb, &viewer, 1);
     assert_memory_equal(rgb, conus_atlas_object(viewer.drawn->atlas, 1)->rgb, 3);
     assert_null(viewer_pictured(&viewer));
-    viewer.display.own_colours = false;
     assert_int_equal(open_plan(&viewer, usual, 4), 0);
     viewer.drawn->shown.chosen = 1;
     assert_int_equal(viewer_full(&viewer), 0);
+    viewer.display.own_colours = false;
     viewer_colour(rgb, &viewer, 1);
     assert_memory_equal(rgb, neutral, 3);
     const conus_selection *nothing = answer_selection(viewer_pictured(&viewer));
