@@ -2,16 +2,15 @@
 /**
  * @file cache.h
  * Files that conus keeps in the user's cache folder, $XDG_CACHE_HOME/conus, else ~/.cache/conus: atlases and
- * tractograms, where conus_load_options.cache and conus_streamlines_options.cache ask for it, surfaces of areas, and
- * indexes of packed 4-D files, by which one of their volumes is found. All of it can be made again.
+ * tractograms, where conus_load_options.cache and conus_streamlines_options.cache ask for it, and surfaces of areas.
+ * All of it can be made again.
  *
  * $CONUS_CACHE is "off", and then no atlas is kept or taken from there, or the most that atlases may have together: a
  * number of bytes, or one with K, M, G or T behind it (default 4G). Those unused for longest leave first.
  *
  * An atlas is taken from there only where the folder and the file belong to the user and nobody else may write to them,
  * its checksums hold, it was kept by this build of conus for the same path and options, and every file and folder that
- * was looked at is as it was. So is an index, and what it leads to is verified by checksums. A cache that cannot be
- * used is as if it were empty.
+ * was looked at is as it was. A cache that cannot be used is as if it were empty.
  */
 #ifndef CONUS_PUBLIC_CACHE_H
 #define CONUS_PUBLIC_CACHE_H
@@ -29,11 +28,10 @@ typedef struct conus_cache conus_cache; /**< A list of what is kept. */
 
 /** Something that is kept. */
 typedef struct conus_cache_entry {
-    const char *file; /**< Its name in the folder. */
-    const char *kind; /**< "atlas", "index" or "surfaces". */
-    const char
-        *path; /**< For an atlas: the file that was loaded; for an index: the packed file; bytes, absolute, and without
-                  links and dots as far as it is there. "" of surfaces, and where the file does not say. */
+    const char *file;  /**< Its name in the folder. */
+    const char *kind;  /**< "atlas" or "surfaces". */
+    const char *path;  /**< For an atlas: the file that was loaded; bytes, absolute, and without links and dots as far
+                          as it is there. "" of surfaces, and where the file does not say. */
     uint64_t size;     /**< Bytes. */
     int64_t last_used; /**< Seconds since 1970. */
 } conus_cache_entry;
@@ -74,7 +72,7 @@ CONUS_API const char *conus_cache_folder(const conus_cache *cache);
 CONUS_API const char *conus_cache_problem(const conus_cache *cache);
 
 /**
- * Gives how much atlases may have together. Indexes have at most 1 GiB of their own, and not more than this.
+ * Gives how much atlases may have together.
  * @return Bytes; 0 = none are kept, or $CONUS_CACHE says nothing that is allowed.
  * @threads Any, while none changes the environment.
  * @since 0.1
@@ -93,7 +91,7 @@ CONUS_API size_t conus_cache_count(const conus_cache *cache);
 /**
  * Gives entry @p index.
  * @param cache The list.
- * @param index From 0: atlases, indexes, then surfaces, of each kind the one unused for longest first.
+ * @param index From 0: atlases, then surfaces, of each kind the one unused for longest first.
  * @return NULL past the last. Borrowed from the list.
  * @threads Any.
  * @since 0.1

@@ -308,7 +308,7 @@ void pathway_add(struct job *job, conus_atlas *atlas, struct volume_file *file, 
 void pathway_load(struct job *job, conus_atlas *atlas, const char *path, const conus_pathway_options *options)
 {
     struct volume_file file = {0};
-    (void)JOB_CALL(job, volume_file_open_cached(&file, path, options->max_memory, options->cache, &job->notes));
+    (void)JOB_CALL(job, volume_file_open(&file, path, options->max_memory, &job->notes));
     pathway_add(job, atlas, &file, options);
     volume_file_finish(&file);
 }
@@ -438,7 +438,7 @@ conus_status conus_roi_load(conus_roi **out, const char *path, const conus_roi_o
     if (JOB_CALL(&job, volume_selector_parse(&selector, path))) {
         load_mesh_region(&job, &roi, &selector, options);
     }
-    if (!roi && JOB_CALL(&job, volume_file_open_cached(&file, path, options->max_memory, options->cache, &job.notes))) {
+    if (!roi && JOB_CALL(&job, volume_file_open(&file, path, options->max_memory, &job.notes))) {
         roi_of_volume(&job, &roi, &file, options->threshold);
     }
     volume_file_finish(&file);

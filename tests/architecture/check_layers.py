@@ -84,7 +84,7 @@ LIBRARY = {
     "loaders/brainglobe": "base base/files base/geometry base/formats base/system",
     "loaders/tracts": "base base/files base/geometry base/formats atlas/tracts loaders loaders/surfaces/foreign",
     "loaders/volumes/text": "base base/job base/geometry atlas/labels atlas",
-    "loaders/volumes/stored": "base base/files base/cache base/formats base/system",
+    "loaders/volumes/stored": "base base/files base/formats base/system",
     "loaders/volumes": "base base/files base/child base/geometry base/formats atlas/labels atlas loaders/volumes/stored"
     " loaders loaders/tiff loaders/zarr loaders/brainglobe loaders/volumes/text loaders/formats loaders/labels",
     "loaders/cifti": "base base/files base/geometry base/formats loaders/volumes loaders/labels atlas/labels"
