@@ -23,7 +23,7 @@ struct conus_cache {
 static const struct kind {
     const char *ending, *word;
     bool has_key; /* which has the path of a file */
-} kinds[] = {{ATLAS_CACHE_ENDING, "atlas", true}, {".mesh", "surfaces", false}};
+} kinds[] = {{ATLAS_CACHE_ENDING, "atlas", true}};
 
 void conus_cache_destroy(conus_cache *cache)
 {

@@ -144,7 +144,7 @@ const struct command cmd_cache = {
     .summary = "list or remove what is kept for the next time",
     .operands = {"list|where|clear"},
     .description =
-        "list says which atlases and surfaces are kept, how large they are and when\n"
+        "list says which atlases are kept, how large they are and when\n"
         "they were last used; where prints the folder, $XDG_CACHE_HOME/conus, else ~/.cache/conus; clear removes\n"
         "all of it.\n\n"
         "An atlas that was loaded is kept as it is in memory, and mapped from there the next time, unless\n"

@@ -130,7 +130,7 @@ const struct command cmd_mesh = {
     .form = "-o DIR",
     .description =
         "Writes one closed triangle mesh per area, in world mm, named LABEL_Name. Runs conus-mesh, which is\n"
-        "built where VTK is; its results are kept in the user's cache folder.",
+        "built where VTK is.",
     .examples = "  conus mesh aal.nii.gz -o aal-meshes\n"
                 "  conus mesh aal.nii.gz -o print --format stl --smooth 20 --pass-band 0.1 --decimate 0.8\n",
     .groups = groups,

@@ -90,7 +90,7 @@ LIBRARY = {
     "loaders/cifti": "base base/files base/geometry base/formats loaders/volumes loaders/labels atlas/labels"
     " loaders/formats",
     "loaders/labels": "base base/system base/job base/files base/geometry base/formats atlas/labels loaders/formats",
-    "loaders/child": "base base/files base/cache base/child base/system atlas/surface atlas",
+    "loaders/child": "base base/child base/system atlas/surface atlas",
     "loaders/surfaces/foreign": "base base/files base/geometry base/formats atlas/labels atlas/surface loaders",
     "loaders/surfaces": "base base/files base/geometry base/formats base/system atlas/labels atlas/surface atlas loaders"
     " loaders/labels loaders/cifti loaders/child loaders/surfaces/foreign loaders/formats loaders/volumes",

@@ -4,7 +4,6 @@
 load helpers
 
 setup_file() {
-    export XDG_CACHE_HOME=$BATS_FILE_TMPDIR/cache # meshes are kept whatever CONUS_CACHE says
     start_screen 1600x1000
     "$CONUS" phantom brain -o "$BATS_FILE_TMPDIR/brain" 3>&-
 }
