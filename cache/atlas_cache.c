@@ -118,28 +118,6 @@ void atlas_cache_end_reading(struct atlas_cache *cache)
     }
 }
 
-/* Maps points that the entry left in the files of tractograms, which are as they were when it was made. */
-static bool map_points(conus_atlas *atlas, const struct cache_part *bytes)
-{
-    struct file_trace trace = {0};
-    bool fits = true;
-    bool is_lean = false;
-    for (size_t i = 0; i < atlas->tractogram_count; i++) {
-        is_lean = is_lean || atlas->tractograms[i].file_offset;
-    }
-    if (!is_lean) {
-        return true;
-    }
-    fits = file_trace_parse(&trace, bytes->data, bytes->size);
-    for (size_t i = 0; i < atlas->tractogram_count && fits; i++) {
-        struct tractogram *tractogram = &atlas->tractograms[i];
-        const struct traced *file = tractogram->file_offset ? file_trace_find(&trace, tractogram->path) : NULL;
-        fits = !tractogram->file_offset || (file && tractogram_map_points(tractogram, &file->state));
-    }
-    file_trace_finish(&trace);
-    return fits;
-}
-
 /* The atlas, mapped from its entry; `log`, unless NULL, hears its notes. NULL where no entry may be believed. */
 static conus_atlas *find_entry(struct atlas_cache *cache, conus_log log, void *user)
 {
@@ -152,11 +130,6 @@ static conus_atlas *find_entry(struct atlas_cache *cache, conus_log log, void *u
     const struct cache_part *packed = &mapping.entry.packed;
     if (!atlas_cache_tell(notes->data, notes->size, NULL, NULL) ||
         atlas_attach_verified(&atlas, packed->data, packed->size)) {
-        cache_mapping_finish(&mapping);
-        return NULL;
-    }
-    if (!map_points(atlas, &mapping.entry.trace)) {
-        conus_atlas_destroy(atlas);
         cache_mapping_finish(&mapping);
         return NULL;
     }
@@ -197,44 +170,23 @@ static bool can_be_kept(const conus_atlas *atlas, const struct file_trace *trace
     return may;
 }
 
-/* The entry to be written. */
-struct writing {
-    const conus_atlas *atlas;
-    bool is_lean;
-};
-
 static bool write_atlas(void *user, int file, size_t at)
 {
-    const struct writing *writing = user;
-    return atlas_pack_write(file, at, writing->atlas, writing->is_lean) == CONUS_OK;
+    return atlas_pack_write(file, at, user, false) == CONUS_OK;
 }
 
-enum { LARGE = 4 }; /* an entry that takes such a part of the cache leaves points in their files */
-
-/* Such an entry of a .tck is less than half as large as the file, with points it would be larger than the file. */
-bool atlas_cache_leaves_points(const char *path)
-{
-    struct file_state state;
-    uint64_t limit;
-    return cache_limit(&limit) && !file_state_find(&state, path) && state.size > limit / LARGE &&
-           state.size / 2 < limit && state.size / (3 * sizeof(float)) < UINT32_MAX;
-}
-
-static void keep(struct atlas_cache *cache, conus_atlas **atlas)
+void atlas_cache_keep(struct atlas_cache *cache, conus_atlas **atlas)
 {
     struct buffer trace = {0};
     if (!is_used(cache) || !can_be_kept(*atlas, &cache->trace)) {
         return;
     }
-    bool is_lean = (*atlas)->tractogram_count && (*atlas)->tractograms[0].is_in_file;
-    is_lean = is_lean || conus_atlas_packed_size(*atlas) > cache->store.limit / LARGE;
-    struct writing writing = {*atlas, is_lean};
     file_trace_write(&trace, &cache->trace);
     struct cache_entry entry = {.notes = {(const uint8_t *)cache->heard.data, cache->heard.size},
                                 .trace = {(const uint8_t *)trace.data, trace.size},
-                                .packed = {NULL, atlas_pack_size(*atlas, is_lean)}};
+                                .packed = {NULL, conus_atlas_packed_size(*atlas)}};
     if (!buffer_status(&trace) && !cache->heard.failed &&
-        cache_store_keep(&cache->store, &entry, write_atlas, &writing)) {
+        cache_store_keep(&cache->store, &entry, write_atlas, *atlas)) {
         /* maps what was just written: then the atlas is in memory once, and answers as it will the next time */
         cache->store.written = entry.trace;
         conus_atlas *mapped = find_entry(cache, NULL, NULL); /* the notes were heard while the files were read */
@@ -245,18 +197,4 @@ static void keep(struct atlas_cache *cache, conus_atlas **atlas)
         }
     }
     buffer_finish(&trace);
-}
-
-conus_status atlas_cache_keep(struct atlas_cache *cache, conus_atlas **atlas)
-{
-    conus_status status = CONUS_OK;
-    keep(cache, atlas);
-    for (size_t i = 0; i < (*atlas)->tractogram_count && !(*atlas)->mapped && !status; i++) {
-        struct tractogram *tractogram = &(*atlas)->tractograms[i];
-        if (tractogram->is_in_file) {
-            const struct traced *file = file_trace_find(&cache->trace, tractogram->path);
-            status = file ? tractogram_hold_points(tractogram, &file->state) : CONUS_ERROR_MEMORY;
-        }
-    }
-    return status;
 }

@@ -34,12 +34,8 @@ conus_atlas *atlas_cache_find(struct atlas_cache *cache);
 void atlas_cache_begin_reading(struct atlas_cache *cache);
 void atlas_cache_end_reading(struct atlas_cache *cache);
 
-/** Whether an entry of the tractogram @p path would leave its points there, if it is a .tck that can. */
-bool atlas_cache_leaves_points(const char *path);
-
-/** Keeps the atlas that was loaded between the two, and maps it in the place of the loaded one.
- * Where it is not kept, points that were left in files are copied: CONUS_ERROR_MEMORY, CONUS_ERROR_IO. */
-conus_status atlas_cache_keep(struct atlas_cache *cache, conus_atlas **atlas);
+/** Keeps the atlas that was loaded between the two, and maps it in the place of the loaded one. */
+void atlas_cache_keep(struct atlas_cache *cache, conus_atlas **atlas);
 
 /** Whether all @p size bytes are the notes of an entry; @p log, unless NULL, hears the notes before the first damaged
  * one. */

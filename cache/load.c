@@ -16,12 +16,11 @@ static const char *const kinds[] = {"streamlines", "streamlines in RAS", "stream
 enum { ATLAS = CONUS_FILE_SPACE_LPS + 1 };
 
 /* Bridge: streamlines_load(), whose atlas is the caller's. */
-static conus_status load_lines(conus_atlas **out, const char *path, int kind, const conus_load_options *options,
-                               bool maps)
+static conus_status load_lines(conus_atlas **out, const char *path, int kind, const conus_load_options *options)
 {
     const struct note_sink sink = {options->log, options->log_user, path};
     struct job job = {.sink = &sink};
-    conus_atlas *atlas = streamlines_load(&job, path, options, (conus_file_space)kind, maps);
+    conus_atlas *atlas = streamlines_load(&job, path, options, (conus_file_space)kind);
     atlas = job_give(&job, atlas, sizeof *atlas);
     *out = atlas ? atlas : *out;
     return job_close(&job, NULL, NULL);
@@ -38,12 +37,11 @@ static conus_status find_or_load(conus_atlas **out, const char *path, int kind, 
     conus_atlas *atlas = atlas_cache_find(&cache);
     if (!atlas) {
         atlas_cache_begin_reading(&cache);
-        bool maps = cache.options.cache && atlas_cache_leaves_points(path);
         status = kind == ATLAS ? atlas_load_files(&atlas, path, &cache.options)
-                               : load_lines(&atlas, path, kind, &cache.options, maps);
+                               : load_lines(&atlas, path, kind, &cache.options);
         atlas_cache_end_reading(&cache);
         if (!status) {
-            status = atlas_cache_keep(&cache, &atlas);
+            atlas_cache_keep(&cache, &atlas);
         }
     } else if (options->progress &&
                !options->progress(options->progress_user, path, 0, 1)) { /* it counts as one file */

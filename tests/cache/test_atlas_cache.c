@@ -271,109 +271,6 @@ static void a_file_that_changed_just_now_is_not_kept(void **state)
     conus_atlas_destroy(atlas);
 }
 
-enum { LINES = 5000, TCK_HEADER = 60, TCK_SIZE = TCK_HEADER + 12 * (3 * LINES + 1) };
-
-/* A file of streamlines of two points, of which those of a number begin there. */
-static const char *write_lines(const char *name)
-{
-    float numbers[3 * (3 * LINES + 1)];
-    static const char header[] = "mrtrix tracks\ndatatype: Float32LE\nfile: . 60\nEND\n";
-    uint8_t file[TCK_SIZE] = {0};
-    for (size_t i = 0; i < LINES; i++) {
-        const float line[9] = {(float)i, 0, 0, (float)i, 1, 0, NAN, NAN, NAN};
-        memcpy(numbers + 9 * i, line, sizeof line);
-    }
-    for (size_t a = 0; a < 3; a++) {
-        numbers[9 * LINES + a] = INFINITY;
-    }
-    memcpy(file, header, sizeof header);
-    memcpy(file + TCK_HEADER, numbers, sizeof numbers);
-    const char *path = test_scratch(name);
-    assert_ok(file_write(path, file, sizeof file));
-    return path;
-}
-
-static void assert_lines(const struct tractogram *tractogram)
-{
-    assert_int_equal(tractogram->streamline_count, LINES);
-    assert_false(tractogram->is_in_file);
-    for (uint32_t i = 0; i < 2 * LINES; i++) {
-        const uint32_t number = i / 2;
-        const float point[3] = {(float)number, (float)(i % 2), 0};
-        assert_memory_equal(tractogram->points + 3 * (size_t)i, point, sizeof point);
-    }
-}
-
-/* The entry of these would leave points in the file. It is not kept, since the file is new. */
-static void points_of_what_is_not_kept_are_in_memory(void **state)
-{
-    (void)state;
-    conus_tractogram *tractogram = NULL;
-    char limit[32];
-    const conus_streamlines_options options = {.cache = true};
-    const char *path = write_lines("new.tck");
-    snprintf(limit, sizeof limit, "%d", TCK_SIZE);
-    setenv("CONUS_CACHE", limit, 1);
-    assert_true(atlas_cache_leaves_points(path));
-    assert_ok(conus_tractogram_load(&tractogram, path, &options));
-    assert_null(tractogram->alone->mapped);
-    assert_lines(tractogram->alone->tractograms);
-    conus_tractogram_destroy(tractogram);
-    snprintf(limit, sizeof limit, "%d", 4 * TCK_SIZE);
-    setenv("CONUS_CACHE", limit, 1);
-    assert_false(atlas_cache_leaves_points(path)); /* its points may be in the entry */
-    snprintf(limit, sizeof limit, "%d", TCK_SIZE / 2);
-    setenv("CONUS_CACHE", limit, 1);
-    assert_false(atlas_cache_leaves_points(path)); /* it might not be kept */
-    setenv("CONUS_CACHE", "off", 1);
-    assert_false(atlas_cache_leaves_points(path));
-    unsetenv("CONUS_CACHE");
-}
-
-/* Bridge: streamlines_load(), whose atlas is the caller's. */
-static conus_status load_mapped(conus_atlas **out, const char *path)
-{
-    struct job job = {0};
-    const conus_load_options options = {0};
-    conus_atlas *atlas = streamlines_load(&job, path, &options, CONUS_FILE_SPACE_AS_STATED, true);
-    atlas = job_give(&job, atlas, sizeof *atlas);
-    *out = atlas ? atlas : *out;
-    return job_close(&job, NULL, NULL);
-}
-
-static conus_status load_lines_mapped(void *path)
-{
-    struct file_state before;
-    conus_atlas *atlas = NULL;
-    assert_ok(file_state_find(&before, path));
-    conus_status status = load_mapped(&atlas, path);
-    if (!status) {
-        assert_true(atlas->tractograms[0].is_in_file);
-        status = tractogram_hold_points(&atlas->tractograms[0], &before);
-    }
-    if (!status) {
-        assert_lines(&atlas->tractograms[0]);
-    }
-    conus_atlas_destroy(atlas);
-    return status;
-}
-
-static void points_are_held_only_if_all_are_there(void **state)
-{
-    (void)state;
-    struct file_state before;
-    conus_atlas *atlas = NULL;
-    const char *path = write_lines("held.tck");
-    test_every_allocation(load_lines_mapped, (void *)path);
-    assert_true(test_every_primitive(load_lines_mapped, (void *)path) > 5);
-    assert_ok(file_state_find(&before, path));
-    assert_ok(load_mapped(&atlas, path));
-    assert_int_equal(truncate(path, TCK_HEADER), 0);
-    assert_fails(tractogram_hold_points(&atlas->tractograms[0], &before), CONUS_ERROR_IO);
-    assert_non_null(strstr(conus_message(), "held.tck: " FILE_CHANGED));
-    conus_atlas_destroy(atlas);
-}
-
 static bool stop(void *user, const char *path, size_t done, size_t total)
 {
     (void)path;
@@ -545,8 +442,6 @@ TEST_GROUP(atlas_cache)
         cmocka_unit_test(notes_are_heard_again),
         cmocka_unit_test(surfaces_around_the_areas_are_not_kept),
         cmocka_unit_test(a_file_that_changed_just_now_is_not_kept),
-        cmocka_unit_test(points_of_what_is_not_kept_are_in_memory),
-        cmocka_unit_test(points_are_held_only_if_all_are_there),
         cmocka_unit_test(progress_can_cancel_what_is_mapped),
         cmocka_unit_test(the_environment_sets_the_limit),
         cmocka_unit_test(what_was_not_used_for_longest_leaves_first),
