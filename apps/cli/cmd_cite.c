@@ -152,7 +152,7 @@ static int cite_result(struct citing *citing, const char *sidecar)
 
 static int cite_atlas(struct citing *citing)
 {
-    const struct atlas_settings settings = {.max_memory = citing->settings->max_memory, .no_cache = true};
+    const struct atlas_settings settings = {.max_memory = citing->settings->max_memory};
     struct atlas_name found;
     int code = make_atlases(citing, 1);
     code = code ? code : atlases_load(&citing->atlases, citing->given, &settings, NULL);

@@ -6,8 +6,8 @@
 #include "atlas/fit/box_fit.h"
 #include "atlas/fit/fit.h"
 #include "base/buffer.h"
-#include "base/files/file_trace.h"
 #include "base/files/folder.h"
+#include "base/files/inputs.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/order.h"
@@ -204,7 +204,7 @@ static void take_title(struct job *job, void *user, struct fsl_atlas *atlas, con
     struct title *title = user;
     size_t i = 0;
     (void)file;
-    file_trace_take(path);
+    inputs_take(path);
     while (i < atlas->labels.count && atlas->labels.entries[i].number - 1 != title->info->volume) {
         i++;
     }

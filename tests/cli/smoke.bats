@@ -74,17 +74,6 @@ atlas() {
     answers connect nested.nii.gz --streamlines bundle/bundle.tck --quiet
 }
 
-@test "cache: kept, found again, listed, removed" {
-    atlas
-    export CONUS_CACHE=1G XDG_CACHE_HOME=$PWD/cache
-    for turn in first second; do
-        answers batch nested.nii.gz --poses poses.tsv -o $turn.tsv --quiet
-    done
-    cmp first.tsv second.tsv
-    answers cache list
-    answers cache clear
-}
-
 @test "render, by rays and by OpenGL" {
     atlas
     gl render nested.nii.gz --pathway pathway.nii.gz "${aim[@]}" --size 64x48 -o picture.png --quiet

@@ -2,7 +2,6 @@
 /* Opens a file, and gives bytes of it. */
 #include "loaders/volumes/stored/stored_file.h"
 
-#include "base/files/file_trace.h"
 #include "base/memory.h"
 #include "base/system/system.h"
 #include "base/text.h"
@@ -32,7 +31,6 @@ static conus_status read_at(const struct plain_file *plain, uint8_t *out, size_t
 {
     ptrdiff_t got = system_read_at(plain->descriptor, out, size, at);
     if (got < 0 || (size_t)got < size) {
-        file_trace_failed();
         return got < 0 ? fail(CONUS_ERROR_IO, "cannot read: %s", text_error(errno))
                        : fail(CONUS_ERROR_IO, FILE_CHANGED);
     }
@@ -106,7 +104,6 @@ static conus_status plain_file_range(struct bytes *out, struct gzip_range *range
     status = status ? status : read_stretch(&reading, range->from, end, true);
     status = status ? status : read_stretch(&reading, end, plain->before.size, false);
     if (!status && !is_unchanged(plain->descriptor, &plain->before)) {
-        file_trace_failed();
         status = fail(CONUS_ERROR_IO, FILE_CHANGED);
     }
     memory_free(reading.slab);
