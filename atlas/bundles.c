@@ -289,8 +289,6 @@ void bundles_take(conus_atlas *atlas, struct tractogram *moved)
             atlas->tractograms[i].halves = moved[i].halves;
             atlas->tractograms[i].tree = moved[i].tree;
             atlas->tractograms[i].has_borrowed_points = moved[i].has_borrowed_points;
-            atlas->tractograms[i].is_in_file = false;
-            atlas->tractograms[i].file_offset = 0;
             memcpy(atlas->tractograms[i].low, moved[i].low, sizeof atlas->tractograms[i].low);
             memcpy(atlas->tractograms[i].high, moved[i].high, sizeof atlas->tractograms[i].high);
             moved[i].points = held.points;

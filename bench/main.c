@@ -238,7 +238,6 @@ static int run_benchmark(const struct arguments *arguments)
 int main(int argc, char **argv)
 {
     setvbuf(stdout, NULL, _IOLBF, 0);
-    setenv("CONUS_CACHE", "off", 1); /* loading is measured from files; the scenario startup measures the cache */
     struct arguments arguments = {.options = {.angle = 5}};
     conus_status status = parse_arguments(&arguments, argc, argv);
     if (status) {

@@ -56,7 +56,7 @@ inside() {
 
 # first_answer: README.md's question.
 first_answer() {
-    conus query /usr/share/mricron/templates/aal.nii.gz --origin=-90,20,20 --toward=0,-10,10 --angle 20 --no-cache | tee rows
+    conus query /usr/share/mricron/templates/aal.nii.gz --origin=-90,20,20 --toward=0,-10,10 --angle 20 | tee rows
     [ "$(awk '$2 ~ /_[LR]$/ { print $2, $6 }' rows)" = $'Frontal_Inf_Oper_L 2921\nPrecentral_L 238\nPostcentral_L 69' ]
 }
 

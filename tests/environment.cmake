@@ -1,6 +1,4 @@
-# Read by ctest before it runs tests. None of them touches the folders of whoever runs them, nor their cache; those of the cache
-# have their own.
-set(ENV{CONUS_CACHE} off)
+# Read by ctest before it runs tests. None of them touches the folders of whoever runs them.
 set(ENV{HOME} @PROJECT_BINARY_DIR@/home)
 file(MAKE_DIRECTORY $ENV{HOME})
 # Where Mesa keeps compiled shaders, also for tests with folders of their own; it does not ask HOME.

@@ -159,7 +159,7 @@ static int write_citation(const struct citing *citing)
 
 static int cite_atlas(struct citing *citing)
 {
-    const struct atlas_settings settings = {.max_memory = citing->settings->max_memory, .no_cache = true};
+    const struct atlas_settings settings = {.max_memory = citing->settings->max_memory};
     int code = make_atlases(citing, 1);
     code = code ? code : atlases_load(&citing->atlases, citing->given, &settings, NULL);
     citing->citation.version = conus_version();

@@ -71,9 +71,6 @@ static const struct option own_options[] = {
      .offset = offsetof(struct mesh_settings, atlas.max_memory),
      .value = "SIZE",
      .help = "largest file or volume to accept, and memory of conus-mesh (default 8G)"},
-    {.name = "no-cache",
-     OPTION_AT(struct mesh_settings, atlas.no_cache),
-     .help = "read the atlas's files anew, and keep no atlas for the next time (conus cache)"},
     {.name = "quiet",
      .letter = 'q',
      OPTION_AT(struct mesh_settings, common.quiet),
@@ -130,7 +127,7 @@ const struct command cmd_mesh = {
     .form = "-o DIR",
     .description =
         "Writes one closed triangle mesh per area, in world mm, named LABEL_Name. Runs conus-mesh, which is\n"
-        "built where VTK is; its results are kept in the user's cache folder.",
+        "built where VTK is.",
     .examples = "  conus mesh aal.nii.gz -o aal-meshes\n"
                 "  conus mesh aal.nii.gz -o print --format stl --smooth 20 --pass-band 0.1 --decimate 0.8\n",
     .groups = groups,

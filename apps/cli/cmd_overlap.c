@@ -67,10 +67,8 @@ static const char *region_path(const struct overlap *overlap, size_t index)
 static conus_status load_region(conus_roi **out, const struct overlap *overlap, const char *path, conus_log log)
 {
     const struct overlap_settings *settings = overlap->settings;
-    const conus_roi_options options = {.threshold = settings->threshold,
-                                       .max_memory = settings->request.atlas.max_memory,
-                                       .log = log,
-                                       .cache = !settings->request.atlas.no_cache};
+    const conus_roi_options options = {
+        .threshold = settings->threshold, .max_memory = settings->request.atlas.max_memory, .log = log};
     return conus_roi_load(out, path, &options);
 }
 
@@ -89,8 +87,7 @@ static bool atlas_is_region(const struct overlap *overlap)
 static bool region_is_atlas(const struct overlap *overlap, const char *path)
 {
     const struct atlas_settings *given = &overlap->settings->request.atlas;
-    const struct atlas_settings settings = {
-        .max_memory = given->max_memory, .no_cache = given->no_cache, .answers = true};
+    const struct atlas_settings settings = {.max_memory = given->max_memory, .answers = true};
     conus_atlas *atlas = NULL;
     bool is_atlas = !atlas_input_load(&atlas, path, &settings) && conus_atlas_object_count(atlas) > 1;
     conus_atlas_destroy(atlas);

@@ -506,7 +506,7 @@ static void say_files(const struct page *page)
 
 int page_write(struct page_settings settings, const struct arguments *arguments, const char *before)
 {
-    const struct atlas_settings atlas_settings = {.no_cache = true}; /* which has inputs in another order */
+    const struct atlas_settings atlas_settings = {0};
     struct page page = {.settings = &settings};
     struct atlas_name name = {0};
     struct atlas_name context = {0};

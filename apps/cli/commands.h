@@ -6,7 +6,6 @@
 #include "options/options.h"
 
 extern const struct command cmd_atlases;
-extern const struct command cmd_cache;
 extern const struct command cmd_info;
 extern const struct command cmd_query;
 extern const struct command cmd_batch;

@@ -322,8 +322,7 @@ static int add_pathways(conus_atlas *atlas, const struct pathway_option *pathway
                                                .unit = pathway->unit,
                                                .max_memory = settings->max_memory,
                                                .bands = pathway->bands,
-                                               .band_count = pathway->band_count,
-                                               .cache = !settings->no_cache};
+                                               .band_count = pathway->band_count};
         code = print_status(conus_atlas_add_pathway(atlas, pathway->path, &options));
     }
     return code;
@@ -340,8 +339,7 @@ static int add_streamlines(conus_atlas *atlas, const struct streamlines_option *
             const conus_streamlines_options own = {.radius = options[i].radius,
                                                    .name = options[i].name,
                                                    .space = options[i].space,
-                                                   .max_memory = settings->max_memory,
-                                                   .cache = !settings->no_cache};
+                                                   .max_memory = settings->max_memory};
             struct tract_shelf *shelf = settings->shelf;
             const conus_tractogram *kept = NULL;
             if (!(shelf && tract_shelf_has(shelf, options[i].path, own.space)) &&
@@ -527,8 +525,7 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
                                         .progress = hear_progress,
                                         .progress_user = &progress,
                                         .probability = settings->probability,
-                                        .without_context = settings->answers && !settings->transforms.count,
-                                        .cache = !settings->no_cache};
+                                        .without_context = settings->answers && !settings->transforms.count};
     conus_atlas *atlas = NULL;
     conus_status status = conus_atlas_load(&atlas, name->path, &options);
     if (status == CONUS_ERROR_CANCELLED) {
@@ -582,8 +579,7 @@ static int set_context(conus_atlas *atlas, const char *given, const conus_contex
 
 int atlas_input_load_context(conus_atlas *atlas, const char *path, double blocks, const struct atlas_settings *settings)
 {
-    const conus_context_options options = {
-        .block_threshold = blocks, .max_memory = settings->max_memory, .cache = !settings->no_cache};
+    const conus_context_options options = {.block_threshold = blocks, .max_memory = settings->max_memory};
     return path ? set_context(atlas, path, &options) : EXIT_DONE;
 }
 
@@ -660,8 +656,7 @@ int context_choice_load(conus_atlas *atlas, const struct context_choice *choice,
     for (size_t i = 0; i < choice->files.count && !code; i++) {
         const char *path = choice->files.items[i];
         const conus_context_options options = {.opacity = conus_context_is_surface(path) ? choice->opacity : 0,
-                                               .max_memory = settings->max_memory,
-                                               .cache = !settings->no_cache};
+                                               .max_memory = settings->max_memory};
         code = set_context(atlas, path, &options);
     }
     return code ? code : load_map(atlas, choice, settings);

@@ -91,8 +91,6 @@ const struct option atlas_options[] = {
          "largest file or volume to accept, like 512M or 2G (default 8G; 1G for files of poses that are read whole)",
      .words = "RAM",
      .role = OPTION_KEPT},
-    {OPTION_NAMED("no-cache", struct atlas_settings, no_cache),
-     .help = "read the atlas's files anew, and keep nothing for the next time (conus cache)", .role = OPTION_OF_RUN},
     {0},
 };
 

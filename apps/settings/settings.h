@@ -33,7 +33,6 @@ struct atlas_settings {
     struct option_list only, hide;
     struct option_list transforms;
     uint64_t max_memory;
-    bool no_cache;
     bool answers;                 /* no option: the context of a manifest is left out where no answer needs it */
     bool image_is_fine;           /* no option: where ATLAS is an image, nobody is told, and error_line() has why */
     struct option_list more;      /* of --atlas: atlases besides ATLAS (atlases.h) */

@@ -54,7 +54,7 @@ static struct {
 } page;
 
 #ifdef __EMSCRIPTEN__ /* elsewhere memset() would call itself */
-/* No packing (--wrap): only what is kept for the next time is packed, and a page keeps nothing. */
+/* No packing (--wrap): only files that are written are packed, and a page writes none. */
 struct libdeflate_compressor *__wrap_libdeflate_alloc_compressor(int level)
 {
     (void)level;

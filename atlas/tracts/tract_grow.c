@@ -13,13 +13,9 @@
 /* A run without a place in a leaf yet, of the size that it has there. */
 struct item {
     uint16_t middle[3]; /* of its box, in the cube of a range of items */
-    uint16_t segments;  /* and above TRACT_SEGMENTS_BITS the low bits of the streamline's number */
-    uint32_t place;     /* of its first point */
+    uint16_t segments;
+    uint32_t point; /* its first one */
 };
-
-/* Where places are not points, each streamline has one place more. So these bits are enough for the streamlines from
- * one multiple of this number to the next. */
-enum { PLACES = 1 << (16 - TRACT_SEGMENTS_BITS) };
 
 _Static_assert(sizeof(struct item) * TRACT_LEAF == sizeof(struct tract_leaf), "runs are where their leaves will be");
 
@@ -46,11 +42,6 @@ static size_t count_runs(const struct tractogram *tractogram, size_t from, size_
         count += runs_of(tractogram->first[s + 1] - tractogram->first[s], run_length(tractogram));
     }
     return count;
-}
-
-static inline uint32_t segments_of(const struct item *item)
-{
-    return item->segments & ((1U << TRACT_SEGMENTS_BITS) - 1);
 }
 
 /* Exact: floats hold halves. */
@@ -97,7 +88,7 @@ static struct cube cube_of(const struct box *around)
 /* Gives an item its middle in a cube. */
 static inline void frame(struct item *item, const struct tractogram *tractogram, const struct cube *cube)
 {
-    struct box box = box_of_points(tractogram, item->place, segments_of(item) + 1U);
+    struct box box = box_of_points(tractogram, item->point, item->segments + 1U);
     for (int a = 0; a < 3; a++) {
         item->middle[a] = (uint16_t)((middle(&box, a) - (double)cube->low[a]) * cube->scale);
     }
@@ -140,9 +131,9 @@ static void cut(struct item *out, const struct tractogram *tractogram, size_t fi
     uint32_t sharp[BLOCK];
     uint64_t longest = run_length(tractogram);
     for (size_t s = first; s < last; s++) {
-        uint64_t begin = tractogram_begin(tractogram, s);
+        uint64_t begin = tractogram->first[s];
         uint64_t from = begin;
-        uint64_t end = begin + tractogram->first[s + 1] - tractogram->first[s];
+        uint64_t end = tractogram->first[s + 1];
         uint64_t known[2] = {0}; /* points of which `sharp` tells */
         size_t runs = runs_of(end - from, longest);
         for (size_t k = 1; k <= runs; k++) {
@@ -159,8 +150,7 @@ static void cut(struct item *out, const struct tractogram *tractogram, size_t fi
                     to = here[-1] ? to - 1 : here[next - to] ? next : to;
                 }
             }
-            *out =
-                (struct item){.segments = (uint16_t)(s << TRACT_SEGMENTS_BITS | (to - from)), .place = (uint32_t)from};
+            *out = (struct item){.segments = (uint16_t)(to - from), .point = (uint32_t)from};
             frame(out++, tractogram, cube);
             from = to;
         }
@@ -171,7 +161,7 @@ static struct box box_of_middles(const struct item *items, size_t count, const s
 {
     struct box around = no_box();
     for (size_t i = 0; i < count; i++) {
-        struct box box = box_of_points(tractogram, items[i].place, segments_of(&items[i]) + 1U);
+        struct box box = box_of_points(tractogram, items[i].point, items[i].segments + 1U);
         const float at[3] = {(float)middle(&box, 0), (float)middle(&box, 1), (float)middle(&box, 2)};
         extend(&around, at, at);
     }
@@ -289,20 +279,20 @@ static void load_runs(struct tract_runs *runs, const struct item *items, size_t 
     assert(count > 0);
     runs->longest = 1;
     for (size_t lane = 0; lane < count; lane++) {
-        uint32_t segments = segments_of(&items[lane]);
+        uint32_t segments = items[lane].segments;
         runs->longest = segments > runs->longest ? segments : runs->longest;
     }
     for (size_t lane = 0; lane < TRACT_LEAF; lane++) {
         const struct item *item = &items[lane < count ? lane : 0];
-        uint32_t segments = segments_of(item);
+        uint32_t segments = item->segments;
         float point[3];
         for (uint32_t k = 0; k < runs->longest; k++) {
-            read_point(point, tractogram, item->place + (uint64_t)(k < segments ? k : 0));
+            read_point(point, tractogram, item->point + (uint64_t)(k < segments ? k : 0));
             for (int a = 0; a < 3; a++) {
                 runs->points[k][a][lane] = point[a];
             }
         }
-        read_point(point, tractogram, item->place + (uint64_t)segments);
+        read_point(point, tractogram, item->point + (uint64_t)segments);
         for (int a = 0; a < 3; a++) {
             runs->last[a][lane] = point[a];
         }
@@ -333,20 +323,9 @@ static tract_leaf_kernel *fastest_kernel(void)
     return tract_leaf_set_plain;
 }
 
-/* The first point of a run; `marks`: the streamline of each PLACES-th place, where places are not points. */
-static uint32_t point_of(const struct item *item, const uint32_t *marks)
-{
-    if (!marks) {
-        return item->place;
-    }
-    uint32_t near = marks[item->place / PLACES];
-    uint32_t low = item->segments >> TRACT_SEGMENTS_BITS;
-    return item->place - near - ((low - near) & (PLACES - 1));
-}
-
 /* Makes a leaf of `count` items and returns its hull. */
 static struct hull set_leaf(struct tract_leaf *out, const struct item *items, size_t count,
-                            const struct tractogram *tractogram, const uint32_t *marks, tract_leaf_kernel *kernel)
+                            const struct tractogram *tractogram, tract_leaf_kernel *kernel)
 {
     struct tract_runs runs;
     struct hull hull;
@@ -354,8 +333,8 @@ static struct hull set_leaf(struct tract_leaf *out, const struct item *items, si
     load_runs(&runs, items, count, tractogram);
     kernel(out, &hull, &runs);
     for (size_t lane = 0; lane < count; lane++) {
-        out->point[lane] = point_of(&items[lane], marks);
-        out->bend[lane] = (uint8_t)segments_of(&items[lane]);
+        out->point[lane] = items[lane].point;
+        out->bend[lane] = (uint8_t)items[lane].segments;
     }
     for (size_t lane = count; lane < TRACT_LEAF; lane++) {
         for (int a = 0; a < 3; a++) {
@@ -369,9 +348,9 @@ static struct hull set_leaf(struct tract_leaf *out, const struct item *items, si
 /* Prefetches the points of a run. */
 static void fetch_points(const struct tractogram *tractogram, const struct item *item)
 {
-    const char *from = tractogram->points ? (const char *)(tractogram->points + 3 * (uint64_t)item->place)
-                                          : (const char *)(tractogram->halves + 3 * (uint64_t)item->place);
-    size_t size = 3 * (size_t)segments_of(item) * (tractogram->points ? sizeof(float) : sizeof(uint16_t));
+    const char *from = tractogram->points ? (const char *)(tractogram->points + 3 * (uint64_t)item->point)
+                                          : (const char *)(tractogram->halves + 3 * (uint64_t)item->point);
+    size_t size = 3 * (size_t)item->segments * (tractogram->points ? sizeof(float) : sizeof(uint16_t));
     __builtin_prefetch(from);
     __builtin_prefetch(from + size);
 }
@@ -436,7 +415,6 @@ struct growing {
     struct tractogram *tractogram;
     struct tract_tree *tree;
     struct item *items;
-    const uint32_t *marks;          /* of places (point_of()) */
     struct box around;              /* of all points */
     size_t pieces;                  /* how many there are */
     struct box boxes[THREADS_MOST]; /* of the points of each */
@@ -460,7 +438,7 @@ static void fill_leaves(const struct growing *growing, size_t first, size_t end)
         struct item taken[TRACT_LEAF];
         memcpy(taken, items + from, count * sizeof *taken);
         size_t number = from / TRACT_LEAF;
-        struct hull hull = set_leaf(&tree->leaves[number], taken, count, tractogram, growing->marks, kernel);
+        struct hull hull = set_leaf(&tree->leaves[number], taken, count, tractogram, kernel);
         set_hull(&tree->nodes[number / TRACT_WIDTH], number % TRACT_WIDTH, &hull);
     }
 }
@@ -472,9 +450,9 @@ static void measure_piece(void *user, size_t piece)
     const struct tractogram *tractogram = growing->tractogram;
     size_t first = threads_begin(piece, growing->pieces, tractogram->streamline_count, 1);
     size_t last = threads_begin(piece + 1, growing->pieces, tractogram->streamline_count, 1);
-    uint64_t begin = tractogram_begin(tractogram, first);
+    uint64_t begin = tractogram->first[first];
     growing->runs[piece] = count_runs(tractogram, first, last);
-    growing->boxes[piece] = box_of_points(tractogram, begin, tractogram_begin(tractogram, last) - begin);
+    growing->boxes[piece] = box_of_points(tractogram, begin, tractogram->first[last] - begin);
     for (size_t s = first; s < last; s++) {
         growing->tree->lengths[s] = tractogram_length(tractogram, (uint32_t)s);
     }
@@ -499,12 +477,12 @@ static void fill_piece(void *user, size_t piece)
                 threads_begin(piece + 1, growing->pieces, count, OF_NODE));
 }
 
-/* The streamline of every `step`-th point, or place. */
-static void fill_marks(uint32_t *out, const struct tractogram *tractogram, bool of_places, uint64_t step)
+/* The streamline of every TRACT_MARK-th point. */
+static void fill_marks(uint32_t *out, const struct tractogram *tractogram)
 {
     uint64_t next = 0;
     for (size_t s = 0; s < tractogram->streamline_count; s++) {
-        for (; next < (of_places ? tractogram_begin(tractogram, s + 1) : tractogram->first[s + 1]); next += step) {
+        for (; next < tractogram->first[s + 1]; next += TRACT_MARK) {
             *out++ = (uint32_t)s;
         }
     }
@@ -546,8 +524,7 @@ static void grow(struct growing *growing, const struct tract_levels *levels)
 
 conus_status tractogram_grow_tree(struct tractogram *tractogram)
 {
-    uint64_t places = tractogram->point_count + (tractogram->is_in_file ? tractogram->streamline_count : 0);
-    if (places > UINT32_MAX) {
+    if (tractogram->point_count > UINT32_MAX) {
         return fail(CONUS_ERROR_DATA, "points of streamlines: found %llu, at most %u are allowed",
                     (unsigned long long)tractogram->point_count, UINT32_MAX);
     }
@@ -558,19 +535,13 @@ conus_status tractogram_grow_tree(struct tractogram *tractogram)
     tree.leaves = memory_raw(tract_leaf_count(tree.run_count), sizeof *tree.leaves);
     tree.marks = memory_raw(tract_mark_count(tractogram->point_count), sizeof *tree.marks);
     tree.lengths = memory_raw(tractogram->streamline_count, sizeof *tree.lengths);
-    uint32_t *marks = tractogram->is_in_file ? memory_raw((size_t)(places / PLACES + 1), sizeof *marks) : NULL;
-    if (!tree.nodes || !tree.leaves || !tree.marks || !tree.lengths || (tractogram->is_in_file && !marks)) {
+    if (!tree.nodes || !tree.leaves || !tree.marks || !tree.lengths) {
         tract_tree_finish(&tree);
-        memory_free(marks);
         return CONUS_ERROR_MEMORY;
     }
-    struct growing growing = {.tractogram = tractogram, .tree = &tree, .items = (void *)tree.leaves, .marks = marks};
-    fill_marks(tree.marks, tractogram, false, TRACT_MARK);
-    if (marks) {
-        fill_marks(marks, tractogram, true, PLACES);
-    }
+    struct growing growing = {.tractogram = tractogram, .tree = &tree, .items = (void *)tree.leaves};
+    fill_marks(tree.marks, tractogram);
     grow(&growing, &levels);
-    memory_free(marks);
     tractogram->tree = tree;
     return CONUS_OK;
 }

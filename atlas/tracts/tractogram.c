@@ -47,7 +47,7 @@ struct tract_levels tract_levels_of(size_t run_count)
 void tractogram_finish(struct tractogram *tractogram)
 {
     if (!tractogram->has_borrowed_points) {
-        memory_free(tractogram->is_in_file ? NULL : tractogram->points);
+        memory_free(tractogram->points);
         memory_free(tractogram->halves);
         tract_tree_finish(&tractogram->tree);
     }
@@ -72,55 +72,13 @@ void tractogram_finish(struct tractogram *tractogram)
     if (tractogram->mapped) {
         file_unmap(tractogram->mapped, tractogram->mapped_size);
     }
-    if (tractogram->file_mapped) {
-        file_unmap(tractogram->file_mapped, tractogram->file_mapped_size);
-    }
     file_sums_finish(&tractogram->files);
     *tractogram = (struct tractogram){0};
 }
 
-bool tractogram_map_points(struct tractogram *tractogram, const struct file_state *before)
-{
-    uint64_t triples = tractogram->point_count + tractogram->streamline_count;
-    bool fits = tractogram->file_offset <= before->size &&
-                triples <= (before->size - tractogram->file_offset) / (3 * sizeof *tractogram->points);
-    void *mapped = fits ? file_map(tractogram->path, before) : NULL;
-    if (!mapped) {
-        return false;
-    }
-    tractogram->file_mapped = mapped;
-    tractogram->file_mapped_size = (size_t)before->size;
-    tractogram->points = (float *)((char *)mapped + tractogram->file_offset);
-    tractogram->is_in_file = true;
-    return true;
-}
-
 float *tractogram_copy_points(const struct tractogram *tractogram)
 {
-    float *points = memory_raw(tractogram->point_count, 3 * sizeof *points);
-    for (size_t k = 0; k < tractogram->streamline_count && points; k++) {
-        uint64_t first = tractogram->first[k];
-        const float *from = tractogram->points + 3 * tractogram_begin(tractogram, k);
-        memcpy(points + 3 * first, from, (size_t)(tractogram->first[k + 1] - first) * 3 * sizeof *points);
-    }
-    return points;
-}
-
-conus_status tractogram_hold_points(struct tractogram *tractogram, const struct file_state *before)
-{
-    conus_status status = file_state_check(before, tractogram->path);
-    float *points = status ? NULL : tractogram_copy_points(tractogram);
-    status = status || points ? status : CONUS_ERROR_MEMORY;
-    status = status ? status : file_state_check(before, tractogram->path);
-    if (status) {
-        memory_free(points);
-        return status;
-    }
-    file_unmap(tractogram->file_mapped, tractogram->file_mapped_size);
-    tractogram->file_mapped = NULL;
-    tractogram->points = points;
-    tractogram->is_in_file = false;
-    return CONUS_OK;
+    return memory_copy(tractogram->points, tractogram->point_count, 3 * sizeof *tractogram->points);
 }
 
 void tractogram_from_lps(struct tractogram *tractogram)
@@ -207,7 +165,7 @@ static conus_status check_points(const struct tractogram *tractogram)
 {
     assert(tractogram->points || tractogram->halves || !tractogram->point_count);
     for (size_t k = 0; k < tractogram->streamline_count; k++) {
-        uint64_t begin = tractogram_begin(tractogram, k);
+        uint64_t begin = tractogram->first[k];
         uint64_t count = tractogram->first[k + 1] - tractogram->first[k];
         if (!are_within(tractogram, begin, count)) {
             uint64_t i = 0;
@@ -216,7 +174,7 @@ static conus_status check_points(const struct tractogram *tractogram)
             }
             char text[3][TEXT_NUMBER_SIZE];
             double point[3];
-            tractogram_point_at(point, tractogram, begin + i);
+            tractogram_point(point, tractogram, begin + i);
             return fail(CONUS_ERROR_DATA,
                         "point %llu of streamline %zu (both from 0): found (%s, %s, %s) mm, allowed is within 1e9 of 0",
                         (unsigned long long)i, k, text_number(text[0], point[0]), text_number(text[1], point[1]),
@@ -316,13 +274,13 @@ double tractogram_length(const struct tractogram *tractogram, uint32_t number)
 {
     const double *lengths = tractogram->tree.lengths;
     double length = lengths ? lengths[number] : 0;
-    uint64_t begin = tractogram_begin(tractogram, number);
+    uint64_t begin = tractogram->first[number];
     uint64_t count = tractogram->first[number + 1] - tractogram->first[number];
     for (uint64_t i = 0; !lengths && i + 1 < count; i++) {
         double points[2][3];
         double step[3];
-        tractogram_point_at(points[0], tractogram, begin + i);
-        tractogram_point_at(points[1], tractogram, begin + i + 1);
+        tractogram_point(points[0], tractogram, begin + i);
+        tractogram_point(points[1], tractogram, begin + i + 1);
         vec3_sub(step, points[1], points[0]);
         length += vec3_length(step);
     }

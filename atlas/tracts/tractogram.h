@@ -55,9 +55,8 @@ struct tractogram {
     bool is_borrowed;         /**< The other arrays are borrowed, too. */
     const void *mapped;       /**< The file mapping that has what is borrowed, to be unmapped with it; NULL = none. */
     size_t mapped_size;
-    uint64_t file_offset; /**< Where the file `path` has the points as `points` would, but that three more numbers
-                             follow those of each streamline; 0 = nowhere. */
-    bool is_in_file;      /**< `points` is in that file, which is mapped, too. */
+    uint64_t file_offset; /**< This and the next three are zero: of packs (selection/batch/atlas_pack.c). */
+    bool is_in_file;
     const void *file_mapped;
     size_t file_mapped_size;
 };
@@ -74,38 +73,13 @@ double tract_from_half(uint16_t half);
 /** The streamline that has point @p index, below point_count. */
 uint32_t tractogram_streamline_of(const struct tractogram *tractogram, uint64_t index);
 
-/** Where the first point of streamline @p number is in `points` or `halves`; the others follow. */
-static inline uint64_t tractogram_begin(const struct tractogram *tractogram, size_t number)
-{
-    return tractogram->first[number] + (tractogram->is_in_file ? number : 0);
-}
-
-/** Where point @p index, and the others of its streamline around it, are in `points` or `halves`. */
-static inline uint64_t tractogram_place(const struct tractogram *tractogram, uint64_t index)
-{
-    return tractogram->is_in_file ? index + tractogram_streamline_of(tractogram, index) : index;
-}
-
-/** The point at this place, world mm. */
-static inline void tractogram_point_at(double out[3], const struct tractogram *tractogram, uint64_t place)
-{
-    for (uint64_t a = 0; a < 3; a++) {
-        out[a] = tractogram->points ? (double)tractogram->points[3 * place + a]
-                                    : tract_from_half(tractogram->halves[3 * place + a]);
-    }
-}
-
 /** Point @p index, world mm. */
 static inline void tractogram_point(double out[3], const struct tractogram *tractogram, uint64_t index)
 {
-    tractogram_point_at(out, tractogram, tractogram_place(tractogram, index));
-}
-
-/** Point @p k of a run, world mm. */
-static inline void tractogram_run_point(double out[3], const struct tractogram *tractogram, const struct tract_run *run,
-                                        uint64_t k)
-{
-    tractogram_point_at(out, tractogram, run->point + k + (tractogram->is_in_file ? run->streamline : 0));
+    for (uint64_t a = 0; a < 3; a++) {
+        out[a] = tractogram->points ? (double)tractogram->points[3 * index + a]
+                                    : tract_from_half(tractogram->halves[3 * index + a]);
+    }
 }
 
 /** How many streamlines of @p tractogram @p group has; all where that is NULL. */
@@ -133,15 +107,7 @@ conus_status tractogram_check(const struct tractogram *tractogram, struct notes 
  * nodes, members of groups. Does not check coordinates. */
 bool tractogram_leads_nowhere_else(const struct tractogram *tractogram);
 
-/** Maps the points of a tractogram whose file has them (file_offset), if that is as it was: @p before. False
- * where it is not, or cannot be mapped; then nothing has changed. */
-bool tractogram_map_points(struct tractogram *tractogram, const struct file_state *before);
-
-/** Copies points that are in the tractogram's file into memory, and unmaps it. CONUS_ERROR_MEMORY, and CONUS_ERROR_IO
- * where the file is not as it was: @p before. */
-conus_status tractogram_hold_points(struct tractogram *tractogram, const struct file_state *before);
-
-/** The points without what is between them in a file: [3 point_count]. The caller frees them; NULL without memory. */
+/** A copy of the points: [3 point_count]. The caller frees it; NULL without memory. */
 float *tractogram_copy_points(const struct tractogram *tractogram);
 
 /** Makes tree, low and high of a checked tractogram. Uses no more memory on the way than in the end.

@@ -2,7 +2,7 @@
 /* A list of the files that were read, with their SHA-256. */
 #include "base/files/file_sums.h"
 
-#include "base/files/file_trace.h"
+#include "base/files/inputs.h"
 #include "base/memory.h"
 
 #include <nettle/sha2.h>
@@ -52,7 +52,7 @@ conus_status file_sums_put(struct file_sums *sums, const char *path, const char 
     if (status || known) {
         return status;
     }
-    file_trace_take(path);
+    inputs_take(path);
     struct file_sum sum = {.path = memory_text(path, strlen(path))};
     memcpy(sum.sha256, sha256, sizeof sum.sha256);
     status = sum.path ? append_sum(sums, &sum) : CONUS_ERROR_MEMORY;

@@ -41,7 +41,7 @@ conus_status names_add(struct names *names, const char *name)
     return CONUS_OK;
 }
 
-/* What names_read() looks for. */
+/* What names_list() looks for. */
 struct wanted {
     struct names *out;
     const char *ending;
@@ -58,7 +58,7 @@ static bool take_name(void *user, const char *name)
     return !is_full && !wanted->status;
 }
 
-conus_status names_read(struct names *out, const char *folder, const char *ending)
+conus_status names_list(struct names *out, const char *folder, const char *ending)
 {
     struct wanted wanted = {.out = out, .ending = ending};
     system_list(folder, take_name, &wanted);

@@ -15,11 +15,9 @@ struct names {
 enum { NAMES_LIMIT = 4096 }; /**< Names of a folder that names_list() gives. */
 
 /** The first NAMES_LIMIT names in @p folder that end in @p ending, sorted, so that an answer does not depend on the
- * file system; none if there is no such folder. @p ending may be a list, as for path_ending_length(). Other files may
- * come and go, and the answer stays the same. @p out is the caller's to finish, also on failure. */
+ * file system; none if there is no such folder. @p ending may be a list, as for path_ending_length(). @p out is the
+ * caller's to finish, also on failure. */
 conus_status names_list(struct names *out, const char *folder, const char *ending);
-/** names_list() without telling the trace. */
-conus_status names_read(struct names *out, const char *folder, const char *ending);
 void names_finish(struct names *names);
 
 /** Appends a copy of @p name. */

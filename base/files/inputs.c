@@ -2,6 +2,7 @@
 /* Lists the files that the process has read, each once or more often, and those that it has made. */
 #include "base/files/inputs.h"
 
+#include "base/files/file.h"
 #include "base/memory.h"
 #include "base/system/system.h"
 #include "conus/file.h"
@@ -46,7 +47,7 @@ static bool state_of(struct file_state *out, const struct system_stat *info)
     return is_file;
 }
 
-void inputs_put(const char *path, const struct file_state *state)
+static void put(const char *path, const struct file_state *state)
 {
     bool is_product = false; /* what the process itself has made may be made anew */
     pthread_mutex_lock(&inputs_lock);
@@ -59,14 +60,12 @@ void inputs_put(const char *path, const struct file_state *state)
     pthread_mutex_unlock(&inputs_lock);
 }
 
-bool inputs_read(const char *path, const struct system_stat *info)
+void inputs_read(const char *path, const struct system_stat *info)
 {
     struct file_state state;
-    bool is_input = !is_searching && state_of(&state, info);
-    if (is_input) {
-        inputs_put(path, &state);
+    if (!is_searching && state_of(&state, info)) {
+        put(path, &state);
     }
-    return is_input;
 }
 
 void inputs_product(const char *path)
@@ -85,6 +84,14 @@ bool inputs_search(bool searches)
     bool before = is_searching;
     is_searching = searches;
     return before;
+}
+
+void inputs_take(const char *path)
+{
+    if (inputs_search(false)) {
+        conus_inputs_add(path);
+        inputs_search(true);
+    }
 }
 
 /* Whether a file with the state is this input: not another one, with its number, after the input was removed. */
@@ -138,7 +145,7 @@ void conus_inputs_add(const char *path)
 {
     struct system_stat info;
     if (path && system_stat(&info, path)) {
-        (void)inputs_read(path, &info);
+        inputs_read(path, &info);
     }
 }
 

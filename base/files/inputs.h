@@ -4,20 +4,20 @@
 #ifndef CONUS_BASE_INPUTS_H
 #define CONUS_BASE_INPUTS_H
 
-#include "base/files/file.h"
+#include <stdbool.h>
 
 struct system_stat;
 
-/** A file is opened to be read; @p info is what stat() says of it, NULL = nothing. False where it is no input: it is no
- * regular file, or the thread searches. */
-bool inputs_read(const char *path, const struct system_stat *info);
-
-/** The same of a file that was read earlier, as it was then. */
-void inputs_put(const char *path, const struct file_state *state);
+/** The file @p path is opened to be read; @p info is what stat() says of it, NULL = nothing. It becomes an input where
+ * it is a regular file, unless the thread searches. */
+void inputs_read(const char *path, const struct system_stat *info);
 
 /** While a thread searches, it reads files to find out whether they belong to what it makes. Those that do become
- * inputs by file_trace_take(). Gives what was, to be set again. */
+ * inputs by inputs_take(). Gives what was, to be set again. */
 bool inputs_search(bool searches);
+
+/** The file @p path was read while the thread searches, and belongs to what it makes. Does nothing at other times. */
+void inputs_take(const char *path);
 
 /** The file @p path has been made by this process, which may read it and make it again. */
 void inputs_product(const char *path);

@@ -2,7 +2,7 @@
 /* Reads a file block by block, through zlib where it is packed. */
 #include "base/formats/byte_stream.h"
 
-#include "base/files/file_trace.h"
+#include "base/files/inputs.h"
 #include "base/formats/gzip.h"
 #include "base/memory.h"
 #include "base/system/system.h"
@@ -287,7 +287,7 @@ conus_status byte_stream_open(struct byte_stream *out, const char *path)
         status = fail(CONUS_ERROR_IO, "cannot read: a regular file is needed");
     }
     if (!status) {
-        file_trace_input(path, &info);
+        inputs_read(path, &info);
         file_state_take(&source.before, &info);
         source.stored_left = source.before.size;
         status = make(out, &source);

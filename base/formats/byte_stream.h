@@ -19,10 +19,8 @@ struct byte_source;
 struct byte_stream {
     const uint8_t *data; /**< Bytes at hand, unpacked: those that come next. */
     size_t size;
-    uint64_t position;     /**< Unpacked bytes before `data`. */
-    bool is_packed;        /**< The file is gzip. */
-    const uint8_t *mapped; /**< The opener's: the stored file, in which a reader may leave what it has read; or NULL. */
-    size_t mapped_size;
+    uint64_t position; /**< Unpacked bytes before `data`. */
+    bool is_packed;    /**< The file is gzip. */
     struct byte_source *source;
 };
 

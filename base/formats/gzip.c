@@ -3,7 +3,6 @@
 #include "base/formats/gzip.h"
 
 #include "base/byte_order.h"
-#include "base/formats/gzip_index.h"
 #include "base/memory.h"
 
 #include <libdeflate.h>
@@ -27,10 +26,8 @@ struct stream {
     uint64_t from;
     size_t count;
     uint8_t *kept;
-    struct gzip_indexer *indexer; /* NULL = none */
-    const uint8_t *packed;        /* all packed bytes */
-    bool ended;                   /* after the last member */
-    bool zlib;                    /* which has no members */
+    bool ended; /* after the last member */
+    bool zlib;  /* which has no members */
     uint8_t scratch[SCRATCH_SIZE];
 };
 
@@ -102,10 +99,6 @@ static conus_status begin_member(struct stream *stream)
     stream->rest_size -= end ? end : size;
     stream->sum = 0;
     stream->begun = stream->position;
-    if (stream->indexer && end) {
-        stream->z.data_type = GZIP_BEFORE_A_BLOCK;
-        gzip_indexer_stop(stream->indexer, &stream->z, stream->position, (uint64_t)(stream->rest - stream->packed));
-    }
     return CONUS_OK;
 }
 
@@ -127,9 +120,6 @@ static conus_status end_member(struct stream *stream)
     bool is_cut = size < trailer;
     stream->rest = next + (is_cut ? size : trailer);
     stream->rest_size = is_cut ? 0 : size - trailer;
-    if (stream->indexer && !is_cut) {
-        gzip_indexer_end_member(stream->indexer, (uint64_t)(stream->rest - stream->packed));
-    }
     stream->ended =
         !is_cut && (stream->zlib || !gzip_is(stream->rest, stream->rest_size) || inflateReset(&stream->z) != Z_OK);
     return CONUS_OK;
@@ -147,15 +137,10 @@ static int inflate_some(struct stream *stream, uint64_t limit)
     }
     size_t space_left = set_output(stream, limit);
     const uint8_t *out = stream->z.next_out;
-    int code = inflate(&stream->z, stream->indexer ? Z_BLOCK : Z_NO_FLUSH);
+    int code = inflate(&stream->z, Z_NO_FLUSH);
     size_t got = space_left - stream->z.avail_out;
     stream->position += got;
     stream->sum = stream->zlib ? 0 : libdeflate_crc32(stream->sum, out, got);
-    if (stream->indexer) {
-        gzip_indexer_add(stream->indexer, out, got);
-        gzip_indexer_stop(stream->indexer, &stream->z, stream->position,
-                          (uint64_t)(stream->z.next_in - stream->packed));
-    }
     return code;
 }
 
@@ -191,7 +176,6 @@ static conus_status stream_open(struct stream **out, const uint8_t *data, size_t
     if (!stream) {
         return CONUS_ERROR_MEMORY;
     }
-    stream->packed = data;
     stream->rest = data;
     stream->rest_size = size;
     stream->zlib = stream->in_member = zlib;
@@ -301,7 +285,6 @@ static conus_status unpack_in_pieces(uint8_t *kept, struct gzip_range *range, co
         return status;
     }
     stream->kept = kept;
-    stream->indexer = range->indexer;
     if (range->sink) {
         status = give_slabs(stream, range);
     } else {
@@ -333,7 +316,7 @@ conus_status gzip_unpack(struct bytes *out, struct gzip_range *range, const uint
     if (!bytes.data) {
         return CONUS_ERROR_MEMORY;
     }
-    if (whole && !range->indexer && unpack_at_once(bytes.data, needed, data, size, range->zlib)) {
+    if (whole && unpack_at_once(bytes.data, needed, data, size, range->zlib)) {
         memmove(bytes.data, bytes.data + range->from, range->count);
     } else {
         conus_status status = unpack_in_pieces(bytes.data, range, data, size);

@@ -35,19 +35,16 @@ typedef conus_status gzip_sink(void *user, const uint8_t *data, size_t size);
 
 enum { GZIP_SLAB = 1 << 18 };
 
-struct gzip_indexer;
-
 /** The unpacked bytes to keep, and what was found after them. */
 struct gzip_range {
-    uint64_t from;                /**< First byte to keep. */
-    size_t count;                 /**< Bytes to keep. */
-    uint64_t total;               /**< Bytes that the stream must hold at least; from + count or more. */
-    bool zlib;                    /**< It is one stream of zlib (RFC 1950), not gzip. */
-    gzip_sink *sink;              /**< Where they go, slab by slab; NULL = they are kept. */
-    void *user;                   /**< Passed to the sink. */
-    struct gzip_indexer *indexer; /**< Gets all that is unpacked, and where; NULL = none (gzip_index.h). */
-    uint64_t extra;               /**< Out: bytes after `total`.                                                  */
-    size_t junk;                  /**< Out: bytes after the last gzip member, other than zeros at the very end.   */
+    uint64_t from;   /**< First byte to keep. */
+    size_t count;    /**< Bytes to keep. */
+    uint64_t total;  /**< Bytes that the stream must hold at least; from + count or more. */
+    bool zlib;       /**< It is one stream of zlib (RFC 1950), not gzip. */
+    gzip_sink *sink; /**< Where they go, slab by slab; NULL = they are kept. */
+    void *user;      /**< Passed to the sink. */
+    uint64_t extra;  /**< Out: bytes after `total`.                                                  */
+    size_t junk;     /**< Out: bytes after the last gzip member, other than zeros at the very end.   */
 };
 
 enum { GZIP_EXTRA_LIMIT = 1 << 20 }; /**< More bytes than this after `total` are refused. */

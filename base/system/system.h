@@ -32,15 +32,12 @@ enum {
 #else
 #define SYSTEM_SEPARATORS "/"
 #endif
-/** What stands between the folders of a list, such as $PATH, the variable with the folder of what is
- * kept for the next time, and the list of those with data of all users. */
+/** What stands between the folders of a list, such as $PATH, and the list of those with data of all users. */
 #ifdef _WIN32
 #define SYSTEM_LIST ';'
-#define SYSTEM_CACHE_HOME "LOCALAPPDATA"
 #define SYSTEM_DATA_FOLDERS ""
 #else
 #define SYSTEM_LIST ':'
-#define SYSTEM_CACHE_HOME "XDG_CACHE_HOME"
 #define SYSTEM_DATA_FOLDERS "/usr/local/share:/usr/share"
 #endif
 
@@ -48,9 +45,8 @@ enum system_kind { SYSTEM_FILE, SYSTEM_FOLDER, SYSTEM_LINK, SYSTEM_PIPE, SYSTEM_
 
 struct system_stat {
     uint64_t device, inode, size, links;
-    struct timespec changed, altered, used; /**< Last change of the bytes, of anything about it, and last reading. */
+    struct timespec changed, altered; /**< Last change of the bytes, and of anything about it. */
     enum system_kind kind;
-    bool ours_alone; /**< It is the user's, and nobody else may write to it. */
 };
 
 /** The file or folder that @p path leads to. */
@@ -71,8 +67,7 @@ enum {
     SYSTEM_NEW = 32,      /**< and must not be there. */
     SYSTEM_EMPTY = 64,    /**< What is in it goes. */
     SYSTEM_NO_LINK = 128, /**< A link is not followed: ELOOP. */
-    SYSTEM_AT_ONCE = 256, /**< Neither opening nor reading waits for the other end of a pipe. */
-    SYSTEM_UNUSED = 512   /**< Reading is no use: it leaves the time. */
+    SYSTEM_AT_ONCE = 256  /**< Neither opening nor reading waits for the other end of a pipe. */
 };
 
 /** Opens @p name in an open folder; programs that are started do not get it. @p how is a sum of the above. */
@@ -93,8 +88,6 @@ int system_open_nameless(const char *folder);
 bool system_name(int file, const char *path);
 /** Opens an empty file, in memory where there are such, that is gone once it is closed; @p name is for people. */
 int system_open_scratch(const char *name);
-/** An open file once more, for writing: where it is open for reading only. */
-int system_open_again(int file);
 /** Another number for the same open file. */
 int system_copy(int file);
 
@@ -120,14 +113,6 @@ bool system_write_at(int file, const void *data, size_t size, uint64_t at);
 bool system_write(int file, const void *data, size_t size);
 /** What was written is on the disk. */
 bool system_to_disk(int file);
-/** Takes room on the disk for the first @p size bytes. */
-bool system_reserve(int file, uint64_t size);
-/** Whether a file of @p size bytes in an open folder is below the process's limit, and leaves as much room again. */
-bool system_has_room(int folder, uint64_t size);
-/** Sets the last change of its bytes. */
-bool system_set_changed(int file, const struct timespec *changed);
-/** Sets the last use, to now. */
-bool system_set_used(int file);
 
 /** Gives a file the name @p to, in the place of another only if @p replace; one move, between names in one folder. */
 bool system_rename(const char *from, const char *to, bool replace);
@@ -187,10 +172,6 @@ void system_unmap(const void *memory, size_t size);
 /** Has memory take space by the smallest pages: parts that are not written to take none. */
 void system_make_sparse(void *memory, size_t size);
 
-/** Whether the file system takes its times from this machine's clock: a server's may be wrong. */
-bool system_has_own_clock(const char *path);
-/** What no other start of this machine has; false where that is not known. */
-bool system_boot(uint8_t out[16]);
 bool system_random(void *out, size_t size);
 
 /** Processors that the process may use. */

@@ -16,21 +16,16 @@
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/statvfs.h>
 #include <sys/wait.h>
 #ifdef __linux__
 #include <sys/auxv.h>
-#include <sys/vfs.h>
 #elif defined __APPLE__
 #include <crt_externs.h>
 #include <mach-o/dyld.h>
 #include <sys/random.h>
-#include <sys/sysctl.h>
 #include <xlocale.h>
 #define st_mtim st_mtimespec
 #define st_ctim st_ctimespec
-#define st_atim st_atimespec
-#define O_NOATIME 0 /* what is read gets another time of its last use */
 #endif
 
 /* AT_FDCWD is -100 on Linux and -2 on macOS. */
@@ -47,13 +42,11 @@ static bool take_stat(struct system_stat *out, const struct stat *info)
                                 .links = (uint64_t)info->st_nlink,
                                 .changed = info->st_mtim,
                                 .altered = info->st_ctim,
-                                .used = info->st_atim,
                                 .kind = S_ISREG(info->st_mode)    ? SYSTEM_FILE
                                         : S_ISDIR(info->st_mode)  ? SYSTEM_FOLDER
                                         : S_ISLNK(info->st_mode)  ? SYSTEM_LINK
                                         : S_ISFIFO(info->st_mode) ? SYSTEM_PIPE
-                                                                  : SYSTEM_OTHER,
-                                .ours_alone = info->st_uid == geteuid() && !(info->st_mode & (S_IWGRP | S_IWOTH))};
+                                                                  : SYSTEM_OTHER};
     return true;
 }
 
@@ -83,7 +76,7 @@ bool system_allows(const char *path, unsigned how)
 
 int system_open_in(int folder, const char *name, unsigned how)
 {
-    static const int flags[] = {O_APPEND, O_CREAT, O_CREAT | O_EXCL, O_TRUNC, O_NOFOLLOW, O_NONBLOCK, O_NOATIME};
+    static const int flags[] = {O_APPEND, O_CREAT, O_CREAT | O_EXCL, O_TRUNC, O_NOFOLLOW, O_NONBLOCK};
     int all = O_CLOEXEC | O_NOCTTY | (!(how & SYSTEM_WRITE) ? O_RDONLY : how & SYSTEM_READ ? O_RDWR : O_WRONLY);
     for (size_t i = 0; i < sizeof flags / sizeof flags[0]; i++) {
         all |= how & (unsigned)SYSTEM_APPEND << i ? flags[i] : 0;
@@ -157,13 +150,6 @@ bool system_name(int file, const char *path)
     return linkat(AT_FDCWD, own, AT_FDCWD, path, AT_SYMLINK_FOLLOW) == 0;
 }
 
-int system_open_again(int file)
-{
-    char own[32];
-    name_open(own, file);
-    return system_open(own, SYSTEM_WRITE);
-}
-
 int system_copy(int file)
 {
     return fcntl(file, F_DUPFD_CLOEXEC, 0);
@@ -224,35 +210,6 @@ bool system_to_disk(int file)
 #else
     return fsync(file) == 0;
 #endif
-}
-
-bool system_reserve(int file, uint64_t size)
-{
-#ifdef __APPLE__
-    fstore_t room = {
-        .fst_flags = F_ALLOCATEALL, .fst_posmode = F_PEOFPOSMODE, .fst_length = (off_t)size}; /* behind it */
-    return fcntl(file, F_PREALLOCATE, &room) == 0 && ftruncate(file, (off_t)size) == 0;
-#else
-    return posix_fallocate(file, 0, (off_t)size) == 0;
-#endif
-}
-
-bool system_has_room(int folder, uint64_t size)
-{
-    struct rlimit limit;
-    struct statvfs disk;
-    return getrlimit(RLIMIT_FSIZE, &limit) == 0 && (limit.rlim_cur == RLIM_INFINITY || size <= limit.rlim_cur) &&
-           fstatvfs(folder, &disk) == 0 && disk.f_frsize && size / disk.f_frsize < disk.f_bavail / 2;
-}
-
-bool system_set_changed(int file, const struct timespec *changed)
-{
-    return futimens(file, (const struct timespec[]){{.tv_nsec = UTIME_OMIT}, *changed}) == 0;
-}
-
-bool system_set_used(int file)
-{
-    return futimens(file, (const struct timespec[]){{.tv_nsec = UTIME_NOW}, {.tv_nsec = UTIME_OMIT}}) == 0;
 }
 
 bool system_rename(const char *from, const char *to, bool replace)
@@ -423,61 +380,6 @@ void system_make_sparse(void *memory, size_t size)
     (void)memory;
     (void)size;
 #endif
-}
-
-/* Those of linux/magic.h, and ZFS and bcachefs. */
-bool system_has_own_clock(const char *path)
-{
-#ifdef __linux__
-    static const uint64_t magics[] = {0xef53 /* ext2 to ext4 */,
-                                      0x58465342 /* XFS */,
-                                      0x9123683e /* Btrfs */,
-                                      0xf2f52010 /* F2FS */,
-                                      0x01021994 /* tmpfs */,
-                                      0x794c7630 /* overlay */,
-                                      0x4d44 /* FAT */,
-                                      0x2011bab0 /* exFAT */,
-                                      0x73717368 /* SquashFS */,
-                                      0x9660 /* ISO 9660 */,
-                                      0xe0f5e1e2 /* EROFS */,
-                                      0x2fc12fc1 /* ZFS */,
-                                      0xca451a4e /* bcachefs */};
-    struct statfs info;
-    bool found = false;
-    for (size_t i = 0; statfs(path, &info) == 0 && i < sizeof magics / sizeof magics[0] && !found; i++) {
-        found = (uint64_t)(uint32_t)info.f_type == magics[i];
-    }
-    return found;
-#else
-    (void)path;
-    return false; /* not known */
-#endif
-}
-
-bool system_boot(uint8_t out[16])
-{
-    char text[37] = ""; /* 8-4-4-4-12 digits */
-    size_t digits = 0;
-#ifdef __APPLE__
-    size_t size = sizeof text;
-    bool whole = sysctlbyname("kern.bootsessionuuid", text, &size, NULL, 0) == 0;
-#else
-    int file = system_open("/proc/sys/kernel/random/boot_id", SYSTEM_READ);
-    bool whole = file >= 0 && read(file, text, sizeof text - 1) == (ssize_t)sizeof text - 1;
-    if (file >= 0) {
-        close(file);
-    }
-#endif
-    memset(out, 0, 16);
-    for (size_t i = 0; whole && text[i] && digits < 32; i++) {
-        static const char hex[] = "0123456789abcdef0123456789ABCDEF";
-        const char *digit = strchr(hex, text[i]);
-        if (digit) {
-            out[digits / 2] = (uint8_t)(out[digits / 2] << 4 | (digit - hex) % 16);
-            digits++;
-        }
-    }
-    return digits == 32;
 }
 
 bool system_random(void *out, size_t size)

@@ -5,7 +5,6 @@
 #define WIN32_LEAN_AND_MEAN
 #include <windows.h>
 /* Behind windows.h, whose names they use. */
-#include <aclapi.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <io.h>
@@ -265,45 +264,6 @@ static bool find_user(struct user *out)
     return GetTokenInformation(GetCurrentProcessToken(), TokenUser, out, sizeof *out, &size);
 }
 
-/* Whether an entry lets anybody write but the user, the system and administrators. */
-static bool lets_others_write(ACE_HEADER *entry, PSID user)
-{
-    static const WELL_KNOWN_SID_TYPE trusted[] = {WinLocalSystemSid, WinBuiltinAdministratorsSid, WinCreatorOwnerSid,
-                                                  WinCreatorOwnerRightsSid};
-    const DWORD writing = FILE_WRITE_DATA | FILE_APPEND_DATA | FILE_DELETE_CHILD | DELETE | WRITE_DAC | WRITE_OWNER |
-                          GENERIC_WRITE | GENERIC_ALL;
-    ACCESS_ALLOWED_ACE *allowed = (ACCESS_ALLOWED_ACE *)(void *)entry;
-    if (entry->AceType != ACCESS_ALLOWED_ACE_TYPE || entry->AceFlags & INHERIT_ONLY_ACE || !(allowed->Mask & writing)) {
-        return false;
-    }
-    PSID who = &allowed->SidStart;
-    bool is_trusted = EqualSid(who, user);
-    for (size_t i = 0; i < sizeof trusted / sizeof trusted[0]; i++) {
-        is_trusted = is_trusted || IsWellKnownSid(who, trusted[i]);
-    }
-    return !is_trusted;
-}
-
-static bool is_ours_alone(HANDLE handle)
-{
-    struct user user;
-    PSID owner = NULL;
-    PACL list = NULL;
-    PSECURITY_DESCRIPTOR all = NULL;
-    if (!find_user(&user) ||
-        GetSecurityInfo(handle, SE_FILE_OBJECT, OWNER_SECURITY_INFORMATION | DACL_SECURITY_INFORMATION, &owner, NULL,
-                        &list, NULL, &all)) {
-        return false;
-    }
-    bool alone = list && (EqualSid(owner, user.token.User.Sid) || IsWellKnownSid(owner, WinBuiltinAdministratorsSid));
-    for (DWORD i = 0; alone && i < list->AceCount; i++) {
-        void *entry = NULL;
-        alone = GetAce(list, i, &entry) && !lets_others_write(entry, user.token.User.Sid);
-    }
-    LocalFree(all);
-    return alone;
-}
-
 /* Times are in 100 ns since 1601. */
 static const int64_t UNIX_BEGINS = 116444736000000000;
 
@@ -348,11 +308,9 @@ static bool stat_handle(struct system_stat *out, HANDLE handle)
                                 .links = info.NumberOfLinks,
                                 .changed = time_from(times.LastWriteTime),
                                 .altered = time_from(times.ChangeTime),
-                                .used = time_from(times.LastAccessTime),
                                 .kind = is_link(handle)  ? SYSTEM_LINK
                                         : info.Directory ? SYSTEM_FOLDER
-                                                         : SYSTEM_FILE,
-                                .ours_alone = is_ours_alone(handle)};
+                                                         : SYSTEM_FILE};
     find_identity(&out->device, &out->inode, handle);
     return true;
 }
@@ -502,15 +460,6 @@ bool system_name(int file, const char *path)
     return false;
 }
 
-int system_open_again(int file)
-{
-    HANDLE handle = ReOpenFile(handle_of(file), GENERIC_WRITE, SHARED, 0);
-    if (handle == INVALID_HANDLE_VALUE) {
-        fail_last();
-    }
-    return own_handle(handle, 0);
-}
-
 int system_copy(int file)
 {
     HANDLE copy = INVALID_HANDLE_VALUE;
@@ -629,42 +578,6 @@ int system_stream_error(void)
 bool system_to_disk(int file)
 {
     return FlushFileBuffers(handle_of(file)) || fail_last();
-}
-
-bool system_reserve(int file, uint64_t size)
-{
-    FILE_ALLOCATION_INFO room = {.AllocationSize = {.QuadPart = (LONGLONG)size}};
-    FILE_END_OF_FILE_INFO end = {.EndOfFile = {.QuadPart = (LONGLONG)size}};
-    HANDLE handle = handle_of(file);
-    (void)SetFileInformationByHandle(handle, FileAllocationInfo, &room, sizeof room); /* not every file system can */
-    return SetFileInformationByHandle(handle, FileEndOfFileInfo, &end, sizeof end) || fail_last();
-}
-
-bool system_has_room(int folder, uint64_t size)
-{
-    wide_path path;
-    ULARGE_INTEGER room;
-    return GetFinalPathNameByHandleW(handle_of(folder), path, SYSTEM_PATH, FILE_NAME_NORMALIZED) &&
-           GetDiskFreeSpaceExW(path, &room, NULL, NULL) && size < room.QuadPart / 2;
-}
-
-static FILETIME time_to(const struct timespec *time)
-{
-    uint64_t units = (uint64_t)(time->tv_sec * 10000000 + time->tv_nsec / 100 + UNIX_BEGINS);
-    return (FILETIME){.dwLowDateTime = (DWORD)units, .dwHighDateTime = (DWORD)(units >> 32)};
-}
-
-bool system_set_changed(int file, const struct timespec *changed)
-{
-    FILETIME time = time_to(changed);
-    return SetFileTime(handle_of(file), NULL, NULL, &time) || fail_last();
-}
-
-bool system_set_used(int file)
-{
-    FILETIME time;
-    GetSystemTimeAsFileTime(&time);
-    return SetFileTime(handle_of(file), NULL, &time, NULL) || fail_last();
 }
 
 /* First as POSIX does, also where the file in its place is open; then as older file systems can. */
@@ -944,19 +857,6 @@ void system_make_sparse(void *memory, size_t size)
 {
     (void)memory;
     (void)size;
-}
-
-bool system_has_own_clock(const char *path)
-{
-    wide_path wide;
-    wide_path volume;
-    return widen(wide, path) && GetVolumePathNameW(wide, volume, SYSTEM_PATH) && GetDriveTypeW(volume) == DRIVE_FIXED;
-}
-
-bool system_boot(uint8_t out[16])
-{
-    memset(out, 0, 16);
-    return false;
 }
 
 bool system_random(void *out, size_t size)

@@ -282,7 +282,6 @@ conus_status bench_batch_mesh(struct bench *bench)
     if (program_find(program, sizeof program, "conus-mesh", "CONUS_MESH") == CONUS_OK) {
         setenv("CONUS_MESH", program, 0);
     }
-    setenv("XDG_CACHE_HOME", bench->folder, 1);
     snprintf(folder, sizeof folder, "%s/surfaces", bench->folder);
     status = status ? status : conus_atlas_write_meshes(scene.atlas, folder, NULL); /* as `conus mesh` makes them */
     status = status ? status : conus_atlas_load(&surfaces, folder, NULL);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* From nothing to an answer: loading an atlas, making a selector, and the whole program. */
 #include "bench/support/program.h"
-#include "conus/cache.h"
 #include "conus/phantom.h"
 #include "conus/selection.h"
 
@@ -15,7 +14,6 @@ enum { PATH_SIZE = 512, PROCESSES = 5 };
 struct job {
     const char *path;
     const char *program; /* of conus, for a whole process */
-    const char *cache;   /* $CONUS_CACHE of that process  */
     conus_atlas *atlas;  /* loaded, for a selector        */
     conus_engine engine;
     conus_status status;
@@ -56,21 +54,7 @@ static void run_query(void *data)
                          "--resolution",
                          "16",
                          NULL};
-    setenv("CONUS_CACHE", job->cache, 1);
     keep_first_error(job, program_run(arguments));
-}
-
-/* Unpacks the atlas, and nothing else: what a program must do that keeps none. */
-static void run_gzip(void *data)
-{
-    struct job *job = data;
-    char *arguments[] = {"/bin/gzip", "-dc", (char *)job->path, NULL};
-    keep_first_error(job, program_run(arguments));
-}
-
-static void clear_cache(void *data)
-{
-    keep_first_error(data, conus_cache_clear());
 }
 
 /* Runs all variants once, to find errors. */
@@ -130,28 +114,12 @@ static conus_status measure_query(struct bench *bench, struct job *labels)
         return bench_leave_out(bench, "conus query");
     }
     labels->program = program;
-    labels->cache = "off";
-    struct job kept = *labels, packed = *labels;
-    kept.cache = "1T";
-    setenv("XDG_CACHE_HOME", bench->folder, 1);
-    struct bench_variant variants[] = {
-        {.name = "conus query, whole process", .run = run_query, .data = labels},
-        {.name = "conus query that keeps the atlas", .run = run_query, .data = &kept, .prepare = clear_cache},
-        {.name = "conus query of a kept atlas", .run = run_query, .data = &kept}};
-    try_all(variants, 3);
+    struct bench_variant variant = {.name = "conus query, whole process", .run = run_query, .data = labels};
+    try_all(&variant, 1);
     double cpu_s = cpu_of(run_query, labels);
-    conus_status status = bench_measure(bench, "startup", variants, 3, 1, 10);
-    double kept_cpu_s = cpu_of(run_query, &kept);
-    double gzip_cpu_s = cpu_of(run_gzip, &packed);
-    status = status ? status : bench_value(bench, "query_process_cpu_s", cpu_s, variants[0].equal);
-    status = status ? status : bench_value(bench, "query_process_s", variants[0].median_ms / 1e3, variants[0].equal);
-    status = status ? status : bench_value(bench, "open_cached_cpu_ms", kept_cpu_s * 1e3, variants[2].equal);
-    if (!status && packed.status) {
-        status = bench_leave_out(bench, "gzip -dc of the atlas");
-    } else if (!status) {
-        status = bench_value(bench, "query_cached_over_gunzip", kept_cpu_s / gzip_cpu_s, variants[2].equal);
-    }
-    return status ? status : bench_value(bench, "open_cached_ms", variants[2].median_ms, variants[2].equal);
+    conus_status status = bench_measure(bench, "startup", &variant, 1, 1, 10);
+    status = status ? status : bench_value(bench, "query_process_cpu_s", cpu_s, variant.equal);
+    return status ? status : bench_value(bench, "query_process_s", variant.median_ms / 1e3, variant.equal);
 }
 
 conus_status bench_startup(struct bench *bench)

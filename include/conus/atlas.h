@@ -49,8 +49,6 @@ typedef struct conus_load_options {
                              which is compared with its head, where the atlas has no volume before it, whose header
                              says whose brain it is, and where something is to be noted about its place. An atlas that
                              lacks it refuses conus_atlas_inward() and conus_atlas_transform(), which use it. */
-    bool cache; /**< Keeps the atlas in the user's cache folder, and takes it from there the next time: see conus_cache.
-                   For one volume of a packed 4-D file, the places of its volumes are kept, too. */
 } conus_load_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -80,8 +78,7 @@ typedef struct conus_load_options {
  * @return #CONUS_OK; #CONUS_ERROR_IO or #CONUS_ERROR_DATA where a file cannot be read or is damaged, and
  * #CONUS_ERROR_DATA for a volume that looks like an image unless labels_anyway is set; #CONUS_ERROR_UNSUPPORTED for a
  * valid file beyond this library; #CONUS_ERROR_MEMORY above max_memory; #CONUS_ERROR_ARGUMENT for a probability out of
- * its range, or of an atlas without areas of probabilities, and with the option cache for a $CONUS_CACHE that is
- * neither "off" nor a size.
+ * its range, or of an atlas without areas of probabilities.
  * @threads Any.
  * @since 0.1
  */
@@ -113,8 +110,6 @@ typedef struct conus_pathway_options {
     const conus_band *bands; /**< [band_count] Each band is a pathway of its own; they have no value in common. With
                                 them, threshold is 0 and name NULL. Copied. */
     size_t band_count;       /**< Up to 4096; 0 = one pathway, by the threshold. */
-    bool cache;              /**< For one volume of a packed 4-D file: keeps where its volumes lie in the user's cache
-                                folder, and takes it from there the next time: see cache.h. */
     const char *unit; /**< What its values are, for legends: UTF-8, up to 23 bytes; NULL = as the header or the file's
                          name says. */
 } conus_pathway_options;
@@ -159,7 +154,6 @@ typedef struct conus_context_options {
     void *log_user;         /**< Passed to @p log. */
     double opacity;         /**< Opacity of a surface, above 0 to 1; 0 = 0.25. A volume has its opacity in its transfer
                                function. */
-    bool cache;             /**< As conus_pathway_options.cache. */
 } conus_context_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

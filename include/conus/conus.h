@@ -38,7 +38,6 @@
 #include <conus/atlas.h>
 #include <conus/atlas_info.h>
 #include <conus/batch.h>
-#include <conus/cache.h>
 #include <conus/candidates.h>
 #include <conus/catalogue.h>
 #include <conus/clearance.h>

@@ -45,8 +45,7 @@ typedef struct conus_mesh_options {
 
 /**
  * Writes a closed surface of each area, LABEL_Name.gii and so on, in world mm. Areas that are meshes already are
- * written as they are. Needs the program conus-mesh, beside this one, in PATH or named by CONUS_MESH. The user's cache
- * folder keeps what it makes.
+ * written as they are. Needs the program conus-mesh, beside this one, in PATH or named by CONUS_MESH.
  * @param atlas The atlas.
  * @param folder Made if missing.
  * @param options NULL = defaults.

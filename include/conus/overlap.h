@@ -27,7 +27,6 @@ typedef struct conus_roi_options {
     uint64_t max_memory; /**< As conus_load_options.max_memory; of arrays without meaning. */
     conus_log log;       /**< As conus_load_options.log. */
     void *log_user;      /**< Passed to @p log. */
-    bool cache;          /**< As conus_pathway_options.cache; of arrays without meaning. */
 } conus_roi_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

@@ -20,11 +20,9 @@ typedef struct conus_streamlines_options {
     const char *name;   /**< Name of the bundle; where the file has groups, of the streamlines that are in none, and the
                            start of a group's name if another object has that. NULL = the file's name without its
                            ending. */
-    uint64_t max_memory; /**< Bytes that points, scalars and groups of a file may take; 0 = 8 GiB. */
-    conus_log log;       /**< As conus_load_options.log. */
-    void *log_user;      /**< Passed to @p log. */
-    bool cache; /**< Keeps what a file has, ready for questions, in the user's cache folder, and takes it from there the
-                   next time: see cache.h. */
+    uint64_t max_memory;    /**< Bytes that points, scalars and groups of a file may take; 0 = 8 GiB. */
+    conus_log log;          /**< As conus_load_options.log. */
+    void *log_user;         /**< Passed to @p log. */
     conus_file_space space; /**< The axes of the coordinates, which count before those that a file states; TrackVis's
                                and DSI Studio's headers place them, in RAS. From memory they are RAS unless this says
                                LPS. */
@@ -43,8 +41,8 @@ typedef struct conus_streamlines_options {
  * @param options NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_IO or #CONUS_ERROR_DATA where the file cannot be read, is damaged, or has a
  * coordinate beyond 1e9 mm; #CONUS_ERROR_UNSUPPORTED for a valid file beyond this library; #CONUS_ERROR_MEMORY above
- * max_memory; #CONUS_ERROR_ARGUMENT for a radius out of its range, for the name of another bundle or pathway, for LPS
- * where the header places the points, and with the option cache for a $CONUS_CACHE that is neither "off" nor a size.
+ * max_memory; #CONUS_ERROR_ARGUMENT for a radius out of its range, for the name of another bundle or pathway, and for
+ * LPS where the header places the points.
  * @threads One at a time, while no other thread uses the atlas.
  * @since 0.1
  */
@@ -57,7 +55,7 @@ typedef struct conus_tractogram conus_tractogram; /**< Streamlines of a file, fo
  * Loads a tractogram that conus_atlas_add_tractogram() adds to one atlas after the other, in memory once.
  * @param[out] out The tractogram; end it with conus_tractogram_destroy().
  * @param path The tractogram.
- * @param options Those that say how the file is read: max_memory, cache and space; NULL = defaults.
+ * @param options Those that say how the file is read: max_memory and space; NULL = defaults.
  * @return As conus_atlas_add_streamlines().
  * @threads Any.
  * @since 0.1

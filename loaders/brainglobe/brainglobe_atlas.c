@@ -3,7 +3,6 @@
 #include "loaders/brainglobe/brainglobe_atlas.h"
 
 #include "base/buffer.h"
-#include "base/files/file_trace.h"
 #include "base/formats/json_text.h"
 #include "base/memory.h"
 #include "base/order.h"
@@ -98,7 +97,7 @@ static conus_status check_link(const char *root, const char *place)
 {
     char real[SYSTEM_PATH];
     char *path = place ? join(root, place, "") : NULL;
-    bool leaves = path && file_trace_real_path(real, path) && strncmp(real, root, strlen(root)) != 0;
+    bool leaves = path && system_real_path(real, path) && strncmp(real, root, strlen(root)) != 0;
     conus_status status = place && !path ? CONUS_ERROR_MEMORY : CONUS_OK;
     memory_free(path);
     return leaves ? fail(CONUS_ERROR_DATA, "%s%s: a link leads to %s, out of that folder", root, place, real) : status;
@@ -108,7 +107,7 @@ static conus_status check_link(const char *root, const char *place)
 static conus_status find_root(char **out, char **name, const char *folder)
 {
     char real[SYSTEM_PATH];
-    if (!file_trace_real_path(real, folder)) {
+    if (!system_real_path(real, folder)) {
         return fail(CONUS_ERROR_IO, "cannot open: %s", text_error(errno));
     }
     for (int i = 0; i < LEVELS_TO_ROOT; i++) {

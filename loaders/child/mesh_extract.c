@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Asks conus-mesh or the cache for the surfaces of areas. */
+/* Asks conus-mesh for the surfaces of areas. */
 #include "loaders/child/mesh_extract.h"
 
 #include "base/byte_order.h"
 #include "base/memory.h"
-#include "conus/version.h"
-#include "loaders/child/mesh_cache.h"
 #include "loaders/child/mesh_child.h"
 
 #include <stdio.h>
@@ -18,9 +16,7 @@ struct extraction {
     mesh_take take;
     void *user;
     struct notes *notes;
-    uint32_t number;       /* of the area that came last                                 */
-    struct buffer *stream; /* what came, for the cache; NULL when it comes from there    */
-    uint32_t frames;
+    uint32_t number; /* of the area that came last */
 };
 
 static void append_f64(struct buffer *out, double value)
@@ -31,7 +27,7 @@ static void append_f64(struct buffer *out, double value)
     mesh_append_u32(out, (uint32_t)(bits >> 32));
 }
 
-/* The request without the voxels: everything on which the surfaces depend, but them. */
+/* The request without the voxels. */
 static void append_request(struct buffer *out, const struct extraction *work,
                            const struct mesh_extract_options *options)
 {
@@ -81,14 +77,16 @@ static conus_status take_area(void *user, const struct mesh_frame *frame)
         return fail(CONUS_ERROR_DATA, "mesh stream: a surface of label %u, which is none of the areas left", frame->id);
     }
     snprintf(name, sizeof name, "area %u", frame->id);
-    conus_status status = mesh_take_frame(&mesh, frame, name, work->notes, work->stream);
+    conus_status status = mesh_from_frame(&mesh, frame);
+    mesh.path = status ? NULL : memory_text(name, strlen(name));
+    status = status || mesh.path ? status : CONUS_ERROR_MEMORY;
+    status = status ? status : mesh_check(&mesh, work->notes);
     status = status ? status : work->take(work->user, work->number, &mesh);
-    work->frames++;
     mesh_finish(&mesh);
     return status;
 }
 
-static conus_status run_child(struct extraction *work, const struct buffer *request, const char *key,
+static conus_status run_child(struct extraction *work, const struct buffer *request,
                               const struct mesh_extract_options *options)
 {
     const struct volume *volume = work->volume;
@@ -97,44 +95,7 @@ static conus_status run_child(struct extraction *work, const struct buffer *requ
     /* AAL's 7 million voxels take 1 s, 5 s when decimated. */
     const uint32_t seconds = 120 + (uint32_t)(volume->voxel_count / 50000);
     const struct child_limits limits = {.memory = options->max_memory, .seconds = seconds, .wait = 4 * seconds};
-    struct buffer stream = {0};
-    work->stream = key[0] ? &stream : NULL;
-    mesh_stream_start(&stream);
-    conus_status status = mesh_child_run(&all, &limits, take_area, work);
-    mesh_stream_end(&stream, work->frames);
-    if (!status && key[0]) {
-        status = buffer_status(&stream);
-        status = status ? status : mesh_cache_keep(key, &stream);
-    }
-    work->stream = NULL;
-    buffer_finish(&stream);
-    return status;
-}
-
-static conus_status extract_with(struct extraction *work, const struct buffer *request,
-                                 const struct mesh_extract_options *options)
-{
-    char key[MESH_CACHE_KEY_SIZE] = "";
-    char sha256[65];
-    struct bytes cached = {0};
-    struct buffer recipe = {0};
-    /* Voxels from files count by what they are, since they may follow from several files. The request has the rest. */
-    const struct volume *volume = work->volume;
-    const struct bytes voxels = {(uint8_t *)objects_of(volume), size_of_objects(volume)};
-    file_sha256(sha256, &voxels);
-    buffer_format(&recipe, "conus %s " MESH_STREAM_MAGIC " %s\n", conus_version(), sha256);
-    buffer_append(&recipe, request->data, request->size);
-    if (buffer_status(&recipe) == CONUS_OK && volume->info.sha256[0]) {
-        mesh_cache_key(key, &recipe);
-    }
-    buffer_finish(&recipe);
-    conus_status status = key[0] ? mesh_cache_find(&cached, key, work->notes) : CONUS_OK;
-    if (!status) {
-        status = cached.data ? mesh_stream_read(cached.data, cached.size, take_area, work)
-                             : run_child(work, request, key, options);
-    }
-    bytes_finish(&cached);
-    return status;
+    return mesh_child_run(&all, &limits, take_area, work);
 }
 
 conus_status mesh_extract(const conus_atlas *atlas, const struct mesh_extract_options *options, mesh_take take,
@@ -157,7 +118,7 @@ conus_status mesh_extract(const conus_atlas *atlas, const struct mesh_extract_op
             append_request(&request, &work, options);
             status = buffer_status(&request);
         }
-        status = status ? status : extract_with(&work, &request, options);
+        status = status ? status : run_child(&work, &request, options);
         buffer_finish(&request);
     }
     return status;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Surfaces of the areas of a labelled volume, made by conus-mesh or found in the cache. */
+/** @file Surfaces of the areas of a labelled volume, made by conus-mesh. */
 #ifndef CONUS_LOADERS_CHILD_MESH_EXTRACT_H
 #define CONUS_LOADERS_CHILD_MESH_EXTRACT_H
 

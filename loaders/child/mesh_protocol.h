@@ -29,7 +29,6 @@ enum { MESH_MAGIC_SIZE = 8, MESH_FRAME_HEADER_SIZE = 32, MESH_FRAME_TEXT_LIMIT =
 
 enum mesh_request_kind { MESH_REQUEST_SURFACES = 1 };
 
-/** MESH_FRAME_CHECKED is a mesh that conus has found whole and closed; only conus's cache may say so. */
-enum mesh_frame_kind { MESH_FRAME_MESH = 1, MESH_FRAME_FAILURE = 2, MESH_FRAME_END = 3, MESH_FRAME_CHECKED = 4 };
+enum mesh_frame_kind { MESH_FRAME_MESH = 1, MESH_FRAME_FAILURE = 2, MESH_FRAME_END = 3 };
 
 #endif

@@ -7,7 +7,7 @@
 
 enum { SWAPPED = !BIG_ENDIAN_IS_SWAPPED, CORNER_SIZE = 12 };
 
-conus_status mesh_stream_begin(const uint8_t *data, size_t size)
+static conus_status check_magic(const uint8_t *data, size_t size)
 {
     if (size < MESH_MAGIC_SIZE || memcmp(data, MESH_STREAM_MAGIC, MESH_MAGIC_SIZE) != 0) {
         return fail(CONUS_ERROR_DATA, "mesh stream: it does not begin with " MESH_STREAM_MAGIC);
@@ -15,7 +15,8 @@ conus_status mesh_stream_begin(const uint8_t *data, size_t size)
     return CONUS_OK;
 }
 
-conus_status mesh_frame_header(struct mesh_frame *out, const uint8_t *data)
+/* Reads the header of a frame, MESH_FRAME_HEADER_SIZE bytes: all but the pointers. */
+static conus_status parse_header(struct mesh_frame *out, const uint8_t *data)
 {
     uint64_t vertices = order_u64(data + 16, SWAPPED);
     uint64_t triangles = order_u64(data + 24, SWAPPED);
@@ -23,9 +24,9 @@ conus_status mesh_frame_header(struct mesh_frame *out, const uint8_t *data)
                                .id = order_u32(data + 4, SWAPPED),
                                .space = (enum mesh_space)order_u32(data + 8, SWAPPED),
                                .text = {.size = order_u32(data + 12, SWAPPED)}};
-    bool is_mesh = frame.kind == MESH_FRAME_MESH || frame.kind == MESH_FRAME_CHECKED;
-    if (frame.kind < MESH_FRAME_MESH || frame.kind > MESH_FRAME_CHECKED) {
-        return fail(CONUS_ERROR_DATA, "mesh stream: frame of kind %d, allowed are 1 to 4", (int)frame.kind);
+    bool is_mesh = frame.kind == MESH_FRAME_MESH;
+    if (frame.kind < MESH_FRAME_MESH || frame.kind > MESH_FRAME_END) {
+        return fail(CONUS_ERROR_DATA, "mesh stream: frame of kind %d, allowed are 1 to 3", (int)frame.kind);
     }
     if (frame.space > (is_mesh ? MESH_SPACE_LPS : MESH_SPACE_UNSTATED)) {
         return fail(CONUS_ERROR_DATA, "mesh stream: space %d in a frame of kind %d", (int)frame.space, (int)frame.kind);
@@ -46,26 +47,51 @@ conus_status mesh_frame_header(struct mesh_frame *out, const uint8_t *data)
     return CONUS_OK;
 }
 
-conus_status mesh_frame_parse(struct mesh_frame *out, const uint8_t *data, size_t size)
+/* How many bytes from the start of `data` make the next whole thing, as far as that is known yet. */
+static conus_status find_wanted(size_t *wanted, const struct mesh_frames *frames, const uint8_t *data, size_t size)
 {
     struct mesh_frame frame;
-    if (size < MESH_FRAME_HEADER_SIZE) {
-        return fail(CONUS_ERROR_DATA, "mesh stream: cut off after %zu bytes of a frame's header", size);
+    *wanted = frames->begun ? MESH_FRAME_HEADER_SIZE : MESH_MAGIC_SIZE;
+    if (!frames->begun || size < *wanted) {
+        return CONUS_OK;
     }
-    conus_status status = mesh_frame_header(&frame, data);
-    if (!status && size < frame.size) {
-        status = fail(CONUS_ERROR_DATA, "mesh stream: cut off after %zu of a frame's %zu bytes", size, frame.size);
-    }
+    conus_status status = parse_header(&frame, data);
+    *wanted = status ? *wanted : frame.size;
+    return status;
+}
+
+/* Gives the whole frame at `data` on. */
+static conus_status take_frame(struct mesh_frames *frames, const uint8_t *data)
+{
+    struct mesh_frame frame;
+    conus_status status = parse_header(&frame, data);
     if (status) {
         return status;
     }
-    const uint8_t *body = data + MESH_FRAME_HEADER_SIZE;
-    frame.bytes = data;
-    frame.text.data = (const char *)body;
-    frame.positions = body + frame.text.size;
+    frame.text.data = (const char *)data + MESH_FRAME_HEADER_SIZE;
+    frame.positions = data + MESH_FRAME_HEADER_SIZE + frame.text.size;
     frame.triangles = frame.positions + CORNER_SIZE * frame.vertex_count;
-    *out = frame;
-    return CONUS_OK;
+    if (frames->ended || (frame.kind == MESH_FRAME_END && frame.id != frames->count)) {
+        return fail(CONUS_ERROR_DATA, "mesh stream: its end does not match its frames");
+    }
+    frames->ended = frame.kind == MESH_FRAME_END;
+    frames->count++;
+    return frames->ended ? CONUS_OK : frames->take(frames->user, &frame);
+}
+
+conus_status mesh_frames_take(void *user, size_t *used, size_t *wanted, const uint8_t *data, size_t size)
+{
+    struct mesh_frames *frames = user;
+    conus_status status;
+    while (!(status = find_wanted(wanted, frames, data + *used, size - *used)) && size - *used >= *wanted) {
+        status = frames->begun ? take_frame(frames, data + *used) : check_magic(data + *used, size - *used);
+        if (status) {
+            return status;
+        }
+        frames->begun = true;
+        *used += *wanted;
+    }
+    return status;
 }
 
 conus_status mesh_from_frame(struct mesh *out, const struct mesh_frame *frame)
@@ -83,68 +109,9 @@ conus_status mesh_from_frame(struct mesh *out, const struct mesh_frame *frame)
     return CONUS_OK;
 }
 
-conus_status mesh_take_frame(struct mesh *out, const struct mesh_frame *frame, const char *path, struct notes *notes,
-                             struct buffer *stream)
-{
-    struct mesh mesh;
-    size_t note_count = notes->count;
-    conus_status status = mesh_from_frame(&mesh, frame);
-    if (status) {
-        return status;
-    }
-    mesh.path = memory_text(path, strlen(path));
-    status = mesh.path ? CONUS_OK : CONUS_ERROR_MEMORY;
-    if (!status) {
-        mesh.shape.closed = frame->kind == MESH_FRAME_CHECKED;
-        status = mesh.shape.closed ? mesh_check_numbers(&mesh) : mesh_check(&mesh, notes);
-    }
-    if (status) {
-        mesh_finish(&mesh);
-        return status;
-    }
-    if (stream) {
-        bool clean = notes->count == note_count; /* whole and closed: need not be checked again */
-        uint8_t kind = clean ? MESH_FRAME_CHECKED : (uint8_t)frame->kind;
-        buffer_append(stream, &kind, 1);
-        buffer_append(stream, frame->bytes + 1, frame->size - 1);
-    }
-    *out = mesh;
-    return CONUS_OK;
-}
-
-void mesh_stream_start(struct buffer *out)
-{
-    buffer_append(out, MESH_STREAM_MAGIC, MESH_MAGIC_SIZE);
-}
-
 void mesh_append_u32(struct buffer *out, uint32_t value)
 {
     uint8_t bytes[4];
     order_put(bytes, value, sizeof bytes);
     buffer_append(out, bytes, sizeof bytes);
-}
-
-void mesh_stream_end(struct buffer *out, uint32_t count)
-{
-    static const uint8_t rest[MESH_FRAME_HEADER_SIZE - 8] = {0};
-    mesh_append_u32(out, MESH_FRAME_END);
-    mesh_append_u32(out, count);
-    buffer_append(out, rest, sizeof rest);
-}
-
-conus_status mesh_stream_read(const uint8_t *data, size_t size, mesh_frame_take take, void *user)
-{
-    uint32_t count = 0;
-    conus_status status = mesh_stream_begin(data, size);
-    for (size_t at = MESH_MAGIC_SIZE; !status; count++) {
-        struct mesh_frame frame;
-        status = mesh_frame_parse(&frame, data + at, size - at);
-        at += status ? 0 : frame.size;
-        if (!status && frame.kind == MESH_FRAME_END) {
-            bool whole = frame.id == count && at == size;
-            return whole ? CONUS_OK : fail(CONUS_ERROR_DATA, "mesh stream: its end does not match its frames");
-        }
-        status = status ? status : take(user, &frame);
-    }
-    return status;
 }

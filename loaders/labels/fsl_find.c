@@ -2,7 +2,6 @@
 /* Which atlas XML, in a volume's folder or the one above, names the volume. */
 #include "loaders/labels/fsl_find.h"
 
-#include "base/files/file_trace.h"
 #include "base/files/folder.h"
 #include "base/files/inputs.h"
 #include "base/formats/xml.h"
@@ -100,7 +99,7 @@ void fsl_atlas_each(struct job *job, const char *volume_path, enum fsl_use use, 
     const char *folder = !path_is_name(volume_path) ? job_beside(job, volume_path, "") : "./";
     bool before = inputs_search(true);
     search_in(job, &search, folder, name);
-    if (job_ok(job) && file_trace_real_path(real, folder)) { /* in the folder above the volume is "folder/name" */
+    if (job_ok(job) && system_real_path(real, folder)) { /* in the folder above the volume is "folder/name" */
         search_in(job, &search, job_format(job, "%s../", folder), job_format(job, "%s/%s", path_base(real), name));
     }
     inputs_search(before);

@@ -4,12 +4,12 @@
 
 #include "atlas/labels/label_voxels.h"
 #include "atlas/labels/labels.h"
-#include "base/files/file_trace.h"
 #include "base/files/folder.h"
 #include "base/files/inputs.h"
 #include "base/geometry/math3.h"
 #include "base/path.h"
 #include "loaders/labels/freesurfer_names.h"
+#include "base/system/system.h"
 #include "loaders/labels/fsl_find.h"
 #include "loaders/labels/label_cells.h"
 #include "loaders/labels/label_file.h"
@@ -123,7 +123,7 @@ static const char *find_freesurfer_table(struct job *job, const char *folder)
 {
     static const char *const below[] = {"/FreeSurferColorLUT.txt", "/luts/FreeSurferColorLUT.txt",
                                         "../../../FreeSurferColorLUT.txt"};
-    const char *home = file_trace_environment("FREESURFER_HOME");
+    const char *home = system_variable("FREESURFER_HOME");
     for (size_t i = home && home[0] ? 0 : 2; i < 3; i++) {
         const char *path = job_format(job, "%s%s", i < 2 ? home : folder, below[i]);
         if (job_has_file(job, path)) {

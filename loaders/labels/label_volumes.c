@@ -3,7 +3,6 @@
  * volume has follows from the numbers alone, or no name is used. */
 #include "loaders/labels/label_volumes.h"
 
-#include "base/files/file_trace.h"
 #include "base/files/folder.h"
 #include "base/files/inputs.h"
 #include "loaders/labels/label_cells.h"
@@ -128,7 +127,7 @@ static void take_names(struct job *job, struct label_table *out, const char *pat
     if (is_listed) {
         job_made_of(job, path, &bytes);
     }
-    file_trace_take(path);
+    inputs_take(path);
     labels_move(job, out, table);
 }
 

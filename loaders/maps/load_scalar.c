@@ -6,8 +6,8 @@
 #include "atlas/fit/box_fit.h"
 #include "atlas/fit/fit.h"
 #include "base/buffer.h"
-#include "base/files/file_trace.h"
 #include "base/files/folder.h"
+#include "base/files/inputs.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/order.h"
@@ -204,7 +204,7 @@ static void take_title(struct job *job, void *user, struct fsl_atlas *atlas, con
     struct title *title = user;
     size_t i = 0;
     (void)file;
-    file_trace_take(path);
+    inputs_take(path);
     while (i < atlas->labels.count && atlas->labels.entries[i].number - 1 != title->info->volume) {
         i++;
     }
@@ -308,7 +308,7 @@ void pathway_add(struct job *job, conus_atlas *atlas, struct volume_file *file, 
 void pathway_load(struct job *job, conus_atlas *atlas, const char *path, const conus_pathway_options *options)
 {
     struct volume_file file = {0};
-    (void)JOB_CALL(job, volume_file_open_cached(&file, path, options->max_memory, options->cache, &job->notes));
+    (void)JOB_CALL(job, volume_file_open(&file, path, options->max_memory, &job->notes));
     pathway_add(job, atlas, &file, options);
     volume_file_finish(&file);
 }
@@ -438,7 +438,7 @@ conus_status conus_roi_load(conus_roi **out, const char *path, const conus_roi_o
     if (JOB_CALL(&job, volume_selector_parse(&selector, path))) {
         load_mesh_region(&job, &roi, &selector, options);
     }
-    if (!roi && JOB_CALL(&job, volume_file_open_cached(&file, path, options->max_memory, options->cache, &job.notes))) {
+    if (!roi && JOB_CALL(&job, volume_file_open(&file, path, options->max_memory, &job.notes))) {
         roi_of_volume(&job, &roi, &file, options->threshold);
     }
     volume_file_finish(&file);

@@ -5,7 +5,7 @@
 
 #include "atlas/atlas.h"
 
-/** conus_atlas_load() without a cache; @p options is not NULL, and of this version. */
+/** conus_atlas_load() of a path without template; @p options is not NULL, and of this version. */
 conus_status atlas_load_files(conus_atlas **out, const char *path, const conus_load_options *options);
 
 #endif

@@ -71,7 +71,7 @@ void context_load(struct job *job, conus_atlas *atlas, const char *path, const c
     }
     if (mesh_file_is(path)) {
         add_context(job, atlas, path, options);
-    } else if (JOB_CALL(job, volume_file_open_cached(&file, path, options->max_memory, options->cache, &job->notes))) {
+    } else if (JOB_CALL(job, volume_file_open(&file, path, options->max_memory, &job->notes))) {
         context_set(job, atlas, &file, options);
     }
     volume_file_finish(&file);

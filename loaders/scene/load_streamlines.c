@@ -86,40 +86,19 @@ static conus_atlas *make_alone(struct job *job)
     return job_ok(job) ? atlas : NULL;
 }
 
-/* Gives the mapped file to a tractogram that has points there, and to nobody else. */
-static void end_mapping(struct job *job, struct tractogram *tractogram, const char *path, const struct bytes *mapped,
-                        const struct file_state *before)
-{
-    if (tractogram->is_in_file) {
-        tractogram->file_mapped = mapped->data;
-        tractogram->file_mapped_size = mapped->size;
-    } else {
-        file_unmap(mapped->data, mapped->size);
-    }
-    (void)JOB_CALL(job, file_state_check(before, path));
-}
-
 conus_atlas *streamlines_load(struct job *job, const char *path, const conus_load_options *options,
-                              conus_file_space space, bool maps)
+                              conus_file_space space)
 {
-    struct file_state before;
-    struct bytes mapped = {0};
     conus_atlas *atlas = make_alone(job);
     if (!atlas) {
         return NULL;
     }
     struct tractogram *tractogram = atlas->tractograms;
-    if (maps && !file_state_find(&before, path) && (mapped.data = file_map(path, &before))) {
-        mapped.size = (size_t)before.size;
-    }
     atlas->notes.sink = job->sink;
-    (void)JOB_CALL(job, tract_file_read(tractogram, path, &mapped, options->max_memory, space, &atlas->notes));
+    (void)JOB_CALL(job, tract_file_read(tractogram, path, options->max_memory, space, &atlas->notes));
     atlas->notes.sink = NULL;
     (void)JOB_CALL(job, file_sums_move(&atlas->files, &tractogram->files));
     (void)JOB_CALL(job, bundles_ready(tractogram));
-    if (mapped.data) {
-        end_mapping(job, tractogram, path, &mapped, &before);
-    }
     return job_ok(job) ? atlas : NULL;
 }
 
@@ -134,7 +113,7 @@ static bool borrow_tractogram(struct tractogram *out, const struct tractogram *f
 {
     *out = *from;
     out->has_borrowed_points = out->is_borrowed = true;
-    out->mapped = out->file_mapped = NULL;
+    out->mapped = NULL;
     out->files = (struct file_sums){0};
     out->scalars = memory_copy(from->scalars, from->scalar_count, sizeof *out->scalars);
     out->groups = memory_copy(from->groups, from->group_count, sizeof *out->groups);

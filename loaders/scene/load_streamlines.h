@@ -20,10 +20,9 @@ void streamlines_add(struct job *job, conus_atlas *atlas, struct tractogram *tra
                      struct notes *notes);
 
 /** Reads the tractogram @p path, of which @p space is stated, into an atlas that has nothing else, and makes it ready
- * for bundles. With @p maps the points may stay in the file (is_in_file): nobody should read them before
- * tractogram_hold_points(). The atlas is the job's, until job_give(); NULL after a failure. */
+ * for bundles. The atlas is the job's, until job_give(); NULL after a failure. */
 conus_atlas *streamlines_load(struct job *job, const char *path, const conus_load_options *options,
-                              conus_file_space space, bool maps);
+                              conus_file_space space);
 
 /** Adds the tractogram of @p alone, which is emptied and may be mapped, with a radius, mm, and a name as
  * streamlines_add() does. */

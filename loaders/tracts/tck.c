@@ -24,8 +24,7 @@ struct tck {
     bool swapped, wide; /* of the numbers; wide: double */
     bool has_count;
     uint64_t offset, stated;
-    bool ended;    /* the end's marker was read */
-    float left[3]; /* the last point, where points stay in the file */
+    bool ended; /* the end's marker was read */
 };
 
 bool tck_is(const struct bytes *head, const char *path)
@@ -179,7 +178,7 @@ static inline conus_status take_triples(struct tck *tck, size_t count, size_t *t
             p[a] = wide ? order_f64(at + a * size, swapped) : (double)order_f32(at + a * size, swapped);
         }
         if (vec3_is_finite(p)) {
-            float *out = t->is_in_file ? tck->left : t->points + 3 * t->point_count;
+            float *out = t->points + 3 * t->point_count;
             out[0] = (float)p[0], out[1] = (float)p[1], out[2] = (float)p[2];
             t->point_count++;
         } else {
@@ -231,9 +230,6 @@ static conus_status tck_take_all(struct tck *tck)
     if (!status && tck->stream->size) {
         status = fail(CONUS_ERROR_DATA, "content: the file goes on after the marker of its end (inf inf inf)");
     }
-    if (!status && tck->build.tractogram.is_in_file && tck->stream->position != tck->stream->mapped_size) {
-        status = fail(CONUS_ERROR_IO, FILE_CHANGED);
-    }
     return status;
 }
 
@@ -241,11 +237,6 @@ conus_status tck_read(struct tractogram *out, struct byte_stream *stream, uint64
 {
     struct tck tck = {.stream = stream, .build.max_memory = max_memory};
     conus_status status = tck_take_header(&tck);
-    bool is_plain = !stream->is_packed && !tck.wide && !tck.swapped && tck.offset % sizeof(float) == 0;
-    if (!status && stream->mapped && is_plain) {
-        tck.build.tractogram.points = (float *)(stream->mapped + tck.offset);
-        tck.build.tractogram.is_in_file = true;
-    }
     status = status ? status : tck_take_all(&tck);
     size_t found = tck.build.tractogram.streamline_count;
     if (!status && tck.has_count &&
@@ -257,9 +248,6 @@ conus_status tck_read(struct tractogram *out, struct byte_stream *stream, uint64
     snprintf(tck.build.tractogram.format, sizeof tck.build.tractogram.format, "MRtrix %s%s", tck.type_name,
              stream->is_packed ? ", gzip" : "");
     status = status ? status : tract_build_take(out, &tck.build);
-    if (!status) {
-        out->file_offset = is_plain ? tck.offset : 0;
-    }
     tract_build_finish(&tck.build);
     return status;
 }

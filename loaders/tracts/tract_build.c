@@ -64,8 +64,7 @@ static conus_status resize_scalars(struct tractogram *tractogram, bool per_point
 static conus_status resize_points(struct tract_build *build, uint64_t count)
 {
     struct tractogram *tractogram = &build->tractogram;
-    float *points = tractogram->points;
-    points = tractogram->is_in_file ? points : memory_resize(points, count, 3 * sizeof *points);
+    float *points = memory_resize(tractogram->points, count, 3 * sizeof *points);
     tractogram->points = points ? points : tractogram->points;
     conus_status status = points ? resize_scalars(tractogram, true, count) : CONUS_ERROR_MEMORY;
     build->point_capacity = status ? build->point_capacity : count;

@@ -8,7 +8,7 @@
 #include "atlas/tracts/tractogram.h"
 #include "base/text.h"
 
-/** An empty one is zero, except max_memory, and `points` and is_in_file where points stay in the file. The reader
+/** An empty one is zero, except max_memory. The reader
  * writes points, and the values of scalars, where there is room for them, and counts them in tractogram.point_count. */
 struct tract_build {
     struct tractogram tractogram; /**< Its counts are those so far; points 3 point_count and so on. */

@@ -109,8 +109,7 @@ static conus_status settle_space(struct tractogram *tractogram, const struct tra
 }
 
 static conus_status read_format(struct tractogram *out, const struct tract_format *format, const char *path,
-                                const struct bytes *mapped, uint64_t max_memory, conus_file_space space,
-                                struct notes *notes)
+                                uint64_t max_memory, conus_file_space space, struct notes *notes)
 {
     struct tractogram tractogram = {0};
     conus_status status;
@@ -119,9 +118,6 @@ static conus_status read_format(struct tractogram *out, const struct tract_forma
     } else {
         struct byte_stream stream = {0};
         status = byte_stream_open(&stream, path);
-        bool stays = mapped && space != CONUS_FILE_SPACE_LPS; /* points that are turned cannot stay in the file */
-        stream.mapped = stays ? mapped->data : NULL;
-        stream.mapped_size = stays ? mapped->size : 0;
         status = status ? status : read_stream(&tractogram, format, &stream, max_memory, notes);
         byte_stream_finish(&stream);
         status = status ? fail_in(status, path) : CONUS_OK;
@@ -142,8 +138,8 @@ static conus_status read_format(struct tractogram *out, const struct tract_forma
     return CONUS_OK;
 }
 
-conus_status tract_file_read(struct tractogram *out, const char *path, const struct bytes *mapped, uint64_t max_memory,
-                             conus_file_space space, struct notes *notes)
+conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t max_memory, conus_file_space space,
+                             struct notes *notes)
 {
     struct bytes head = {0};
     conus_status status = read_head(&head, path);
@@ -153,7 +149,7 @@ conus_status tract_file_read(struct tractogram *out, const char *path, const str
         return status;
     }
     if (format) {
-        return read_format(out, format, path, mapped, max_memory, space, notes);
+        return read_format(out, format, path, max_memory, space, notes);
     }
     struct bytes stored = {0};
     status = file_read_head(&stored, path, FILE_KIND_HEAD);

@@ -11,12 +11,11 @@
 /** Reads the tractogram @p path: of the format that its content has, checked by tractogram_check(), with the radius
  * TRACT_RADIUS, path and sum set, without a tree. @p max_memory: bytes that its arrays may take; 0 = 8 GiB. @p space
  * are the axes of its numbers, which count before those that the file states; refused where they contradict a header
- * that places the points. Of a file that is mapped points may stay there (is_in_file), as those of a .tck of Float32LE
- * do, but count for max_memory: @p mapped is the caller's; NULL or empty where there is none. Errors carry the path:
+ * that places the points. Errors carry the path:
  * CONUS_ERROR_IO, CONUS_ERROR_DATA for what is damaged, contradicts itself, or is no tractogram,
  * CONUS_ERROR_UNSUPPORTED, CONUS_ERROR_MEMORY. @p out is the caller's to tractogram_finish(), untouched on failure. */
-conus_status tract_file_read(struct tractogram *out, const char *path, const struct bytes *mapped, uint64_t max_memory,
-                             conus_file_space space, struct notes *notes);
+conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t max_memory, conus_file_space space,
+                             struct notes *notes);
 
 /** True where @p path begins like a tractogram that tract_file_read() reads; of zip archives those whose name ends in
  * .trx, of VTK's files those with lines and no polygons. False also where it cannot be read. */

@@ -128,8 +128,7 @@ enum {
     HEADER_READ = 1 << 16 /* bytes that are read where only the header is needed; packed, it takes less */
 };
 
-static conus_status read_other_half(struct stored *out, const char *path, size_t at, const char *ext, uint64_t limit,
-                                    enum stored_use use)
+static conus_status read_other_half(struct stored *out, const char *path, size_t at, const char *ext, uint64_t limit)
 {
     char *other = volume_pair_other(path, at, ext);
     if (!other) {
@@ -137,7 +136,7 @@ static conus_status read_other_half(struct stored *out, const char *path, size_t
     }
     conus_status status;
     if (file_exists(other)) {
-        status = stored_open(out, other, limit, use, NULL);
+        status = stored_open(out, other, limit);
     } else {
         status = fail(CONUS_ERROR_IO, "%s: the other half of the pair is missing: %.*s%s or %.*s%s.gz", path, (int)at,
                       path, ext, (int)at, path, ext);
@@ -158,7 +157,6 @@ struct opening {
     struct volume_selector selector;
     bool all;                /* volumes are kept, not only the chosen one */
     bool only_grid;          /* no voxels are */
-    enum stored_use use;     /* of an index of packed voxels */
     struct tiff tiff;        /* of a TIFF stack, else no pages */
     struct volume_zarr zarr; /* of OME-Zarr, else no folder */
     struct minc minc;        /* of MINC, else no HDF5 */
@@ -231,7 +229,7 @@ static conus_status is_image_half(bool *out, size_t *at, const struct stored *st
 static conus_status open_by_image(struct opening *o, size_t at)
 {
     conus_status status;
-    if ((status = read_other_half(&o->pair_header, o->voxels.path, at, "hdr", o->limit, STORED_PLAIN)) ||
+    if ((status = read_other_half(&o->pair_header, o->voxels.path, at, "hdr", o->limit)) ||
         (status = volume_read_header(o, &o->pair_header))) {
         return status;
     }
@@ -239,13 +237,6 @@ static conus_status open_by_image(struct opening *o, size_t at)
                ? CONUS_OK
                : fail(CONUS_ERROR_DATA, "%s: magic: found that of a single file, a .hdr beside an .img needs \"ni\"",
                       o->pair_header.path);
-}
-
-/* The voxels of a header of text that was read. A header whose bytes are not at hand has no index. */
-static conus_status open_beside_header(struct opening *o, const char *path)
-{
-    const struct bytes *header = &o->pair_header.bytes;
-    return stored_open(&o->voxels, path, o->limit, header->data ? o->use : STORED_PLAIN, header);
 }
 
 /* The voxels of a header of text, if they lie in another file. */
@@ -256,7 +247,7 @@ static conus_status open_text_data(struct opening *o)
     if (!status && path) {
         o->pair_header = o->voxels;
         o->voxels = (struct stored){0};
-        status = open_beside_header(o, path);
+        status = stored_open(&o->voxels, path, o->limit);
         o->voxels.packed = o->voxels.packed && !o->header.text->file; /* else its header says how they are packed */
     }
     memory_free(path);
@@ -282,22 +273,21 @@ static conus_status open_by_header(struct opening *o)
     }
     o->pair_header = o->voxels;
     o->voxels = (struct stored){0};
-    return read_other_half(&o->voxels, o->pair_header.path, at, "img", o->limit, o->use);
+    return read_other_half(&o->voxels, o->pair_header.path, at, "img", o->limit);
 }
 
 /* Opens an AFNI data set by its voxels; its header is `head`. */
 static conus_status open_by_brik(struct opening *o, const char *path, const char *head)
 {
     conus_status status;
-    if ((status = stored_open(&o->pair_header, head, o->limit, STORED_PLAIN, NULL)) ||
-        (status = volume_read_header(o, &o->pair_header))) {
+    if ((status = stored_open(&o->pair_header, head, o->limit)) || (status = volume_read_header(o, &o->pair_header))) {
         return status;
     }
     if (!o->header.text || !o->header.text->brik) {
         return fail(CONUS_ERROR_DATA, "%s: content: a .HEAD beside a .BRIK must be the header of an AFNI data set",
                     head);
     }
-    return open_beside_header(o, path);
+    return stored_open(&o->voxels, path, o->limit);
 }
 
 static conus_status open_tiff(struct opening *o)
@@ -340,8 +330,8 @@ static conus_status open_and_read_header(struct opening *o, const char *path)
         memory_free(head);
         return status;
     }
-    status = o->labels ? stored_open_slabs(&o->voxels, path, o->file, o->limit, o->use, has_fixed_header)
-                       : stored_open(&o->voxels, path, o->limit, o->use, NULL);
+    status = o->labels ? stored_open_slabs(&o->voxels, path, o->file, o->limit, has_fixed_header)
+                       : stored_open(&o->voxels, path, o->limit);
     if (status) {
         return status;
     }
@@ -493,8 +483,6 @@ static conus_status take_voxels(struct volume_file *file, struct opening *o)
     struct gzip_range range = {.from = header->offset + (o->all ? 0 : header->info.volume * header->volume_size),
                                .count = header->volume_size * (o->all ? header->info.volume_count : 1),
                                .total = header->offset + header->info.volume_count * header->volume_size};
-    bool is_worth_index = !o->all && header->info.volume_count > 1 && range.total > STORED_LARGE;
-    const char *sha256 = is_worth_index ? file->info.sha256 : NULL;
     struct filling series = {0};
     conus_status status = CONUS_OK;
     if (o->all && stored->packed && !header->text) { /* maps of probabilities hold little */
@@ -514,8 +502,8 @@ static conus_status take_voxels(struct volume_file *file, struct opening *o)
     status = status                           ? status
              : o->zarr.folder || o->minc.hdf5 ? take_slabs(out, file->info.sha256, &range, o)
              : scattered                      ? tiff_unpack(out, &o->tiff)
-             : header->text                   ? volume_text_voxels(out, &range, header, stored, o->all, sha256)
-                                              : stored_range(out, &range, stored, sha256);
+             : header->text                   ? volume_text_voxels(out, &range, header, stored, o->all)
+                                              : stored_range(out, &range, stored);
     if (status) {
         memory_free(series.data);
         return status;
@@ -604,7 +592,6 @@ static conus_status volume_take_all(struct volume_file *file, struct opening *o)
                            &o->voxels.bytes);
     }
     file->max_memory = o->limit;
-    file->cache = o->use != STORED_PLAIN;
     if ((status = file_sums_move(&file->read, &o->read)) || (status = take_voxels(file, o))) {
         return fail_in(status, o->voxels.path);
     }
@@ -619,7 +606,7 @@ static conus_status volume_take_all(struct volume_file *file, struct opening *o)
 }
 
 /* Opens the files, chooses the volume and takes its voxels. */
-static conus_status open_attempt(struct volume_file *file, const char *path, struct opening *o)
+static conus_status open_files(struct volume_file *file, const char *path, struct opening *o)
 {
     conus_status status = open_and_read_header(o, path);
     if (status) {
@@ -633,28 +620,11 @@ static conus_status open_attempt(struct volume_file *file, const char *path, str
     return status ? fail_in(status, path) : volume_take_all(file, o);
 }
 
-/* Opens the volume that `o` describes, and finishes `o`. If an index of packed voxels leads to an error, tries again
- * without it. */
-static conus_status open_with_retry(struct volume_file *out, const char *path, struct opening *o, struct notes *notes)
+/* Opens the volume that `o` describes, and finishes `o`. */
+static conus_status open_volume(struct volume_file *out, const char *path, struct opening *o, struct notes *notes)
 {
     struct volume_file file = {0};
-    conus_status status = open_attempt(&file, path, o);
-    if (status && o->voxels.index) {
-        struct opening again = {.limit = o->limit,
-                                .file = o->file,
-                                .needed = o->needed,
-                                .selector = o->selector,
-                                .labels = o->labels,
-                                .use = STORED_KEEP};
-        volume_file_finish(&file);
-        o->selector = (struct volume_selector){0}; /* `again` has it */
-        opening_finish(o);
-        *o = again;
-        if (o->labels) {
-            label_reader_finish(o->labels);
-        }
-        status = open_attempt(&file, path, o);
-    }
+    conus_status status = open_files(&file, path, o);
     conus_status moved = notes_move_in(notes, &o->notes, file.path ? file.path : path); /* also where it failed */
     status = status ? status : moved;
     if (status) {
@@ -744,24 +714,17 @@ static conus_status open_by_selector(struct volume_file *out, const char *path, 
     conus_status status = volume_selector_parse(&opening->selector, path);
     opening->selector.volume = opening->all ? 0 : opening->selector.volume;
     opening->selector.chosen = opening->all || opening->selector.chosen;
-    opening->use = opening->selector.chosen ? opening->use : STORED_PLAIN;
     status = status ? status : volume_selector_refuse_field(&opening->selector, opening->selector.path);
     if (status) {
         volume_selector_finish(&opening->selector);
         return status;
     }
-    return open_with_retry(out, opening->selector.path, opening, notes);
+    return open_volume(out, opening->selector.path, opening, notes);
 }
 
 conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes)
 {
-    return volume_file_open_cached(out, path, max_memory, false, notes);
-}
-
-conus_status volume_file_open_cached(struct volume_file *out, const char *path, uint64_t max_memory, bool cache,
-                                     struct notes *notes)
-{
-    struct opening opening = {.limit = memory_limit(max_memory), .use = cache ? STORED_INDEX : STORED_PLAIN};
+    struct opening opening = {.limit = memory_limit(max_memory)};
     return open_by_selector(out, path, &opening, notes);
 }
 
@@ -783,11 +746,8 @@ conus_status volume_file_open_labels(struct volume_file *out, struct label_voxel
 {
     struct label_reader reader = {0};
     struct volume_file file = {0};
-    struct opening opening = {.limit = memory_limit(options->max_memory),
-                              .file = opened,
-                              .needed = needed,
-                              .labels = &reader,
-                              .use = options->cache ? STORED_INDEX : STORED_PLAIN};
+    struct opening opening = {
+        .limit = memory_limit(options->max_memory), .file = opened, .needed = needed, .labels = &reader};
     conus_status status = open_by_selector(&file, path, &opening, notes);
     if (!status) {
         status = file.voxels.data ? volume_file_take_labels(labels, &file) : label_reader_end(labels, &reader, &file);
@@ -804,8 +764,7 @@ conus_status volume_file_open_labels(struct volume_file *out, struct label_voxel
 conus_status volume_file_open_series(struct volume_file *out, const char *path, const conus_load_options *options,
                                      struct notes *notes)
 {
-    struct opening opening = {
-        .limit = memory_limit(options->max_memory), .all = true, .use = options->cache ? STORED_INDEX : STORED_PLAIN};
+    struct opening opening = {.limit = memory_limit(options->max_memory), .all = true};
     return open_by_selector(out, path, &opening, notes);
 }
 
@@ -818,10 +777,8 @@ conus_status volume_file_select(struct volume_file *file, size_t volume)
     if (volume != file->info.volume && !file->series.data) {
         struct volume_file other = {0};
         struct notes notes = {0}; /* they were given when the file was first opened */
-        struct opening opening = {.limit = file->max_memory,
-                                  .selector = {.chosen = true, .volume = volume},
-                                  .use = file->cache ? STORED_INDEX : STORED_PLAIN};
-        conus_status status = open_with_retry(&other, file->path, &opening, &notes);
+        struct opening opening = {.limit = file->max_memory, .selector = {.chosen = true, .volume = volume}};
+        conus_status status = open_volume(&other, file->path, &opening, &notes);
         notes_finish(&notes);
         if (!status) {
             volume_file_finish(file);

@@ -34,7 +34,6 @@ struct volume_file {
     struct text_volume *text; /**< Names and scales from a text header; else NULL. */
     const char *title;        /**< The chosen volume's name in `text`; NULL if it has none. */
     uint64_t max_memory;
-    bool cache;            /**< Whether volumes that are read later may use and make an index. */
     struct file_sums read; /**< The files that give its place: metadata.json of a TIFF stack. */
 };
 
@@ -46,18 +45,13 @@ struct volume_file {
  * @p notes. Errors carry path, field, value found and what is allowed. */
 conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes);
 
-/** Likewise. With @p cache, one of many volumes of a packed file is found by an index in the user's cache folder, which
- * is made where there is none. */
-conus_status volume_file_open_cached(struct volume_file *out, const char *path, uint64_t max_memory, bool cache,
-                                     struct notes *notes);
-
 /** Likewise, but without voxels: out->path is NULL, and there is no SHA-256. */
 conus_status volume_file_grid(conus_volume_info *out, const char *path, uint64_t max_memory, struct notes *notes);
 
 struct label_voxels;
 
-/** Reads the labels of the volume @p path into @p labels; @p out gets the rest, without voxels. Uses max_memory and
- * cache of @p options. @p opened, unless NULL, is @p path, open. @p needed says in words which files are allowed here,
+/** Reads the labels of the volume @p path into @p labels; @p out gets the rest, without voxels. Uses max_memory of
+ * @p options. @p opened, unless NULL, is @p path, open. @p needed says in words which files are allowed here,
  * for messages. Large volumes are read slab by slab, so that their voxels are never in memory together, if the file is
  * a plain NIfTI or MGH file, or packed with voxels of more than 2 bytes. A volume with values that are no labels is
  * CONUS_ERROR_DATA, as in volume_file_labels(). */
@@ -76,8 +70,7 @@ conus_status volume_bytes_header(conus_volume_info *out, const char *path, const
 conus_status volume_file_peek(struct volume_header *out, struct bytes *head, const char *path);
 
 /** Reads volume 0 of @p path, whatever it chooses; volume_file_select() gives the others. All volumes are unpacked
- * together and kept, unless that takes more than max_memory of @p options. Then each is read when it is selected, by an
- * index if @p options has cache. */
+ * together and kept, unless that takes more than max_memory of @p options. Then each is read when it is selected. */
 conus_status volume_file_open_series(struct volume_file *out, const char *path, const conus_load_options *options,
                                      struct notes *notes);
 

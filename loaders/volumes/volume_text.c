@@ -95,7 +95,7 @@ conus_status volume_text_parse_stored(struct volume_header *out, const struct st
 {
     enum { MOST = 1 << 16 }; /* headers are smaller */
     struct notes found = {0};
-    if (!stored->packed && !stored->index) {
+    if (!stored->packed) {
         return volume_text_parse(out, &stored->bytes, notes);
     }
     conus_status status = parse_text_of(out, stored, MOST, &found);
@@ -317,7 +317,7 @@ static conus_status find_start(size_t *start, const struct text_volume *volume, 
 
 /* Raw voxels, in a file that may be packed as a whole. */
 static conus_status read_raw(struct bytes *out, struct gzip_range *range, const struct text_volume *volume,
-                             struct stored *stored, const char *sha256)
+                             struct stored *stored)
 {
     size_t start = 0;
     struct bytes *bytes = &stored->bytes;
@@ -336,12 +336,12 @@ static conus_status read_raw(struct bytes *out, struct gzip_range *range, const 
     }
     range->from += start + volume->byte_skip;
     range->total += start + volume->byte_skip;
-    return stored_range(out, range, stored, sha256);
+    return stored_range(out, range, stored);
 }
 
 /* gzip or zlib data behind the header, from `start` on. */
 static conus_status read_packed(struct bytes *out, struct gzip_range *range, const struct text_volume *volume,
-                                struct stored *stored, size_t start, const char *sha256)
+                                struct stored *stored, size_t start)
 {
     const uint8_t *data = stored->bytes.data + start;
     size_t size = stored->bytes.size - start;
@@ -354,7 +354,7 @@ static conus_status read_packed(struct bytes *out, struct gzip_range *range, con
     if (!range->zlib && !gzip_is(data, size)) {
         return fail(CONUS_ERROR_DATA, "encoding: found gzip in the header, but the voxels are not packed so");
     }
-    conus_status status = stored_stream(out, range, stored, start, size, sha256);
+    conus_status status = gzip_unpack(out, range, data, size);
     if (status != CONUS_ERROR_DATA || size == stored->bytes.size - start) {
         return status;
     }
@@ -366,7 +366,7 @@ static conus_status read_packed(struct bytes *out, struct gzip_range *range, con
 
 /* Voxels that are text, or packed apart from their header. */
 static conus_status read_coded(struct bytes *out, struct gzip_range *range, const struct text_volume *volume,
-                               struct stored *stored, const char *sha256)
+                               struct stored *stored)
 {
     size_t start = 0;
     if (stored->packed) {
@@ -376,15 +376,12 @@ static conus_status read_coded(struct bytes *out, struct gzip_range *range, cons
     bool is_stream = volume->encoding == TEXT_GZIP || volume->encoding == TEXT_ZLIB;
     range->from += is_stream ? volume->byte_skip : 0;
     range->total += is_stream ? volume->byte_skip : 0;
-    if (is_stream && stored->index) {
-        return stored_stream(out, range, stored, 0, 0, NULL);
-    }
     conus_status status = find_start(&start, volume, &stored->bytes);
     if (status) {
         return status;
     }
     if (is_stream) {
-        return read_packed(out, range, volume, stored, start, sha256);
+        return read_packed(out, range, volume, stored, start);
     }
     const uint8_t *data = stored->bytes.data + start;
     size_t size = stored->bytes.size - start;
@@ -421,7 +418,7 @@ static conus_status take_apart(struct bytes *out, const struct volume_header *he
 }
 
 conus_status volume_text_voxels(struct bytes *out, struct gzip_range *range, const struct volume_header *header,
-                                struct stored *stored, bool all, const char *sha256)
+                                struct stored *stored, bool all)
 {
     const struct text_volume *text = header->text;
     bool whole = all || text->interleaved;                    /* all unpacked bytes are needed then */
@@ -432,8 +429,7 @@ conus_status volume_text_voxels(struct bytes *out, struct gzip_range *range, con
                                  .from = whole ? 0 : header->info.volume * header->volume_size,
                                  .count = whole ? total : header->volume_size,
                                  .total = total};
-    conus_status status = (text->encoding == TEXT_RAW ? read_raw : read_coded)(&voxels, range, text, stored,
-                                                                               text->interleaved ? NULL : sha256);
+    conus_status status = (text->encoding == TEXT_RAW ? read_raw : read_coded)(&voxels, range, text, stored);
     if (!status && text->interleaved) {
         status = take_apart(&voxels, header, all);
     }

@@ -41,9 +41,9 @@ bool volume_text_is_packed(const struct volume_header *header, bool packed);
 const char *volume_text_encoding(const struct volume_header *header);
 
 /** Reads the chosen volume, or @p all, from their file; @p range has the sink, if any, and gets the bytes behind them.
- * @p sha256 as for stored_range(), but interleaved volumes get no index. */
+ */
 conus_status volume_text_voxels(struct bytes *out, struct gzip_range *range, const struct volume_header *header,
-                                struct stored *stored, bool all, const char *sha256);
+                                struct stored *stored, bool all);
 
 /** SHA-256 of @p header, unless it is NULL, and @p voxels after it. */
 void volume_text_sha256(char out[65], const struct bytes *header, const struct bytes *voxels);

@@ -213,12 +213,12 @@ def _find_image(source: Any) -> Any:
 
 
 def _from_file(
-    path: Path, labels: Any, labels_anyway: bool, max_memory: int, progress: Any, probability: float, cache: bool,
+    path: Path, labels: Any, labels_anyway: bool, max_memory: int, progress: Any, probability: float,
     without_context: bool,
 ) -> Any:
     options, out = ffi.new("conus_load_options *"), ffi.new("conus_atlas **")
     table, file = optional(path_of, "labels", labels), path_of("source", path)
-    options.probability, options.cache, options.without_context = probability, flag("cache", cache), without_context
+    options.probability, options.without_context = probability, without_context
     options.labels, options.labels_anyway, options.max_memory = table, flag("labels_anyway", labels_anyway), max_memory
     with telling(progress, "file", 1) as tell:
         state = Callback(tell)
@@ -271,7 +271,6 @@ def load(
     probability: float = 0,
     safe_colours: bool = False,
     palette: Union[str, Sequence[str]] = (),
-    cache: bool = True,
     template: Optional[str] = None,
     sides: str = "as-is",
 ) -> Atlas:
@@ -331,11 +330,6 @@ def load(
         Colours of areas, pathways and bundles that people with any colour vision can tell apart.
     palette
         Or these, "#rrggbb" each, in a list or one text, different ones where areas touch.
-    cache
-        For paths: keeps the atlas and each tractogram in the user's cache folder and maps them from there the
-        next time, as the programs do (``conus cache``; ``$CONUS_CACHE`` may be "off" or a size; else ArgumentError).
-        For each packed 4-D file of which one volume is taken: keeps where its volumes lie, too.
-        Answers are the same.
     template
         Whose brain it is, of a path, whatever its header says: "mni152", "colin27", "mni305", or "none" for one
         person's own, in the space of that person's scan. ``Atlas.brain`` says what is known.
@@ -360,7 +354,7 @@ def load(
     source = _stated(source, template)
     if isinstance(source, (str, bytes, os.PathLike)):
         source, labels = _find(source, labels)
-        raw = _from_file(source, labels, labels_anyway, max_memory, progress, probability, cache, context is False)
+        raw = _from_file(source, labels, labels_anyway, max_memory, progress, probability, context is False)
     elif probability:
         raise ArgumentError("probability: an array of labels has no areas of probabilities")
     elif hasattr(source, "dataobj"):
@@ -377,14 +371,14 @@ def load(
         check(lib.conus_atlas_set_hemispheres(raw, how))
     moving, still = _split_streamlines(streamlines)
     for tractogram in moving:
-        _add_streamlines(raw, tractogram, max_memory, flag("cache", cache))
+        _add_streamlines(raw, tractogram, max_memory)
     if _move(raw, transforms, max_memory) == 0 and moving:
         raise ArgumentError("streamlines: moves: there is no transform that could move them")
     for pathway in items("pathways", pathways):
-        _add_pathway(raw, pathway, max_memory, flag("cache", cache))
+        _add_pathway(raw, pathway, max_memory)
     for tractogram in still:
-        _add_streamlines(raw, tractogram, max_memory, flag("cache", cache))
-    _set_contexts(raw, context, context_blocks, context_opacity, max_memory, flag("cache", cache))
+        _add_streamlines(raw, tractogram, max_memory)
+    _set_contexts(raw, context, context_blocks, context_opacity, max_memory)
     if only is not None or hide is not None:
         check(lib.conus_atlas_show(raw, optional(utf8, "only", only), optional(utf8, "hide", hide)))
     if flag("shell", shell):
@@ -445,10 +439,10 @@ def _bands_of(options: Any, bands: Mapping[str, Any]) -> Any:
     return entries, alive
 
 
-def _add_pathway(atlas: Any, pathway: Any, max_memory: int, cache: bool) -> None:
+def _add_pathway(atlas: Any, pathway: Any, max_memory: int) -> None:
     source, values = pathway if isinstance(pathway, tuple) else (pathway, 0)
     options = ffi.new("conus_pathway_options *")
-    options.max_memory, options.cache = max_memory, cache
+    options.max_memory = max_memory
     if isinstance(values, Mapping):
         _bands = _bands_of(options, values)
     else:
@@ -468,8 +462,8 @@ def _split_streamlines(streamlines: Any) -> tuple[list[Any], list[Any]]:
     return [entry for entry in given if moves(entry)], [entry for entry in given if not moves(entry)]
 
 
-def _add_streamlines(atlas: Any, given: Any, max_memory: int, cache: bool) -> None:
-    source, options, _name = options_of(given, max_memory, cache)
+def _add_streamlines(atlas: Any, given: Any, max_memory: int) -> None:
+    source, options, _name = options_of(given, max_memory)
     state = Callback()
     _handle = state.hear(options)
     if isinstance(source, (str, bytes, os.PathLike)):
@@ -479,10 +473,9 @@ def _add_streamlines(atlas: Any, given: Any, max_memory: int, cache: bool) -> No
         state.check(lib.conus_atlas_add_polylines(atlas, polylines, options))
 
 
-def _set_context(atlas: Any, source: Any, blocks: float, opacity: float, max_memory: int, cache: bool) -> None:
+def _set_context(atlas: Any, source: Any, blocks: float, opacity: float, max_memory: int) -> None:
     options = ffi.new("conus_context_options *")
     options.block_threshold, options.opacity, options.max_memory = blocks, opacity, max_memory
-    options.cache = cache
     state = Callback()
     _handle = state.hear(options)
     if hasattr(source, "dataobj"):
@@ -496,7 +489,7 @@ def _is_surface(source: Any) -> bool:
     return not hasattr(source, "dataobj") and bool(lib.conus_context_is_surface(path_of("context", source)))
 
 
-def _set_contexts(atlas: Any, context: Any, blocks: float, opacity: float, max_memory: int, cache: bool) -> None:
+def _set_contexts(atlas: Any, context: Any, blocks: float, opacity: float, max_memory: int) -> None:
     sources = list(context) if isinstance(context, (list, tuple)) else [context] if context not in (None, False) else []
     surfaces = [_is_surface(source) for source in sources]
     blocks, opacity = real("context_blocks", blocks), real("context_opacity", opacity)
@@ -507,7 +500,7 @@ def _set_contexts(atlas: Any, context: Any, blocks: float, opacity: float, max_m
     if surfaces.count(False) > 1:
         raise ArgumentError("context: several volumes, wanted is at most one")
     for source, surface in zip(sources, surfaces):
-        _set_context(atlas, source, 0 if surface else blocks, opacity if surface else 0, max_memory, cache)
+        _set_context(atlas, source, 0 if surface else blocks, opacity if surface else 0, max_memory)
 
 
 def _distance(name: str, value: Any) -> float:
@@ -518,9 +511,9 @@ def _distance(name: str, value: Any) -> float:
     return distance
 
 
-def _region(source: Any, threshold: float, max_memory: int, cache: bool) -> Any:
+def _region(source: Any, threshold: float, max_memory: int) -> Any:
     options, out = ffi.new("conus_roi_options *"), ffi.new("conus_roi **")
-    options.threshold, options.max_memory, options.cache = real("threshold", threshold), max_memory, cache
+    options.threshold, options.max_memory = real("threshold", threshold), max_memory
     state = Callback()
     _handle = state.hear(options)
     if hasattr(source, "dataobj") or isinstance(source, tuple):
@@ -1143,7 +1136,7 @@ class Selector(Guarded):
         self._call(lib.conus_connectivity_create, out, self._p, chosen, _ends(radius))
         return Connectivity(self.atlas, out[0])
 
-    def overlap(self, roi: Any, threshold: float = 0, *, max_memory: int = 0, cache: bool = True) -> Overlap:
+    def overlap(self, roi: Any, threshold: float = 0, *, max_memory: int = 0) -> Overlap:
         """Which objects a region of interest covers: ``conus overlap``.
 
         Parameters
@@ -1156,27 +1149,25 @@ class Selector(Guarded):
             but 0, of masks only.
         max_memory
             Largest file and volume in bytes; 0 = 8 GiB.
-        cache
-            For one volume of a packed 4-D file: keeps where its volumes lie in the user's cache folder.
 
         Returns
         -------
         Overlap
             The largest volume first.
         """
-        region = _region(roi, threshold, byte_count("max_memory", max_memory), flag("cache", cache))
+        region = _region(roi, threshold, byte_count("max_memory", max_memory))
         out = ffi.new("conus_overlap **")
         self._call(lib.conus_overlap_create, out, self._p, region)
         overlap: Overlap = self._place(Overlap(self.atlas, out[0]))
         return overlap
 
-    def clusters(self, roi: Any, threshold: float = 0, *, max_memory: int = 0, cache: bool = True) -> Clusters:
+    def clusters(self, roi: Any, threshold: float = 0, *, max_memory: int = 0) -> Clusters:
         """The clusters of a region of interest, what each covers, and its local maxima: ``conus overlap --clusters``.
 
         Voxels with a face, an edge or a corner in common are one cluster. Parameters are those of :meth:`overlap`; a
         region of tetrahedra has no clusters.
         """
-        region = _region(roi, threshold, byte_count("max_memory", max_memory), flag("cache", cache))
+        region = _region(roi, threshold, byte_count("max_memory", max_memory))
         out = ffi.new("conus_clusters **")
         self._call(lib.conus_clusters_create, out, self._p, region)
         clusters: Clusters = self._place(Clusters(self.atlas, out[0]))
@@ -1670,15 +1661,15 @@ class Atlas:
         """Which areas the bundles connect: see :meth:`Selector.connectivity`."""
         return self._selector(options).connectivity(radius)
 
-    def overlap(self, roi: Any, threshold: float = 0, *, max_memory: int = 0, cache: bool = True,
+    def overlap(self, roi: Any, threshold: float = 0, *, max_memory: int = 0,
                 **options: Any) -> Overlap:
         """Which objects a region of interest covers: see :meth:`Selector.overlap`."""
-        return self._selector(options).overlap(roi, threshold, max_memory=max_memory, cache=cache)
+        return self._selector(options).overlap(roi, threshold, max_memory=max_memory)
 
-    def clusters(self, roi: Any, threshold: float = 0, *, max_memory: int = 0, cache: bool = True,
+    def clusters(self, roi: Any, threshold: float = 0, *, max_memory: int = 0,
                  **options: Any) -> Clusters:
         """The clusters of a region of interest, with areas and maxima: see :meth:`Selector.clusters`."""
-        return self._selector(options).clusters(roi, threshold, max_memory=max_memory, cache=cache)
+        return self._selector(options).clusters(roi, threshold, max_memory=max_memory)
 
 
 # Pickling

@@ -112,12 +112,12 @@ def polylines_of(source: Any) -> tuple[Any, list[Any]]:
     return polylines, alive
 
 
-def options_of(given: Any, max_memory: int, cache: bool) -> tuple[Any, Any, Any]:
+def options_of(given: Any, max_memory: int) -> tuple[Any, Any, Any]:
     """The source of an entry of ``streamlines``, its conus_streamlines_options, and what must live as long."""
     source, radius, name, space = _settings(given)
     options = ffi.new("conus_streamlines_options *")
     options.space = space
-    options.radius, options.max_memory, options.cache = radius, max_memory, cache
+    options.radius, options.max_memory = radius, max_memory
     alive = None if name is None else utf8("streamlines: name", name)
     options.name = ffi.NULL if alive is None else alive
     return source, options, alive

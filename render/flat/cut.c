@@ -614,7 +614,7 @@ static void draw_run(void *user, const struct tract_run *run, bool inside)
         double world[3];
         double ends[2][3];
         for (uint32_t n = 0; n < 2; n++) {
-            tractogram_run_point(world, frame->tractogram, run, k < run->segments ? k + n : k);
+            tractogram_point(world, frame->tractogram, run->point + k + (k < run->segments ? n : 0));
             for (int a = 0; a < 3; a++) {
                 ends[n][a] = along(frame, a, world);
             }

@@ -36,13 +36,11 @@ struct connecting {
     size_t pieces;         /* for threads */
 };
 
-static uint32_t area_of_point(const struct connecting *connecting, const struct tractogram *tractogram,
-                              uint32_t streamline, uint64_t index)
+static uint32_t area_of_point(const struct connecting *connecting, const struct tractogram *tractogram, uint64_t index)
 {
     const uint32_t *group = level_group(connecting->selector->level);
     double point[3];
-    const struct tract_run run = {.point = index, .streamline = streamline};
-    tractogram_run_point(point, tractogram, &run, 0);
+    tractogram_point(point, tractogram, index);
     uint32_t area = group[area_at(&connecting->search, point)];
     return area ? area - 1 : (uint32_t)connecting->selector->atlas->area_count;
 }
@@ -55,8 +53,8 @@ static void end_streamline(struct ended *ended, const struct connecting *connect
     uint64_t end = tractogram->first[ended->streamline + 1];
     ended->a = ended->b = (uint32_t)atlas->area_count;
     if (end > first) {
-        uint32_t from = area_of_point(connecting, tractogram, ended->streamline, first);
-        uint32_t to = end - first > 1 ? area_of_point(connecting, tractogram, ended->streamline, end - 1) : from;
+        uint32_t from = area_of_point(connecting, tractogram, first);
+        uint32_t to = end - first > 1 ? area_of_point(connecting, tractogram, end - 1) : from;
         ended->a = from < to ? from : to;
         ended->b = from < to ? to : from;
     }

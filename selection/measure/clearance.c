@@ -588,8 +588,8 @@ static void visit_run(void *user, const struct tract_run *run, bool inside)
         struct clearance_found found = {.source = tubes->search.source, .part = run->point + i};
         double a[3];
         double b[3];
-        tractogram_run_point(a, tubes->tractogram, run, i);
-        tractogram_run_point(b, tubes->tractogram, run, i + (run->segments > 0));
+        tractogram_point(a, tubes->tractogram, run->point + i);
+        tractogram_point(b, tubes->tractogram, run->point + i + (run->segments > 0));
         measure_tube(&found, tubes, a, b);
         for (uint64_t k = first; k < end; k++) {
             uint32_t object = owners->all ? owners->all : owners->bundles[k];

@@ -74,7 +74,7 @@ static struct tract_part measure_run(const struct tractogram *tractogram, const 
     double points[TRACT_RUN + 1][3];
     bool inside[TRACT_RUN + 1];
     for (uint32_t i = 0; i <= run->segments; i++) {
-        tractogram_run_point(points[i], tractogram, run, i);
+        tractogram_point(points[i], tractogram, run->point + i);
         inside[i] = whole || region_has(region, points[i]);
     }
     for (uint32_t i = 0; i < run->segments; i++) {

@@ -58,8 +58,7 @@ static void a_cancelled_load_calls_back_no_more(void **state)
 
 static conus_atlas *load_bundle(struct tract_shelf *shelf, const char *atlas, const char *bundle, int wanted)
 {
-    const struct atlas_settings settings = {
-        .streamlines = {.items = &bundle, .count = 1}, .shelf = shelf, .no_cache = true};
+    const struct atlas_settings settings = {.streamlines = {.items = &bundle, .count = 1}, .shelf = shelf};
     conus_atlas *out = NULL;
     messages_hold(true);
     assert_int_equal(atlas_input_load(&out, atlas, &settings), wanted);

@@ -60,7 +60,6 @@ LIBRARY = {
     "base/files": "base base/system",
     "base/simd": "",
     "base/geometry": "base",
-    "base/cache": "base base/files base/system",
     "base/child": "base base/files base/system",
     "base/formats": "base base/files base/child base/system",
     "base/job": "base base/files base/formats",
@@ -84,13 +83,13 @@ LIBRARY = {
     "loaders/brainglobe": "base base/files base/geometry base/formats base/system",
     "loaders/tracts": "base base/files base/geometry base/formats atlas/tracts loaders loaders/surfaces/foreign",
     "loaders/volumes/text": "base base/job base/geometry atlas/labels atlas",
-    "loaders/volumes/stored": "base base/files base/cache base/formats base/system",
+    "loaders/volumes/stored": "base base/formats base/system",
     "loaders/volumes": "base base/files base/child base/geometry base/formats atlas/labels atlas loaders/volumes/stored"
     " loaders loaders/tiff loaders/zarr loaders/brainglobe loaders/volumes/text loaders/formats loaders/labels",
     "loaders/cifti": "base base/files base/geometry base/formats loaders/volumes loaders/labels atlas/labels"
     " loaders/formats",
     "loaders/labels": "base base/system base/job base/files base/geometry base/formats atlas/labels loaders/formats",
-    "loaders/child": "base base/files base/cache base/child base/system atlas/surface atlas",
+    "loaders/child": "base base/child base/system atlas/surface atlas",
     "loaders/surfaces/foreign": "base base/files base/geometry base/formats atlas/labels atlas/surface loaders",
     "loaders/surfaces": "base base/files base/geometry base/formats base/system atlas/labels atlas/surface atlas loaders"
     " loaders/labels loaders/cifti loaders/child loaders/surfaces/foreign loaders/formats loaders/volumes",
@@ -125,7 +124,7 @@ LIBRARY = {
     "selection/ends": "base base/geometry atlas/surface atlas selection/cone selection/measure selection/engine/voxels selection",
     "selection/picture": "base base/geometry render/draw render/image render/colour render/flat selection/measure selection",
     "selection/report": "base base/geometry atlas poses/programs selection selection/ends selection/study",
-    "cache": "base base/files base/cache base/system atlas loaders/maps loaders/scene selection/batch",
+    "pack": "base atlas loaders/maps loaders/scene",
     "selection/batch": "base base/geometry base/system atlas/tracts atlas poses poses/rows selection/engine/voxels selection selection/study selection/report",
 }
 RULES = {**LIBRARY, **APPS}

@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { POINTS = 60000, STREAMLINES = 3000, CROWD = 100000 };
+enum { POINTS = 60000, STREAMLINES = 3000 };
 
 static float points[3 * POINTS];
 static uint16_t halves[3 * POINTS];
@@ -581,72 +581,12 @@ static void kernels_give_the_same_bits(void **state)
 }
 #endif
 
-/* Three numbers that are no point follow each streamline in a file. Many streamlines in a row have no point. */
-static float in_file[3 * (POINTS + CROWD)];
-
-static void points_in_a_file_make_the_same_tree(void **state)
-{
-    (void)state;
-    static uint64_t begins[CROWD + 1];
-    uint64_t random = 12;
-    struct tractogram plain = random_walks(&random, 2000, 40);
-    for (size_t s = 0; s < CROWD; s++) {
-        bool has_points = s < 1000 || s >= CROWD - 1000;
-        size_t number = s < 1000 ? s : s - (CROWD - 2000);
-        begins[s] = has_points ? first[number] : first[1000];
-        begins[s + 1] = has_points ? first[number + 1] : first[1000];
-        memcpy(in_file + 3 * (begins[s] + s), points + 3 * begins[s],
-               (size_t)(begins[s + 1] - begins[s]) * 3 * sizeof *points);
-        for (size_t a = 0; a < 3; a++) {
-            in_file[3 * (begins[s + 1] + s) + a] = NAN;
-        }
-    }
-    plain.first = begins;
-    plain.streamline_count = CROWD;
-    struct tractogram left = plain;
-    left.points = in_file;
-    left.is_in_file = true;
-    plain.radius = left.radius = TRACT_RADIUS;
-    struct notes notes = {0};
-    assert_ok(tractogram_check(&left, &notes));
-    notes_finish(&notes);
-    assert_ok(tractogram_grow_tree(&plain));
-    assert_ok(tractogram_grow_tree(&left));
-    assert_int_equal(plain.tree.run_count, left.tree.run_count);
-    assert_memory_equal(plain.tree.marks, left.tree.marks,
-                        tract_mark_count(plain.point_count) * sizeof *plain.tree.marks);
-    assert_memory_equal(plain.low, left.low, sizeof plain.low);
-    assert_memory_equal(plain.high, left.high, sizeof plain.high);
-    assert_memory_equal(plain.tree.lengths, left.tree.lengths, CROWD * sizeof(double));
-    assert_memory_equal(plain.tree.nodes, left.tree.nodes, plain.tree.node_count * sizeof(struct tract_node));
-    assert_memory_equal(plain.tree.leaves, left.tree.leaves,
-                        tract_leaf_count(plain.tree.run_count) * sizeof(struct tract_leaf));
-    float *copy = tractogram_copy_points(&left);
-    assert_memory_equal(copy, points, plain.point_count * 3 * sizeof *points);
-    memory_free(copy);
-    size_t last = CROWD - 1;
-    while (begins[last] == begins[CROWD]) {
-        last--;
-    }
-    char words[64];
-    snprintf(words, sizeof words, "point 0 of streamline %zu (both from 0): found (", last);
-    in_file[3 * (begins[last] + last) + 1] = 2e9F;
-    assert_fails(tractogram_check(&left, &notes), CONUS_ERROR_DATA);
-    assert_non_null(strstr(conus_message(), words));
-    tract_tree_finish(&plain.tree);
-    tract_tree_finish(&left.tree);
-}
-
 static void too_many_points_are_refused(void **state)
 {
     (void)state;
     struct tractogram tractogram = {.points = points, .first = first, .point_count = (uint64_t)UINT32_MAX + 1};
     assert_fails(tractogram_grow_tree(&tractogram), CONUS_ERROR_DATA);
     assert_null(tractogram.tree.leaves);
-    tractogram.point_count = UINT32_MAX; /* and one place more for the streamline */
-    tractogram.streamline_count = 1;
-    tractogram.is_in_file = true;
-    assert_fails(tractogram_grow_tree(&tractogram), CONUS_ERROR_DATA);
 }
 
 static conus_status grow(void *data)
@@ -663,9 +603,6 @@ static void every_allocation_may_fail(void **state)
     uint64_t random = 4;
     struct tractogram tractogram = random_walks(&random, 100, 40);
     test_every_allocation(grow, &tractogram);
-    tractogram.is_in_file = true;
-    tractogram.points = in_file;
-    test_every_allocation(grow, &tractogram);
 }
 
 TEST_GROUP(tract_tree)
@@ -677,7 +614,6 @@ TEST_GROUP(tract_tree)
         cmocka_unit_test(a_tree_is_small),
         cmocka_unit_test(a_point_far_away_spoils_no_order),
         cmocka_unit_test(threads_make_the_same_tree),
-        cmocka_unit_test(points_in_a_file_make_the_same_tree),
         cmocka_unit_test(too_many_points_are_refused),
         cmocka_unit_test(runs_are_slim),
         cmocka_unit_test(every_allocation_may_fail),

@@ -268,7 +268,7 @@ PLACE=,resolution=1000,orientation=asr
 
 # no_store TEXT: asserts that info of store.zarr ends in code 3 with one line that has TEXT in it.
 no_store() {
-    fails 3 "$1" info "store.zarr$PLACE" --no-cache
+    fails 3 "$1" info "store.zarr$PLACE"
 }
 
 @test "OME-Zarr: sizes that multiply beyond 2^63, and JSON of 16 MiB" {
@@ -319,7 +319,7 @@ no_store() {
         printf "1111%b\\$1$zeros\\$2$zeros\\$3$zeros\\$4$zeros" '\2\2\2\2' >store.zarr/c/0/0/0
     }
     shard 0 4 4 4
-    run -0 --separate-stderr "$CONUS" info "store.zarr$PLACE" --no-cache --format tsv
+    run -0 --separate-stderr "$CONUS" info "store.zarr$PLACE" --format tsv
     shard 0 4 3 4
     no_store 'a chunk of 4 bytes from byte 0 on lies outside of the file, or over another or the index'
     shard 0 4 10 4 # reaches over the index
@@ -336,7 +336,7 @@ no_store() {
     printf 9999 >two.zarr/2.0.0 # the array has no such row
     fails 3 'two.zarr/1.0.0: is not there, and fill_value does not say what it holds' info two.zarr$PLACE
     sed -i 's/"fill_value": null/"fill_value": 50/' two.zarr/.zarray
-    run -0 --separate-stderr "$CONUS" info two.zarr$PLACE --no-cache
+    run -0 --separate-stderr "$CONUS" info two.zarr$PLACE
     grep -q '1 of 2 chunks are there: the others count as the fill value' <<<"$output$stderr"
     grep -q '2 areas' <<<"$output"
 }

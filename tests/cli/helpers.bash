@@ -3,9 +3,6 @@ bats_require_minimum_version 1.5.0
 : "${CONUS:?is the path of the conus program}"
 TEMPLATES=${CONUS_TEMPLATES:-/usr/share/mricron/templates}
 
-# No test touches the user's cache; tests/cli/cache.bats has its own.
-export CONUS_CACHE=${CONUS_CACHE:-off}
-
 # It says whether there is OpenGL; scripts/check-docs asks it, too.
 export CONUS_HAS_GL=${CONUS_HAS_GL:-${CONUS%/apps/cli/conus}/tests/has_gl}
 

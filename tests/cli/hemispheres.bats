@@ -197,7 +197,7 @@ END
     poses
     touch released
     hold_file bands.nii
-    live bands.nii --labels names.tsv --no-cache 2>said
+    live bands.nii --labels names.tsv 2>said
     tell 'angle 25' "aim $(sed -n 2p poses.tsv)" 'results old.tsv' 'save old.json'
     look '.objects == 6'
     rm released begun

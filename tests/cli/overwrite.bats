@@ -76,19 +76,3 @@ load helpers
     done
     conus info u-shape.nii.gz | grep -q 'u-shape.txt is not a label table of a known format: passed over'
 }
-
-@test "an atlas from the cache keeps its files, too" {
-    export CONUS_CACHE=1G XDG_CACHE_HOME=$PWD/cache
-    conus phantom u-shape -o . --size 16
-    touch -d '1 day ago' u-shape.*
-    local aim="--origin 40,0,0 --toward 0,0,0 --quiet"
-    # shellcheck disable=SC2086 # words
-    is_kept() {
-        conus query u-shape.nii.gz $aim >hits && [ -e cache/conus/*.atlas ]
-    }
-    wait_until $$ is_kept # a file's change of times counts as one
-    # shellcheck disable=SC2086
-    fails 2 'would overwrite the input u-shape.tsv' query u-shape.nii.gz $aim -o u-shape.tsv --force
-    # shellcheck disable=SC2086
-    fails 2 'would overwrite the input u-shape.nii.gz' query u-shape.nii.gz $aim --format tsv -o u-shape.nii.gz --force
-}

@@ -24,9 +24,7 @@ ROOT=$BATS_TEST_DIRNAME/../..
     sed -n '/^leftovers()/,/^}/p' "$ROOT/scripts/test" >leftovers.bash
     grep -q find leftovers.bash
     mkdir -p user build/dev/home/.cache/mesa build/sanitize/home
-    conus phantom sphere -o . --size 16
-    HOME=$PWD/user XDG_CACHE_HOME='' CONUS_CACHE=1G conus query sphere.nii.gz --origin 0,0,99 --toward 0,0,0 >user.txt
-    mkdir -p user/.cache/conus && touch user/.cache/conus/kept.atlas
+    mkdir -p user/.local/state/conus && touch user/.local/state/conus/recent
     HOME=$PWD/user run -0 bash -c '. ./leftovers.bash; leftovers'
     mkdir -p build/sanitize/home/.local/state/conus
     run -1 bash -c '. ./leftovers.bash; leftovers'

@@ -4,7 +4,6 @@
 load helpers
 
 setup_file() {
-    export XDG_CACHE_HOME=$BATS_FILE_TMPDIR/cache # meshes are kept whatever CONUS_CACHE says
     start_screen 1600x1000
     "$CONUS" phantom brain -o "$BATS_FILE_TMPDIR/brain" 3>&-
 }
@@ -73,17 +72,6 @@ atlas() {
     answers overlap nested.nii.gz region.nii.gz --quiet
     answers phantom bundle -o bundle
     answers connect nested.nii.gz --streamlines bundle/bundle.tck --quiet
-}
-
-@test "cache: kept, found again, listed, removed" {
-    atlas
-    export CONUS_CACHE=1G XDG_CACHE_HOME=$PWD/cache
-    for turn in first second; do
-        answers batch nested.nii.gz --poses poses.tsv -o $turn.tsv --quiet
-    done
-    cmp first.tsv second.tsv
-    answers cache list
-    answers cache clear
 }
 
 @test "render, by rays and by OpenGL" {

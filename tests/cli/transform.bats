@@ -62,13 +62,9 @@ shifts() {
     done
     answers query nested.nii.gz $aim --atlas-transform ffd.tfm --format json --quiet
     [ "$(jq -c '[.Atlas.way_to_atlas[] | keys[0]]' <<<"$output")" = '["matrix","spline","matrix"]' ]
-    # packed in the cache
     echo '{"conus_atlas": 1, "parcellation": "nested.nii.gz", "transform": {"file": "list.tfm", "transform": 1}}' \
         >one.atlas.json
     answers query one.atlas.json $aim --format tsv --quiet
-    cp /dev/stdin first <<<"$output"
-    answers query one.atlas.json $aim --format tsv --quiet
-    diff first - <<<"$output"
     head -c 500 ffd.tfm >cut.tfm
     fails 3 'cut.tfm: BSplineTransform_double_3_3: FixedParameters is missing' query nested.nii.gz $aim \
         --atlas-transform cut.tfm

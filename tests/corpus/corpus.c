@@ -591,7 +591,6 @@ int main(int argc, char **argv)
     for (size_t i = 0; i < sizeof elsewhere / sizeof elsewhere[0]; i++) {
         unsetenv(elsewhere[i]);
     }
-    setenv("CONUS_CACHE", "off", 1);
     total.cut = json_object();
     messages_hold(true);
     walked.all = all;

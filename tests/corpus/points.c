@@ -359,7 +359,6 @@ int main(int argc, char **argv)
         fprintf(stderr, "usage: points FOLDER [FILE]\n%s: line %d: %s\n", path, error.line, error.text);
         return 2;
     }
-    setenv("CONUS_CACHE", "off", 1);
     if (!load_atlas()) {
         fprintf(stderr, "%s\n", conus_message());
         return 2;

@@ -632,7 +632,7 @@ def help_texts(ask):
 def tables(ask):
     """Tables for people, and other words that a command says of what it did."""
     nested, brain, tree = "ph/nested.nii.gz", "ph/brain/brain.atlas.json", "ph/nested.nii.gz --labels in/tree.tsv"
-    for command in ("atlases", "atlases --places", "cache where", "cache list", "cache clear"):
+    for command in ("atlases", "atlases --places"):
         ask(command)
     arcs, hand = "--streamlines in/arcs.vtk", "--poses in/hand.tsv"
     for atlas, aim in ((nested, BALL_AIM), (brain, BRAIN_AIM), ("in/outside.atlas.json", BALL_AIM), (tree, BALL_AIM),
@@ -738,8 +738,7 @@ READERS = {
 # Corpora that no command reads as a file: of the window, which needs a display; streams of conus-hdf5, conus-mesh and
 # the network; what conus keeps; pieces of files.
 UNREAD = ("place", "recent", "script", "session", "thumbnail", "hdf5_stream", "minc", "nwb", "simnibs", "transform_chain",
-          "mesh_request", "mesh_stream", "igtl", "atlas_pack", "cache_entry", "gzip_index",
-          "mesh_cache", "gzip", "text")
+          "mesh_request", "mesh_stream", "igtl", "atlas_pack", "gzip", "text")
 # Files beside that which is asked about.
 BESIDE = {"batch_record": "rows.tsv", "sidecar": "rows.tsv", "coordsystem": "sub-01_electrodes.tsv"}
 

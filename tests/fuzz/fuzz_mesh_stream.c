@@ -11,7 +11,8 @@ static conus_status take(void *user, const struct mesh_frame *frame)
     struct mesh mesh = {0};
     struct notes notes = {0};
     (void)user;
-    if (frame->size != (size_t)(frame->triangles - frame->bytes) + 12 * frame->triangle_count) {
+    if (frame->triangles != frame->positions + 12 * frame->vertex_count ||
+        frame->size != MESH_FRAME_HEADER_SIZE + frame->text.size + 12 * (frame->vertex_count + frame->triangle_count)) {
         abort();
     }
     if (frame->kind == MESH_FRAME_MESH && mesh_from_frame(&mesh, frame) == CONUS_OK &&
@@ -25,6 +26,12 @@ static conus_status take(void *user, const struct mesh_frame *frame)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    conus_status status = mesh_stream_read(data, size, take, NULL);
+    struct mesh_frames frames = {.take = take};
+    size_t used = 0;
+    size_t wanted = 0;
+    conus_status status = mesh_frames_take(&frames, &used, &wanted, data, size);
+    if (used > size || (!status && used + wanted <= size)) {
+        abort();
+    }
     return status == CONUS_OK || *conus_message() ? 0 : -1;
 }

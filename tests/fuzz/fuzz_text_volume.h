@@ -20,8 +20,8 @@ static inline void fuzz_text_voxels(const struct volume_header *header, const ui
     for (int all = 0; all < 2; all++) {
         struct stored stored = {.bytes = {memory_copy(data, size, 1), size}};
         struct gzip_range range = {0};
-        status[all] = stored.bytes.data ? volume_text_voxels(&found[all], &range, header, &stored, all, NULL)
-                                        : CONUS_ERROR_MEMORY;
+        status[all] =
+            stored.bytes.data ? volume_text_voxels(&found[all], &range, header, &stored, all) : CONUS_ERROR_MEMORY;
         stored_finish(&stored);
     }
     if (status[0] != status[1] && !status[0] + !status[1] == 1 && status[0] != CONUS_ERROR_MEMORY &&

@@ -4,8 +4,8 @@
 input.
 
 For example `tests/growth/growth.py build/quick/apps/cli/conus --most 1000000`: each reader is given files of 1,000,
-10,000, ... N things, and twice N at last. One line a size: CPU seconds and peak memory of one process without the
-cache. The exponents are those between the last two sizes; a cap of the reader ends its row, and is named.
+10,000, ... N things, and twice N at last. One line a size: CPU seconds and peak memory of one process. The
+exponents are those between the last two sizes; a cap of the reader ends its row, and is named.
 
 --check makes no table. Each of CHECKS gets CHECKED things and must end within LIMIT_S of processor time, where
 quadratic ones take minutes; other processes on the machine do not count. Its memory must not be more than 2.6
@@ -952,8 +952,7 @@ def run(conus, case, n, limit_s):
             # A shell starts it as a child and ends at once, so that the child becomes ours: a fork of this process
             # would count this one's peak memory as its own.
             script = f'ulimit -t {limit_s}; "$@" & echo $! >"{folder}/.pid"'
-            subprocess.run(["/bin/sh", "-c", script, "sh", *arguments], stdin=subprocess.DEVNULL, stdout=out, stderr=err,
-                           env={**os.environ, "CONUS_CACHE": "off"}, check=True)
+            subprocess.run(["/bin/sh", "-c", script, "sh", *arguments], stdin=subprocess.DEVNULL, stdout=out, stderr=err, check=True)
             with open(f"{folder}/.pid", encoding="utf-8") as file:
                 _, status, usage = os.wait4(int(file.read()), 0)
             err.seek(0)

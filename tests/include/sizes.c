@@ -9,8 +9,8 @@
 #define SIZE(type, size) static_assert(sizeof(type) == (size), "callers are compiled with this size of " #type)
 
 SIZE(conus_load_options, 80);
-SIZE(conus_pathway_options, 80);
-SIZE(conus_context_options, 56);
+SIZE(conus_pathway_options, 72);
+SIZE(conus_context_options, 48);
 SIZE(conus_context_map_options, 64);
 SIZE(conus_transform_options, 72);
 SIZE(conus_pose_options, 136);
@@ -32,7 +32,7 @@ SIZE(conus_mesh_options, 80);
 SIZE(conus_phantom_options, 56);
 SIZE(conus_manifest_options, 32);
 SIZE(conus_catalogue_options, 24);
-SIZE(conus_roi_options, 48);
+SIZE(conus_roi_options, 40);
 SIZE(conus_connectivity_options, 16);
 SIZE(conus_place_options, 32);
 

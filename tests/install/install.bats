@@ -59,7 +59,6 @@ consumer_answers() {
     cp -r "$MOVED" alone
     rm -f alone/bin/conus-*
     sphere --size 16
-    export XDG_CACHE_HOME=$PWD/cache
     wanted_of_mesh='the program conus-mesh is not installed (Debian package conus-mesh)'
     run -3 --separate-stderr env -u CONUS_MESH PATH=/nowhere "$PWD/alone/bin/conus" mesh sphere.nii.gz -o out
     check_message "$wanted_of_mesh"

@@ -277,7 +277,6 @@ def main():
     meshes = [n for n in labels if n % 8 < 2] if with_meshes else []
     wrong = []
     with tempfile.TemporaryDirectory() as base:
-        os.environ["XDG_CACHE_HOME"] = base
         for orientation in every(2, ORIENTATIONS):
             wrong += check(conus, base, orientation, volume, labels, meshes)
         wrong += check_third(conus, base, shared)

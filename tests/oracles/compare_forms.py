@@ -116,7 +116,7 @@ def main():
     image = nibabel.load(volume)
     labels = np.asanyarray(image.dataobj).astype(np.int64)
     with tempfile.TemporaryDirectory() as folder:
-        os.environ.update(XDG_CACHE_HOME=folder, CONUS_MESH=mesh)
+        os.environ["CONUS_MESH"] = mesh
         surfaces = os.path.join(folder, "surfaces")
         subprocess.run([conus, "mesh", volume, "-o", surfaces, "--quiet"], check=True)
         manifest = os.path.join(surfaces, "aal.atlas.json")

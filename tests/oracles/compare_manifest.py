@@ -181,7 +181,6 @@ def main():
     areas, pathways = load_scene(data)
     scene = Scene(areas, pathways)
     with tempfile.TemporaryDirectory() as folder:
-        os.environ["XDG_CACHE_HOME"] = folder
         manifest = os.path.join(folder, "julich.atlas.json")
         write_manifest(manifest, data, pathways)
         rays = random_rays(areas, random.Random(3))

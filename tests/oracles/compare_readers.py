@@ -29,7 +29,7 @@ except ImportError as missing:
     sys.exit(77)
 
 CONUS = os.path.abspath(sys.argv[1])
-os.environ.update(CONUS_HDF5=os.path.abspath(sys.argv[2]), CONUS_CACHE="off")
+os.environ.update(CONUS_HDF5=os.path.abspath(sys.argv[2]))
 SOURCES = pathlib.Path(sys.argv[3]).resolve()
 
 KINDS = ("slope 1/255", "slope 0.1", "2^24+1", "BOM", "1252", "CRLF", "empty rows", "decimal comma", "NaN", "-1", "LPS",

@@ -90,7 +90,6 @@ def compare(conus, what, manifest, areas, pathways, size):
     scene = scene_of(areas, pathways)
     rays = random_rays(areas, pathways, size)
     with tempfile.TemporaryDirectory() as folder:
-        os.environ["XDG_CACHE_HOME"] = folder
         path = os.path.join(folder, "scene.atlas.json")
         with open(path, "w", encoding="utf-8") as file:
             json.dump({"conus_atlas": 1, "allow_outside": True, **manifest}, file)

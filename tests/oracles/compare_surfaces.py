@@ -90,7 +90,6 @@ def main():
         print("skipped: no mricron-data")
         return SKIP
     with tempfile.TemporaryDirectory() as folder:
-        os.environ["XDG_CACHE_HOME"] = os.path.join(folder, "cache")
         table = [row.split("\t") for row in run(conus, "info", AAL, "--format", "tsv").splitlines()]
         column = {name: i for i, name in enumerate(table[0])}
         names = {int(row[column["index"]]): row[column["name"]] for row in table[1:]}

@@ -42,7 +42,7 @@ int main(int argc, char **argv)
 {
     struct tractogram tractogram = {0};
     struct notes notes = {0};
-    if (argc != 3 || tract_file_read(&tractogram, argv[1], NULL, 0, 0, &notes)) {
+    if (argc != 3 || tract_file_read(&tractogram, argv[1], 0, 0, &notes)) {
         fprintf(stderr, "%s\n", argc == 3 ? conus_message() : "usage: dump_tract FILE OUT");
         notes_finish(&notes);
         return EXIT_FAILURE;

@@ -5,7 +5,7 @@
     tests/platforms/linked.py macos-arm64 build/macos-arm64/apps/cli/conus
 
 TARGET is macos-arm64, macos-x86-64, linux-arm64, linux-x86-64 or windows; FILE a program, or a library. Each has the
-target's processor, at most 4.5 MB, an identity of its build, by which the cache knows it, and needs no library but the
+target's processor, at most 4.5 MB, an identity of its build, for debuggers, and needs no library but the
 system's. Besides:
 
     macos-*    it asks for macOS 11.0, no newer one, is loaded anywhere (PIE), and takes only functions of 11.0's

@@ -91,23 +91,6 @@ def test_aal(monkeypatch, tmp_path):
 
 
 @needs_aal
-def test_cache(monkeypatch, tmp_path):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.delenv("CONUS_CACHE", raising=False)
-    entries = tmp_path / "conus"
-    plain = conus.load(AAL, cache=False)
-    assert not entries.exists()
-    for _ in range(2):
-        kept = conus.load(AAL)
-        assert len(list(entries.glob("*.atlas"))) == 1
-        assert kept.info().equals(plain.info()) and kept.notes == plain.notes
-        first, second = (atlas.select((-90, 20, 20), toward=(0, -10, 10), layers="all") for atlas in (plain, kept))
-        assert first.to_dataframe().equals(second.to_dataframe())
-    with pytest.raises(conus.ArgumentError):
-        conus.load(AAL, cache=2)
-
-
-@needs_aal
 def test_a_context_by_its_name():
     """mricron's ch2 is an image beside AAL: it blocks by its name what it blocks by its path."""
     path = os.path.join(os.path.dirname(AAL), "ch2.nii.gz")

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The program of one room's tests: test_ROOM --list | GROUP [PATTERN]. It runs the tests of a group whose names match
  * the pattern, in which * and ? stand for any text and any character. One process runs one group: groups change the
- * environment and leave caches behind. */
+ * environment. */
 #include "test.h"
 
 #include <stdio.h>

@@ -260,18 +260,6 @@ const char *test_in(const char *name)
     return path;
 }
 
-void test_own_cache(void)
-{
-    char cache[8192];
-    char here[4096];
-    const char *own = test_scratch("cache");
-    if (getcwd(here, sizeof here)) {
-        snprintf(cache, sizeof cache, "%s/%s", here, own);
-        setenv("XDG_CACHE_HOME", cache, 1);
-        setenv("HOME", cache, 1); /* for a test that takes the former away */
-    }
-}
-
 void test_need_conus_mesh(void)
 {
     char *path = NULL;

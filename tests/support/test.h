@@ -80,9 +80,6 @@ void test_folder(const char *name);
 /** Path of @p name in that folder, "" for the folder itself. Static buffers, four in turn. */
 const char *test_in(const char *name);
 
-/** Sets the cache, and HOME, to a fresh folder of this test program. */
-void test_own_cache(void);
-
 /** Skips the running test, saying why, where there is no program conus-mesh. */
 void test_need_conus_mesh(void);
 

@@ -21,7 +21,7 @@ const WAIT = { timeout: 60000 };
 const README = [["1", "Frontal_Inf_Oper_L", "90.51 %", "188"], ["2", "Precentral_L", "7.60 %", "16"], ["3", "Postcentral_L", "1.89 %", "4"]];
 let browser;
 
-const run = (...words) => execFileSync(CONUS, words, { cwd: folder, env: { ...process.env, CONUS_CACHE: "off" } }).toString();
+const run = (...words) => execFileSync(CONUS, words, { cwd: folder }).toString();
 before(async () => {
   browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox", "--disable-gpu"] });
   if (!skip) run("page", files[0], "--origin", "-90,20,20", "--toward", "0,-10,10", "--template", template, "-o", "aal.html", "--quiet");

@@ -27,7 +27,7 @@ async function compare(files, atlas, context) {
   const below = (n) => Math.floor(next() * n);
   const planes = Array.from({ length: PLANES }, () => ({ cone: [...within(40), ...within(0), 1 + 60 * next()], axes: AXES[below(3)],
     view: [...within(-5), 1 + below(400), 1 + below(400), 0.1 + next()], fill: [0, 0.3, 0.55, 1][below(4)] }));
-  const theirs = execFileSync(CUTS, [path.join(path.dirname(files[0]), atlas), ...(context ? [context] : [])], { maxBuffer: 1 << 29, env: { ...process.env, CONUS_CACHE: "off" },
+  const theirs = execFileSync(CUTS, [path.join(path.dirname(files[0]), atlas), ...(context ? [context] : [])], { maxBuffer: 1 << 29,
     input: Buffer.from(Float64Array.from(planes.flatMap(({ cone, axes, view, fill }) => [...cone, ...axes, ...view, fill])).buffer) });
   let at = 0;
   const seen = new Set();

@@ -14,7 +14,6 @@ const NATIVE = path.resolve(CONUS, "../../..");
 const QUESTIONS = 300;
 const SIDE = 400;
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), "conus-web-"));
-const env = { ...process.env, CONUS_CACHE: "off" };
 const aal = path.join(TEMPLATES, "aal.nii.gz");
 const percentile = (numbers, n) => [...numbers].sort((a, b) => a - b)[Math.min(numbers.length - 1, Math.floor(n / 100 * numbers.length))];
 const summary = (numbers) => `median ${percentile(numbers, 50).toFixed(2)}, 95th percentile ${percentile(numbers, 95).toFixed(2)}`;
@@ -23,11 +22,11 @@ const load = () => os.loadavg()[0].toFixed(1);
 
 execFileSync("cc", ["-O1", `-I${ROOT}/include`, `-I${ROOT}`, path.join(ROOT, "tests/web/figures.c"), "-o", path.join(folder, "figures"), "-Wl,--wrap=traverse_best_kernel",
   path.join(NATIVE, "libconus.a"), ..."z deflate zstd expat jansson nettle m pthread dl".split(" ").map((name) => `-l${name}`)]);
-const native = (input) => spawnSync(path.join(folder, "figures"), [aal, String(SIDE)], { input, env, encoding: "utf8" }).stdout;
+const native = (input) => spawnSync(path.join(folder, "figures"), [aal, String(SIDE)], { input, encoding: "utf8" }).stdout;
 const next = random(3);
 const between = (low, high) => low + next() * (high - low);
 const questions = Array.from({ length: QUESTIONS }, () => [between(-120, 120), between(-150, 110), between(-90, 130), between(-60, 60), between(-90, 60), between(-40, 70), 20]);
-execFileSync(CONUS, ["page", aal, "--origin", "-90,20,20", "--toward", "0,-10,10", "--template", path.join(PAGE, "page.html"), "-o", "aal.html", "--quiet"], { cwd: folder, env });
+execFileSync(CONUS, ["page", aal, "--origin", "-90,20,20", "--toward", "0,-10,10", "--template", path.join(PAGE, "page.html"), "-o", "aal.html", "--quiet"], { cwd: folder });
 const file = `file://${path.join(folder, "aal.html")}`;
 console.log(`${os.cpus()[0].model}, ${os.cpus().length} processors, load ${load()}; node ${process.version}`);
 

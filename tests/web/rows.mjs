@@ -10,8 +10,7 @@ import { CONUS, TEMPLATES, random, start } from "./conus.mjs";
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), "conus-web-"));
 process.on("exit", () => fs.rmSync(folder, { recursive: true }));
-const env = { ...process.env, CONUS_CACHE: "off" };
-const run = (...words) => execFileSync(CONUS, words, { cwd: folder, env, maxBuffer: 1 << 29 }).toString();
+const run = (...words) => execFileSync(CONUS, words, { cwd: folder, maxBuffer: 1 << 29 }).toString();
 const POSES = 3000;
 const POSES_ALL_LAYERS = process.env.CONUS_WEB_LONG ? POSES : 300; // which take 3 to 130 times as long
 const NDJSON = 4;

@@ -322,7 +322,6 @@ static bool run_words(struct replay *replay, int count, char **words)
         free(settings);
         return fail_replay(replay, "it cannot be answered again in %s", replay->stage.cwd);
     }
-    system_set_variable("CONUS_CACHE", "off"); /* what the files hold now */
     warnings_forget(0);
     messages_hold(true);
     int code = options_parse(&arguments, settings, replay->command, NULL, count, words, 2);

@@ -99,8 +99,7 @@ static bool files_may_be_atlas(const char *path)
 static bool is_atlas(struct window *window, const char *path, const struct view_settings *settings,
                      char why[LOADER_WHY])
 {
-    struct atlas_settings alone = {
-        .max_memory = settings->atlas.max_memory, .no_cache = settings->atlas.no_cache, .image_is_fine = true};
+    struct atlas_settings alone = {.max_memory = settings->atlas.max_memory, .image_is_fine = true};
     const struct context_choice none = {.opacity = 0};
     const struct loading request = {.path = path, .settings = &alone, .context = &none};
     struct atlases atlases = {0};
@@ -301,8 +300,7 @@ static bool show_viewer(struct window *window, struct viewer *viewer, const stru
 /* Drops the options that were for another atlas, whose brain and names may differ. */
 static void leave_options(struct view_settings *settings)
 {
-    settings->atlas = (struct atlas_settings){
-        .max_memory = settings->atlas.max_memory, .no_cache = settings->atlas.no_cache, .shelf = settings->atlas.shelf};
+    settings->atlas = (struct atlas_settings){.max_memory = settings->atlas.max_memory, .shelf = settings->atlas.shelf};
     settings->context = (struct context_choice){0};
     settings->transfer = settings->session = NULL;
     settings->poses = NULL;

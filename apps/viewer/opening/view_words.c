@@ -202,7 +202,6 @@ int worded_parse(struct worded *out, const json_t *words, const struct view_sett
     settings->atlas = out->read.atlas;
     settings->atlas.max_memory = given->atlas.max_memory;
     settings->atlas.shelf = given->atlas.shelf;
-    settings->atlas.no_cache = settings->atlas.no_cache || given->atlas.no_cache;
     settings->atlas.only = given->atlas.only;
     settings->atlas.hide = given->atlas.hide;
     settings->context = out->read.context;

@@ -214,9 +214,8 @@ static INLINE void take_points(float out[3][POINTS + 1], const struct tract_sear
                                const struct tract_found *run)
 {
     const struct tractogram *tractogram = search->tractogram;
-    uint64_t place = tractogram_place(tractogram, run->point);
     for (uint32_t k = 0; k <= POINTS; k++) {
-        uint64_t index = 3 * (place + (k < run->segments ? k : run->segments));
+        uint64_t index = 3 * (run->point + (uint64_t)(k < run->segments ? k : run->segments));
         for (uint64_t a = 0; a < 3; a++) {
             float at = tractogram->points ? tractogram->points[index + a]
                                           : (float)tract_from_half(tractogram->halves[index + a]);

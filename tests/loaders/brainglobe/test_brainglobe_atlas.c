@@ -4,7 +4,6 @@
 #include "loaders/brainglobe/brainglobe_atlas.h"
 
 #include "atlas/atlas.h"
-#include "base/files/file_trace.h"
 #include "base/memory.h"
 #include "test.h"
 
@@ -173,30 +172,6 @@ static void a_link_out_of_the_root_is_refused(void **state)
     remove(test_scratch("root/names/a/1_0"));
 }
 
-/* A folder that moves and leaves a link in its place changes no file, but it changes the root. */
-static void a_link_in_the_place_of_a_folder_is_another_answer(void **state)
-{
-    (void)state;
-    struct brainglobe_atlas atlas;
-    struct file_sums read = {0};
-    struct file_trace trace;
-    char *root;
-    write_atlas(true, true);
-    file_trace_begin(&trace);
-    assert_ok(brainglobe_atlas_read(&atlas, &root, test_scratch("root/atlases/toy_1000um/1_10/"), &read));
-    file_trace_end(&trace);
-    assert_true(file_trace_holds(&trace));
-    assert_int_equal(rename(test_scratch("root/atlases"), test_scratch("root/moved")), 0);
-    assert_int_equal(symlink("moved", test_scratch("root/atlases")), 0);
-    assert_false(file_trace_holds(&trace));
-    remove(test_scratch("root/atlases"));
-    assert_int_equal(rename(test_scratch("root/moved"), test_scratch("root/atlases")), 0);
-    file_trace_finish(&trace);
-    file_sums_finish(&read);
-    brainglobe_atlas_finish(&atlas);
-    memory_free(root);
-}
-
 TEST_GROUP(brainglobe_atlas)
 {
     const struct CMUnitTest tests[] = {
@@ -205,7 +180,6 @@ TEST_GROUP(brainglobe_atlas)
         cmocka_unit_test(what_was_not_downloaded_is_no_empty_brain),
         cmocka_unit_test(an_array_of_another_shape_is_refused),
         cmocka_unit_test(a_link_out_of_the_root_is_refused),
-        cmocka_unit_test(a_link_in_the_place_of_a_folder_is_another_answer),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

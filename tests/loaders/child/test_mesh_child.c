@@ -84,11 +84,11 @@ static void has_no_end(const char *lines, const char *part)
 
 static void build(struct buffer *out, uint32_t count)
 {
-    mesh_stream_start(out);
+    build_start(out);
     for (uint32_t i = 0; i < count; i++) {
         build_tetrahedron(out, i, MESH_SPACE_RAS, 2);
     }
-    mesh_stream_end(out, count);
+    build_end(out, count);
 }
 
 static void frames_come_one_by_one(void **state)
@@ -150,26 +150,12 @@ static void a_mesh_beyond_the_memory_is_refused_before_it_comes(void **state)
     (void)state;
     struct buffer bytes = {0};
     size_t frames;
-    mesh_stream_start(&bytes);
+    build_start(&bytes);
     build_header(&bytes, (struct built_frame){MESH_FRAME_MESH, 0, 0, NULL, UINT32_MAX, UINT32_MAX});
     play_bytes(&bytes);
     assert_fails(run(&frames, &limits), CONUS_ERROR_MEMORY);
     assert_non_null(strstr(conus_message(), "an answer of 103079215112 bytes, allowed are 1073741824"));
     check_no_process_is_left();
-    buffer_finish(&bytes);
-}
-
-static void only_conus_says_that_a_mesh_is_checked(void **state)
-{
-    (void)state;
-    struct buffer bytes = {0};
-    size_t frames;
-    mesh_stream_start(&bytes);
-    build_header(&bytes, (struct built_frame){.kind = MESH_FRAME_CHECKED});
-    mesh_stream_end(&bytes, 1);
-    play_bytes(&bytes);
-    assert_fails(run(&frames, &limits), CONUS_ERROR_DATA);
-    assert_int_equal(frames, 0);
     buffer_finish(&bytes);
 }
 
@@ -271,7 +257,6 @@ TEST_GROUP(mesh_child)
         cmocka_unit_test(bad_ends_are_one_line),
         cmocka_unit_test(every_prefix_of_a_stream_is_refused),
         cmocka_unit_test(a_mesh_beyond_the_memory_is_refused_before_it_comes),
-        cmocka_unit_test(only_conus_says_that_a_mesh_is_checked),
         cmocka_unit_test(limits_hold_the_process),
         cmocka_unit_test(a_killed_program_is_told_from_a_slow_one),
         cmocka_unit_test(the_process_is_confined),

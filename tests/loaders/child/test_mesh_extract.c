@@ -187,6 +187,5 @@ TEST_GROUP(mesh_extract)
         cmocka_unit_test(decimation_removes_what_it_is_told_to),
         cmocka_unit_test(aal_areas_are_closed_and_keep_volume_and_place),
     };
-    test_own_cache();
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -53,11 +53,11 @@ static void play(const struct buffer *bytes)
 
 static void build(struct buffer *out, const uint32_t *ids, uint32_t count)
 {
-    mesh_stream_start(out);
+    build_start(out);
     for (uint32_t i = 0; i < count; i++) {
         build_tetrahedron(out, ids[i], MESH_SPACE_RAS, 3.5f);
     }
-    mesh_stream_end(out, count);
+    build_end(out, count);
 }
 
 struct heard {
@@ -261,6 +261,5 @@ TEST_GROUP(mesh_write)
         cmocka_unit_test(gifti_says_what_it_shows),
         cmocka_unit_test(every_failing_allocation),
     };
-    test_own_cache();
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

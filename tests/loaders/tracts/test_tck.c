@@ -117,16 +117,16 @@ static void what_is_no_tractogram_is_said(void **state)
     buffer_text(&bytes, "solid thing\n");
     const char *path = write_bytes("surface.tck", &bytes);
     assert_false(tract_file_is(path));
-    assert_fails(tract_file_read(&out, path, NULL, 0, 0, &notes), CONUS_ERROR_DATA);
+    assert_fails(tract_file_read(&out, path, 0, 0, &notes), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "surface.tck: this is an STL surface"));
     assert_non_null(
         strstr(conus_message(), "needed is a tractogram: TrackVis, MRtrix, DSI Studio, TRX or polylines of VTK"));
     assert_false(tract_file_is(test_scratch("none.tck")) || conus_path_is_tractogram(test_scratch("none.tck")));
     assert_false(conus_path_is_tractogram(NULL));
-    assert_fails(tract_file_read(&out, test_scratch("none.tck"), NULL, 0, 0, &notes), CONUS_ERROR_IO);
+    assert_fails(tract_file_read(&out, test_scratch("none.tck"), 0, 0, &notes), CONUS_ERROR_IO);
     test_folder("folder.tck");
     assert_false(tract_file_is(test_in("")));
-    assert_fails(tract_file_read(&out, test_in(""), NULL, 0, 0, &notes), CONUS_ERROR_IO);
+    assert_fails(tract_file_read(&out, test_in(""), 0, 0, &notes), CONUS_ERROR_IO);
     assert_non_null(strstr(conus_message(), "is a folder"));
     buffer_clear(&bytes);
     buffer_append(&bytes, "mrtrix tracks\0", 14);
@@ -155,7 +155,7 @@ static void more_than_a_block(void **state)
         struct tractogram out = {0};
         struct notes notes = {0};
         const char *path = (packed ? write_packed : write_bytes)("long.tck", &bytes);
-        assert_ok(tract_file_read(&out, path, NULL, 0, 0, &notes));
+        assert_ok(tract_file_read(&out, path, 0, 0, &notes));
         assert_int_equal(out.point_count, COUNT);
         assert_int_equal(out.streamline_count, ends);
         for (size_t i = 0; i < COUNT; i++) {
@@ -165,7 +165,7 @@ static void more_than_a_block(void **state)
             assert_int_equal(out.first[k + 1] - out.first[k], k % 7 + 1);
         }
         tractogram_finish(&out);
-        assert_fails(tract_file_read(&out, path, NULL, 12 * COUNT, 0, &notes), CONUS_ERROR_MEMORY);
+        assert_fails(tract_file_read(&out, path, 12 * COUNT, 0, &notes), CONUS_ERROR_MEMORY);
         assert_non_null(strstr(conus_message(), "that are allowed (--max-memory)"));
         notes_finish(&notes);
     }
@@ -187,84 +187,25 @@ static void the_reader_says_why_a_file_is_empty(void **state)
     notes_finish(&notes);
 }
 
-/* Reads a file that is mapped. Where its points stay there, gives a copy of them, as if they had been read. */
-static conus_status read_mapped(struct tractogram *out, const char *path, size_t size, bool stays)
-{
-    struct notes notes = {0};
-    struct file_state before;
-    assert_ok(file_state_find(&before, path));
-    struct bytes mapped = {.data = file_map(path, &before), .size = size};
-    assert_non_null(mapped.data);
-    conus_status status = tract_file_read(out, path, &mapped, 0, CONUS_FILE_SPACE_AS_STATED, &notes);
-    assert_true(status || out->is_in_file == stays);
-    if (!status && stays) {
-        assert_ptr_equal((uint8_t *)out->points, mapped.data + out->file_offset);
-        out->points = tractogram_copy_points(out);
-        out->is_in_file = false;
-        if (!out->points) {
-            tractogram_finish(out);
-            status = CONUS_ERROR_MEMORY;
-        }
-    }
-    munmap(mapped.data, (size_t)before.size);
-    notes_finish(&notes);
-    return status;
-}
-
-static void points_may_stay_in_a_mapped_file(void **state)
+static void every_type_gives_the_same_points(void **state)
 {
     (void)state;
-    static const struct {
-        const char *type;
-        bool stays;
-    } types[] = {{"Float32LE", true}, {"Float32BE", false}, {"Float64LE", false}, {"Float64BE", false}};
-    struct tractogram out = {0};
+    static const char *const types[] = {"Float32LE", "Float32BE", "Float64LE", "Float64BE"};
     for (size_t i = 0; i < 8; i++) {
+        struct tractogram out = {0};
+        struct notes notes = {0};
         struct buffer bytes = {0};
         char words[64];
-        snprintf(words, sizeof words, "mrtrix tracks\nfile: . 100\ndatatype: %s\nEND\n", types[i / 2].type);
+        snprintf(words, sizeof words, "mrtrix tracks\nfile: . 100\ndatatype: %s\nEND\n", types[i / 2]);
         begin(&bytes, words);
         append_triples(&bytes, three[0], 7, i / 2 > 1, i / 2 & 1);
-        const char *path = (i & 1 ? write_packed : write_bytes)("mapped.tck", &bytes);
-        struct bytes stored = {0};
-        assert_ok(file_read(&stored, path, UINT64_MAX));
-        assert_ok(read_mapped(&out, path, stored.size, types[i / 2].stays && !(i & 1)));
+        const char *path = (i & 1 ? write_packed : write_bytes)("type.tck", &bytes);
+        assert_ok(tract_file_read(&out, path, 0, CONUS_FILE_SPACE_AS_STATED, &notes));
         assert_three(&out);
         tractogram_finish(&out);
-        bytes_finish(&stored);
+        notes_finish(&notes);
         buffer_finish(&bytes);
     }
-}
-
-static void a_mapped_file_is_read_as_strictly(void **state)
-{
-    (void)state;
-    struct tractogram out = {0};
-    struct buffer bytes = {0};
-    begin_three(&bytes, PLAIN);
-    size_t whole = bytes.size;
-    const char *path = write_bytes("strict.tck", &bytes);
-    assert_fails(read_mapped(&out, path, whole - 12, true), CONUS_ERROR_IO); /* mapped when it was shorter */
-    assert_non_null(strstr(conus_message(), "strict.tck: " FILE_CHANGED));
-    for (size_t size = whole - 1; size > 0; size--) {
-        bytes.size = size;
-        assert_fails(read_mapped(&out, write_bytes("strict.tck", &bytes), size, true), CONUS_ERROR_DATA);
-    }
-    begin(&bytes, PLAIN);
-    append_triples(&bytes, (const double[]){1, 2, 3, 4, -1.1e9, 6}, 2, false, false);
-    append_triples(&bytes, three[5], 2, false, false);
-    assert_fails(read_mapped(&out, write_bytes("strict.tck", &bytes), bytes.size, true), CONUS_ERROR_DATA);
-    assert_non_null(strstr(conus_message(), "point 1 of streamline 0 (both from 0): found (4, -1100000000, 6) mm"));
-    assert_null(out.points);
-    buffer_finish(&bytes);
-}
-
-static conus_status read_mapped_and_finish(void *size)
-{
-    struct tractogram out = {0};
-    conus_status status = read_mapped(&out, test_scratch("memory.tck"), *(size_t *)size, true);
-    tractogram_finish(&out);
-    return status;
 }
 
 static conus_status parse_and_finish(void *bytes)
@@ -286,8 +227,6 @@ static void every_failing_allocation(void **state)
     append_gzip(&packed, plain.data, plain.size);
     test_every_allocation(parse_and_finish, &plain);
     test_every_allocation(parse_and_finish, &packed);
-    write_bytes("memory.tck", &plain);
-    test_every_allocation(read_mapped_and_finish, &plain.size);
     buffer_finish(&packed);
     buffer_finish(&plain);
 }
@@ -299,8 +238,7 @@ TEST_GROUP(tck)
         cmocka_unit_test(what_is_no_tractogram_is_said),
         cmocka_unit_test(more_than_a_block),
         cmocka_unit_test(the_reader_says_why_a_file_is_empty),
-        cmocka_unit_test(points_may_stay_in_a_mapped_file),
-        cmocka_unit_test(a_mapped_file_is_read_as_strictly),
+        cmocka_unit_test(every_type_gives_the_same_points),
         cmocka_unit_test(every_failing_allocation),
     };
     return cmocka_run_group_tests_name("tck", tests, NULL, NULL);

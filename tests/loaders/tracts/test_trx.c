@@ -184,7 +184,7 @@ static void a_file(void **state)
     assert_true(tract_file_is(path));
     assert_ok(file_write(test_scratch("a.zip"), archive.data, archive.size));
     assert_false(tract_file_is(test_scratch("a.zip")));
-    assert_ok(tract_file_read(&tractogram, test_scratch("a.zip"), NULL, 0, 0, &notes));
+    assert_ok(tract_file_read(&tractogram, test_scratch("a.zip"), 0, 0, &notes));
     assert_string_equal(tractogram.path, test_scratch("a.zip"));
     tractogram_finish(&tractogram);
     notes_finish(&notes);

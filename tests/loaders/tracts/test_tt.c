@@ -163,7 +163,7 @@ static conus_status attempt(void *data)
 {
     struct tractogram t = {0};
     struct notes notes = {0};
-    conus_status status = tract_file_read(&t, data, NULL, 0, 0, &notes);
+    conus_status status = tract_file_read(&t, data, 0, 0, &notes);
     tractogram_finish(&t);
     notes_finish(&notes);
     return status;

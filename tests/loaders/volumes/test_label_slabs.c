@@ -8,6 +8,7 @@
 #include "test.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
 
@@ -185,6 +186,93 @@ static void every_failing_allocation(void **state)
     test_every_allocation(open_and_finish, path);
 }
 
+enum { WIDE_EDGE = 162, WIDE = WIDE_EDGE * WIDE_EDGE * WIDE_EDGE };
+
+static uint32_t wide_voxel(size_t volume, size_t i)
+{
+    return (uint32_t)(i % 97 * (i / 5000 % 600) + volume);
+}
+
+/* Two volumes of uint32 in a plain file. */
+static const char *make_wide(void)
+{
+    static const int64_t dim[3] = {WIDE_EDGE, WIDE_EDGE, WIDE_EDGE};
+    struct nifti_builder builder;
+    nifti_begin(&builder, 1, false, 768 /* uint32 */, dim);
+    nifti_set(&builder, "dim", 0, 4);
+    nifti_set(&builder, "dim", 4, 2);
+    for (size_t k = 0; k < 2; k++) {
+        uint32_t *voxels = malloc(WIDE * sizeof *voxels);
+        for (size_t i = 0; i < WIDE; i++) {
+            voxels[i] = wide_voxel(k, i);
+        }
+        buffer_append(&builder.bytes, voxels, WIDE * sizeof *voxels);
+        free(voxels);
+    }
+    const char *path = write_bytes("wide.nii", &builder.bytes);
+    buffer_finish(&builder.bytes);
+    return path;
+}
+
+static conus_status open_second(struct volume_file *file, struct label_voxels *labels, const char *path,
+                                uint64_t max_memory)
+{
+    char chosen[8300];
+    struct notes notes = {0};
+    const conus_load_options options = {.max_memory = max_memory};
+    snprintf(chosen, sizeof chosen, "%s,volume=1", path);
+    conus_status status = volume_file_open_labels(file, labels, chosen, NULL, &options, needed, &notes);
+    notes_finish(&notes);
+    return status;
+}
+
+static void assert_second(const char *path, uint64_t max_memory)
+{
+    struct volume_file file = {0};
+    struct label_voxels labels = {0};
+    size_t wrong = 0;
+    assert_ok(open_second(&file, &labels, path, max_memory));
+    assert_int_equal(labels.count, WIDE);
+    for (size_t i = 0; i < WIDE; i++) {
+        wrong += label_voxels_at(&labels, i) != wide_voxel(1, i);
+    }
+    assert_int_equal(wrong, 0);
+    label_voxels_finish(&labels);
+    volume_file_finish(&file);
+}
+
+/* One volume of a plain file: only this volume is in memory. */
+static void a_volume_of_a_plain_file_is_read_alone(void **state)
+{
+    (void)state;
+    char path[8192];
+    snprintf(path, sizeof path, "%s", make_wide());
+    test_limit_allocations((size_t)WIDE * 4 - 1); /* less than the volume, as it is stored */
+    assert_second(path, 0);
+    test_limit_allocations(0);
+}
+
+/* The limit counts the memory that is held: the places of the labels and 512 bytes for each different one. It counts
+ * neither the file nor the volume as stored. */
+static void the_limit_of_a_plain_file_counts_its_labels(void **state)
+{
+    (void)state;
+    struct volume_file file = {0};
+    struct label_voxels labels = {0};
+    char path[8192];
+    snprintf(path, sizeof path, "%s", make_wide());
+    static bool is_there[96 * 599 + 2];
+    uint64_t different = 0;
+    for (size_t i = 0; i < WIDE; i++) {
+        different += !is_there[wide_voxel(1, i)];
+        is_there[wide_voxel(1, i)] = true;
+    }
+    const uint64_t held = 352 + (uint64_t)WIDE * sizeof(uint16_t) + 512 * different; /* formats.md */
+    assert_second(path, held);
+    assert_fails(open_second(&file, &labels, path, held / 2), CONUS_ERROR_MEMORY);
+    assert_non_null(strstr(conus_message(), "different ones, which take 512 bytes each, and 4251528 voxels with 2"));
+}
+
 /* Sets *state to the path of a whole file. */
 static int write_whole(void **state)
 {
@@ -221,6 +309,11 @@ TEST_GROUP(label_slabs)
         cmocka_unit_test(the_limit_holds_for_a_plain_file),
         cmocka_unit_test(every_failing_allocation),
     };
+    const struct CMUnitTest second[] = {
+        cmocka_unit_test(a_volume_of_a_plain_file_is_read_alone),
+        cmocka_unit_test(the_limit_of_a_plain_file_counts_its_labels),
+    };
     int failed = cmocka_run_group_tests_name("packed", packed, write_whole, NULL);
-    return failed + cmocka_run_group_tests_name("plain", plain, write_plain, NULL);
+    failed += cmocka_run_group_tests_name("plain", plain, write_plain, NULL);
+    return failed + cmocka_run_group_tests_name("second", second, NULL, NULL);
 }

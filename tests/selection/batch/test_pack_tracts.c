@@ -178,76 +178,6 @@ static void a_file_has_the_same_bytes(void **state)
     block_drop(block);
 }
 
-/* A file with the points of five lines in MRtrix's layout: of three points, of one, of none, of two and of one. */
-enum { FILE_LINES = 5, FILE_POINTS = 7, FILE_OFFSET = 12 };
-static const float file_points[3 * FILE_POINTS] = {0, 0, 0, 9, 0, 0, 9, 3, 0, 5, 5, 5, 1, 2, 3, 4, 5, 6, 7, 8, 9};
-static const uint64_t file_first[FILE_LINES + 1] = {0, 3, 4, 4, 6, 7};
-
-static int points_file(void)
-{
-    static const float end[3] = {NAN, NAN, NAN};
-    int file = memfd_create("lines.tck", 0);
-    assert_int_equal(ftruncate(file, FILE_OFFSET), 0);
-    assert_int_equal(lseek(file, 0, SEEK_END), FILE_OFFSET);
-    for (size_t k = 0; k < FILE_LINES; k++) {
-        size_t size = (size_t)(file_first[k + 1] - file_first[k]) * sizeof end;
-        assert_int_equal(write(file, file_points + 3 * file_first[k], size), size);
-        assert_int_equal(write(file, end, sizeof end), sizeof end);
-    }
-    return file;
-}
-
-/* Points are mapped from their file only if it is unchanged. Packing the mapped atlas gives the same bytes as packing
- * the original. */
-static void points_may_stay_in_their_file(void **state)
-{
-    (void)state;
-    char path[32];
-    int file = points_file();
-    struct file_state before;
-    snprintf(path, sizeof path, "/proc/self/fd/%d", file);
-    assert_true(file_state_of(&before, file));
-    conus_atlas *atlas = NULL;
-    assert_ok(atlas_create_empty(&atlas, "none"));
-    struct tractogram lines = tract_of(path, file_points, file_first, FILE_LINES, 0.5);
-    lines.file_offset = FILE_OFFSET;
-    assert_ok(atlas_add_tractogram(atlas, &lines, "lines"));
-    struct block block = block_pack(atlas);
-    size_t size = atlas_pack_size(atlas, true);
-    assert_true(size < block.size);
-    int packed = memfd_create("packed", 0);
-    assert_ok(atlas_pack_write(packed, 0, atlas, true));
-    assert_int_equal(ftruncate(packed, (off_t)size), 0);
-    void *memory = mmap(NULL, size, PROT_READ, MAP_PRIVATE, packed, 0);
-    assert_ptr_not_equal(memory, MAP_FAILED);
-    conus_atlas *lean = NULL;
-    assert_fails(conus_atlas_attach(&lean, memory, size), CONUS_ERROR_DATA); /* only the cache knows the file */
-    assert_ok(atlas_attach_verified(&lean, memory, size));
-    struct tractogram *mapped = &lean->tractograms[0];
-    struct file_state changed = before;
-    changed.times[1]++;
-    assert_null(mapped->points);
-    assert_false(tractogram_map_points(mapped, &changed));
-    assert_true(tractogram_map_points(mapped, &before));
-    for (uint64_t i = 0; i < FILE_POINTS; i++) {
-        double point[3];
-        tractogram_point(point, mapped, i);
-        for (size_t a = 0; a < 3; a++) {
-            assert_true(point[a] == (double)file_points[3 * i + a]);
-        }
-    }
-    struct block again = block_pack(lean);
-    assert_int_equal(again.size, block.size);
-    assert_memory_equal(again.memory, block.memory, block.size);
-    block_drop(again);
-    block_drop(block);
-    conus_atlas_destroy(lean);
-    conus_atlas_destroy(atlas);
-    munmap(memory, size);
-    close(packed);
-    close(file);
-}
-
 /* The block stays as it is: writing to it would be a segmentation fault. */
 static void moving_it_changes_copies(void **state)
 {
@@ -401,7 +331,6 @@ TEST_GROUP(pack_tracts)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_attached_is_what_was_packed),
         cmocka_unit_test(a_file_has_the_same_bytes),
-        cmocka_unit_test(points_may_stay_in_their_file),
         cmocka_unit_test(moving_it_changes_copies),
         cmocka_unit_test(damaged_arrays_are_refused),
         cmocka_unit_test(a_group_that_is_not_there_is_refused),

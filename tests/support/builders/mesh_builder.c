@@ -38,3 +38,13 @@ void build_tetrahedron(struct buffer *out, uint32_t id, uint32_t space, float si
         append_number(out, triangles[i], 4);
     }
 }
+
+void build_start(struct buffer *out)
+{
+    buffer_append(out, MESH_STREAM_MAGIC, MESH_MAGIC_SIZE);
+}
+
+void build_end(struct buffer *out, uint32_t count)
+{
+    build_header(out, (struct built_frame){.kind = MESH_FRAME_END, .id = count});
+}

@@ -20,4 +20,8 @@ void build_header(struct buffer *out, struct built_frame frame);
 /** Appends the frame of a tetrahedron with the corners (0, 0, 0), (size, 0, 0), (0, size, 0), (0, 0, size). */
 void build_tetrahedron(struct buffer *out, uint32_t id, uint32_t space, float size);
 
+/** Appends the beginning of a stream, and its end behind @p count frames. */
+void build_start(struct buffer *out);
+void build_end(struct buffer *out, uint32_t count);
+
 #endif

@@ -1,56 +1,25 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_atlas_load() and conus_atlas_add_streamlines(): from the cache, else from the files. */
+/* conus_atlas_load() and conus_atlas_add_streamlines(). */
 #include "loaders/scene/load.h"
 #include "atlas/space.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/path.h"
-#include "cache/atlas_cache.h"
 #include "loaders/maps/atlas_on_job.h"
 #include "loaders/scene/load_streamlines.h"
 
 #include <string.h>
 
-/* The kinds of entries: streamlines in each conus_file_space, which are other ones, and an atlas. */
-static const char *const kinds[] = {"streamlines", "streamlines in RAS", "streamlines in LPS", "atlas"};
-enum { ATLAS = CONUS_FILE_SPACE_LPS + 1 };
-
 /* Bridge: streamlines_load(), whose atlas is the caller's. */
-static conus_status load_lines(conus_atlas **out, const char *path, int kind, const conus_load_options *options,
-                               bool maps)
+static conus_status load_lines(conus_atlas **out, const char *path, conus_file_space space,
+                               const conus_load_options *options)
 {
     const struct note_sink sink = {options->log, options->log_user, path};
     struct job job = {.sink = &sink};
-    conus_atlas *atlas = streamlines_load(&job, path, options, (conus_file_space)kind, maps);
+    conus_atlas *atlas = streamlines_load(&job, path, options, space);
     atlas = job_give(&job, atlas, sizeof *atlas);
     *out = atlas ? atlas : *out;
     return job_close(&job, NULL, NULL);
-}
-
-static conus_status find_or_load(conus_atlas **out, const char *path, int kind, const conus_load_options *options)
-{
-    struct atlas_cache cache;
-    conus_status status = options->cache ? cache_check_limit() : CONUS_OK;
-    if (status) {
-        return status;
-    }
-    atlas_cache_init(&cache, path, kinds[kind], options);
-    conus_atlas *atlas = atlas_cache_find(&cache);
-    if (!atlas) {
-        atlas_cache_begin_reading(&cache);
-        bool maps = cache.options.cache && atlas_cache_leaves_points(path);
-        status = kind == ATLAS ? atlas_load_files(&atlas, path, &cache.options)
-                               : load_lines(&atlas, path, kind, &cache.options, maps);
-        atlas_cache_end_reading(&cache);
-        if (!status) {
-            status = atlas_cache_keep(&cache, &atlas);
-        }
-    } else if (options->progress &&
-               !options->progress(options->progress_user, path, 0, 1)) { /* it counts as one file */
-        status = fail(CONUS_ERROR_CANCELLED, "%s: cancelled before it was read", path);
-    }
-    atlas_cache_finish(&cache);
-    return atlas_give(out, atlas, status);
 }
 
 /* Copies `path` without the ",template=WORD" that says whose brain the atlas is, if it has one. */
@@ -82,7 +51,7 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
     conus_brain brain = CONUS_BRAIN_UNKNOWN;
     conus_atlas *atlas = NULL;
     conus_status status = cut_template(&plain, &brain, path);
-    status = status ? status : find_or_load(&atlas, plain, ATLAS, options_of(conus_load_options, options));
+    status = status ? status : atlas_load_files(&atlas, plain, options_of(conus_load_options, options));
     memory_free(plain);
     if (!status) {
         atlas->brain = brain ? brain : atlas->brain;
@@ -95,12 +64,12 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
 static conus_status load_streamlines(conus_atlas **out, const char *path, const conus_streamlines_options *options)
 {
     const conus_load_options load = {
-        .max_memory = options->max_memory, .log = options->log, .log_user = options->log_user, .cache = options->cache};
+        .max_memory = options->max_memory, .log = options->log, .log_user = options->log_user};
     if ((unsigned)options->space > CONUS_FILE_SPACE_LPS) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: space %d, allowed are CONUS_FILE_SPACE_AS_STATED (0), _RAS and _LPS",
                     path, (int)options->space);
     }
-    return find_or_load(out, path, (int)options->space, &load);
+    return load_lines(out, path, options->space, &load);
 }
 
 conus_status conus_tractogram_load(conus_tractogram **out, const char *path, const conus_streamlines_options *options)
