@@ -131,7 +131,7 @@ LIBRARY = {
 RULES = {**LIBRARY, **APPS}
 # What programs link beside the library (conus_system in base/CMakeLists.txt).
 SHARED = {"base/look.h", "base/look_sizes.h", "base/order.h", "base/path.h",
-          "base/system/system.h", "base/text.h"}
+          "base/system/system.h", "base/text.h", "base/writer.h"}
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 
