@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * A file that is written part by part, and appears whole or not at all: it has no name until its end, where the file
- * system has such files, so that nothing is left of it when the process is killed; else it is called FILE.XXXXXXXX.part.
- * What fails returns false, with errno set. */
+ * system has such files, so that nothing is left of it when the process is killed; else it is called
+ * FILE.XXXXXXXX.part. What fails returns false, with errno set. */
 #ifndef CONUS_BASE_WRITER_H
 #define CONUS_BASE_WRITER_H
 

@@ -3,7 +3,7 @@
 #include "cache/atlas_cache.h"
 
 #include "base/path.h"
-#include "selection/batch/atlas_pack.h"
+#include "pack/atlas_pack.h"
 
 #include <assert.h>
 #include <stdalign.h>

@@ -8,6 +8,7 @@
 #include "cache/atlas_cache.h"
 #include "loaders/maps/atlas_on_job.h"
 #include "loaders/scene/load_streamlines.h"
+#include "pack/pack_file.h"
 
 #include <string.h>
 
@@ -82,7 +83,10 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
     conus_brain brain = CONUS_BRAIN_UNKNOWN;
     conus_atlas *atlas = NULL;
     conus_status status = cut_template(&plain, &brain, path);
-    status = status ? status : find_or_load(&atlas, plain, ATLAS, options_of(conus_load_options, options));
+    options = options_of(conus_load_options, options);
+    status = status           ? status
+             : pack_is(plain) ? pack_load(&atlas, plain, options)
+                              : find_or_load(&atlas, plain, ATLAS, options);
     memory_free(plain);
     if (!status) {
         atlas->brain = brain ? brain : atlas->brain;

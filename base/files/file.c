@@ -194,9 +194,8 @@ conus_status file_append(struct writer *file, const void *data, size_t size)
 conus_status file_end(struct writer *file)
 {
     if (!writer_end(file)) {
-        return errno == EEXIST
-                   ? fail(CONUS_ERROR_IO, "%s: there is a file already, which is not replaced", file->path)
-                   : fail_errno(file->path, "write");
+        return errno == EEXIST ? fail(CONUS_ERROR_IO, "%s: there is a file already, which is not replaced", file->path)
+                               : fail_errno(file->path, "write");
     }
     if (!file->is_direct) {
         inputs_product(file->path);

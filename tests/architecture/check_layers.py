@@ -125,8 +125,9 @@ LIBRARY = {
     "selection/ends": "base base/geometry atlas/surface atlas selection/cone selection/measure selection/engine/voxels selection",
     "selection/picture": "base base/geometry render/draw render/image render/colour render/flat selection/measure selection",
     "selection/report": "base base/geometry atlas poses/programs selection selection/ends selection/study",
-    "cache": "base base/files base/cache base/system atlas loaders/maps loaders/scene selection/batch",
-    "selection/batch": "base base/geometry base/system atlas/tracts atlas poses poses/rows selection/engine/voxels selection selection/study selection/report",
+    "pack": "base base/files base/geometry base/system atlas atlas/tracts selection/engine/voxels",
+    "cache": "base base/files base/cache base/system atlas loaders/maps loaders/scene pack",
+    "selection/batch": "base base/geometry base/system poses poses/rows selection selection/study selection/report",
 }
 RULES = {**LIBRARY, **APPS}
 # What programs link beside the library (conus_system in base/CMakeLists.txt).
