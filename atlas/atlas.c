@@ -47,6 +47,7 @@ void conus_atlas_destroy(conus_atlas *atlas)
     memory_free(atlas->last_transform);
     atlas_cut_context_surfaces(atlas, 0);
     memory_free(atlas->context_surfaces);
+    memory_free(atlas->pack);
     memory_free(atlas->places);
     name_set_finish(&atlas->taken);
     memory_free(atlas->path);
@@ -454,6 +455,23 @@ size_t conus_atlas_file_count(const conus_atlas *atlas)
 const char *conus_atlas_file(const conus_atlas *atlas, size_t index)
 {
     return atlas && index < atlas->files.count ? atlas->files.items[index].path : NULL;
+}
+
+const conus_pack_info *conus_atlas_pack_info(const conus_atlas *atlas)
+{
+    return atlas && atlas->pack ? &atlas->pack->info : NULL;
+}
+
+const char *conus_atlas_pack_source(conus_source_state *state, const conus_atlas *atlas, size_t index)
+{
+    if (!atlas || !atlas->pack || index >= atlas->pack->info.source_count) {
+        return NULL;
+    }
+    const struct pack_source *source = &atlas->pack->sources[index];
+    if (state) {
+        *state = source->state;
+    }
+    return source->path;
 }
 
 size_t conus_atlas_note_count(const conus_atlas *atlas)

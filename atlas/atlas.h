@@ -13,6 +13,7 @@
 #include "base/files/file_sums.h"
 #include "base/notes.h"
 #include "conus/atlas_info.h"
+#include "conus/pack.h"
 
 /** An object's place: which mesh, tractogram or volume of the atlas. An index beyond these means no shape. */
 struct object_place {
@@ -34,6 +35,16 @@ struct context_surface {
     float *values;    /**< [vertices] Of its map, NaN = none; NULL without a map. Owned. */
     char *map_name;   /**< Name of the map's array; owned. */
     double low, high; /**< The range of its colours. */
+};
+
+/** The pack that an atlas was opened from: one block, whose texts are in it or in the mapping. */
+struct pack_origin {
+    conus_pack_info info;
+    char sha256[65];
+    struct pack_source {
+        const char *path;
+        conus_source_state state;
+    } sources[]; /**< [info.source_count], and then its path. */
 };
 
 struct conus_atlas {
@@ -79,6 +90,7 @@ struct conus_atlas {
     const void *mapped; /**< The file mapping that has its borrowed arrays, to be unmapped with the atlas; NULL = none.
                          */
     size_t mapped_size;
+    struct pack_origin *pack; /**< Owned; NULL = none. */
 };
 
 /** Makes an atlas from a labelled volume. @p labels has one label per voxel of @p info (0 = background). Areas are the

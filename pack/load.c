@@ -7,6 +7,7 @@
 #include "base/path.h"
 #include "loaders/maps/atlas_on_job.h"
 #include "loaders/scene/load_streamlines.h"
+#include "pack/pack_file.h"
 
 #include <string.h>
 
@@ -51,7 +52,10 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
     conus_brain brain = CONUS_BRAIN_UNKNOWN;
     conus_atlas *atlas = NULL;
     conus_status status = cut_template(&plain, &brain, path);
-    status = status ? status : atlas_load_files(&atlas, plain, options_of(conus_load_options, options));
+    options = options_of(conus_load_options, options);
+    status = status           ? status
+             : pack_is(plain) ? pack_load(&atlas, plain, options)
+                              : atlas_load_files(&atlas, plain, options);
     memory_free(plain);
     if (!status) {
         atlas->brain = brain ? brain : atlas->brain;

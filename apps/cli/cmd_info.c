@@ -5,11 +5,13 @@
 #include "cli/commands.h"
 #include "options/messages.h"
 #include "options/output.h"
+#include "options/provenance.h"
 #include "settings/atlas_input.h"
 #include "settings/atlases.h"
 #include "settings/notes.h"
 #include "settings/settings.h"
 
+#include "conus/pack.h"
 #include "conus/streamlines.h"
 
 #include <inttypes.h>
@@ -383,6 +385,29 @@ static void put_counts(FILE *out, const conus_atlas *atlas)
     }
 }
 
+/* A pack and its sources; its sum is computed anew. */
+static bool put_pack(FILE *out, const conus_atlas *atlas)
+{
+    const conus_pack_info *pack = conus_atlas_pack_info(atlas);
+    const char *source;
+    conus_source_state state;
+    char sum[SHA256_TEXT];
+    if (!pack) {
+        return true;
+    }
+    if (provenance_hash_file(sum, pack->path)) {
+        return false;
+    }
+    fprintf(out, "Pack\n  file         %s\n  size         %" PRIu64 " bytes\n", pack->path, pack->size);
+    fprintf(out, "  sha256       %s%s\n", sum, strcmp(sum, pack->sha256) == 0 ? "" : ": its head has another one");
+    fprintf(out, "  packed by    conus %s%s%s\n", pack->version, *pack->words ? ": " : "", pack->words);
+    for (size_t i = 0; (source = conus_atlas_pack_source(&state, atlas, i)); i++) {
+        fprintf(out, "  %-12s %s\n", info_source_states[state], source);
+    }
+    fputc('\n', out);
+    return true;
+}
+
 static bool put_table(FILE *out, const conus_atlas *atlas, const conus_installed *installed)
 {
     if (installed) {
@@ -393,6 +418,7 @@ static bool put_table(FILE *out, const conus_atlas *atlas, const conus_installed
         }
         fputc('\n', out);
     }
+    bool is_whole = put_pack(out, atlas);
     put_volumes(out, atlas);
     put_surfaces(out, atlas);
     info_tracts_put(out, atlas);
@@ -405,7 +431,7 @@ static bool put_table(FILE *out, const conus_atlas *atlas, const conus_installed
         fprintf(out, "  %s\n", conus_atlas_note(atlas, i));
     }
     put_counts(out, atlas);
-    return aligned_put(out, put_tsv, atlas, column_count(atlas), right);
+    return aligned_put(out, put_tsv, atlas, column_count(atlas), right) && is_whole;
 }
 
 /* The forms in which an atlas is described. */

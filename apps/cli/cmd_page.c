@@ -16,6 +16,7 @@
 #include "settings/settings.h"
 
 #include "conus/file.h"
+#include "conus/pack.h"
 #include "conus/pose.h"
 #include "conus/report.h"
 #include "conus/version.h"
@@ -210,6 +211,12 @@ static int list_files(struct page *page, const char *path, bool is_context)
     size_t first = page->count;
     const char *input;
     struct system_stat info;
+    const conus_pack_info *pack = conus_atlas_pack_info(page->atlas);
+    if (pack && !is_context) {
+        const char *source = conus_atlas_pack_source(NULL, page->atlas, 0);
+        return print_data_error("%s: a page needs the files that it was packed from: %s%s", path,
+                                source ? source : "they are not known", pack->source_count > 1 ? ", ..." : "");
+    }
     if (!system_stat(&info, path) || info.kind != SYSTEM_FILE) {
         return print_data_error("%s: a page opens one file, perhaps a manifest that names others; no folder, no store "
                                 "and no part of a file",

@@ -21,6 +21,7 @@ extern const struct command cmd_phantom;
 extern const struct command cmd_diff;
 extern const struct command cmd_verify;
 extern const struct command cmd_cite;
+extern const struct command cmd_pack;
 extern const struct command cmd_page;
 extern const struct command cmd_view; /**< Another program's. */
 

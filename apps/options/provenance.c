@@ -2,6 +2,7 @@
 /* Completes sidecars with what was read and written, seals them, and writes reports with them. */
 #include "options/provenance.h"
 
+#include "conus/pack.h"
 #include "conus/pose_file.h"
 
 #include "base/path.h"
@@ -15,7 +16,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CHUNK = 1 << 13, DIGITS = 9 };
+enum { CHUNK = 1 << 13, DIGITS = 9, PACK_HEAD = 4096 };
+static const char pack_mark[] = "conus pack";
 
 /* All that conus writes but descriptions of columns, rows, and what was added by others. */
 static const char *const sealed[] = {"Space",    "GeneratedBy", "Atlas",      "Atlases", "Settings", "Queries",
@@ -50,6 +52,10 @@ int provenance_hash_file(char out[SHA256_TEXT], const char *path)
         return EXIT_DATA;
     }
     sha256_init(&context);
+    size_t head = fread(chunk, 1, PACK_HEAD, file);
+    bool is_pack =
+        path_ends_in(plain, CONUS_PACK_ENDING) && head == PACK_HEAD && memcmp(chunk, pack_mark, sizeof pack_mark) == 0;
+    sha256_update(&context, is_pack ? 0 : head, chunk); /* a pack's head has the sum of all behind it */
     for (size_t n; (n = fread(chunk, 1, sizeof chunk, file)) > 0;) {
         sha256_update(&context, n, chunk);
     }
@@ -142,6 +148,10 @@ static bool add_sizes(json_t *value)
     json_t *inner;
     bool whole = true;
     const char *path = json_string_value(json_object_get(value, "path"));
+    json_t *pack = json_object_get(value, "pack");
+    if (pack) { /* the other files are as they were when it was packed */
+        return add_sizes(pack);
+    }
     if (path && json_is_string(json_object_get(value, "sha256")) && !json_object_get(value, "bytes") &&
         is_file(path, &size)) {
         whole = json_object_set_new(value, "bytes", json_integer((json_int_t)size)) == 0;

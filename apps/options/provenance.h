@@ -90,7 +90,7 @@ bool provenance_checksum(char out[SHA256_TEXT], const json_t *root);
 /** Whether the checksum covers this key, to which only conus adds. */
 bool provenance_is_sealed(const char *key);
 
-/** SHA-256 of bytes and of a file, in hexadecimal. */
+/** SHA-256 of bytes and of a file, in hexadecimal; of a pack the one that its head has, computed anew. */
 void provenance_hash(char out[SHA256_TEXT], const char *text, size_t size);
 int provenance_hash_file(char out[SHA256_TEXT], const char *path);
 /** The end of a SHA-256 that was begun with sha256_init(). */

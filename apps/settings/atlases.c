@@ -20,7 +20,7 @@ static size_t stem_length(const char *name)
         ".nii.gz", ".atlas.json", ".label.gii", ".surf.gii", ".seg.nrrd", ".BRIK.gz", ".nii", ".mgz",
         ".mgh",    ".nrrd",       ".nhdr",      ".mha",      ".mhd",      ".img.gz",  ".img", ".hdr",
         ".HEAD",   ".BRIK",       ".tif",       ".tiff",     ".gii",      ".annot",   ".obj", ".ply",
-        ".stl",    ".off",        ".mz3",       ".vtk",      ".vtp",      ".json",    ".xml"};
+        ".stl",    ".off",        ".mz3",       ".vtk",      ".vtp",      ".json",    ".xml", ".conus"};
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
         if (path_ends_in(name, endings[i])) {
             return strlen(name) - strlen(endings[i]);

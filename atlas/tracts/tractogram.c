@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "base/order.h"
 #include "base/text_number.h"
+#include "base/threads.h"
 
 #include <assert.h>
 #include <math.h>
@@ -240,34 +241,86 @@ static bool has_point(const struct tractogram *tractogram, uint32_t streamline, 
            point < tractogram->first[streamline + 1];
 }
 
-static bool are_runs_of(const struct tract_leaf *leaf, size_t count, const struct tractogram *tractogram)
+/* What the runs of a tree lead to: each streamline's first point is a bit of `starts`. */
+struct run_check {
+    const struct tractogram *tractogram;
+    const uint64_t *starts;
+    size_t pieces;
+    bool is_sound[THREADS_MOST];
+};
+
+enum { WORD = 64, LEAVES_A_THREAD = 1 << 12 };
+
+/* Whether a streamline begins at one of the `count` points, fewer than WORD, from `from` on. */
+static bool one_begins(const uint64_t *starts, uint64_t from, unsigned count)
+{
+    unsigned bit = from % WORD;
+    uint64_t bits = starts[from / WORD] >> bit;
+    bits |= bit ? starts[from / WORD + 1] << (WORD - bit) : 0;
+    return bits & ((UINT64_C(1) << count) - 1);
+}
+
+static bool are_runs_of(const struct run_check *check, const struct tract_leaf *leaf, size_t count)
 {
     bool sound = leaf->count == count;
     for (size_t lane = 0; lane < count && sound; lane++) {
         uint64_t point = leaf->point[lane];
         uint32_t segments = tract_leaf_segments(leaf, lane);
-        sound = segments <= TRACT_RUN && point < tractogram->point_count &&
-                has_point(tractogram, tractogram_streamline_of(tractogram, point), point + segments);
+        sound = segments <= TRACT_RUN && point + segments < check->tractogram->point_count &&
+                !one_begins(check->starts, point + 1, segments);
     }
     return sound;
 }
 
-bool tractogram_leads_nowhere_else(const struct tractogram *tractogram)
+static void check_runs(void *user, size_t piece)
+{
+    struct run_check *check = user;
+    const struct tract_tree *tree = &check->tractogram->tree;
+    const size_t leaves = tract_leaf_count(tree->run_count);
+    bool sound = true;
+    for (size_t i = threads_begin(piece, check->pieces, leaves, 1);
+         i < threads_begin(piece + 1, check->pieces, leaves, 1) && sound; i++) {
+        size_t left = tree->run_count - i * TRACT_LEAF;
+        sound = are_runs_of(check, &tree->leaves[i], left < TRACT_LEAF ? left : TRACT_LEAF);
+    }
+    check->is_sound[piece] = sound;
+}
+
+static conus_status check_leaves(const struct tractogram *tractogram)
+{
+    uint64_t *starts = memory_zeroed((size_t)(tractogram->point_count / WORD) + 2, sizeof *starts);
+    struct run_check check = {.tractogram = tractogram, .starts = starts};
+    bool sound = true;
+    if (!starts) {
+        return CONUS_ERROR_MEMORY;
+    }
+    check.pieces = threads_for(tract_leaf_count(tractogram->tree.run_count), LEAVES_A_THREAD);
+    for (size_t k = 0; k < tractogram->streamline_count; k++) {
+        starts[tractogram->first[k] / WORD] |= UINT64_C(1) << tractogram->first[k] % WORD;
+    }
+    threads_run(check_runs, &check, check.pieces);
+    for (size_t i = 0; i < check.pieces && sound; i++) {
+        sound = check.is_sound[i];
+    }
+    memory_free(starts);
+    return sound ? CONUS_OK : fail(CONUS_ERROR_DATA, "streamlines: a leaf of their tree leads out of them");
+}
+
+conus_status tractogram_check_tree(const struct tractogram *tractogram)
 {
     const struct tract_tree *tree = &tractogram->tree;
-    bool sound = !check_first(tractogram) && tree->run_count <= UINT32_MAX &&
-                 tree->node_count == tract_levels_of(tree->run_count).node_count;
+    conus_status status = check_first(tractogram);
+    bool sound =
+        !status && tree->run_count <= UINT32_MAX && tree->node_count == tract_levels_of(tree->run_count).node_count;
     for (size_t i = 0; i < tract_mark_count(tractogram->point_count) && sound; i++) {
         sound = has_point(tractogram, tree->marks[i], i * TRACT_MARK);
     }
-    for (size_t i = 0; i < tree->run_count && sound; i += TRACT_LEAF) {
-        size_t left = tree->run_count - i;
-        sound = are_runs_of(&tree->leaves[i / TRACT_LEAF], left < TRACT_LEAF ? left : TRACT_LEAF, tractogram);
+    status = status || sound ? status : fail(CONUS_ERROR_DATA, "streamlines: their tree does not fit them");
+    status = status ? status : check_leaves(tractogram);
+    for (size_t i = 0; i < tractogram->group_count && !status; i++) {
+        status = check_group(&tractogram->groups[i], tractogram->streamline_count);
     }
-    for (size_t i = 0; i < tractogram->group_count && sound; i++) {
-        sound = !check_group(&tractogram->groups[i], tractogram->streamline_count);
-    }
-    return sound;
+    return status;
 }
 
 double tractogram_length(const struct tractogram *tractogram, uint32_t number)

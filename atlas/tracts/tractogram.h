@@ -103,9 +103,9 @@ bool tract_group_has(const struct tract_group *group, uint32_t streamline);
  * and of one. CONUS_ERROR_DATA, and CONUS_ERROR_ARGUMENT for the radius. */
 conus_status tractogram_check(const struct tractogram *tractogram, struct notes *notes);
 
-/** Whether no number of a tractogram with its tree, which comes from elsewhere, leads out of its arrays: `first`, runs,
- * nodes, members of groups. Does not check coordinates. */
-bool tractogram_leads_nowhere_else(const struct tractogram *tractogram);
+/** CONUS_ERROR_DATA where a number of a tractogram with its tree, which comes from elsewhere, leads out of its arrays:
+ * `first`, runs, nodes, members of groups. Does not check coordinates. */
+conus_status tractogram_check_tree(const struct tractogram *tractogram);
 
 /** A copy of the points: [3 point_count]. The caller frees it; NULL without memory. */
 float *tractogram_copy_points(const struct tractogram *tractogram);

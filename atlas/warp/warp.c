@@ -110,7 +110,8 @@ static conus_status check_state(const conus_atlas *atlas)
         return fail(CONUS_ERROR_ARGUMENT, "an atlas is warped before something of it is hidden");
     }
     return attached && atlas->warp_count
-               ? fail(CONUS_ERROR_ARGUMENT, "an attached atlas that was warped cannot be warped again")
+               ? fail(CONUS_ERROR_ARGUMENT, "an atlas that was warped before it was packed cannot be warped again: "
+                                            "pack it with both transforms")
                : CONUS_OK;
 }
 

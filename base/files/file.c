@@ -172,144 +172,53 @@ conus_status file_read_head(struct bytes *out, const char *path, size_t most)
     return read_path(out, path, most, UINT64_MAX, "");
 }
 
-static conus_status write_directly(const char *path, const void *data, size_t size)
+conus_status file_begin(struct writer *out, const char *path, unsigned how)
 {
-    int descriptor = system_open(path, SYSTEM_WRITE | SYSTEM_APPEND);
-    if (descriptor < 0) {
-        return fail_errno(path, "open");
+    const char *input = how & WRITER_NEW ? NULL : conus_inputs_find(path);
+    if (input) {
+        *out = (struct writer){.file = -1};
+        return fail(CONUS_ERROR_ARGUMENT, "%s would overwrite the input %s", path, input);
     }
-    bool written = system_write(descriptor, data, size);
-    conus_status status = written ? CONUS_OK : fail_errno(path, "write");
-    close(descriptor);
-    return status;
+    if (writer_begin(out, path, how)) {
+        return CONUS_OK;
+    }
+    return errno == EISDIR ? fail(CONUS_ERROR_IO, "%s: cannot write: is a folder", path)
+                           : fail_errno(path, out->is_direct ? "open" : "write");
 }
 
-enum { WRITE_WAIT = 1, WRITE_NEW = 2, WRITE_NAMELESS = 4 };
-
-enum { ATTEMPTS = 100 };
-
-/* A name beside `path` that nobody else has: neither another thread or process, on this machine or another, nor one
- * that ended before its time. */
-static bool find_name(char *out, size_t length, const char *path)
+conus_status file_append(struct writer *file, const void *data, size_t size)
 {
-    uint32_t number;
-    if (!system_random(&number, sizeof number)) {
-        return false;
-    }
-    snprintf(out, length, "%s.%08" PRIx32 ".part", path, number);
-    return true;
+    return writer_append(file, data, size) ? CONUS_OK : fail_errno(file->path, "write");
 }
 
-static int open_temporary(char *temporary, size_t length, const char *path)
+conus_status file_end(struct writer *file)
 {
-    int descriptor = -1;
-    errno = EEXIST;
-    for (int i = 0; i < ATTEMPTS && descriptor < 0 && errno == EEXIST && find_name(temporary, length, path); i++) {
-        descriptor = system_open(temporary, SYSTEM_WRITE | SYSTEM_NEW);
+    if (!writer_end(file)) {
+        return errno == EEXIST ? fail(CONUS_ERROR_IO, "%s: there is a file already, which is not replaced", file->path)
+                               : fail_errno(file->path, "write");
     }
-    return descriptor;
-}
-
-/* Opens a new file without a name in the folder of `path`: nothing is left of it when the process is killed. -1 where
- * the file system has no such files. */
-static int open_nameless(char *folder, const char *path)
-{
-    size_t length = path_folder_length(path);
-    memcpy(folder, path, length);
-    memcpy(folder + length, ".", sizeof ".");
-    return system_open_nameless(folder);
-}
-
-/* Gives it the name `path`; where a file is there that it replaces, by way of another name. */
-static bool name_nameless(const char *path, char *temporary, size_t length, int descriptor, unsigned how)
-{
-    bool named = system_name(descriptor, path);
-    if (named || errno != EEXIST || (how & WRITE_NEW)) {
-        return named;
-    }
-    for (int i = 0; i < ATTEMPTS && !named && errno == EEXIST && find_name(temporary, length, path); i++) {
-        named = system_name(descriptor, temporary);
-    }
-    if (named && !system_rename(temporary, path, true)) {
-        int error = errno;
-        system_remove(temporary);
-        errno = error;
-        named = false;
-    }
-    return named;
-}
-
-static conus_status write_and_name(const char *path, char *temporary, size_t length, const void *data, size_t size,
-                                   unsigned how)
-{
-    bool nameless = how & WRITE_NAMELESS;
-    int descriptor = nameless ? open_nameless(temporary, path) : open_temporary(temporary, length, path);
-    if (descriptor < 0) {
-        return fail_errno(path, "write");
-    }
-    bool written = system_write(descriptor, data, size) && (!(how & WRITE_WAIT) || system_to_disk(descriptor));
-    written = written && (!nameless || name_nameless(path, temporary, length, descriptor, how));
-    written = close(descriptor) == 0 && written;
-    if (!written || (!nameless && !system_rename(temporary, path, !(how & WRITE_NEW)))) {
-        conus_status status = errno == EEXIST
-                                  ? fail(CONUS_ERROR_IO, "%s: there is a file already, which is not replaced", path)
-                                  : fail_errno(path, "write");
-        if (!nameless) {
-            system_remove(temporary);
-        }
-        return status;
+    if (!file->is_direct) {
+        inputs_product(file->path);
     }
     return CONUS_OK;
 }
 
-static conus_status replace_file(const char *path, const void *data, size_t size, unsigned how)
-{
-    size_t length = strlen(path) + 32;
-    char *temporary = memory_raw(length, 1);
-    if (!temporary) {
-        return fail_in(CONUS_ERROR_MEMORY, path);
-    }
-    conus_status status = write_and_name(path, temporary, length, data, size, how | WRITE_NAMELESS);
-    status = status ? write_and_name(path, temporary, length, data, size, how) : status; /* an error is that of this */
-    memory_free(temporary);
-    return status;
-}
-
-static conus_status write_regular(const char *path, const void *data, size_t size, unsigned how)
-{
-    struct system_stat info;
-    if ((how & WRITE_NEW) || !system_stat_link(&info, SYSTEM_HERE, path) || info.kind != SYSTEM_LINK) {
-        return replace_file(path, data, size, how);
-    }
-    if (system_is_open_name(path)) {
-        return write_directly(path, data, size);
-    }
-    char real[SYSTEM_PATH]; /* the file that a link leads to is replaced, not the link */
-    return system_real_path(real, path) ? replace_file(real, data, size, how) : fail_errno(path, "write");
-}
-
 static conus_status write_file(const char *path, const void *data, size_t size, unsigned how)
 {
-    struct system_stat info;
-    bool exists = system_stat(&info, path);
-    if (exists && info.kind == SYSTEM_FOLDER) {
-        return fail(CONUS_ERROR_IO, "%s: cannot write: is a folder", path);
-    }
-    if (exists && info.kind != SYSTEM_FILE) {
-        return write_directly(path, data, size);
-    }
-    const char *input = how & WRITE_NEW ? NULL : conus_inputs_find(path);
-    conus_status status = input ? fail(CONUS_ERROR_ARGUMENT, "%s would overwrite the input %s", path, input)
-                                : write_regular(path, data, size, how);
+    struct writer file;
+    conus_status status = file_begin(&file, path, how);
     if (!status) {
-        inputs_product(path);
+        status = file_append(&file, data, size);
+        status = status ? status : file_end(&file);
     }
-    return status;
+    bool again = status == CONUS_ERROR_IO && !file.is_direct && !file.is_named && !(how & WRITER_NAMED);
+    writer_drop(&file);
+    return again ? write_file(path, data, size, how | WRITER_NAMED) : status; /* an error is that of this */
 }
 
 conus_status file_write(const char *path, const void *data, size_t size)
 {
-    return write_file(path, data, size, WRITE_WAIT);
+    return write_file(path, data, size, 0);
 }
 
 conus_status file_write_in(const char *folder, const char *name, const struct buffer *content)
@@ -325,12 +234,12 @@ conus_status file_write_in(const char *folder, const char *name, const struct bu
 
 conus_status file_write_soon(const char *path, const void *data, size_t size)
 {
-    return write_file(path, data, size, 0);
+    return write_file(path, data, size, WRITER_SOON);
 }
 
 conus_status file_write_new(const char *path, const void *data, size_t size)
 {
-    return write_file(path, data, size, WRITE_WAIT | WRITE_NEW);
+    return write_file(path, data, size, WRITER_NEW);
 }
 
 conus_status file_make_folder(const char *path)

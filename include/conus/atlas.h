@@ -64,7 +64,8 @@ typedef struct conus_load_options {
  *  - a manifest NAME.atlas.json, which joins parcellations, surfaces, pathways and a context;
  *  - a surface (GIFTI, FreeSurfer and those of other programs), cut by the labels of its vertices if there are any;
  *  - CIFTI labels (.dlabel.nii) of surfaces that lie beside the file, and of voxels;
- *  - a folder of surfaces, or a BrainGlobe folder, or the manifest.json of an atlas of its third release.
+ *  - a folder of surfaces, or a BrainGlobe folder, or the manifest.json of an atlas of its third release;
+ *  - by its name, a pack, NAME.conus (conus_atlas_save()), whose labels and probabilities are those of its packing.
  *
  * Values must be whole numbers from 0 to 4294967295; 0 is background. docs/formats.md says how the label table is
  * found, and how an image is told from labels.
@@ -437,9 +438,8 @@ CONUS_API void conus_atlas_use_own_colours(conus_atlas *atlas);
 CONUS_API size_t conus_atlas_packed_size(const conus_atlas *atlas);
 
 /**
- * Packs the atlas as it is, without surfaces around the areas, which no ray hits. The packed bytes hold no pointers and
- * may be mapped at another address in each process, but they are for this version of conus on this kind of machine:
- * they are no file format.
+ * Packs the atlas as it is. The packed bytes hold no pointers and may be mapped at another address in each process, but
+ * they are for this build of conus on this kind of machine: conus_atlas_save() makes files.
  * @param[out] memory [size], at a multiple of 64 bytes. On failure its content has no meaning.
  * @param size Bytes, at least conus_atlas_packed_size().
  * @param atlas The atlas.

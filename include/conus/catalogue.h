@@ -51,8 +51,8 @@ CONUS_API void conus_catalogue_destroy(conus_catalogue *catalogue);
 typedef struct conus_installed {
     const char *name;   /**< "aal". UTF-8, one line, without '/'. Not always the only one of that name. */
     const char *source; /**< Whose folder it is in: "mricron", "fsl"; "own" for $CONUS_ATLAS_PATH. */
-    const char *kind;   /**< "volume", "probabilities" (an FSL atlas), "surface", "surfaces" (a folder) or "scene" (a
-                           manifest). */
+    const char *kind;   /**< "volume", "probabilities" (an FSL atlas), "surface", "surfaces" (a folder), "scene" (a
+                           manifest) or "pack". */
     const char *path;   /**< For conus_atlas_load(). Bytes, not always UTF-8. */
     const char *labels; /**< For conus_load_options.labels; NULL = conus_atlas_load() finds the labels. */
     double spacing[3];  /**< Edge lengths of a voxel, mm; 0 where they are not known. */

@@ -51,6 +51,7 @@
 #include <conus/mask.h>
 #include <conus/mesh.h>
 #include <conus/overlap.h>
+#include <conus/pack.h>
 #include <conus/phantom.h>
 #include <conus/picture.h>
 #include <conus/place.h>

@@ -4,6 +4,7 @@
 
 #include "base/files/file.h"
 #include "base/memory.h"
+#include "conus/pack.h"
 #include "loaders/brainglobe/brainglobe_atlas.h"
 #include "loaders/catalogue/volume_marks.h"
 
@@ -38,6 +39,9 @@ static void take_file(struct job *job, conus_catalogue *catalogue, struct catalo
     } else if (path_ends_in(name, manifest_ending)) {
         found->atlas.kind = "scene";
         add_named(job, catalogue, found, strlen(name) - strlen(manifest_ending), NULL);
+    } else if (path_ends_in(name, CONUS_PACK_ENDING)) {
+        found->atlas.kind = "pack";
+        add_named(job, catalogue, found, strlen(name) - strlen(CONUS_PACK_ENDING), NULL);
     } else if (path_ends_in(name, ".xml")) {
         fsl_look(job, catalogue, path);
     }

@@ -113,6 +113,8 @@ static const struct format {
     {                                                                                                                  \
         (text), sizeof(text) - 1                                                                                       \
     }
+    {.magic = BYTES("conus pack\0"),
+     .kind = {"a pack", "give it as ATLAS with the ending .conus; conus pack packs an atlas and what is added to it"}},
     {.magic = BYTES("TRACK\0"), .kind = {"a TrackVis tractogram", STREAMLINES}},
     {.magic = BYTES("mrtrix tracks"), .kind = {"an MRtrix tractogram", STREAMLINES}},
     {.magic = BYTES("mrtrix image"), .kind = {"an MRtrix image", FOREIGN " (mrconvert)"}},

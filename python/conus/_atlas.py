@@ -1351,6 +1351,10 @@ class Atlas:
     def __repr__(self) -> str:
         return f"<conus.Atlas of {len(self)} objects>"
 
+    def save(self, path: Path) -> None:
+        """Writes the atlas as it is to a pack, a file that ends in .conus and that :func:`load` opens at once."""
+        check(lib.conus_atlas_save(path_of("path", path), self._p, ffi.NULL))
+
     def __reduce__(self) -> Any:
         size = lib.conus_atlas_packed_size(self._p)
         memory = _aligned(size)

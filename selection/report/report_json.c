@@ -265,6 +265,12 @@ static json_t *json_from_atlas(const conus_atlas *atlas)
         json_pack("{s: o, s: o, s: s, s: o, s: o, s: o}", "path", json_from_text(atlas_path(atlas)), "labels", labels,
                   "hemispheres", hemispheres[atlas->hemispheres], "volumes", volumes, "files", files, "notes", notes);
     bool affine = atlas->is_moved && !atlas->warp_count;
+    if (atlas->pack) {
+        whole = put_value(root, "pack",
+                          json_pack("{s: o, s: s}", "path", json_from_text(atlas->pack->info.path), "sha256",
+                                    atlas->pack->sha256)) &&
+                whole;
+    }
     whole = (!affine || put_value(root, "atlas_from_world", json_from_matrix(atlas->own_from_world))) && whole;
     whole = (!atlas->warp_count || put_value(root, "way_to_atlas", json_from_way(atlas))) && whole;
     return whole_or_null(root, add_tractograms(root, atlas) && add_hidden(root, atlas) && whole);

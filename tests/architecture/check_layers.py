@@ -124,13 +124,13 @@ LIBRARY = {
     "selection/ends": "base base/geometry atlas/surface atlas selection/cone selection/measure selection/engine/voxels selection",
     "selection/picture": "base base/geometry render/draw render/image render/colour render/flat selection/measure selection",
     "selection/report": "base base/geometry atlas poses/programs selection selection/ends selection/study",
-    "pack": "base atlas loaders/maps loaders/scene",
-    "selection/batch": "base base/geometry base/system atlas/tracts atlas poses poses/rows selection/engine/voxels selection selection/study selection/report",
+    "pack": "base base/files base/geometry base/system atlas atlas/tracts loaders/maps loaders/scene selection/engine/voxels",
+    "selection/batch": "base base/geometry base/system poses poses/rows selection selection/study selection/report",
 }
 RULES = {**LIBRARY, **APPS}
 # What programs link beside the library (conus_system in base/CMakeLists.txt).
 SHARED = {"base/look.h", "base/look_sizes.h", "base/order.h", "base/path.h",
-          "base/system/system.h", "base/text.h"}
+          "base/system/system.h", "base/text.h", "base/writer.h"}
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 

@@ -74,6 +74,17 @@ static void a_taken_name_is_passed_over(void **state)
     all_have_names = false;
 }
 
+static size_t names_in(const char *folder)
+{
+    DIR *open = opendir(folder);
+    size_t count = 0;
+    while (readdir(open)) {
+        count++;
+    }
+    closedir(open);
+    return count - 2; /* "." and ".." */
+}
+
 /* A process that is killed while it writes leaves no partial file, and the old file stays. */
 static void a_killed_writer_leaves_nothing(void **state)
 {
@@ -85,7 +96,7 @@ static void a_killed_writer_leaves_nothing(void **state)
     snprintf(folder, sizeof folder, "%s", test_scratch("killed"));
     assert_ok(file_make_folder(folder));
     snprintf(path, sizeof path, "%s/file", folder);
-    for (int there = 0; there < 2; there++) {
+    for (size_t there = 0; there < 2; there++) {
         pid_t child = fork();
         if (child == 0) {
             const struct rlimit least = {4096, 4096}; /* SIGXFSZ ends it */
@@ -95,13 +106,7 @@ static void a_killed_writer_leaves_nothing(void **state)
         int ended = 0;
         assert_int_equal(waitpid(child, &ended, 0), child);
         assert_true(WIFSIGNALED(ended) && WTERMSIG(ended) == SIGXFSZ);
-        DIR *open = opendir(folder);
-        size_t count = 0;
-        while (readdir(open)) {
-            count++;
-        }
-        closedir(open);
-        assert_int_equal(count, 2 + there); /* "." and ".." */
+        assert_int_equal(names_in(folder), there);
         assert_ok(file_write(path, "kept", 4));
     }
     assert_ok(file_read(&bytes, path, 100));
@@ -109,11 +114,64 @@ static void a_killed_writer_leaves_nothing(void **state)
     bytes_finish(&bytes);
 }
 
+static void write_in_parts(void)
+{
+    char folder[256];
+    char path[300];
+    char link[300];
+    struct bytes bytes = {0};
+    struct writer writer;
+    snprintf(folder, sizeof folder, "%s", test_scratch(all_have_names ? "named" : "nameless"));
+    assert_ok(file_make_folder(folder));
+    snprintf(path, sizeof path, "%s/file", folder);
+    snprintf(link, sizeof link, "%s/link", folder);
+    for (size_t there = 0; there < 2; there++) {
+        assert_ok(file_begin(&writer, path, 0));
+        assert_ok(file_append(&writer, "dropped", 7));
+        assert_int_equal(names_in(folder), there + (all_have_names ? 1 : 0));
+        writer_drop(&writer);
+        assert_int_equal(names_in(folder), there);
+        assert_ok(file_begin(&writer, path, 0));
+        assert_ok(file_append(&writer, "one, ", 5));
+        assert_ok(file_append(&writer, there ? "two" : "new", 3));
+        assert_ok(file_end(&writer));
+        writer_drop(&writer);
+        assert_ok(file_read(&bytes, path, 100));
+        assert_int_equal(bytes.size, 8);
+        assert_memory_equal(bytes.data, there ? "one, two" : "one, new", 8);
+        bytes_finish(&bytes);
+        assert_int_equal(names_in(folder), 1);
+    }
+    assert_int_equal(symlink("file", link), 0);
+    assert_ok(file_begin(&writer, link, 0));
+    assert_ok(file_end(&writer));
+    writer_drop(&writer);
+    assert_ok(file_read(&bytes, path, 100));
+    assert_int_equal(bytes.size, 0);
+    bytes_finish(&bytes);
+    assert_int_equal(names_in(folder), 2);
+    assert_fails(file_begin(&writer, folder, 0), CONUS_ERROR_IO);
+    writer_drop(&writer);
+    snprintf(path, sizeof path, "%s/none/file", folder);
+    assert_fails(file_begin(&writer, path, 0), CONUS_ERROR_IO);
+    writer_drop(&writer);
+}
+
+static void a_file_in_parts_is_whole_or_not_there(void **state)
+{
+    (void)state;
+    write_in_parts();
+    all_have_names = true;
+    write_in_parts();
+    all_have_names = false;
+}
+
 TEST_GROUP(file_write)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_taken_name_is_passed_over),
         cmocka_unit_test(a_killed_writer_leaves_nothing),
+        cmocka_unit_test(a_file_in_parts_is_whole_or_not_there),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The JSON of conus info. */
 #include "cli/answers/info_json.h"
+#include "conus/pack.h"
 #include "conus/space.h"
 #include "conus/streamlines.h"
 #include "conus/version.h"
@@ -355,6 +356,23 @@ json_t *info_json_installed(const conus_installed *atlas)
                      info_json_bytes(atlas->path));
 }
 
+const char *const info_source_states[] = {
+    [CONUS_SOURCE_SAME] = "same", [CONUS_SOURCE_CHANGED] = "changed", [CONUS_SOURCE_MISSING] = "not there"};
+
+static json_t *pack(const conus_atlas *atlas, const conus_pack_info *info)
+{
+    json_t *sources = json_array();
+    const char *path;
+    conus_source_state state;
+    for (size_t i = 0; (path = conus_atlas_pack_source(&state, atlas, i)); i++) {
+        json_array_append_new(
+            sources, json_pack("{s:o,s:s}", "path", info_json_bytes(path), "state", info_source_states[state]));
+    }
+    return json_pack("{s:o,s:s,s:o,s:s,s:I,s:o}", "path", info_json_bytes(info->path), "sha256", info->sha256, "words",
+                     info_json_bytes(info->words), "version", info->version, "bytes", (json_int_t)info->size, "sources",
+                     sources);
+}
+
 char *info_json(const conus_atlas *atlas, const conus_installed *installed)
 {
     json_t *volumes = json_array();
@@ -379,6 +397,8 @@ char *info_json(const conus_atlas *atlas, const conus_installed *installed)
                              brain.source, "volumes", volumes, "tractograms", tractograms(atlas), "context_surfaces",
                              around(atlas), "world_from_ccf", is_ccf ? matrix(frame.world_from_space) : json_null(),
                              "moved", placement(atlas), "notes", notes, "objects", objects);
+    const conus_pack_info *info = conus_atlas_pack_info(atlas);
+    whole = (!info || json_object_set_new(root, "pack", pack(atlas, info)) == 0) && whole;
     char *text = whole && root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(DIGITS)) : NULL;
     json_decref(root);
     char *line = NULL;

@@ -14,6 +14,9 @@
  * meant; NULL = it was a path. */
 char *info_json(const conus_atlas *atlas, const conus_installed *installed);
 
+/** "same", "changed", "not there": by conus_source_state. */
+extern const char *const info_source_states[];
+
 /** An installed atlas as a JSON object; NULL without memory. */
 json_t *info_json_installed(const conus_installed *atlas);
 

@@ -1,21 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * A long file of rows that appears whole or not at all. Until then it has no name, so that nothing is left of it when
- * the process is killed; where the file system has no such files, it is called FILE.XXXXXXXX.part. */
+/** @file A long file of rows that appears whole or not at all (base/writer.h), and its sum. */
 #ifndef CONUS_CLI_BATCH_FILE_H
 #define CONUS_CLI_BATCH_FILE_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "base/writer.h"
 
 struct batch_file {
     const char *path; /**< NULL = standard output. */
-    char *temporary;  /**< Its other name, or the one that it may get on the way. */
-    bool is_named;    /**< It has that name. */
-    int rows;         /**< Descriptor; -1 = closed. */
-    uint64_t size;    /**< Bytes so far, */
-    uint32_t crc;     /**< and their CRC-32 (as in zlib, PNG and zip). */
+    struct writer rows;
+    uint64_t size; /**< Bytes so far, */
+    uint32_t crc;  /**< and their CRC-32 (as in zlib, PNG and zip). */
 };
 
 /* Functions that return an int return the exit code, and print an error unless it is 0. */

@@ -125,7 +125,7 @@ static int name_file(struct task *task, struct shard shard)
 
 static int init_task(struct task *out, const struct batch_settings *settings, const struct arguments *arguments)
 {
-    *out = (struct task){.settings = settings, .arguments = arguments, .file = {.rows = -1}};
+    *out = (struct task){.settings = settings, .arguments = arguments, .file.rows.file = -1};
     if (!check_settings(&out->format, settings, arguments)) {
         return EXIT_USAGE;
     }
@@ -836,7 +836,7 @@ static int read_rows(struct task *task)
 static int join_parts(struct task *task)
 {
     struct shard part = {0, task->settings->part.count, false};
-    struct batch_file whole = {.rows = -1};
+    struct batch_file whole = {.rows.file = -1};
     struct counts sum = {0};
     conus_astray *found = calloc(task->atlases.count, sizeof *found);
     if (!found) {

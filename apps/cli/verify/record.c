@@ -147,6 +147,10 @@ static const char *add_inputs(struct record *out, const json_t *value, const cha
     json_t *inner;
     struct recorded_file file;
     const char *bad = depth == DEPTH ? refuse("%s: too deep", where) : NULL;
+    const json_t *pack = json_object_get(value, "pack");
+    if (!bad && pack) { /* the files that it was packed from need not be there */
+        return add_inputs(out, pack, where, depth + 1);
+    }
     if (!bad && json_object_get(value, "path") && json_object_get(value, "sha256")) {
         bad = read_file(&file, value, where);
         bad = bad || !file.path ? bad : add_file(&out->inputs, &out->input_count, &file);

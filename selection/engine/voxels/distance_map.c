@@ -544,6 +544,71 @@ conus_status distance_map_write(void *memory, const struct volume *volume)
     return status;
 }
 
+/* The box is empty, or of whole numbers within the voxels that have codes. */
+static bool box_is_sound(const struct distance_map *map, const size_t part[3])
+{
+    bool is_empty = true;
+    bool sound = true;
+    for (int a = 0; a < 3; a++) {
+        is_empty =
+            is_empty && map->first[a] == (double)(map->base[a] + part[a]) && map->last[a] == (double)map->base[a] - 1;
+        sound = sound && map->first[a] >= (double)map->base[a] && map->last[a] >= map->first[a] &&
+                map->last[a] < (double)(map->base[a] + part[a]) && map->first[a] == floor(map->first[a]) &&
+                map->last[a] == floor(map->last[a]);
+    }
+    return is_empty || sound;
+}
+
+/* Whether position `x` along an axis, the margin included, is in the box. */
+static bool is_in_box(const struct distance_map *map, int a, size_t x)
+{
+    double at = (double)(map->base[a] + x) - DISTANCE_MARGIN;
+    return at >= map->first[a] && at <= map->last[a];
+}
+
+/* Whether no code but those of the box is 0 in line number `line`. */
+static bool line_is_sound(const struct distance_map *map, size_t line)
+{
+    const size_t at[3] = {line % map->lines[0], line / map->lines[0] % map->lines[1],
+                          line / map->lines[0] / map->lines[1]};
+    bool inside[3][DISTANCE_EDGE];
+    bool all = true;
+    bool sound = true;
+    for (int a = 0; a < 3; a++) {
+        for (size_t i = 0; i < DISTANCE_EDGE; i++) {
+            inside[a][i] = is_in_box(map, a, DISTANCE_EDGE * at[a] + i);
+            all = all && inside[a][i];
+        }
+    }
+    for (size_t c = 0; c < DISTANCE_LINE && !all; c++) {
+        bool is_in = inside[0][c % DISTANCE_EDGE] && inside[1][c / DISTANCE_EDGE % DISTANCE_EDGE] &&
+                     inside[2][c / DISTANCE_EDGE / DISTANCE_EDGE];
+        sound = sound && (is_in || map->codes[DISTANCE_LINE * line + c]);
+    }
+    return sound;
+}
+
+bool distance_map_is_sound(const void *memory, const struct volume *volume)
+{
+    struct distance_map map;
+    struct distance_map fits;
+    size_t first[3];
+    size_t part[3];
+    memcpy(&map, memory, sizeof map);
+    set_dimensions(&fits, volume);
+    find_part(first, part, volume);
+    if (memcmp(map.dim, fits.dim, sizeof map.dim) != 0 || memcmp(map.base, fits.base, sizeof map.base) != 0 ||
+        memcmp(map.lines, fits.lines, sizeof map.lines) != 0 || map.shift || map.least || !box_is_sound(&map, part)) {
+        return false;
+    }
+    map.codes = (uint8_t *)memory + HEAD_SIZE; /* is only read */
+    bool sound = true;
+    for (size_t line = 0; line < distance_map_codes(&map) / DISTANCE_LINE && sound; line++) {
+        sound = line_is_sound(&map, line);
+    }
+    return sound;
+}
+
 /* A map with memory of its own. */
 static conus_status make_map(struct distance_map *out, const struct volume *volume, row_mark *mark)
 {

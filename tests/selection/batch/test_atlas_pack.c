@@ -325,21 +325,34 @@ static void an_attached_atlas_can_grow(void **state)
     block_drop(block);
 }
 
-static void surfaces_around_the_areas_are_left_out(void **state)
+static void surfaces_around_the_areas_are_packed(void **state)
 {
     (void)state;
     uint64_t random = 12;
     conus_atlas *attached = NULL;
     conus_atlas *atlas = mixed_atlas(&random, 0);
     const struct mesh *shape = &atlas->meshes[0];
-    struct context_surface surface = {.opacity = 0.5};
+    struct context_surface surface = {.opacity = 0.5, .hemisphere = 'R', .low = 1, .high = 2};
     assert_ok(mesh_init(&surface.mesh, shape->vertex_count, shape->triangle_count));
     memcpy(surface.mesh.positions, shape->positions, 3 * shape->vertex_count * sizeof *shape->positions);
     memcpy(surface.mesh.triangles, shape->triangles, 3 * shape->triangle_count * sizeof *shape->triangles);
+    surface.mesh.path = memory_text("s.gii", 5);
+    surface.map_name = memory_text("map", 3);
+    surface.values = memory_zeroed(shape->vertex_count, sizeof *surface.values);
+    surface.values[1] = 3;
     assert_ok(atlas_add_context_surface(atlas, &surface));
     struct block block = pack(atlas);
     assert_ok(conus_atlas_attach(&attached, block.memory, block.size));
-    assert_int_equal(conus_atlas_context_surface_count(attached), 0);
+    assert_int_equal(conus_atlas_context_surface_count(attached), 1);
+    const struct context_surface *a = &atlas->context_surfaces[0];
+    const struct context_surface *b = &attached->context_surfaces[0];
+    assert_true(a->opacity == b->opacity && a->low == b->low && a->high == b->high && a->hemisphere == b->hemisphere);
+    assert_string_equal(a->map_name, b->map_name);
+    assert_string_equal(a->mesh.path, b->mesh.path);
+    assert_memory_equal(a->values, b->values, shape->vertex_count * sizeof *a->values);
+    assert_memory_equal(a->mesh.positions, b->mesh.positions, 3 * shape->vertex_count * sizeof *shape->positions);
+    assert_memory_equal(a->mesh.triangles, b->mesh.triangles, 3 * shape->triangle_count * sizeof *shape->triangles);
+    assert_memory_equal(&a->mesh.shape, &b->mesh.shape, sizeof a->mesh.shape);
     assert_same(atlas, attached);
     conus_atlas_destroy(attached);
     conus_atlas_destroy(atlas);
@@ -479,7 +492,7 @@ TEST_GROUP(atlas_pack)
         cmocka_unit_test(a_band_is_hidden_in_a_copy),
         cmocka_unit_test(the_box_is_that_of_the_voxels),
         cmocka_unit_test(an_attached_atlas_can_grow),
-        cmocka_unit_test(surfaces_around_the_areas_are_left_out),
+        cmocka_unit_test(surfaces_around_the_areas_are_packed),
         cmocka_unit_test(what_is_no_packed_atlas_is_refused),
         cmocka_unit_test(a_damaged_head_is_refused),
         cmocka_unit_test(a_damaged_map_is_refused),

@@ -5,7 +5,7 @@
 #include "atlas/tracts/tract_node.h"
 #include "base/memory.h"
 #include "packed_block.h"
-#include "selection/batch/atlas_pack.h"
+#include "pack/atlas_pack.h"
 #include "test.h"
 #include "tract_scene.h"
 

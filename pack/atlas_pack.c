@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* An atlas as one block of memory: a head, the small things, and from a cache line on the large arrays. One walk over
- * the atlas says where everything lies, whether the block is measured, filled, written to a file, or read. It lies here
- * and not in atlas/ because distance maps are packed, too. */
-#include "selection/batch/atlas_pack.h"
+ * the atlas says where everything lies, whether the block is measured, filled, written part by part, or read. */
+#include "pack/atlas_pack.h"
 
 #include "atlas/bundles.h"
 #include "atlas/tracts/tract_node.h"
@@ -10,25 +9,28 @@
 #include "base/status.h"
 #include "base/system/system.h"
 #include "base/text.h"
-#include "conus/version.h"
+#include "conus/file.h"
+#include "pack/pack_layout.h"
 #include "selection/engine/voxels/distance_map.h"
 
-#include <assert.h>
 #include <errno.h>
+#include <stddef.h>
 #include <string.h>
 #include <zlib.h>
 
 enum { PACK_LINE = 64, PACK_BEHIND = 64 }; /* alignment of arrays; readable bytes behind each */
 
-enum pack_mode { PACK_MEASURE, PACK_COPY, PACK_WRITE, PACK_ATTACH };
+/* Small things are copied or attached, or only counted; large arrays likewise, or given to a sink one after the other.
+ */
+enum pack_mode { PACK_MEASURE, PACK_COPY, PACK_SMALL, PACK_LARGE, PACK_ATTACH };
 
 /* A function that passes a part of an atlas serves all modes: it gives each number, text and array to one of the pack_
  * functions below, which counts it, puts it into the block, or takes it from there. After a failure they do nothing. */
 struct pack_walk {
     enum pack_mode mode;
-    uint8_t *memory; /* only read when attaching, NULL when measuring; when writing, only the small things */
-    int file;        /* when writing */
-    size_t file_at;  /* where the block begins in it */
+    uint8_t *memory; /* only read when attaching; NULL when measuring and giving; or only the small things */
+    pack_sink *sink;
+    void *user;
     size_t small, small_end;
     size_t large, size;
     bool is_verified; /* when attaching: the large arrays have their checksum */
@@ -65,12 +67,19 @@ static void pack_bytes(struct pack_walk *walk, void *data, size_t size)
         walk->status = fail_damaged();
         return;
     }
-    if (walk->mode == PACK_COPY || walk->mode == PACK_WRITE) {
+    if (walk->mode == PACK_COPY || walk->mode == PACK_SMALL) {
         memcpy(walk->memory + walk->small, data, size);
     } else if (walk->mode == PACK_ATTACH) {
         memcpy(data, walk->memory + walk->small, size);
     }
     walk->small += size;
+}
+
+/* A struct, whose pointers are NULL in the block. */
+static void pack_struct(struct pack_walk *walk, void *data, enum pack_kind kind)
+{
+    pack_bytes(walk, data, pack_kind_size(kind));
+    pack_check(walk, pack_flags_are_sound(data, kind));
 }
 
 /* A text of its own, or none. */
@@ -95,7 +104,16 @@ static void pack_text(struct pack_walk *walk, char **text)
     }
 }
 
-/* Where the next `size` bytes of a large array lie; NULL when measuring or writing. */
+/* A text for people, which is plain whoever packed it. */
+static void pack_words(struct pack_walk *walk, char **words)
+{
+    pack_text(walk, words);
+    if (walk->mode == PACK_ATTACH && *words) {
+        text_make_plain(*words, "");
+    }
+}
+
+/* Where the next `size` bytes of a large array lie; NULL where they do not lie in memory. */
 static uint8_t *pack_place(struct pack_walk *walk, size_t size)
 {
     size_t at = walk->large;
@@ -120,11 +138,13 @@ static bool pack_whether(struct pack_walk *walk, const void *thing)
     return is_there;
 }
 
-/* Writes to the block's offset `at`. */
-static void pack_write_at(struct pack_walk *walk, size_t at, const uint8_t *data, size_t size)
+/* Gives the next large array, and zeros up to the one behind it, to the sink. */
+static void pack_give(struct pack_walk *walk, const void *data, size_t size)
 {
-    if (!walk->status && !system_write_at(walk->file, data, size, walk->file_at + at)) {
-        walk->status = fail(CONUS_ERROR_IO, "cannot write a packed atlas: %s", text_error(errno));
+    static const uint8_t zeros[PACK_LINE + PACK_BEHIND];
+    if (!walk->status) {
+        walk->status = walk->sink(walk->user, data, size);
+        walk->status = walk->status ? walk->status : walk->sink(walk->user, zeros, round_up(size + PACK_BEHIND) - size);
     }
 }
 
@@ -138,12 +158,11 @@ static void pack_array(struct pack_walk *walk, void *array, size_t count, size_t
     if (!walk->status && !memory_multiply(count, size, &bytes)) {
         walk->status = fail_damaged();
     }
-    size_t at = walk->large;
     uint8_t *place = is_there && !walk->status ? pack_place(walk, bytes) : NULL;
     if (place && walk->mode == PACK_COPY) {
         memcpy(place, given, bytes);
-    } else if (is_there && walk->mode == PACK_WRITE) {
-        pack_write_at(walk, at, given, walk->status ? 0 : bytes);
+    } else if (is_there && walk->mode == PACK_LARGE) {
+        pack_give(walk, given, bytes);
     } else if (walk->mode == PACK_ATTACH) {
         memcpy(array, &place, sizeof place);
     }
@@ -178,6 +197,7 @@ union item {
     struct tractogram tractogram;
     struct tract_scalar scalar;
     struct tract_group group;
+    struct context_surface surface;
 };
 
 /* Passes `count` things of `size` bytes; `list` is the address of the pointer to them. Each is a copy, since the atlas
@@ -205,32 +225,27 @@ static void pass_list(struct pack_walk *walk, void *list, size_t *counted, size_
 static void pass_distances(struct pack_walk *walk, struct volume *volume, const struct volume *source)
 {
     bool is_there = pack_whether(walk, walk->mode != PACK_ATTACH && volume_can_be_hit(source) ? source : NULL);
-    size_t at = walk->large;
     uint8_t *place = is_there && !walk->status ? pack_place(walk, distance_map_size(volume)) : NULL;
     if (place && walk->mode == PACK_COPY) {
         walk->status = distance_map_write(place, source);
-    } else if (is_there && walk->mode == PACK_WRITE && !walk->status) {
+    } else if (is_there && walk->mode == PACK_LARGE && !walk->status) {
         size_t size = distance_map_size(source);
         uint8_t *map = memory_raw((size + PACK_LINE - 1) / PACK_LINE, PACK_LINE);
         walk->status = map ? distance_map_write(map, source) : CONUS_ERROR_MEMORY;
-        pack_write_at(walk, at, map, size);
+        pack_give(walk, map, size);
         memory_free(map);
     } else if (walk->mode == PACK_ATTACH) {
         volume->distances = place;
     }
 }
 
-/* Each voxel has a value or an object of some bytes in the block. */
+/* Each page of voxels has a number in the block, if not each voxel. */
 static bool volume_fits(const struct volume *volume, const struct pack_walk *walk)
 {
     const size_t *dim = volume->info.dim;
     size_t count;
-    uint8_t hidden; /* not as bools, which damage could make neither */
-    uint8_t joined;
-    memcpy(&hidden, &volume->is_hidden, sizeof hidden);
-    memcpy(&joined, &volume->is_joined, sizeof joined);
-    return hidden <= 1 && joined <= 1 && dim[0] && dim[1] && dim[2] && memory_multiply(dim[0], dim[1], &count) &&
-           memory_multiply(count, dim[2], &count) && count == volume->voxel_count && count <= walk->size;
+    return dim[0] && dim[1] && dim[2] && memory_multiply(dim[0], dim[1], &count) &&
+           memory_multiply(count, dim[2], &count) && count == volume->voxel_count && count / VALUE_PAGE <= walk->size;
 }
 
 /* The numbers without the pointers: what goes into the block, and all that is taken from it. So for each kind. */
@@ -282,11 +297,11 @@ static void pass_volume(struct pack_walk *walk, void *item, const void *owner)
     (void)owner;
     struct volume *volume = item;
     struct volume source = *volume;
-    if ((walk->mode == PACK_COPY || walk->mode == PACK_WRITE) && volume_can_be_hit(&source)) {
+    if ((walk->mode == PACK_COPY || walk->mode == PACK_SMALL) && volume_can_be_hit(&source)) {
         volume_measure_centres(&source);
     }
     struct volume plain = bare_volume(&source);
-    pack_bytes(walk, &plain, sizeof plain);
+    pack_struct(walk, &plain, PACK_VOLUME);
     pack_check(walk, volume_fits(&plain, walk));
     if (walk->status) {
         return;
@@ -319,7 +334,7 @@ static void pass_mesh(struct pack_walk *walk, void *item, const void *owner)
     (void)owner;
     struct mesh *mesh = item;
     struct mesh plain = bare_mesh(mesh);
-    pack_bytes(walk, &plain, sizeof plain);
+    pack_struct(walk, &plain, PACK_MESH);
     if (walk->status) {
         return;
     }
@@ -359,8 +374,7 @@ static bool tractogram_fits(const struct tractogram *plain, const struct pack_wa
 {
     return plain->point_count <= walk->size && plain->streamline_count < UINT32_MAX &&
            plain->streamline_count <= walk->size && plain->tree.run_count <= walk->size &&
-           plain->tree.run_count <= UINT32_MAX && memchr(plain->format, 0, sizeof plain->format) &&
-           memchr(plain->sha256, 0, sizeof plain->sha256);
+           plain->tree.run_count <= UINT32_MAX;
 }
 
 static void pass_scalar(struct pack_walk *walk, void *item, const void *owner)
@@ -368,18 +382,15 @@ static void pass_scalar(struct pack_walk *walk, void *item, const void *owner)
     struct tract_scalar *scalar = item;
     const struct tractogram *tractogram = owner;
     struct tract_scalar plain = *scalar;
-    uint8_t per_point = scalar->per_point; /* not as a bool, which damage could make neither */
     plain.name = NULL;
     plain.values = NULL;
-    plain.per_point = false;
-    pack_bytes(walk, &plain, sizeof plain);
-    pack_bytes(walk, &per_point, sizeof per_point);
+    pack_struct(walk, &plain, PACK_SCALAR);
     if (!walk->status && walk->mode == PACK_ATTACH) {
-        scalar->per_point = per_point;
+        scalar->per_point = plain.per_point;
         scalar->components = plain.components;
     }
     size_t count = scalar->per_point ? tractogram->point_count : tractogram->streamline_count;
-    pack_text(walk, &scalar->name);
+    pack_words(walk, &scalar->name);
     pack_array(walk, &scalar->values, count, scalar->components * sizeof *scalar->values);
     if (!walk->status && (!scalar->name || (count && !scalar->values))) {
         walk->status = fail_damaged();
@@ -391,7 +402,7 @@ static void pass_group(struct pack_walk *walk, void *item, const void *owner)
     (void)owner;
     struct tract_group *group = item;
     pack_bytes(walk, &group->count, sizeof group->count);
-    pack_text(walk, &group->name);
+    pack_words(walk, &group->name);
     pack_array(walk, &group->members, group->count, sizeof *group->members);
     if (!walk->status && (!group->name || (group->count && !group->members))) {
         walk->status = fail_damaged();
@@ -417,7 +428,7 @@ static void pass_tractogram(struct pack_walk *walk, void *item, const void *owne
     bool attaches = walk->mode == PACK_ATTACH;
     float *copy = NULL;
     plain.file_offset = attaches || walk->is_lean ? plain.file_offset : 0;
-    pack_bytes(walk, &plain, sizeof plain);
+    pack_struct(walk, &plain, PACK_TRACTOGRAM);
     pack_check(walk, tractogram_fits(&plain, walk) && (!plain.file_offset || walk->is_verified));
     if (walk->status) {
         return;
@@ -428,7 +439,7 @@ static void pass_tractogram(struct pack_walk *walk, void *item, const void *owne
     }
     if (!attaches && plain.file_offset) {
         tractogram->points = NULL;
-    } else if (!attaches && tractogram->is_in_file && walk->mode != PACK_MEASURE) {
+    } else if (!attaches && tractogram->is_in_file && (walk->mode == PACK_COPY || walk->mode == PACK_LARGE)) {
         tractogram->points = copy = tractogram_copy_points(tractogram);
         walk->status = copy ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
@@ -445,19 +456,18 @@ static void pass_tractogram(struct pack_walk *walk, void *item, const void *owne
               pass_scalar, tractogram);
     pass_list(walk, &tractogram->groups, &tractogram->group_count, plain.group_count, sizeof *tractogram->groups,
               pass_group, tractogram);
-    bool sound = !attaches || walk->status ||
-                 (tractogram->path && has_arrays(tractogram) &&
-                  (walk->is_verified || tractogram_leads_nowhere_else(tractogram)));
-    walk->status = sound ? walk->status : fail_damaged();
+    pack_check(walk, tractogram->path && has_arrays(tractogram));
+    if (attaches && !walk->status && !walk->is_verified) {
+        walk->status = tractogram_check_tree(tractogram);
+        walk->status = walk->status == CONUS_ERROR_DATA ? fail_damaged() : walk->status;
+    }
 }
 
 static bool bundle_is_sound(const conus_atlas *atlas, size_t object)
 {
     const struct object_place *place = &atlas->places[object];
-    uint8_t is_bundle; /* not as a bool, which damage could make neither */
-    memcpy(&is_bundle, &place->is_bundle, sizeof is_bundle);
-    return !is_bundle ||
-           (is_bundle == 1 && place->index < atlas->tractogram_count &&
+    return !place->is_bundle ||
+           (place->index < atlas->tractogram_count &&
             (place->group == BUNDLE_OF_ALL || place->group < atlas->tractograms[place->index].group_count));
 }
 
@@ -468,10 +478,10 @@ static void pass_object(struct pack_walk *walk, conus_object *object, struct obj
     char *abbreviation = (char *)object->abbreviation;
     plain.name = NULL;
     plain.abbreviation = NULL;
-    pack_bytes(walk, &plain, sizeof plain);
-    pack_bytes(walk, place, sizeof *place);
-    pack_text(walk, &name);
-    pack_text(walk, &abbreviation);
+    pack_struct(walk, &plain, PACK_OBJECT);
+    pack_struct(walk, place, PACK_PLACE);
+    pack_words(walk, &name);
+    pack_words(walk, &abbreviation);
     *object = plain;
     object->name = name;
     object->abbreviation = abbreviation;
@@ -481,9 +491,7 @@ static void pass_object(struct pack_walk *walk, conus_object *object, struct obj
 static bool field_fits(const struct deformation *field, const struct pack_walk *walk)
 {
     size_t count;
-    uint8_t stays; /* not as a bool, which damage could make neither */
-    memcpy(&stays, &field->stays_outside, sizeof stays);
-    return stays <= 1 && field->dim[0] > 1 && field->dim[1] > 1 && field->dim[2] > 1 &&
+    return field->dim[0] > 1 && field->dim[1] > 1 && field->dim[2] > 1 &&
            memory_multiply(field->dim[0], field->dim[1], &count) && memory_multiply(count, field->dim[2], &count) &&
            count <= walk->size;
 }
@@ -496,7 +504,7 @@ static void pass_warp(struct pack_walk *walk, void *item, const void *owner)
     plain.field.vectors = plain.field.rest = NULL;
     plain.field.coefficients = NULL;
     plain.field.is_borrowed = true;
-    pack_bytes(walk, &plain, sizeof plain);
+    pack_struct(walk, &plain, PACK_WARP);
     pack_check(walk, field_fits(&plain.field, walk));
     if (walk->status) {
         return;
@@ -514,6 +522,32 @@ static void pass_warp(struct pack_walk *walk, void *item, const void *owner)
     pack_array(walk, &warp->field.coefficients, nodes, 3 * sizeof *warp->field.coefficients);
     bool is_spline = warp->field.coefficients;
     pack_check(walk, is_spline ? dim[0] > 3 && dim[1] > 3 && dim[2] > 3 : warp->field.vectors != NULL);
+}
+
+/* Nothing changes the arrays of a surface around the areas, but its values are its own. */
+static void pass_surface(struct pack_walk *walk, void *item, const void *owner)
+{
+    struct context_surface *surface = item;
+    struct context_surface plain = *surface;
+    float *values = surface->values;
+    (void)owner;
+    plain.mesh = (struct mesh){0};
+    plain.values = NULL;
+    plain.map_name = NULL;
+    pack_struct(walk, &plain, PACK_SURFACE);
+    if (walk->mode == PACK_ATTACH && !walk->status) {
+        *surface = plain;
+        surface->mesh = (struct mesh){0};
+        surface->values = NULL;
+        surface->map_name = NULL;
+    }
+    pass_mesh(walk, &surface->mesh, NULL);
+    pack_words(walk, &surface->map_name);
+    pack_array(walk, &values, surface->mesh.vertex_count, sizeof *values);
+    if (walk->mode == PACK_ATTACH && !walk->status && values) {
+        surface->values = memory_copy(values, surface->mesh.vertex_count, sizeof *values);
+        walk->status = surface->values ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
 }
 
 static void pass_objects(struct pack_walk *walk, conus_atlas *atlas, const conus_atlas *counts)
@@ -552,7 +586,7 @@ static void pass_files_and_notes(struct pack_walk *walk, conus_atlas *atlas, con
             notes->marks[i] = (struct note_mark){(conus_severity)severity, true};
         }
         notes->count = i + 1;
-        pack_text(walk, &notes->lines[i]);
+        pack_words(walk, &notes->lines[i]);
     }
 }
 
@@ -573,7 +607,7 @@ static conus_atlas bare_atlas(const conus_atlas *atlas)
     bare.taken = (struct name_set){0};
     bare.transfer = NULL;
     bare.context_surfaces = NULL;
-    bare.context_surface_count = 0;
+    bare.pack = NULL;
     bare.notes.lines = NULL;
     bare.notes.marks = NULL;
     bare.notes.sink = NULL;
@@ -586,16 +620,16 @@ static conus_atlas bare_atlas(const conus_atlas *atlas)
 static void pass_atlas(struct pack_walk *walk, conus_atlas *atlas)
 {
     conus_atlas plain = bare_atlas(atlas);
-    pack_bytes(walk, &plain, sizeof plain);
+    pack_struct(walk, &plain, PACK_ATLAS);
     pack_check(walk, (unsigned)plain.brain <= CONUS_BRAIN_TEMPLATE);
     const conus_atlas counts = plain;
     if (walk->mode == PACK_ATTACH && !walk->status) {
         *atlas = bare_atlas(&plain);
         atlas->volume_count = atlas->mesh_count = atlas->tractogram_count = atlas->object_count = atlas->files.count =
-            atlas->notes.count = atlas->warp_count = 0;
+            atlas->notes.count = atlas->warp_count = atlas->context_surface_count = 0;
     }
     pack_text(walk, &atlas->path);
-    pack_text(walk, &atlas->label_source);
+    pack_words(walk, &atlas->label_source);
     pack_text(walk, &atlas->transfer);
     if (walk->status) {
         return;
@@ -606,6 +640,8 @@ static void pass_atlas(struct pack_walk *walk, conus_atlas *atlas)
     pass_list(walk, &atlas->meshes, &atlas->mesh_count, counts.mesh_count, sizeof *atlas->meshes, pass_mesh, atlas);
     pass_list(walk, &atlas->tractograms, &atlas->tractogram_count, counts.tractogram_count, sizeof *atlas->tractograms,
               pass_tractogram, atlas);
+    pass_list(walk, &atlas->context_surfaces, &atlas->context_surface_count, counts.context_surface_count,
+              sizeof *atlas->context_surfaces, pass_surface, atlas);
     pass_objects(walk, atlas, &counts);
     pass_files_and_notes(walk, atlas, &counts);
 }
@@ -618,22 +654,7 @@ struct head {
     uint64_t small_end, size;
 };
 
-static const char magic[24] = "conus-atlas " CONUS_VERSION;
-static_assert(sizeof "conus-atlas " CONUS_VERSION <= sizeof magic, "name and version fit");
-
-static uint64_t layout_of_structures(void)
-{
-    const size_t sizes[] = {sizeof(struct head),         sizeof(conus_atlas),         sizeof(struct volume),
-                            sizeof(conus_object),        sizeof(struct object_place), sizeof(struct mesh),
-                            sizeof(struct distance_map), sizeof(struct hidden_run),   sizeof(struct volume_step),
-                            sizeof(struct warp),         sizeof(struct tractogram),   sizeof(struct tract_scalar),
-                            sizeof(struct tract_node),   sizeof(struct tract_leaf)};
-    uint64_t layout = 0;
-    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
-        layout = 1000003 * layout + sizes[i];
-    }
-    return layout;
-}
+static const char magic[24] = "conus atlas";
 
 /* The walk over an atlas that is only read: the walk writes to copies of its parts, and to them only what is there. */
 static struct pack_walk walk_over(const conus_atlas *atlas, struct pack_walk walk)
@@ -669,7 +690,7 @@ static uint64_t crc_of(const uint8_t *memory, size_t small_end)
 
 static void write_head(uint8_t *memory, size_t small_end, size_t size)
 {
-    struct head head = {.layout = layout_of_structures(), .small_end = small_end, .size = size};
+    struct head head = {.layout = pack_layout(), .small_end = small_end, .size = size};
     memcpy(head.magic, magic, sizeof magic);
     memcpy(memory, &head, sizeof head);
     head.crc = crc_of(memory, small_end);
@@ -691,7 +712,7 @@ conus_status conus_atlas_pack(void *memory, size_t size, const conus_atlas *atla
     return walk.status;
 }
 
-conus_status atlas_pack_write(int descriptor, size_t at, const conus_atlas *atlas, bool is_lean)
+conus_status atlas_pack_give(const conus_atlas *atlas, bool is_lean, pack_sink *sink, void *user)
 {
     struct pack_walk measured = measure(atlas, is_lean);
     size_t small = round_up(measured.small);
@@ -699,24 +720,49 @@ conus_status atlas_pack_write(int descriptor, size_t at, const conus_atlas *atla
     if (!memory) {
         return CONUS_ERROR_MEMORY;
     }
-    struct pack_walk walk = walk_over(atlas, (struct pack_walk){.mode = PACK_WRITE,
-                                                                .memory = memory,
-                                                                .file = descriptor,
-                                                                .file_at = at,
-                                                                .large = small,
-                                                                .size = small + measured.large,
-                                                                .is_lean = is_lean});
-    write_head(memory, walk.small, walk.size);
-    pack_write_at(&walk, 0, memory, small);
+    struct pack_walk walk = {.mode = PACK_SMALL,
+                             .memory = memory,
+                             .large = small,
+                             .size = small + measured.large,
+                             .sink = sink,
+                             .user = user,
+                             .is_lean = is_lean};
+    struct pack_walk filled = walk_over(atlas, walk);
+    write_head(memory, filled.small, walk.size);
+    conus_status status = filled.status ? filled.status : sink(user, memory, small);
     memory_free(memory);
-    return walk.status;
+    if (!status) {
+        walk.mode = PACK_LARGE;
+        walk.memory = NULL;
+        status = walk_over(atlas, walk).status;
+    }
+    return status;
+}
+
+/* Where a block goes in an open file. */
+struct pack_place {
+    int file;
+    size_t at;
+};
+
+static conus_status write_part(void *user, const void *data, size_t size)
+{
+    struct pack_place *place = user;
+    bool is_written = system_write_at(place->file, data, size, place->at);
+    place->at += size;
+    return is_written ? CONUS_OK : fail(CONUS_ERROR_IO, "cannot write a packed atlas: %s", text_error(errno));
+}
+
+conus_status atlas_pack_write(int descriptor, size_t at, const conus_atlas *atlas, bool is_lean)
+{
+    return atlas_pack_give(atlas, is_lean, write_part, &(struct pack_place){descriptor, at});
 }
 
 /* Whether `size` bytes at `memory` are a block of this build's, undamaged in what is small. */
 static bool is_whole(const struct head *head, const uint8_t *memory, size_t size)
 {
-    return memcmp(head->magic, magic, sizeof magic) == 0 && head->layout == layout_of_structures() &&
-           head->size <= size && head->small_end >= sizeof *head && head->small_end <= head->size &&
+    return memcmp(head->magic, magic, sizeof magic) == 0 && head->layout == pack_layout() && head->size <= size &&
+           head->small_end >= sizeof *head && head->small_end <= head->size &&
            round_up(head->small_end) <= head->size && crc_of(memory, head->small_end) == head->crc;
 }
 

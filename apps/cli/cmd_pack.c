@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* conus pack: writes an atlas as it is loaded to one file, which opens at once. */
+#include "cli/commands.h"
+#include "conus/file.h"
+#include "conus/pack.h"
+#include "options/messages.h"
+#include "options/outputs.h"
+#include "settings/atlas_input.h"
+#include "settings/notes.h"
+#include "settings/settings.h"
+
+#include <stdlib.h>
+
+struct pack_settings {
+    struct common_settings common;
+    const char *output;
+    bool force;
+    struct atlas_settings atlas;
+    struct context_choice context;
+};
+
+static const struct option own_options[] = {
+    {.name = "output",
+     .letter = 'o',
+     OPTION_AT(struct pack_settings, output),
+     .value = "NAME.conus",
+     .help = "the file",
+     .required = true,
+     .endings = CONUS_PACK_ENDING,
+     .words = "save, export, cache",
+     .role = OPTION_WRITES,
+     .common = true},
+    {.name = "force", OPTION_AT(struct pack_settings, force), .help = "replace a file", .common = true},
+    {.name = "labels",
+     OPTION_AT(struct pack_settings, atlas.labels),
+     .value = "FILE[,label=COLUMN,name=COLUMN]",
+     .help = "label table; replaces the one found beside or inside the atlas",
+     .role = OPTION_READS},
+    {.name = "labels-anyway",
+     OPTION_AT(struct pack_settings, atlas.labels_anyway),
+     .help = "treat every value as a label, even if the volume looks like an image"},
+    {.name = "probability",
+     OPTION_AT(struct pack_settings, atlas.probability),
+     .value = "T",
+     .help = "of an atlas of probabilities: a voxel belongs to an area with a probability of at least T (default 0.25, "
+             "or as the manifest says)",
+     OPTION_ABOVE_TO(0, 1)},
+    {.name = "pathway",
+     OPTION_AT(struct pack_settings, atlas.pathways),
+     .value = "FILE[,KEY=VALUE]...",
+     .help = "add a scalar map as a pathway, with the keys of conus query; may be repeated",
+     .role = OPTION_READS,
+     .common = true},
+    {.name = "streamlines",
+     OPTION_AT(struct pack_settings, atlas.streamlines),
+     .value = "FILE[,KEY=VALUE]...",
+     .help = "add a tractogram, with the keys of conus query; may be repeated",
+     .role = OPTION_READS,
+     .common = true},
+    {.name = "atlas-transform",
+     OPTION_AT(struct pack_settings, atlas.transforms),
+     .value = "FILE[,KEY]...",
+     .help = "bring the atlas to the poses, as conus query does; may be repeated",
+     .role = OPTION_READS,
+     .common = true},
+    {.name = "max-memory",
+     .type = OPTION_BYTES,
+     .offset = offsetof(struct pack_settings, atlas.max_memory),
+     .value = "SIZE",
+     .help = "largest file or volume to accept, like 512M or 2G (default 8G)",
+     .role = OPTION_KEPT},
+    {0},
+};
+
+static const struct option_group groups[] = {
+    {"Options", own_options, 0},
+    {"", context_choice_options, offsetof(struct pack_settings, context)},
+    {"", quiet_options, offsetof(struct pack_settings, common)},
+    {0},
+};
+
+/* All that the process has read is what the pack is made of. */
+static int save(const struct pack_settings *settings, const conus_atlas *atlas, const struct arguments *arguments)
+{
+    size_t count = 0;
+    while (conus_inputs_at(count)) {
+        count++;
+    }
+    const char **sources = calloc(count + 1, sizeof *sources);
+    char *words = arguments_text(arguments);
+    int code = sources && words ? EXIT_DONE : print_no_memory();
+    for (size_t i = 0; i < count && !code; i++) {
+        sources[i] = conus_inputs_at(i);
+    }
+    if (!code) {
+        const conus_save_options options = {.words = words, .sources = sources, .source_count = count};
+        code = print_status(conus_atlas_save(settings->output, atlas, &options));
+    }
+    free(words);
+    free((void *)sources);
+    return code;
+}
+
+static int run_pack(const void *given, const struct arguments *arguments)
+{
+    const struct pack_settings *settings = given;
+    struct outputs outputs;
+    conus_atlas *atlas = NULL;
+    outputs_collect(&outputs, arguments);
+    int code = outputs_spare_inputs(&outputs) ? outputs_check(&outputs, settings->force) : EXIT_USAGE;
+    code = code ? code : atlas_input_load(&atlas, arguments->operands[0], &settings->atlas);
+    code = code ? code : context_choice_load(atlas, &settings->context, &settings->atlas);
+    if (!code) {
+        atlas_notes_say(atlas, &settings->common);
+        code = save(settings, atlas, arguments);
+    }
+    conus_atlas_destroy(atlas);
+    return code;
+}
+
+const struct command cmd_pack = {
+    .name = "pack",
+    .summary = "write an atlas to one file that opens at once",
+    .operands = {"ATLAS"},
+    .form = "-o NAME.conus",
+    .description =
+        "Writes ATLAS, with what is added to it, as it is in memory: a pack. All commands take it as an ATLAS,\n"
+        "with the same answers, and map it in place of reading, so that many processes share its memory. It is\n"
+        "checked when it is opened, and a warning says if a file that it was packed from has changed since. It\n"
+        "is for the own disk: it is larger than its sources, and for this kind of machine and of conus. What is\n"
+        "asked of an atlas (--hemispheres, --only, --level) is given with the question.",
+    .examples = "  conus pack aal -o aal.conus\n"
+                "  conus query aal.conus --origin=-90,20,20 --toward=0,-10,10\n"
+                "  conus pack my.atlas.json --streamlines whole-brain.tck -o my.conus\n",
+    .groups = groups,
+    .settings_size = sizeof(struct pack_settings),
+    .run = run_pack,
+};

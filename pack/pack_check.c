@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Looks at all numbers of an attached atlas that are indices, and at those that readers check. */
+#include "pack/pack_check.h"
+
+#include "atlas/atlas.h"
+#include "atlas/bundles.h"
+#include "atlas/space.h"
+#include "base/geometry/math3.h"
+#include "base/threads.h"
+#include "selection/engine/voxels/distance_map.h"
+
+#include <math.h>
+#include <string.h>
+
+struct parts {
+    pack_part_check *check;
+    const void *user;
+    size_t count, pieces;
+    bool is_sound[THREADS_MOST];
+};
+
+static void check_part(void *user, size_t piece)
+{
+    struct parts *parts = user;
+    parts->is_sound[piece] = parts->check(parts->user, threads_begin(piece, parts->pieces, parts->count, 1),
+                                          threads_begin(piece + 1, parts->pieces, parts->count, 1));
+}
+
+bool pack_check_parts(pack_part_check *check, const void *user, size_t count, size_t least)
+{
+    struct parts parts = {.check = check, .user = user, .count = count, .pieces = threads_for(count, least)};
+    bool sound = true;
+    threads_run(check_part, &parts, parts.pieces);
+    for (size_t i = 0; i < parts.pieces; i++) {
+        sound = sound && parts.is_sound[i];
+    }
+    return sound;
+}
+
+static conus_status refuse(const char *what, size_t index, const char *why)
+{
+    return fail(CONUS_ERROR_DATA, "%s %zu (from 0): %s", what, index, why);
+}
+
+/* The object numbers of a volume's voxels. */
+struct numbers {
+    const struct volume *volume;
+    uint32_t most;
+    bool may_block;
+};
+
+static bool numbers_are_sound(const void *user, size_t from, size_t to)
+{
+    const struct numbers *numbers = user;
+    const uint16_t *objects16 = numbers->volume->objects16;
+    const uint32_t *objects32 = numbers->volume->objects32;
+    uint32_t shift = numbers->may_block ? 1 : 0; /* VOLUME_BLOCKER becomes 0 */
+    uint32_t most = 0;
+    for (size_t v = from; objects16 && v < to; v++) {
+        most = objects16[v] > most ? objects16[v] : most;
+    }
+    bool sound = most <= numbers->most;
+    most = 0;
+    for (size_t v = from; objects32 && v < to; v++) {
+        uint32_t number = objects32[v] + shift;
+        most = number > most ? number : most;
+    }
+    return sound && most <= numbers->most + shift;
+}
+
+static bool matrix_is_sound(const struct volume *volume)
+{
+    double inverse[16];
+    conus_volume_info info = volume->info;
+    bool sound = !space_describe(&info, volume->info.world_from_voxel, "matrix") &&
+                 !space_invert(inverse, volume->info.world_from_voxel, "matrix");
+    for (int i = 0; i < 16 && sound; i++) {
+        double scale = 0; /* of its row */
+        for (int k = i % 4; k < 16; k += 4) {
+            scale = fmax(scale, fabs(inverse[k]));
+        }
+        sound = fabs(volume->voxel_from_world[i] - inverse[i]) <= 1e-9 * scale;
+    }
+    return sound;
+}
+
+static bool steps_are_sound(const struct volume *volume, uint32_t most)
+{
+    bool sound = true;
+    for (size_t i = 0; i < volume->step_count && sound; i++) {
+        const struct volume_step *step = &volume->steps[i];
+        sound = step->number >= 1 && step->number <= most && step->is_hidden <= 1;
+    }
+    for (size_t i = 0; i < volume->hidden_run_count && sound; i++) {
+        const struct hidden_run *run = &volume->hidden_runs[i];
+        sound = run->first <= volume->voxel_count && run->count <= volume->voxel_count - run->first &&
+                run->object >= 1 && run->object <= most;
+    }
+    return sound;
+}
+
+/* What a volume of this role has, no more and no less. */
+static bool has_arrays(const struct volume *volume)
+{
+    const bool has_objects = volume->objects16 || volume->objects32;
+    switch (volume->info.role) {
+    case CONUS_ROLE_PARCELLATION:
+        return !volume->objects16 != !volume->objects32 && !volume->step_count && !volume->map.count;
+    case CONUS_ROLE_SCALAR:
+    case CONUS_ROLE_PROBABILITY:
+        return !has_objects && volume->step_count && volume->map.count;
+    case CONUS_ROLE_CONTEXT:
+        return !volume->objects16 && volume->values && !volume->step_count;
+    default:
+        return false;
+    }
+}
+
+enum { VOXELS_A_THREAD = 1 << 20 };
+
+static conus_status check_volume(const conus_atlas *atlas, size_t index)
+{
+    const struct volume *volume = &atlas->volumes[index];
+    const bool is_context = volume->info.role == CONUS_ROLE_CONTEXT;
+    const struct numbers numbers = {volume, (uint32_t)atlas->object_count, is_context};
+    static const char what[] = "volume";
+    const bool is_late = index && atlas->volumes[index - 1].info.role != CONUS_ROLE_PARCELLATION;
+    if (!has_arrays(volume) || !volume->path || (is_late && volume->info.role == CONUS_ROLE_PARCELLATION) ||
+        (is_context && volume != atlas_context(atlas))) {
+        return refuse(what, index, "has not what its role needs");
+    }
+    if (!matrix_is_sound(volume)) {
+        return refuse(what, index, "its matrices are no grid's");
+    }
+    if (!steps_are_sound(volume, (uint32_t)atlas->object_count)) {
+        return refuse(what, index, "a step or a hidden run leads to no object or voxel");
+    }
+    if (!pack_check_parts(numbers_are_sound, &numbers, volume->voxel_count, VOXELS_A_THREAD)) {
+        return refuse(what, index, "a voxel has an object that there is not");
+    }
+    return !volume_can_be_hit(volume) == !volume->distances &&
+                   (!volume->distances || distance_map_is_sound(volume->distances, volume))
+               ? CONUS_OK
+               : refuse(what, index, "a distance leads out of its map");
+}
+
+static conus_status check_mesh(const struct mesh *mesh, const char *what, size_t index)
+{
+    if (!mesh->positions || !mesh->triangles || !mesh->triangle_count || mesh->triangle_count > UINT32_MAX ||
+        mesh->vertex_count > UINT32_MAX || mesh_check_numbers(mesh)) {
+        return refuse(what, index, "a triangle or a vertex is none");
+    }
+    return vec3_is_finite(mesh->shape.low) && vec3_is_finite(mesh->shape.high) ? CONUS_OK
+                                                                               : refuse(what, index, "its box is none");
+}
+
+static bool points_are_sound(const void *user, size_t from, size_t to)
+{
+    const struct tractogram *tractogram = user;
+    bool beyond = false;
+    for (size_t i = 3 * from; tractogram->points && i < 3 * to; i++) {
+        beyond |= !(fabsf(tractogram->points[i]) <= (float)TRACT_COORDINATE_LIMIT);
+    }
+    for (size_t i = 3 * from; !tractogram->points && i < 3 * to; i++) {
+        beyond |= (tractogram->halves[i] & 0x7c00) == 0x7c00;
+    }
+    return !beyond;
+}
+
+static conus_status check_tractogram(const struct tractogram *tractogram, size_t index)
+{
+    static const char what[] = "tractogram";
+    if (tractogram->file_offset || !(tractogram->radius > 0 && tractogram->radius <= TRACT_RADIUS_LIMIT) ||
+        tractogram->space > CONUS_FILE_SPACE_LPS) {
+        return refuse(what, index, "its radius or space is none");
+    }
+    conus_status status = tractogram_check_tree(tractogram);
+    if (status) {
+        return status;
+    }
+    for (size_t i = 0; i < tractogram->scalar_count; i++) {
+        if (!tractogram->scalars[i].components) {
+            return refuse(what, index, "a scalar has no numbers");
+        }
+    }
+    return pack_check_parts(points_are_sound, tractogram, (size_t)tractogram->point_count, VOXELS_A_THREAD)
+               ? CONUS_OK
+               : refuse(what, index, "a coordinate is not within 1e9 mm of 0");
+}
+
+static bool is_finite_matrix(const double m[16])
+{
+    bool is_finite = true;
+    for (int i = 0; i < 16; i++) {
+        is_finite = is_finite && isfinite(m[i]);
+    }
+    return is_finite;
+}
+
+static conus_status check_warp(const struct warp *warp, size_t index)
+{
+    const struct deformation *field = &warp->field;
+    return is_finite_matrix(field->world_from_voxel) && is_finite_matrix(field->voxel_from_world) &&
+                   is_finite_matrix(field->base) && is_finite_matrix(field->linear) && is_finite_matrix(field->start) &&
+                   is_finite_matrix(warp->after)
+               ? CONUS_OK
+               : refuse("deformation field", index, "a matrix is not finite");
+}
+
+static bool object_is_sound(const conus_atlas *atlas, size_t i)
+{
+    const conus_object *object = &atlas->objects[i];
+    const struct object_place *place = &atlas->places[i];
+    const bool is_area = i < atlas->area_count;
+    return object->name && object->abbreviation && (!object->hemisphere || strchr("LRB", object->hemisphere)) &&
+           (is_area ? object->kind == CONUS_KIND_AREA
+                    : object->kind == CONUS_KIND_PATHWAY || object->kind == CONUS_KIND_BUNDLE) &&
+           (object->kind == CONUS_KIND_BUNDLE) == place->is_bundle && !(place->is_mesh && place->is_bundle) &&
+           object->parent <= atlas->area_count && (is_area || !object->parent) &&
+           (object->volume == 0 || object->volume < atlas->volume_count) &&
+           (!place->is_mesh || place->index < atlas->mesh_count) && place->named <= atlas->object_count;
+}
+
+static conus_status check_objects(const conus_atlas *atlas)
+{
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        if (!object_is_sound(atlas, i)) {
+            return refuse("object", i, "its kind, its shape or its parent is none");
+        }
+    }
+    return atlas_check_tree(atlas);
+}
+
+static conus_status check_numbers(const conus_atlas *atlas)
+{
+    const bool is_placed = (!atlas->is_moved && !atlas->is_mirrored) || is_finite_matrix(atlas->own_from_world);
+    return atlas->area_count <= atlas->object_count && atlas->object_count < UINT32_MAX &&
+                   atlas->first_pair <= atlas->area_count && (unsigned)atlas->hemispheres <= CONUS_HEMISPHERES_MERGED &&
+                   is_placed && (!atlas->has_ccf || is_finite_matrix(atlas->own_from_ccf)) &&
+                   atlas->exchanged <= atlas->notes.count && atlas->path && atlas->label_source
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "head: a count, a matrix or a text is none");
+}
+
+conus_status pack_check_atlas(const conus_atlas *atlas)
+{
+    conus_status status = check_numbers(atlas);
+    status = status ? status : check_objects(atlas);
+    for (size_t i = 0; i < atlas->warp_count && !status; i++) {
+        status = check_warp(&atlas->warps[i], i);
+    }
+    for (size_t i = 0; i < atlas->volume_count && !status; i++) {
+        status = check_volume(atlas, i);
+    }
+    for (size_t i = 0; i < atlas->mesh_count && !status; i++) {
+        status = check_mesh(&atlas->meshes[i], "surface", i);
+    }
+    for (size_t i = 0; i < atlas->context_surface_count && !status; i++) {
+        const struct context_surface *surface = &atlas->context_surfaces[i];
+        status = check_mesh(&surface->mesh, "surface around the areas", i);
+        if (!status && (!(surface->opacity > 0 && surface->opacity <= 1) ||
+                        (surface->hemisphere && !strchr("LRB", surface->hemisphere)))) {
+            status = refuse("surface around the areas", i, "its opacity or side is none");
+        }
+    }
+    for (size_t i = 0; i < atlas->tractogram_count && !status; i++) {
+        status = check_tractogram(&atlas->tractograms[i], i);
+    }
+    return status;
+}

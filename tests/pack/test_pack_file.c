@@ -1,0 +1,319 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Packs open as what was packed, or not at all; and they say when their sources have changed. */
+#include "pack/pack_file.h"
+
+#include "base/files/file.h"
+#include "conus/phantom.h"
+#include "conus/streamlines.h"
+#include "pack/pack_layout.h"
+#include "packed_atlas.h"
+#include "test.h"
+
+#include <fcntl.h>
+#include <libdeflate.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+/* A change of a packed structure changes this number. Then PACK_FORMAT is raised, and so is this. */
+enum { FORMAT = 1 };
+#define LAYOUT UINT64_C(0x6172b7e7dc1e9566)
+
+static void a_change_of_layout_is_a_change_of_format(void **state)
+{
+    (void)state;
+    assert_int_equal(PACK_FORMAT, FORMAT);
+    if (sizeof(void *) == 8) {
+        assert_int_equal(pack_layout(), LAYOUT);
+    }
+}
+
+static char pack_path[400];
+
+static void keep_path(const char *name)
+{
+    snprintf(pack_path, sizeof pack_path, "%s", test_scratch(name));
+}
+
+static struct bytes make_pack(void)
+{
+    struct bytes bytes = {0};
+    conus_atlas *atlas = make_atlas();
+    atlas->path = memory_text("v.nii", 5);
+    keep_path("made.conus");
+    assert_ok(conus_atlas_save(pack_path, atlas, &(const conus_save_options){.words = "conus pack v.nii"}));
+    assert_ok(file_read(&bytes, pack_path, UINT32_MAX));
+    conus_atlas_destroy(atlas);
+    return bytes;
+}
+
+static conus_status open_bytes(const struct bytes *bytes)
+{
+    conus_atlas *atlas = NULL;
+    assert_ok(file_write_soon(pack_path, bytes->data, bytes->size));
+    conus_status status = conus_atlas_load(&atlas, pack_path, NULL);
+    conus_atlas_destroy(atlas);
+    return status;
+}
+
+static void what_is_opened_is_what_was_packed(void **state)
+{
+    (void)state;
+    struct bytes bytes = make_pack();
+    conus_atlas *first = make_atlas();
+    conus_atlas *opened = NULL;
+    assert_ok(conus_atlas_load(&opened, pack_path, NULL));
+    const conus_pack_info *info = conus_atlas_pack_info(opened);
+    assert_string_equal(info->path, pack_path);
+    assert_string_equal(info->words, "conus pack v.nii");
+    assert_int_equal(info->size, bytes.size);
+    assert_int_equal(info->source_count, 0); /* there are no such files */
+    char sum[65];
+    file_sha256(sum, &(const struct bytes){bytes.data + PACK_PAGE, bytes.size - PACK_PAGE});
+    assert_string_equal(info->sha256, sum);
+    assert_int_equal(conus_atlas_object_count(opened), conus_atlas_object_count(first));
+    for (size_t i = 1; i <= conus_atlas_object_count(first); i++) {
+        assert_string_equal(conus_atlas_object(first, i)->name, conus_atlas_object(opened, i)->name);
+    }
+    for (size_t i = 0; i < first->volume_count; i++) {
+        for (size_t v = 0; v < first->volumes[i].voxel_count && volume_can_be_hit(&first->volumes[i]); v++) {
+            assert_int_equal(volume_object(&first->volumes[i], v), volume_object(&opened->volumes[i], v));
+        }
+    }
+    assert_int_equal(conus_atlas_context_surface_count(opened), 1);
+    assert_int_equal(opened->tractograms[0].point_count, first->tractograms[0].point_count);
+    assert_fails(conus_atlas_save(pack_path, opened, NULL), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_atlas_save("x.nii", first, NULL), CONUS_ERROR_ARGUMENT);
+    assert_null(conus_atlas_pack_info(first));
+    conus_atlas_destroy(opened);
+    conus_atlas_destroy(first);
+    bytes_finish(&bytes);
+}
+
+static void every_cut_is_refused(void **state)
+{
+    (void)state;
+    struct bytes bytes = make_pack();
+    for (size_t size = 0; size < bytes.size; size += size < 64 || size + 64 > bytes.size ? 1 : 61) {
+        assert_fails(open_bytes(&(const struct bytes){bytes.data, size}), CONUS_ERROR_DATA);
+    }
+    bytes_finish(&bytes);
+}
+
+static void every_flipped_bit_is_refused(void **state)
+{
+    (void)state;
+    struct bytes bytes = make_pack();
+    uint64_t random = 1;
+    for (size_t bit = 0; bit < 8 * (sizeof(struct pack_head) + sizeof(uint64_t)); bit += bit < 2048 ? 1 : 97) {
+        bytes.data[bit / 8] ^= (uint8_t)(1 << bit % 8);
+        assert_fails(open_bytes(&bytes), CONUS_ERROR_DATA);
+        bytes.data[bit / 8] ^= (uint8_t)(1 << bit % 8);
+    }
+    for (size_t i = 0; i < test_cases(100000); i++) {
+        random = random * UINT64_C(6364136223846793005) + 1442695040888963407;
+        size_t bit = (size_t)(random >> 20) % (8 * bytes.size);
+        bytes.data[bit / 8] ^= (uint8_t)(1 << bit % 8);
+        assert_fails(open_bytes(&bytes), CONUS_ERROR_DATA);
+        bytes.data[bit / 8] ^= (uint8_t)(1 << bit % 8);
+    }
+    assert_ok(open_bytes(&bytes));
+    bytes_finish(&bytes);
+}
+
+/* Writes a head whose sum is right. */
+static void set_head(struct bytes *bytes, struct pack_head head)
+{
+    head.crc = libdeflate_crc32(0, &head, offsetof(struct pack_head, crc));
+    memcpy(bytes->data, &head, sizeof head);
+}
+
+static void other_heads_are_refused_by_what_they_say(void **state)
+{
+    (void)state;
+    struct bytes bytes = make_pack();
+    struct pack_head head;
+    memcpy(&head, bytes.data, sizeof head);
+    struct pack_head other = head;
+    other.format = 2;
+    set_head(&bytes, other);
+    assert_fails(open_bytes(&bytes), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "found format 2, this conus reads format 1"));
+    other = head;
+    other.byte_order = __builtin_bswap32(head.byte_order);
+    other.format = __builtin_bswap32(head.format);
+    set_head(&bytes, other);
+    assert_fails(open_bytes(&bytes), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "another byte order"));
+    other = head;
+    other.layout++;
+    set_head(&bytes, other);
+    assert_fails(open_bytes(&bytes), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "another build of conus; pack it again: conus pack v.nii"));
+    struct pack_part *parts[] = {&other.words, &other.sources, &other.atlas, &other.sums};
+    for (size_t i = 0; i < 4; i++) {
+        for (int far = 0; far < 4; far++) {
+            other = head;
+            *(far % 2 ? &parts[i]->at : &parts[i]->size) = far < 2 ? bytes.size : UINT64_MAX - 4095;
+            set_head(&bytes, other);
+            assert_fails(open_bytes(&bytes), CONUS_ERROR_DATA);
+        }
+    }
+    set_head(&bytes, head);
+    bytes.data[head.atlas.at] ^= 1;
+    assert_fails(open_bytes(&bytes), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "damaged between the bytes 4096 and "));
+    bytes_finish(&bytes);
+}
+
+static conus_status load_atlas(void *data)
+{
+    conus_atlas *atlas = NULL;
+    conus_status status = conus_atlas_load(&atlas, data, NULL);
+    conus_atlas_destroy(atlas);
+    return status;
+}
+
+static conus_status save_atlas(void *data)
+{
+    return conus_atlas_save(pack_path, data, NULL);
+}
+
+static void every_failing_allocation_is_an_error(void **state)
+{
+    (void)state;
+    struct bytes bytes = make_pack();
+    conus_atlas *atlas = make_atlas();
+    test_every_allocation(load_atlas, pack_path);
+    test_every_allocation(save_atlas, atlas);
+    conus_atlas_destroy(atlas);
+    bytes_finish(&bytes);
+}
+
+/* The states of all sources, "same same changed", and whether a warning says so. */
+static void assert_states(const char *path, const char *wanted)
+{
+    static const char *const words[] = {"same", "changed", "gone"};
+    char found[200] = "";
+    conus_atlas *atlas = NULL;
+    conus_source_state one;
+    bool warns = false;
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    for (size_t i = 0; conus_atlas_pack_source(&one, atlas, i); i++) {
+        size_t size = strlen(found);
+        snprintf(found + size, sizeof found - size, "%s%s", i ? " " : "", words[one]);
+    }
+    assert_string_equal(found, wanted);
+    for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
+        warns = warns || (strstr(conus_atlas_note(atlas, i), "changed since; pack it again: words") &&
+                          conus_atlas_note_severity(atlas, i) == CONUS_SEVERITY_WARNING);
+    }
+    assert_int_equal(warns, strstr(wanted, "changed") != NULL);
+    conus_atlas_destroy(atlas);
+}
+
+static void sources_are_looked_for_and_compared(void **state)
+{
+    (void)state;
+    char folder[256];
+    char moved[300];
+    char path[320];
+    char names[320];
+    struct bytes bytes = {0};
+    conus_atlas *atlas = NULL;
+    snprintf(folder, sizeof folder, "%s", test_scratch("sources"));
+    snprintf(moved, sizeof moved, "%s-moved", folder);
+    assert_ok(conus_phantom_write("sphere", folder, NULL));
+    snprintf(path, sizeof path, "%s/sphere.nii.gz", folder);
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    snprintf(pack_path, sizeof pack_path, "%s/s.conus", folder);
+    assert_ok(conus_atlas_save(pack_path, atlas, &(const conus_save_options){.words = "words"}));
+    assert_states(pack_path, "same same");
+    assert_int_equal(rename(folder, moved), 0); /* together */
+    snprintf(pack_path, sizeof pack_path, "%s/s.conus", moved);
+    assert_states(pack_path, "same same");
+    snprintf(names, sizeof names, "%s/sphere.tsv", moved);
+    assert_ok(file_read(&bytes, names, 10000));
+    const struct timespec times[2] = {{1000000000, 0}, {1000000000, 0}};
+    assert_int_equal(utimensat(AT_FDCWD, names, times, 0), 0); /* the same bytes at another time */
+    assert_states(pack_path, "same same");
+    bytes.data[bytes.size - 2] ^= 1;
+    assert_ok(file_write(names, bytes.data, bytes.size));
+    assert_states(pack_path, "changed same");
+    assert_int_equal(unlink(names), 0);
+    assert_states(pack_path, "gone same");
+    bytes_finish(&bytes);
+    conus_atlas_destroy(atlas);
+}
+
+static void a_source_that_changed_before_it_was_packed_is_an_error(void **state)
+{
+    (void)state;
+    char folder[256];
+    char path[320];
+    conus_atlas *atlas = NULL;
+    snprintf(folder, sizeof folder, "%s", test_scratch("changing"));
+    assert_ok(conus_phantom_write("sphere", folder, NULL));
+    snprintf(path, sizeof path, "%s/sphere.nii.gz", folder);
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    assert_ok(conus_phantom_write("torus", folder, NULL));
+    snprintf(pack_path, sizeof pack_path, "%s/torus.nii.gz", folder);
+    assert_int_equal(rename(pack_path, path), 0);
+    snprintf(pack_path, sizeof pack_path, "%s/s.conus", folder);
+    assert_fails(conus_atlas_save(pack_path, atlas, NULL), CONUS_ERROR_IO);
+    assert_int_equal(access(pack_path, F_OK), -1);
+    conus_atlas_destroy(atlas);
+}
+
+static void what_is_read_is_given_when_packing(void **state)
+{
+    (void)state;
+    struct bytes bytes = make_pack();
+    conus_atlas *atlas = NULL;
+    conus_tractogram *tractogram = NULL;
+    assert_fails(conus_atlas_load(&atlas, pack_path, &(const conus_load_options){.labels = "x.txt"}),
+                 CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_atlas_load(&atlas, pack_path, &(const conus_load_options){.probability = 0.5}),
+                 CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_tractogram_load(&tractogram, pack_path, NULL), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "conus pack"));
+    bytes_finish(&bytes);
+}
+
+static void older_readers_are_a_warning(void **state)
+{
+    (void)state;
+    struct bytes bytes = make_pack();
+    struct pack_head head;
+    conus_atlas *atlas = NULL;
+    memcpy(&head, bytes.data, sizeof head);
+    head.readers = PACK_READERS - 1;
+    set_head(&bytes, head);
+    assert_ok(file_write(pack_path, bytes.data, bytes.size));
+    assert_ok(conus_atlas_load(&atlas, pack_path, NULL));
+    size_t last = conus_atlas_note_count(atlas) - 1;
+    assert_non_null(
+        strstr(conus_atlas_note(atlas, last), "readers were mended since; pack it again: conus pack v.nii"));
+    assert_int_equal(conus_atlas_note_severity(atlas, last), CONUS_SEVERITY_WARNING);
+    conus_atlas_destroy(atlas);
+    bytes_finish(&bytes);
+}
+
+TEST_GROUP(pack_file)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_change_of_layout_is_a_change_of_format),
+        cmocka_unit_test(what_is_opened_is_what_was_packed),
+        cmocka_unit_test(every_cut_is_refused),
+        cmocka_unit_test(every_flipped_bit_is_refused),
+        cmocka_unit_test(other_heads_are_refused_by_what_they_say),
+        cmocka_unit_test(every_failing_allocation_is_an_error),
+        cmocka_unit_test(sources_are_looked_for_and_compared),
+        cmocka_unit_test(a_source_that_changed_before_it_was_packed_is_an_error),
+        cmocka_unit_test(what_is_read_is_given_when_packing),
+        cmocka_unit_test(older_readers_are_a_warning),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
