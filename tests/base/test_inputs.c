@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The list of the files that a process has read, of which none is replaced. */
-#include "base/files/inputs.h"
 #include "base/files/file.h"
+#include "base/files/inputs.h"
 #include "base/system/system.h"
 #include "conus/file.h"
 #include "test.h"

@@ -193,6 +193,6 @@ of_atlas() {
         conus connect $atlas.nii.gz $options -q -o of-$atlas.tsv
         of_atlas $atlas all.tsv | cmp - of-$atlas.tsv
     done
-    ! cmp -s of-u-shape.tsv of-nested.tsv
+    run ! cmp -s of-u-shape.tsv of-nested.tsv
     says_identical all.tsv
 }
