@@ -9,6 +9,7 @@
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
+#include "base/writer.h"
 #include "conus/file.h"
 #include "conus/version.h"
 #include "pack/atlas_pack.h"

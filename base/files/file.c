@@ -2,12 +2,12 @@
 /* Reads files whole and writes them whole or not at all, through a temporary file beside the target. */
 #include "base/files/file.h"
 
-#include "base/files/file_trace.h"
 #include "base/files/inputs.h"
 #include "base/memory.h"
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
+#include "base/writer.h"
 #include "conus/file.h"
 
 #include <errno.h>
@@ -26,20 +26,10 @@ static conus_status fail_errno(const char *path, const char *action)
     return fail(CONUS_ERROR_IO, "%s: cannot %s: %s", path, action, text_error(errno));
 }
 
-/* Recorded by a trace. */
-static bool stat_traced(struct system_stat *info, const char *path)
-{
-    bool found = system_stat(info, path);
-    int error = errno;
-    file_trace_path(path, found ? info : NULL);
-    errno = error;
-    return found;
-}
-
 conus_status file_state_find(struct file_state *out, const char *path)
 {
     struct system_stat info;
-    if (!stat_traced(&info, path)) {
+    if (!system_stat(&info, path)) {
         return fail_errno(path, "open");
     }
     file_state_take(out, &info);
@@ -63,16 +53,14 @@ conus_status file_open_here(struct open_file *out, const char *path)
     struct system_stat info;
     int descriptor = system_open(path, SYSTEM_READ | SYSTEM_AT_ONCE);
     if (descriptor < 0) {
-        conus_status status = fail_read("open");
-        file_trace_path(path, NULL);
-        return status;
+        return fail_read("open");
     }
     if (!system_stat_open(&info, descriptor)) {
         conus_status status = fail_read("read");
         close(descriptor);
         return status;
     }
-    file_trace_input(path, &info);
+    inputs_read(path, &info);
     if (info.kind != SYSTEM_FILE) {
         close(descriptor);
         return fail(CONUS_ERROR_IO, "cannot read: %s, a regular file is needed",
@@ -114,7 +102,6 @@ conus_status file_read_here(struct bytes *out, const struct open_file *file, siz
     }
     if (status) {
         bytes_finish(&bytes);
-        file_trace_failed();
         return status;
     }
     *out = bytes;
@@ -133,7 +120,6 @@ conus_status file_part_here(uint8_t *out, const struct open_file *file, uint64_t
     struct file_state now;
     ptrdiff_t got = system_read_at(file->descriptor, out, size, from);
     if (got < 0) {
-        file_trace_failed();
         return fail_read("read");
     }
     bool same = file_state_of(&now, file->descriptor) && file_state_equal(&now, &file->before);
@@ -271,13 +257,13 @@ void file_unmap(const void *memory, size_t size)
 bool file_exists(const char *path)
 {
     struct system_stat info;
-    return stat_traced(&info, path) && info.kind == SYSTEM_FILE;
+    return system_stat(&info, path) && info.kind == SYSTEM_FILE;
 }
 
 bool file_is_folder(const char *path)
 {
     struct system_stat info;
-    return stat_traced(&info, path) && info.kind == SYSTEM_FOLDER;
+    return system_stat(&info, path) && info.kind == SYSTEM_FOLDER;
 }
 
 char *file_beside(const char *path, const char *name)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Files that are written whole or not at all, and their temporary names. */
 #include "base/files/file.h"
+#include "base/writer.h"
 #include "test.h"
 
 #include <dirent.h>
