@@ -598,7 +598,7 @@ bool distance_map_is_sound(const void *memory, const struct volume *volume)
     set_dimensions(&fits, volume);
     find_part(first, part, volume);
     if (memcmp(map.dim, fits.dim, sizeof map.dim) != 0 || memcmp(map.base, fits.base, sizeof map.base) != 0 ||
-        memcmp(map.lines, fits.lines, sizeof map.lines) != 0 || map.shift || map.least || !box_is_sound(&map, part)) {
+        memcmp(map.lines, fits.lines, sizeof map.lines) != 0 || map.shift || map.least || map.block || !box_is_sound(&map, part)) {
         return false;
     }
     map.codes = (uint8_t *)memory + HEAD_SIZE; /* is only read */
@@ -630,6 +630,7 @@ conus_status distance_map_init(struct distance_map *out, const struct volume *vo
     if (volume->distances) {
         memcpy(out, volume->distances, sizeof *out);
         out->codes = (uint8_t *)volume->distances + HEAD_SIZE; /* is only read */
+        out->block = NULL;
         return CONUS_OK;
     }
     return make_map(out, volume, mark_occupied);
