@@ -6,6 +6,7 @@
 #include "atlas/bundles.h"
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
+#include "base/memory.h"
 #include "base/threads.h"
 #include "selection/engine/voxels/distance_map.h"
 
@@ -42,30 +43,73 @@ static conus_status refuse(const char *what, size_t index, const char *why)
     return fail(CONUS_ERROR_DATA, "%s %zu (from 0): %s", what, index, why);
 }
 
-/* The object numbers of a volume's voxels. */
+/* The numbers that a volume's voxels may have beside 0: those of objects with their place in it, or of a context
+ * VOLUME_BLOCKER. */
 struct numbers {
     const struct volume *volume;
-    uint32_t most;
-    bool may_block;
+    uint32_t first, last; /* none: first above last */
+    bool *are_allowed;    /* [from first to last]; NULL = all of these */
 };
+
+static bool is_in(const conus_atlas *atlas, size_t object, size_t index)
+{
+    const struct object_place *place = &atlas->places[object];
+    return !place->is_mesh && !place->is_bundle && place->index == index;
+}
+
+/* CONUS_ERROR_MEMORY. memory_free() are_allowed. */
+static conus_status find_numbers(struct numbers *out, const conus_atlas *atlas, size_t index)
+{
+    const bool is_context = atlas->volumes[index].info.role == CONUS_ROLE_CONTEXT;
+    size_t count = 0;
+    *out = (struct numbers){.volume = &atlas->volumes[index], .first = UINT32_MAX};
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        if (is_in(atlas, i, index)) {
+            out->first = count++ ? out->first : (uint32_t)i + 1;
+            out->last = (uint32_t)i + 1;
+        }
+    }
+    if (is_context) {
+        out->last = UINT32_MAX; /* VOLUME_BLOCKER only */
+    }
+    if (is_context || !count || count == out->last - out->first + (size_t)1) {
+        return is_context && count ? refuse("volume", index, "objects have their place in a context") : CONUS_OK;
+    }
+    out->are_allowed = memory_zeroed(out->last - out->first + (size_t)1, sizeof *out->are_allowed);
+    for (size_t i = 0; i < atlas->object_count && out->are_allowed; i++) {
+        if (is_in(atlas, i, index)) {
+            out->are_allowed[i + 1 - out->first] = true;
+        }
+    }
+    return out->are_allowed ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static bool is_allowed(const struct numbers *numbers, uint32_t number)
+{
+    return number >= numbers->first && number <= numbers->last &&
+           (!numbers->are_allowed || numbers->are_allowed[number - numbers->first]);
+}
 
 static bool numbers_are_sound(const void *user, size_t from, size_t to)
 {
     const struct numbers *numbers = user;
-    const uint16_t *objects16 = numbers->volume->objects16;
-    const uint32_t *objects32 = numbers->volume->objects32;
-    uint32_t shift = numbers->may_block ? 1 : 0; /* VOLUME_BLOCKER becomes 0 */
-    uint32_t most = 0;
-    for (size_t v = from; objects16 && v < to; v++) {
-        most = objects16[v] > most ? objects16[v] : most;
+    const struct volume *volume = numbers->volume;
+    const uint32_t first = numbers->first;
+    const uint32_t span = numbers->first <= numbers->last ? numbers->last - first : 0;
+    unsigned bad = 0;
+    for (size_t v = from; volume->objects16 && v < to; v++) {
+        uint32_t number = volume->objects16[v];
+        bad |= (unsigned)(number - first > span) & (number != 0);
     }
-    bool sound = most <= numbers->most;
-    most = 0;
-    for (size_t v = from; objects32 && v < to; v++) {
-        uint32_t number = objects32[v] + shift;
-        most = number > most ? number : most;
+    for (size_t v = from; volume->objects32 && v < to; v++) {
+        uint32_t number = volume->objects32[v];
+        bad |= (unsigned)(number - first > span) & (number != 0);
     }
-    return sound && most <= numbers->most + shift;
+    for (size_t v = from; numbers->are_allowed && !bad && v < to && (volume->objects16 || volume->objects32); v++) {
+        uint32_t number = volume_object(volume, v);
+        bad = number && !numbers->are_allowed[number - first];
+    }
+    return !bad;
 }
 
 static bool matrix_is_sound(const struct volume *volume)
@@ -84,17 +128,17 @@ static bool matrix_is_sound(const struct volume *volume)
     return sound;
 }
 
-static bool steps_are_sound(const struct volume *volume, uint32_t most)
+static bool steps_are_sound(const struct numbers *numbers)
 {
-    bool sound = true;
+    const struct volume *volume = numbers->volume;
+    bool sound = volume->hidden_runs || !volume->hidden_run_count;
     for (size_t i = 0; i < volume->step_count && sound; i++) {
-        const struct volume_step *step = &volume->steps[i];
-        sound = step->number >= 1 && step->number <= most && step->is_hidden <= 1;
+        sound = is_allowed(numbers, volume->steps[i].number) && volume->steps[i].is_hidden <= 1;
     }
     for (size_t i = 0; i < volume->hidden_run_count && sound; i++) {
         const struct hidden_run *run = &volume->hidden_runs[i];
         sound = run->first <= volume->voxel_count && run->count <= volume->voxel_count - run->first &&
-                run->object >= 1 && run->object <= most;
+                is_allowed(numbers, run->object);
     }
     return sound;
 }
@@ -122,7 +166,7 @@ static conus_status check_volume(const conus_atlas *atlas, size_t index)
 {
     const struct volume *volume = &atlas->volumes[index];
     const bool is_context = volume->info.role == CONUS_ROLE_CONTEXT;
-    const struct numbers numbers = {volume, (uint32_t)atlas->object_count, is_context};
+    struct numbers numbers;
     static const char what[] = "volume";
     const bool is_late = index && atlas->volumes[index - 1].info.role != CONUS_ROLE_PARCELLATION;
     if (!has_arrays(volume) || !volume->path || (is_late && volume->info.role == CONUS_ROLE_PARCELLATION) ||
@@ -132,11 +176,16 @@ static conus_status check_volume(const conus_atlas *atlas, size_t index)
     if (!matrix_is_sound(volume)) {
         return refuse(what, index, "its matrices are no grid's");
     }
-    if (!steps_are_sound(volume, (uint32_t)atlas->object_count)) {
-        return refuse(what, index, "a step or a hidden run leads to no object or voxel");
+    conus_status status = find_numbers(&numbers, atlas, index);
+    if (!status && !steps_are_sound(&numbers)) {
+        status = refuse(what, index, "a step or a hidden run leads to no object or voxel of it");
     }
-    if (!pack_check_parts(numbers_are_sound, &numbers, volume->voxel_count, VOXELS_A_THREAD)) {
-        return refuse(what, index, "a voxel has an object that there is not");
+    if (!status && !pack_check_parts(numbers_are_sound, &numbers, volume->voxel_count, VOXELS_A_THREAD)) {
+        status = refuse(what, index, "a voxel has an object that is not in it");
+    }
+    memory_free(numbers.are_allowed);
+    if (status) {
+        return status;
     }
     return !volume_can_be_hit(volume) == !volume->distances &&
                    (!volume->distances || distance_map_is_sound(volume->distances, volume))
@@ -207,6 +256,15 @@ static conus_status check_warp(const struct warp *warp, size_t index)
                : refuse("deformation field", index, "a matrix is not finite");
 }
 
+/* Whether an object of voxels is in a volume of its kind. */
+static bool fits_volume(const conus_atlas *atlas, size_t object)
+{
+    const struct object_place *place = &atlas->places[object];
+    const bool is_in_one = !place->is_mesh && !place->is_bundle && place->index < atlas->volume_count;
+    const conus_role role = is_in_one ? atlas->volumes[place->index].info.role : CONUS_ROLE_PARCELLATION;
+    return !is_in_one || (role == CONUS_ROLE_SCALAR) == (atlas->objects[object].kind == CONUS_KIND_PATHWAY);
+}
+
 static bool object_is_sound(const conus_atlas *atlas, size_t i)
 {
     const conus_object *object = &atlas->objects[i];
@@ -217,7 +275,7 @@ static bool object_is_sound(const conus_atlas *atlas, size_t i)
                     : object->kind == CONUS_KIND_PATHWAY || object->kind == CONUS_KIND_BUNDLE) &&
            (object->kind == CONUS_KIND_BUNDLE) == place->is_bundle && !(place->is_mesh && place->is_bundle) &&
            object->parent <= atlas->area_count && (is_area || !object->parent) &&
-           (object->volume == 0 || object->volume < atlas->volume_count) &&
+           (object->volume == 0 || object->volume < atlas->volume_count) && fits_volume(atlas, i) &&
            (!place->is_mesh || place->index < atlas->mesh_count) && place->named <= atlas->object_count;
 }
 

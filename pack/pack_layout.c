@@ -81,6 +81,7 @@ struct member {
             sizeof((struct member[]){MEMBERS(type)}) / sizeof(struct member)                                           \
     }
 
+/* NOLINTBEGIN(bugprone-sizeof-expression): of pointers, too */
 static const struct {
     size_t size;
     const struct member *members;
@@ -101,6 +102,7 @@ static const struct {
     [PACK_NODE] = STRUCT(struct tract_node, NODE),
     [PACK_LEAF] = STRUCT(struct tract_leaf, LEAF),
 };
+/* NOLINTEND(bugprone-sizeof-expression) */
 
 size_t pack_kind_size(enum pack_kind kind)
 {

@@ -110,6 +110,7 @@ static int run_pack(const void *given, const struct arguments *arguments)
     int code = outputs_spare_inputs(&outputs) ? outputs_check(&outputs, settings->force) : EXIT_USAGE;
     code = code ? code : atlas_input_load(&atlas, arguments->operands[0], &settings->atlas);
     code = code ? code : context_choice_load(atlas, &settings->context, &settings->atlas);
+    code = code || outputs_spare_inputs(&outputs) ? code : EXIT_USAGE; /* of what was found by then, too */
     if (!code) {
         atlas_notes_say(atlas, &settings->common);
         code = save(settings, atlas, arguments);

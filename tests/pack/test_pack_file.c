@@ -168,6 +168,53 @@ static void other_heads_are_refused_by_what_they_say(void **state)
     bytes_finish(&bytes);
 }
 
+/* The pack with the byte at `at` changed, and with right sums. */
+static void assert_seen(struct bytes *bytes, size_t at, uint8_t value, const char *place)
+{
+    struct pack_head head;
+    uint8_t was = bytes->data[at];
+    memcpy(&head, bytes->data, sizeof head);
+    for (int turn = 0; turn < 2; turn++) {
+        bytes->data[at] = turn ? was : value;
+        uint32_t sum = libdeflate_crc32(0, bytes->data + PACK_PAGE, head.sums.at - PACK_PAGE);
+        memcpy(bytes->data + head.sums.at, &sum, sizeof sum);
+        head.sums_crc = libdeflate_crc32(0, &sum, sizeof sum);
+        set_head(bytes, head);
+        assert_int_equal(open_bytes(bytes), turn ? CONUS_OK : CONUS_ERROR_DATA);
+        assert_true(turn || strstr(conus_message(), place));
+    }
+}
+
+static void no_number_leads_out_of_a_pack_with_right_sums(void **state)
+{
+    (void)state;
+    struct bytes bytes = make_pack();
+    conus_atlas *atlas = NULL;
+    char copy[420];
+    snprintf(copy, sizeof copy, "%s.conus", pack_path);
+    assert_ok(file_write(copy, bytes.data, bytes.size));
+    assert_ok(conus_atlas_load(&atlas, copy, NULL));
+    const uint8_t *begin = atlas->mapped;
+    const struct volume *volume = &atlas->volumes[0];
+    const struct tractogram *tractogram = &atlas->tractograms[0];
+    enum { DISTANCES_HEAD = 192 };
+#define AT(array) ((size_t)((const uint8_t *)(array)-begin))
+    assert_seen(&bytes, AT(volume->objects16), 4, "volume 0 (from 0): a voxel has an object");
+    assert_seen(&bytes, AT(volume->objects16) + 1, 1, "volume 0 (from 0): a voxel has an object");
+    assert_seen(&bytes, AT(volume->distances) + DISTANCES_HEAD, 0, "volume 0 (from 0): a distance");
+    assert_seen(&bytes, AT(volume->distances) + 1, 9, "volume 0 (from 0): a distance");
+    assert_seen(&bytes, AT(atlas->volumes[1].steps) + 8, 1, "volume 1 (from 0): a step");
+    assert_seen(&bytes, AT(atlas->meshes[0].triangles), 4, "surface 0 (from 0)");
+    assert_seen(&bytes, AT(atlas->context_surfaces[0].mesh.triangles), 4, "surface around the areas 0 (from 0)");
+    assert_seen(&bytes, AT(tractogram->first), 1, "streamlines");
+    assert_seen(&bytes, AT(tractogram->tree.marks), 1, "streamlines");
+    assert_seen(&bytes, AT(tractogram->groups[0].members), 2, "group 'one'");
+    assert_seen(&bytes, AT(tractogram->points) + 3, 0x7f, "tractogram 0 (from 0)");
+#undef AT
+    conus_atlas_destroy(atlas);
+    bytes_finish(&bytes);
+}
+
 static conus_status load_atlas(void *data)
 {
     conus_atlas *atlas = NULL;
@@ -309,6 +356,7 @@ TEST_GROUP(pack_file)
         cmocka_unit_test(every_cut_is_refused),
         cmocka_unit_test(every_flipped_bit_is_refused),
         cmocka_unit_test(other_heads_are_refused_by_what_they_say),
+        cmocka_unit_test(no_number_leads_out_of_a_pack_with_right_sums),
         cmocka_unit_test(every_failing_allocation_is_an_error),
         cmocka_unit_test(sources_are_looked_for_and_compared),
         cmocka_unit_test(a_source_that_changed_before_it_was_packed_is_an_error),

@@ -559,31 +559,51 @@ static bool box_is_sound(const struct distance_map *map, const size_t part[3])
     return is_empty || sound;
 }
 
-/* Whether position `x` along an axis, the margin included, is in the box. */
-static bool is_in_box(const struct distance_map *map, int a, size_t x)
+/* Whether a position along an axis, the margin included, is in the box. */
+static bool is_in_box(const struct distance_map *map, int a, size_t position)
 {
-    double at = (double)(map->base[a] + x) - DISTANCE_MARGIN;
+    double at = (double)(map->base[a] + position) - DISTANCE_MARGIN;
     return at >= map->first[a] && at <= map->last[a];
 }
 
-/* Whether no code but those of the box is 0 in line number `line`. */
-static bool line_is_sound(const struct distance_map *map, size_t line)
+/* Whether all positions of a line along an axis are. */
+static bool line_is_in_box(const struct distance_map *map, int a, size_t line)
 {
-    const size_t at[3] = {line % map->lines[0], line / map->lines[0] % map->lines[1],
-                          line / map->lines[0] / map->lines[1]};
-    bool inside[3][DISTANCE_EDGE];
-    bool all = true;
-    bool sound = true;
-    for (int a = 0; a < 3; a++) {
-        for (size_t i = 0; i < DISTANCE_EDGE; i++) {
-            inside[a][i] = is_in_box(map, a, DISTANCE_EDGE * at[a] + i);
-            all = all && inside[a][i];
-        }
+    return is_in_box(map, a, DISTANCE_EDGE * line) && is_in_box(map, a, DISTANCE_EDGE * line + DISTANCE_EDGE - 1);
+}
+
+static bool has_zero(const uint8_t line[DISTANCE_LINE])
+{
+    const uint64_t ones = UINT64_C(0x0101010101010101);
+    uint64_t zeros = 0;
+    for (int w = 0; w < DISTANCE_LINE; w += (int)sizeof zeros) {
+        uint64_t word;
+        memcpy(&word, line + w, sizeof word);
+        zeros |= (word - ones) & ~word & (ones << 7);
     }
-    for (size_t c = 0; c < DISTANCE_LINE && !all; c++) {
-        bool is_in = inside[0][c % DISTANCE_EDGE] && inside[1][c / DISTANCE_EDGE % DISTANCE_EDGE] &&
-                     inside[2][c / DISTANCE_EDGE / DISTANCE_EDGE];
-        sound = sound && (is_in || map->codes[DISTANCE_LINE * line + c]);
+    return zeros;
+}
+
+/* Whether no code but those of the box is 0 in the line at `at`. */
+static bool line_is_sound(const struct distance_map *map, const size_t at[3])
+{
+    const uint8_t *codes = map->codes + DISTANCE_LINE * (at[0] + map->lines[0] * (at[1] + map->lines[1] * at[2]));
+    bool sound = true;
+    for (size_t c = 0; c < DISTANCE_LINE && has_zero(codes) && sound; c++) {
+        sound = codes[c] || (is_in_box(map, 0, DISTANCE_EDGE * at[0] + c % DISTANCE_EDGE) &&
+                             is_in_box(map, 1, DISTANCE_EDGE * at[1] + c / DISTANCE_EDGE % DISTANCE_EDGE) &&
+                             is_in_box(map, 2, DISTANCE_EDGE * at[2] + c / DISTANCE_EDGE / DISTANCE_EDGE));
+    }
+    return sound;
+}
+
+/* The same of a row of lines along i; those in the box are passed over. */
+static bool row_is_sound(const struct distance_map *map, size_t j, size_t k)
+{
+    const bool is_in = line_is_in_box(map, 1, j) && line_is_in_box(map, 2, k);
+    bool sound = true;
+    for (size_t i = 0; i < map->lines[0] && sound; i++) {
+        sound = (is_in && line_is_in_box(map, 0, i)) || line_is_sound(map, (const size_t[3]){i, j, k});
     }
     return sound;
 }
@@ -598,13 +618,14 @@ bool distance_map_is_sound(const void *memory, const struct volume *volume)
     set_dimensions(&fits, volume);
     find_part(first, part, volume);
     if (memcmp(map.dim, fits.dim, sizeof map.dim) != 0 || memcmp(map.base, fits.base, sizeof map.base) != 0 ||
-        memcmp(map.lines, fits.lines, sizeof map.lines) != 0 || map.shift || map.least || !box_is_sound(&map, part)) {
+        memcmp(map.lines, fits.lines, sizeof map.lines) != 0 || map.shift || map.least || map.block ||
+        !box_is_sound(&map, part)) {
         return false;
     }
     map.codes = (uint8_t *)memory + HEAD_SIZE; /* is only read */
     bool sound = true;
-    for (size_t line = 0; line < distance_map_codes(&map) / DISTANCE_LINE && sound; line++) {
-        sound = line_is_sound(&map, line);
+    for (size_t row = 0; row < map.lines[1] * map.lines[2] && sound; row++) {
+        sound = row_is_sound(&map, row % map.lines[1], row / map.lines[1]);
     }
     return sound;
 }
@@ -630,6 +651,7 @@ conus_status distance_map_init(struct distance_map *out, const struct volume *vo
     if (volume->distances) {
         memcpy(out, volume->distances, sizeof *out);
         out->codes = (uint8_t *)volume->distances + HEAD_SIZE; /* is only read */
+        out->block = NULL;
         return CONUS_OK;
     }
     return make_map(out, volume, mark_occupied);
