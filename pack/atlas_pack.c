@@ -7,13 +7,9 @@
 #include "atlas/tracts/tract_node.h"
 #include "base/memory.h"
 #include "base/status.h"
-#include "base/system/system.h"
-#include "base/text.h"
-#include "conus/file.h"
 #include "pack/pack_layout.h"
 #include "selection/engine/voxels/distance_map.h"
 
-#include <errno.h>
 #include <stddef.h>
 #include <string.h>
 #include <zlib.h>
@@ -34,7 +30,6 @@ struct pack_walk {
     size_t small, small_end;
     size_t large, size;
     bool is_verified; /* when attaching: the large arrays have their checksum */
-    bool is_lean;     /* leaves out points that a file has */
     conus_status status;
 };
 
@@ -356,9 +351,8 @@ static struct tractogram bare_tractogram(const struct tractogram *tractogram)
     bare.first = NULL;
     bare.scalars = NULL;
     bare.groups = NULL;
-    bare.mapped = bare.file_mapped = NULL;
-    bare.mapped_size = bare.file_mapped_size = 0;
-    bare.is_in_file = false;
+    bare.mapped = NULL;
+    bare.mapped_size = 0;
     bare.is_ready = true;
     bare.tree.nodes = NULL;
     bare.tree.leaves = NULL;
@@ -414,8 +408,7 @@ static bool has_arrays(const struct tractogram *tractogram)
     const struct tract_tree *tree = &tractogram->tree;
     return tractogram->first && (tree->lengths || !tractogram->streamline_count) &&
            (tree->leaves || !tree->run_count) && (tree->marks || !tractogram->point_count) &&
-           (tree->nodes || !tree->node_count) &&
-           (tractogram->points || tractogram->halves || tractogram->file_offset || !tractogram->point_count);
+           (tree->nodes || !tree->node_count) && (tractogram->points || tractogram->halves || !tractogram->point_count);
 }
 
 /* Into a tractogram of zeros when attaching, which has at every moment what tractogram_finish() may end. */
@@ -426,10 +419,8 @@ static void pass_tractogram(struct pack_walk *walk, void *item, const void *owne
     struct tract_tree *tree = &tractogram->tree;
     struct tractogram plain = bare_tractogram(tractogram);
     bool attaches = walk->mode == PACK_ATTACH;
-    float *copy = NULL;
-    plain.file_offset = attaches || walk->is_lean ? plain.file_offset : 0;
     pack_struct(walk, &plain, PACK_TRACTOGRAM);
-    pack_check(walk, tractogram_fits(&plain, walk) && (!plain.file_offset || walk->is_verified));
+    pack_check(walk, tractogram_fits(&plain, walk));
     if (walk->status) {
         return;
     }
@@ -437,15 +428,8 @@ static void pass_tractogram(struct pack_walk *walk, void *item, const void *owne
         *tractogram = bare_tractogram(&plain);
         tractogram->scalar_count = tractogram->group_count = 0;
     }
-    if (!attaches && plain.file_offset) {
-        tractogram->points = NULL;
-    } else if (!attaches && tractogram->is_in_file && (walk->mode == PACK_COPY || walk->mode == PACK_LARGE)) {
-        tractogram->points = copy = tractogram_copy_points(tractogram);
-        walk->status = copy ? CONUS_OK : CONUS_ERROR_MEMORY;
-    }
     pack_text(walk, &tractogram->path);
     pack_array(walk, &tractogram->points, tractogram->point_count, 3 * sizeof *tractogram->points);
-    memory_free(copy);
     pack_array(walk, &tractogram->halves, tractogram->point_count, 3 * sizeof *tractogram->halves);
     pack_array(walk, &tractogram->first, tractogram->streamline_count + 1, sizeof *tractogram->first);
     pack_array(walk, &tree->nodes, tree->node_count, sizeof *tree->nodes);
@@ -666,20 +650,15 @@ static struct pack_walk walk_over(const conus_atlas *atlas, struct pack_walk wal
     return walk;
 }
 
-static struct pack_walk measure(const conus_atlas *atlas, bool is_lean)
+static struct pack_walk measure(const conus_atlas *atlas)
 {
-    return walk_over(atlas, (struct pack_walk){.mode = PACK_MEASURE, .is_lean = is_lean});
-}
-
-size_t atlas_pack_size(const conus_atlas *atlas, bool is_lean)
-{
-    struct pack_walk walk = measure(atlas, is_lean);
-    return round_up(walk.small) + walk.large;
+    return walk_over(atlas, (struct pack_walk){.mode = PACK_MEASURE});
 }
 
 size_t conus_atlas_packed_size(const conus_atlas *atlas)
 {
-    return atlas_pack_size(atlas, false);
+    struct pack_walk walk = measure(atlas);
+    return round_up(walk.small) + walk.large;
 }
 
 static uint64_t crc_of(const uint8_t *memory, size_t small_end)
@@ -699,7 +678,7 @@ static void write_head(uint8_t *memory, size_t small_end, size_t size)
 
 conus_status conus_atlas_pack(void *memory, size_t size, const conus_atlas *atlas)
 {
-    struct pack_walk measured = measure(atlas, false);
+    struct pack_walk measured = measure(atlas);
     size_t needed = round_up(measured.small) + measured.large;
     if (!memory || (uintptr_t)memory % PACK_LINE || size < needed) {
         return fail(CONUS_ERROR_ARGUMENT, "%zu bytes at %p for an atlas: %zu at a multiple of %d are needed", size,
@@ -712,9 +691,9 @@ conus_status conus_atlas_pack(void *memory, size_t size, const conus_atlas *atla
     return walk.status;
 }
 
-conus_status atlas_pack_give(const conus_atlas *atlas, bool is_lean, pack_sink *sink, void *user)
+conus_status atlas_pack_give(const conus_atlas *atlas, pack_sink *sink, void *user)
 {
-    struct pack_walk measured = measure(atlas, is_lean);
+    struct pack_walk measured = measure(atlas);
     size_t small = round_up(measured.small);
     uint8_t *memory = memory_zeroed(small, 1);
     if (!memory) {
@@ -725,8 +704,7 @@ conus_status atlas_pack_give(const conus_atlas *atlas, bool is_lean, pack_sink *
                              .large = small,
                              .size = small + measured.large,
                              .sink = sink,
-                             .user = user,
-                             .is_lean = is_lean};
+                             .user = user};
     struct pack_walk filled = walk_over(atlas, walk);
     write_head(memory, filled.small, walk.size);
     conus_status status = filled.status ? filled.status : sink(user, memory, small);
@@ -737,25 +715,6 @@ conus_status atlas_pack_give(const conus_atlas *atlas, bool is_lean, pack_sink *
         status = walk_over(atlas, walk).status;
     }
     return status;
-}
-
-/* Where a block goes in an open file. */
-struct pack_place {
-    int file;
-    size_t at;
-};
-
-static conus_status write_part(void *user, const void *data, size_t size)
-{
-    struct pack_place *place = user;
-    bool is_written = system_write_at(place->file, data, size, place->at);
-    place->at += size;
-    return is_written ? CONUS_OK : fail(CONUS_ERROR_IO, "cannot write a packed atlas: %s", text_error(errno));
-}
-
-conus_status atlas_pack_write(int descriptor, size_t at, const conus_atlas *atlas, bool is_lean)
-{
-    return atlas_pack_give(atlas, is_lean, write_part, &(struct pack_place){descriptor, at});
 }
 
 /* Whether `size` bytes at `memory` are a block of this build's, undamaged in what is small. */

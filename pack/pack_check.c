@@ -219,7 +219,7 @@ static bool points_are_sound(const void *user, size_t from, size_t to)
 static conus_status check_tractogram(const struct tractogram *tractogram, size_t index)
 {
     static const char what[] = "tractogram";
-    if (tractogram->file_offset || !(tractogram->radius > 0 && tractogram->radius <= TRACT_RADIUS_LIMIT) ||
+    if (!(tractogram->radius > 0 && tractogram->radius <= TRACT_RADIUS_LIMIT) ||
         tractogram->space > CONUS_FILE_SPACE_LPS) {
         return refuse(what, index, "its radius or space is none");
     }

@@ -223,7 +223,7 @@ static conus_status write_parts(struct pack_writer *writer, const conus_atlas *a
     status = status ? status : put_part(&head.words, writer, words, strlen(words) + 1, 8);
     status = status ? status : put_part(&head.sources, writer, sources->bytes.data, sources->bytes.size, PACK_PAGE);
     head.atlas.at = writer->at;
-    status = status ? status : atlas_pack_give(atlas, false, put, writer);
+    status = status ? status : atlas_pack_give(atlas, put, writer);
     head.atlas.size = writer->at - head.atlas.at;
     if (!status && (writer->at - PACK_PAGE) % PACK_CHUNK) {
         buffer_append(&writer->sums, &writer->crc, sizeof writer->crc);

@@ -60,8 +60,7 @@ struct member {
         M(T, point_count), M(T, first), M(T, streamline_count), M(T, scalars), M(T, scalar_count), M(T, groups),       \
         M(T, group_count), M(T, radius), M(T, tree.nodes), M(T, tree.node_count), M(T, tree.leaves),                   \
         M(T, tree.run_count), M(T, tree.lengths), M(T, tree.marks), M(T, low), M(T, high), M(T, is_ready),             \
-        M(T, has_borrowed_points), M(T, is_borrowed), M(T, mapped), M(T, mapped_size), M(T, file_offset),              \
-        M(T, is_in_file), M(T, file_mapped), M(T, file_mapped_size)
+        M(T, has_borrowed_points), M(T, is_borrowed)
 #define SCALAR(T) M(T, name), M(T, per_point), M(T, components), M(T, values)
 #define OBJECT(T)                                                                                                      \
     M(T, kind), M(T, label), M(T, name), M(T, abbreviation), M(T, hemisphere), M(T, named), M(T, rgb), M(T, parent),   \

@@ -70,16 +70,8 @@ void tractogram_finish(struct tractogram *tractogram)
     memory_free(tractogram->scalars);
     memory_free(tractogram->groups);
     memory_free(tractogram->path);
-    if (tractogram->mapped) {
-        file_unmap(tractogram->mapped, tractogram->mapped_size);
-    }
     file_sums_finish(&tractogram->files);
     *tractogram = (struct tractogram){0};
-}
-
-float *tractogram_copy_points(const struct tractogram *tractogram)
-{
-    return memory_copy(tractogram->points, tractogram->point_count, 3 * sizeof *tractogram->points);
 }
 
 void tractogram_from_lps(struct tractogram *tractogram)

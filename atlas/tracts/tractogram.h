@@ -53,12 +53,6 @@ struct tractogram {
     bool is_ready;            /**< bundles_ready() was there. */
     bool has_borrowed_points; /**< Points (or halves) and the tree's arrays are borrowed and read-only. */
     bool is_borrowed;         /**< The other arrays are borrowed, too. */
-    const void *mapped;       /**< The file mapping that has what is borrowed, to be unmapped with it; NULL = none. */
-    size_t mapped_size;
-    uint64_t file_offset; /**< This and the next three are zero: of packs (selection/batch/atlas_pack.c). */
-    bool is_in_file;
-    const void *file_mapped;
-    size_t file_mapped_size;
 };
 
 /** Frees what it owns; a zeroed one is fine. */
@@ -106,9 +100,6 @@ conus_status tractogram_check(const struct tractogram *tractogram, struct notes 
 /** CONUS_ERROR_DATA where a number of a tractogram with its tree, which comes from elsewhere, leads out of its arrays:
  * `first`, runs, nodes, members of groups. Does not check coordinates. */
 conus_status tractogram_check_tree(const struct tractogram *tractogram);
-
-/** A copy of the points: [3 point_count]. The caller frees it; NULL without memory. */
-float *tractogram_copy_points(const struct tractogram *tractogram);
 
 /** Makes tree, low and high of a checked tractogram. Uses no more memory on the way than in the end.
  * CONUS_ERROR_MEMORY, and CONUS_ERROR_DATA for more than UINT32_MAX points. */

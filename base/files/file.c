@@ -236,19 +236,6 @@ conus_status file_make_folder(const char *path)
     return fail(CONUS_ERROR_IO, "%s: cannot make this folder: %s", path, text_error(errno));
 }
 
-void *file_map(const char *path, const struct file_state *before)
-{
-    struct file_state now;
-    struct open_file file;
-    if (file_open(&file, path)) {
-        return NULL;
-    }
-    bool is_same = file_state_of(&now, file.descriptor) && file_state_equal(&now, before);
-    void *mapped = is_same ? system_map(file.descriptor, (size_t)before->size) : NULL;
-    file_close(&file);
-    return mapped;
-}
-
 void file_unmap(const void *memory, size_t size)
 {
     system_unmap(memory, size);

@@ -49,10 +49,6 @@ struct open_file {
 conus_status file_open(struct open_file *out, const char *path);
 void file_close(const struct open_file *file);
 
-/** Maps the regular file @p path for reading, if that is as it was: @p before. NULL where it is not, or cannot be
- * mapped. End it with file_unmap() of its before->size bytes. Who reads where the file was cut off meanwhile ends by
- * SIGBUS. */
-void *file_map(const char *path, const struct file_state *before);
 void file_unmap(const void *memory, size_t size);
 
 #define FILE_MAX_MEMORY " (--max-memory)" /**< An option for file_read_open(). */

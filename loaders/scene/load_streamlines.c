@@ -113,7 +113,6 @@ static bool borrow_tractogram(struct tractogram *out, const struct tractogram *f
 {
     *out = *from;
     out->has_borrowed_points = out->is_borrowed = true;
-    out->mapped = NULL;
     out->files = (struct file_sums){0};
     out->scalars = memory_copy(from->scalars, from->scalar_count, sizeof *out->scalars);
     out->groups = memory_copy(from->groups, from->group_count, sizeof *out->groups);
@@ -155,9 +154,6 @@ void streamlines_take(struct job *job, conus_atlas *atlas, conus_atlas *alone, d
     }
     struct tractogram *tractogram = &alone->tractograms[0];
     tractogram->radius = radius;
-    tractogram->mapped = alone->mapped;
-    tractogram->mapped_size = alone->mapped_size;
-    alone->mapped = NULL;
     (void)JOB_CALL(job, file_sums_move(&tractogram->files, &alone->files));
     streamlines_add(job, atlas, tractogram, name, &alone->notes);
 }

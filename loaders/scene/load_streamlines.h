@@ -24,7 +24,7 @@ void streamlines_add(struct job *job, conus_atlas *atlas, struct tractogram *tra
 conus_atlas *streamlines_load(struct job *job, const char *path, const conus_load_options *options,
                               conus_file_space space);
 
-/** Adds the tractogram of @p alone, which is emptied and may be mapped, with a radius, mm, and a name as
+/** Adds the tractogram of @p alone, which is emptied, with a radius, mm, and a name as
  * streamlines_add() does. */
 void streamlines_take(struct job *job, conus_atlas *atlas, conus_atlas *alone, double radius, const char *name);
 

@@ -3,9 +3,10 @@
 #include "atlas/bundles.h"
 #include "atlas/placement.h"
 #include "atlas/tracts/tract_node.h"
+#include "base/buffer.h"
 #include "base/memory.h"
-#include "packed_block.h"
 #include "pack/atlas_pack.h"
+#include "packed_block.h"
 #include "test.h"
 #include "tract_scene.h"
 
@@ -161,19 +162,22 @@ static void what_is_attached_is_what_was_packed(void **state)
     block_drop(block);
 }
 
-static void a_file_has_the_same_bytes(void **state)
+static conus_status take_part(void *user, const void *data, size_t size)
+{
+    buffer_append(user, data, size);
+    return buffer_status(user);
+}
+
+static void what_is_given_part_by_part_has_the_same_bytes(void **state)
 {
     (void)state;
     conus_atlas *atlas = make_atlas();
     struct block block = block_pack(atlas);
-    int file = memfd_create("packed", 0);
-    assert_ok(atlas_pack_write(file, 128, atlas, true));
-    assert_int_equal(ftruncate(file, (off_t)(128 + block.size)), 0);
-    uint8_t *bytes = memory_raw(block.size, 1);
-    assert_int_equal(pread(file, bytes, block.size, 128), block.size);
-    assert_memory_equal(bytes, block.memory, block.size);
-    memory_free(bytes);
-    close(file);
+    struct buffer given = {0};
+    assert_ok(atlas_pack_give(atlas, take_part, &given));
+    assert_int_equal(given.size, block.size);
+    assert_memory_equal(given.data, block.memory, block.size);
+    buffer_finish(&given);
     conus_atlas_destroy(atlas);
     block_drop(block);
 }
@@ -330,7 +334,7 @@ TEST_GROUP(pack_tracts)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_attached_is_what_was_packed),
-        cmocka_unit_test(a_file_has_the_same_bytes),
+        cmocka_unit_test(what_is_given_part_by_part_has_the_same_bytes),
         cmocka_unit_test(moving_it_changes_copies),
         cmocka_unit_test(damaged_arrays_are_refused),
         cmocka_unit_test(a_group_that_is_not_there_is_refused),
