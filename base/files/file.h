@@ -84,8 +84,8 @@ conus_status file_read_allowed(struct bytes *out, const char *path, uint64_t max
 /** Reads the first @p most bytes of the regular file @p path, or fewer where it ends earlier. */
 conus_status file_read_head(struct bytes *out, const char *path, size_t most);
 
-/** Begins a file that is written part by part (base/writer.h): not over an input of this process. *out is the caller's to
- * writer_drop() in any case. CONUS_ERROR_IO, CONUS_ERROR_ARGUMENT. */
+/** Begins a file that is written part by part (base/writer.h): not over an input of this process. *out is the caller's
+ * to writer_drop() in any case. CONUS_ERROR_IO, CONUS_ERROR_ARGUMENT. */
 conus_status file_begin(struct writer *out, const char *path, unsigned how);
 conus_status file_append(struct writer *file, const void *data, size_t size);
 /** Gives it its name. */

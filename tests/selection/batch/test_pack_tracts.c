@@ -4,8 +4,8 @@
 #include "atlas/placement.h"
 #include "atlas/tracts/tract_node.h"
 #include "base/memory.h"
-#include "packed_block.h"
 #include "pack/atlas_pack.h"
+#include "packed_block.h"
 #include "test.h"
 #include "tract_scene.h"
 
