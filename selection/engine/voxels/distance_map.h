@@ -58,8 +58,8 @@ size_t distance_map_size(const struct volume *volume);
  * line. */
 conus_status distance_map_write(void *memory, const struct volume *volume);
 
-/** Whether a written map that comes from elsewhere fits the volume, and no ray that it leads leaves the volume: codes of
- * voxels with objects are nowhere but in its box. What the others say is not checked. */
+/** Whether a written map that comes from elsewhere fits the volume, and no ray that it leads leaves the volume: codes
+ * of voxels with objects are nowhere but in its box. What the others say is not checked. */
 bool distance_map_is_sound(const void *memory, const struct volume *volume);
 
 /** How many codes there are. */

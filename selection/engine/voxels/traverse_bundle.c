@@ -100,7 +100,7 @@ static bool aim_at_volume(struct traverse_bundle *bundle, const struct distance_
 static void find_objects(struct traverse_bundle *bundle, const struct volume *volume)
 {
     for (size_t i = 0; i < bundle->count; i++) { /* or each would be waited for in turn */
-        volume_fetch(volume, bundle->voxel[i]);
+        volume_fetch(volume, bundle->voxel[i] == UINT64_MAX ? 0 : bundle->voxel[i]);
     }
     for (size_t i = 0; i < bundle->count; i++) {
         bundle->object[i] = bundle->voxel[i] == UINT64_MAX ? 0 : volume_occupant(volume, bundle->voxel[i]);
