@@ -323,7 +323,11 @@ static bool is_whole(const struct family *family)
 static void set_role(struct head *head, size_t column, enum role role)
 {
     struct columns *out = head->out;
+    const uint8_t before = out->role_of[column];
     out->role_of[column] = (uint8_t)role;
+    if (before != ROLES && !memchr(out->role_of, before, sizeof out->role_of)) {
+        out->has[before] = false;
+    }
     out->has[role] = true;
     snprintf(out->shown[role], COLUMN_NAME_SIZE, "%.*s", TEXT_SHOW(head->line.cells[column], COLUMN_NAME_SIZE - 1));
 }
@@ -465,7 +469,7 @@ static void find_roles(struct head *head)
         char name[8];
         snprintf(name, sizeof name, "m%zu%zu", i / 4, i % 4);
         size_t column = find_name(head, name, 0);
-        if (column != COLUMN_NONE) {
+        if (column != COLUMN_NONE && head->out->role_of[column] == ROLES) {
             set_role(head, column, ROLE_M00 + (enum role)i);
         }
     }
@@ -552,7 +556,23 @@ static const struct family *find_named(struct head *head)
     for (int k = 0; k < 3; k++) {
         head->named.at[k] = find_word(head, head->words.at[k]);
     }
-    return is_whole(&head->named) ? &head->named : NULL;
+    const size_t *at = head->named.at;
+    bool are_three = at[0] != at[1] && at[0] != at[2] && at[1] != at[2];
+    FAULT_IF(is_whole(&head->named) && !are_three, head, "one column is named twice as x, y or z");
+    return is_whole(&head->named) && are_three ? &head->named : NULL;
+}
+
+/* Columns that the user calls x, y and z are nothing else. */
+static void take_named(struct head *head)
+{
+    const struct family *named = find_named(head);
+    for (size_t i = 0; named && i < head->family_count; i++) {
+        struct family *family = &head->families[i];
+        for (size_t k = 0; k < 9; k++) {
+            family->kind = family->at[k / 3] == named->at[k % 3] ? STATISTIC : family->kind;
+        }
+    }
+    take_family(head, named, ROLE_X, "x y z");
 }
 
 static const char on_its_side[] = "a table on its side, whose rows are called x, y and z: exchange rows and columns";
@@ -610,7 +630,7 @@ static void find_beam(struct head *head, const struct family **position, const s
 static void choose_families(struct head *head)
 {
     struct columns *out = head->out;
-    const struct family *named = find_named(head);
+    const struct family *named = out->has[ROLE_X] ? &head->named : NULL;
     const struct family *position = named ? named : find_position(head);
     const struct family *entry = find_kind(head, ENTRY);
     const struct family *target = find_kind(head, TARGET);
@@ -635,7 +655,7 @@ static void choose_families(struct head *head)
     if (head->options->aperture > 0 && position && target) {
         find_beam(head, &position, &target);
     }
-    take_family(head, position, ROLE_X, "x y z");
+    take_family(head, named ? NULL : position, ROLE_X, "x y z");
     take_family(head, target, ROLE_TX, "tx ty tz");
     take_family(head, direction, ROLE_DX, "dx dy dz");
     take_family(head, up, ROLE_UX, "ux uy uz");
@@ -961,18 +981,21 @@ static void find_columns(struct head *head)
     if (column != COLUMN_NONE) {
         set_role(head, column, ROLE_NAME);
     }
+    take_named(head);
     if (out->is_bids) { /* other columns are of others, whatever they are called */
-        take_family(head, find_named(head), ROLE_X, "x y z");
         out->is_of_points = true;
         find_spaces(head);
         find_pairs(head);
-        return;
+    } else {
+        find_roles(head);
+        find_spaces(head);
+        choose_families(head);
+        find_pairs(head);
+        refuse_lone_end(head);
     }
-    find_roles(head);
-    find_spaces(head);
-    choose_families(head);
-    find_pairs(head);
-    refuse_lone_end(head);
+    FAULT_IF(column != COLUMN_NONE && out->role_of[column] != ROLE_NAME, head,
+             "column \"%.*s\" is called a name, but it is one of a position or direction",
+             POSE_QUOTE(head->line.cells[column]));
 }
 
 /* Whether some of the columns of a line belong together as coordinates, so that it is a header. */
@@ -999,18 +1022,109 @@ static bool split_header(struct head *head, struct text text, size_t cells)
     return found;
 }
 
-/* R writes the names of rows without a name of their column: there the header gets an empty cell. */
-static void shift_header(struct head *head)
+/* Puts a column without a name into the header, as its column `at`. */
+static void put_nameless(struct table_line *line, size_t at)
+{
+    memmove(line->cells + at + 1, line->cells + at, (line->given - at) * sizeof line->cells[0]);
+    line->cells[at] = (struct text){"", 0};
+    line->count = ++line->given;
+}
+
+/* Whether most rows have numbers where this header has them. */
+static bool fits_rows(const struct head *head)
+{
+    size_t fits = 0;
+    for (size_t r = 0; r < head->row_count; r++) {
+        bool all = true;
+        for (size_t i = 0; i < head->out->count; i++) {
+            double value;
+            const enum role role = head->out->role_of[i];
+            const struct text cell = columns_cell(head, r, i);
+            all = all && (role >= ROLE_SPACE || role == ROLE_TRIGGER || table_number(&value, &head->out->table, cell) ||
+                          (role >= ROLE_ANGLE && columns_is_absent(cell)));
+        }
+        fits += all;
+    }
+    return 2 * fits > head->row_count;
+}
+
+/* Whether the first cells are in quotation marks, and no number is: a program's names of rows. */
+static bool begins_with_quoted(const struct head *head)
+{
+    bool all = true;
+    for (size_t r = 0; r < head->row_count && all; r++) {
+        const struct head_row *row = &head->rows[r];
+        for (size_t i = 0; i < row->count && all; i++) {
+            double value;
+            const struct text cell = row->cells[i];
+            bool is_quoted = cell.size && cell.data > head->text.data && cell.data[-1] == '"';
+            all = i ? !is_quoted || !table_number(&value, &head->out->table, cell) : is_quoted;
+        }
+    }
+    return all;
+}
+
+/* What the first row is by this header: "A" at -42, -20, 50. */
+static void show_reading(char out[COLUMN_NAME_SIZE * 4], const struct head *head, size_t row)
+{
+    size_t used = 0;
+    out[0] = '\0';
+    for (size_t i = 0; i < head->out->count; i++) {
+        const enum role role = head->out->role_of[i];
+        const struct text cell = columns_cell(head, row, i);
+        if (role == ROLE_NAME || role < ROLE_ANGLE) {
+            used += (size_t)snprintf(out + used, COLUMN_NAME_SIZE * 4 - used,
+                                     role == ROLE_NAME ? "%s\"%.*s\"" : "%s%.*s", used ? ", " : "",
+                                     TEXT_SHOW(cell, 12));
+        }
+        used = used < COLUMN_NAME_SIZE * 3 ? used : 0; /* of a matrix the end */
+    }
+}
+
+/* Rows of one cell more than the header: the first column has no name (R), or the last one. Where both may be, neither
+ * is taken, with a fault. */
+static void complete_header(struct head *head)
 {
     struct table_line *line = &head->line;
-    const size_t cells = head->out->table.cells;
-    if (!cells || line->given + 1 != cells || line->count == cells) {
+    const size_t named = line->given;
+    size_t row = 0; /* the first one of the longest */
+    size_t cells = 0;
+    for (size_t r = 0; r < head->row_count; r++) {
+        size_t own = head->rows[r].count == head->out->table.cells ? head->rows[r].count : 0;
+        while (own && !head->rows[r].cells[own - 1].size) {
+            own--;
+        }
+        row = own > cells ? r : row;
+        cells = own > cells ? own : cells;
+    }
+    if (cells > named && line->count > named) { /* empty names at its end are those of columns */
+        line->given = cells < line->count ? cells : line->count;
+        find_columns(head);
+    }
+    if (line->given + 1 != cells || line->given != named || cells > TABLE_CELLS) {
         return;
     }
-    memmove(line->cells + 1, line->cells, sizeof line->cells - sizeof line->cells[0]);
-    line->cells[0] = (struct text){"", 0};
-    line->count += line->count < TABLE_CELLS;
-    line->given++;
+    const struct table_line given = *line;
+    char readings[2][COLUMN_NAME_SIZE * 4];
+    put_nameless(line, named);
+    find_columns(head);
+    bool is_last = fits_rows(head);
+    show_reading(readings[1], head, row);
+    *line = given;
+    put_nameless(line, 0);
+    find_columns(head);
+    bool is_first = fits_rows(head);
+    show_reading(readings[0], head, row);
+    if (is_first && is_last && !begins_with_quoted(head)) {
+        FAULT(head,
+              "%zu names above rows of %zu cells: the row is %s if the first column has no name, and %s if the last one "
+              "has none; name each column",
+              named, cells, readings[0], readings[1]);
+    } else if (is_last && !is_first) {
+        *line = given;
+        put_nameless(line, named);
+        find_columns(head);
+    }
 }
 
 /* Looks for the header above the first row: a line of as many cells, with coordinates among them, or a comment of that
@@ -1055,8 +1169,8 @@ static bool find_header(struct head *head)
         head->out->head_lines = line_of_best;
         head->out->header_sum = columns_sum(best);
         (void)split_header(head, best, table->cells);
-        shift_header(head);
         find_columns(head);
+        complete_header(head);
     }
     return best.size;
 }
