@@ -305,6 +305,7 @@ static conus_status read_value(double *out, const struct columns *columns, enum 
         snprintf(what, sizeof what, "column %s", columns->shown[role]);
         return pose_no_number(what, cell);
     }
+    *out *= columns->factor[role] > 0 ? columns->factor[role] : 1;
     bool is_error = role == ROLE_ERROR_DEG || role == ROLE_ERROR_MM;
     return is_error && *out < 0
                ? fail(CONUS_ERROR_DATA, "column %s: %g, allowed are 0 and more", columns->shown[role], *out)
@@ -412,7 +413,7 @@ static conus_status read_row(conus_pose_row *row, struct pose_name *name, const 
     row->is_point = columns->is_of_points;
     row->range[0] = values[ROLE_NEAR];
     row->range[1] = values[ROLE_FAR];
-    double depth = values[ROLE_DEPTH] * columns->depth_mm;
+    double depth = values[ROLE_DEPTH]; /* mm */
     if (!status && columns->has[ROLE_DEPTH] && isfinite(depth)) {
         status = depth > 0 ? CONUS_OK
                            : fail(CONUS_ERROR_DATA, "column %s: %g, allowed is more than 0", columns->shown[ROLE_DEPTH],

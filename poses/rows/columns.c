@@ -3,6 +3,7 @@
 #include "poses/rows/columns.h"
 
 #include "base/files/file.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "poses/rows/columns_head.h"
@@ -14,27 +15,45 @@
 
 enum { SHOWN = 20 };
 
-/* Columns of one number or text, by exact names and by others; of the same role the first name that is there. */
+enum measure { NO_MEASURE, LENGTH, ANGLE, TIME }; /* mm, degrees, seconds */
+
+static const char *const measures[] = {"", "a length", "an angle", "a time"};
+
+/* Columns of one number or text, by exact names, perhaps with a unit behind, and by others; of the same role the first
+ * name that is there. */
 static const struct {
     enum role role;
+    enum measure measure;
     const char *names; /* normalised, see normalise(); in the order of preference */
 } roles[] = {
-    {ROLE_QW, "qw/q w/quat w/quaternion w/q0"},
-    {ROLE_ANGLE, "angle/angle deg/opening angle/opening/cone angle"},
-    {ROLE_TIME, "time s/times/timestamp s"},
-    {ROLE_TRIGGER, "trigger"},
-    {ROLE_ERROR_DEG, "error deg"},
-    {ROLE_ERROR_MM, "error mm"},
-    {ROLE_NEAR, "near"},
-    {ROLE_FAR, "far"},
-    {ROLE_DEPTH, "depth"},
-    {ROLE_TILT_ML, "tilt ml/ml tilt"},
-    {ROLE_TILT_AP, "tilt ap/ap tilt"},
-    {ROLE_PHI, "phi"},
-    {ROLE_THETA, "theta"},
-    {ROLE_NAME,
+    {ROLE_QW, NO_MEASURE, "qw/q w/quat w/quaternion w/q0"},
+    {ROLE_ANGLE, ANGLE, "angle/opening angle/opening/cone angle"},
+    {ROLE_TIME, TIME, "time s/times/timestamp s"},
+    {ROLE_TRIGGER, NO_MEASURE, "trigger"},
+    {ROLE_ERROR_DEG, NO_MEASURE, "error deg"},
+    {ROLE_ERROR_MM, NO_MEASURE, "error mm"},
+    {ROLE_NEAR, LENGTH, "near"},
+    {ROLE_FAR, LENGTH, "far"},
+    {ROLE_DEPTH, LENGTH, "depth"},
+    {ROLE_TILT_ML, ANGLE, "tilt ml/ml tilt"},
+    {ROLE_TILT_AP, ANGLE, "tilt ap/ap tilt"},
+    {ROLE_PHI, ANGLE, "phi"},
+    {ROLE_THETA, ANGLE, "theta"},
+    {ROLE_NAME, NO_MEASURE,
      "query id/query/id/name/label/channel/electrode/contact/site/roi/region/sensor/optode/marker/area/structure/"
      "probe/cluster/cluster id/cluster index/index"},
+};
+
+/* Other units than lengths. */
+static const struct {
+    enum measure measure;
+    const char *names;
+    double factor;
+} units[] = {
+    {ANGLE, "deg/degree/degrees/\xc2\xb0", 1},
+    {ANGLE, "rad/radian/radians", 180 / MATH3_PI},
+    {TIME, "s/sec/second/seconds", 1},
+    {TIME, "ms/msec/millisecond/milliseconds", 0.001},
 };
 
 /* The third list: what a column says that makes a row no mere point. */
@@ -178,6 +197,41 @@ static size_t find_name(const struct head *head, const char *name, size_t first)
         i++;
     }
     return i < head->line.count ? i : COLUMN_NONE;
+}
+
+/* The unit that a text is. Its factor is below 0 where it is not taken, 0 where there is none. */
+static enum measure find_unit(double *factor, struct text text)
+{
+    *factor = space_unit_mm(text);
+    enum measure measure = *factor != 0 ? LENGTH : NO_MEASURE;
+    for (size_t i = 0; i < sizeof units / sizeof units[0] && !measure; i++) {
+        bool is_one = text_is_one_of(text, units[i].names, true);
+        measure = is_one ? units[i].measure : NO_MEASURE;
+        *factor = is_one ? units[i].factor : 0;
+    }
+    return measure;
+}
+
+/* The same as find_name(), with the unit behind the name, if the column has one. */
+static size_t find_measured(enum measure *measure, double *factor, const struct head *head, const char *name,
+                            size_t first)
+{
+    const size_t size = strlen(name);
+    for (size_t i = first; i < head->line.count; i++) {
+        const char *rest = head->names[i] + size;
+        bool begins = strncmp(head->names[i], name, size) == 0;
+        *factor = head->unit[i];
+        *measure = *factor != 0 ? LENGTH : NO_MEASURE;
+        if (begins && rest[0] == ' ') {
+            rest += strncmp(rest, " in ", 4) == 0 ? 4 : 1;
+            *measure = find_unit(factor, text_from(rest));
+            rest += *measure ? strlen(rest) : 0;
+        }
+        if (begins && !rest[0]) {
+            return i;
+        }
+    }
+    return COLUMN_NONE;
 }
 
 static bool is_capital(const struct head *head, size_t column)
@@ -375,6 +429,12 @@ static void take_family(struct head *head, const struct family *family, enum rol
         unit = own != 0 ? own : unit;
         set_role(head, family->at[k], first + (enum role)k);
     }
+    const char *behind = family->at[0] != COLUMN_NONE ? strrchr(head->names[family->at[0]], ' ') : NULL;
+    FAULT_IF(first <= ROLE_TX && behind && text_is_one_of(text_from(behind + 1), "cm/m", true) && unit == 0 &&
+                 !(head->words.unit > 0),
+             head, "%s: is %s a unit or, as in centre of mass, a word? brackets make it a unit, ',unit=mm' behind FILE "
+             "a word",
+             FAMILY_SHOWN(head, family), behind ? behind + 1 : "");
     double scale = unit / columns_space_mm(out->space);
     FAULT_IF(unit == SPACE_UNIT_REFUSED && !(head->words.unit > 0), head,
              "%s: %s; ',unit=mm' behind FILE takes them so", FAMILY_SHOWN(head, family), space_why_unit);
@@ -450,13 +510,23 @@ static void find_roles(struct head *head)
         for (bool more = true; !head->out->has[role] && text_field(&rest, '/', &more, &name);) {
             char copy[COLUMN_NAME_SIZE];
             snprintf(copy, sizeof copy, "%.*s", (int)name.size, name.data);
-            size_t column = find_name(head, copy, 0);
+            enum measure measure = NO_MEASURE;
+            double factor = 0;
+            bool has_unit = roles[r].measure;
+            size_t column = has_unit ? find_measured(&measure, &factor, head, copy, 0) : find_name(head, copy, 0);
             if (column == COLUMN_NONE || head->out->role_of[column] != ROLES) {
                 continue;
             }
+            const struct text cell = head->line.cells[column];
             bool is_loose = role == ROLE_NAME && !text_is_one_of(name, "query id/query/id/name", true);
-            FAULT_IF(!is_loose && find_name(head, copy, column + 1) != COLUMN_NONE, head, "column \"%.*s\" twice",
-                     POSE_QUOTE(head->line.cells[column]));
+            size_t again = has_unit ? find_measured(&(enum measure){0}, &(double){0}, head, copy, column + 1)
+                                    : find_name(head, copy, column + 1);
+            FAULT_IF(!is_loose && again != COLUMN_NONE, head, "column \"%.*s\" twice", POSE_QUOTE(cell));
+            FAULT_IF(measure && measure != roles[r].measure, head, "column \"%.*s\": the unit of %s, and it is %s",
+                     POSE_QUOTE(cell), measures[measure], measures[roles[r].measure]);
+            FAULT_IF(measure == roles[r].measure && factor < 0, head, "column \"%.*s\": %s", POSE_QUOTE(cell),
+                     space_why_unit);
+            head->out->factor[role] = factor;
             set_role(head, column, role);
         }
     }
@@ -948,6 +1018,7 @@ static void find_columns(struct head *head)
     head->faults.size = 0;
     memset(out->role_of, ROLES, sizeof out->role_of);
     memset(out->has, 0, sizeof out->has);
+    memset(out->factor, 0, sizeof out->factor);
     out->scale = 0;
     out->said = (struct space_words){0};
     out->pairs = 0;
@@ -1045,7 +1116,7 @@ static bool fits_rows(const struct head *head)
         }
         fits += all;
     }
-    return 2 * fits > head->row_count;
+    return 2 * fits > head->row_count && count_roles(head->out, ROLE_X, ROLE_ANGLE) > 0;
 }
 
 /* Whether the first cells are in quotation marks, and no number is: a program's names of rows. */
@@ -1394,7 +1465,8 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
         return CONUS_ERROR_MEMORY;
     }
     *out = (struct columns){
-        .space = options->space, .is_bids = out->is_bids, .side = out->side, .table.quotes_are_plain = out->is_bids};
+        .space = options->space, .is_bids = out->is_bids, .side = out->side, .beside_mm = out->beside_mm,
+        .table.quotes_are_plain = out->is_bids};
     head->out = out;
     head->options = options;
     head->text = head_text;
@@ -1439,16 +1511,19 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
     }
     double unit = head->words.unit > 0 ? head->words.unit : options->unit; /* the user's word */
     out->is_own_unit = unit > 0;
+    const double beside = out->beside_mm / columns_space_mm(options->space);
+    if (!status && !out->is_own_unit && beside > 0 && out->scale > 0 && out->scale != beside) {
+        status = fail(CONUS_ERROR_DATA, "its header names another unit than the *_coordsystem.json beside it");
+    }
+    out->scale = beside > 0 ? beside : out->scale;
     status = status ? status : columns_hear_words(head, notes);
     if (unit > 0) {
         out->scale = unit / columns_space_mm(options->space);
     }
     out->has_unit = out->scale > 0;
-    double of_depth = 0;
-    for (size_t i = 0; i < out->count; i++) {
-        of_depth = out->role_of[i] == ROLE_DEPTH ? head->unit[i] : of_depth;
-    }
-    out->depth_mm = of_depth > 0 ? of_depth : (out->has_unit ? out->scale : 1) * columns_space_mm(options->space);
+    const double space_mm = columns_space_mm(options->space);
+    out->factor[ROLE_DEPTH] =
+        out->factor[ROLE_DEPTH] > 0 ? out->factor[ROLE_DEPTH] : (out->has_unit ? out->scale : 1) * space_mm;
     out->scale = out->has_unit ? out->scale : 1;
     status = status ? status : columns_check_numbers(head, notes);
     buffer_finish(&head->faults);
