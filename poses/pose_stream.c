@@ -449,10 +449,11 @@ static conus_status read_whole(conus_pose_stream *stream)
             : CONUS_OK;
     if (!status && stream->format == CONUS_POSE_FORMAT_LIST && stream->path && !stream->columns.pairs) {
         status = pose_coordsystem_find(&stream->list, stream->path, false);
-        status = status || !stream->list.coordsystem
-                     ? status
-                     : fail(CONUS_ERROR_DATA, "%s beside it is of a table with the columns x, y and z, which this is not",
-                            path_base(stream->list.coordsystem));
+        status =
+            status || !stream->list.coordsystem
+                ? status
+                : fail(CONUS_ERROR_DATA, "%s beside it is of a table with the columns x, y and z, which this is not",
+                       path_base(stream->list.coordsystem));
     }
     status = status ? status : pose_lines_rest(&bytes, &stream->lines, pose_memory(&stream->options));
     struct text text = {(const char *)bytes.data, bytes.size};

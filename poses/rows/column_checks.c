@@ -119,7 +119,7 @@ enum { SIDE_COLUMNS = 4 };
 /* The numbers of the head's rows, mm or as the space has them. */
 struct census {
     size_t points, negatives, shallow, axes, short_axes;
-    double farthest;
+    double farthest, nearest_target, farthest_target;
     struct sides sides[1 + SIDE_COLUMNS]; /* by names, and by these columns: */
     size_t columns[SIDE_COLUMNS], column_count;
     size_t bad, rows;
@@ -174,6 +174,11 @@ static void count_row(struct census *census, const struct head *head, const conu
     if (isfinite(row->range[1]) && head->out->ends_at_target) {
         census->axes++;
         census->short_axes += row->range[1] < width / 20;
+    } else if (head->out->has[ROLE_TX]) { /* at one distance from all positions they are directions */
+        census->nearest_target = census->axes ? fmin(census->nearest_target, row->target_mm) : row->target_mm;
+        census->farthest_target = fmax(census->farthest_target, row->target_mm);
+        census->axes++;
+        census->short_axes += row->target_mm < width / 20;
     }
     const double x = is_of_bregma ? p[1] : world[0];
     sides_count(&census->sides[0], sides_of_name(name), name, x, width / 36);
@@ -256,7 +261,8 @@ static conus_status judge(const struct census *c, const struct head *head, struc
             "%zu of %zu positions have a DV above 0, above bregma: DV is up in space bregma, depths are negative",
             c->shallow, c->points);
     }
-    if (is_known && c->axes && 2 * c->short_axes >= c->axes) {
+    bool are_ends = head->out->ends_at_target || c->farthest_target > 1.5 * c->nearest_target;
+    if (is_known && c->axes && are_ends && 2 * c->short_axes >= c->axes) {
         return columns_refuse_short(c->short_axes, c->axes, longest);
     }
     if (is_list && of_people && is_known && !is_said && c->farthest < longest / 14) {

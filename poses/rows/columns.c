@@ -432,7 +432,8 @@ static void take_family(struct head *head, const struct family *family, enum rol
     const char *behind = family->at[0] != COLUMN_NONE ? strrchr(head->names[family->at[0]], ' ') : NULL;
     FAULT_IF(first <= ROLE_TX && behind && text_is_one_of(text_from(behind + 1), "cm/m", true) && unit == 0 &&
                  !(head->words.unit > 0),
-             head, "%s: is %s a unit or, as in centre of mass, a word? brackets make it a unit, ',unit=mm' behind FILE "
+             head,
+             "%s: is %s a unit or, as in centre of mass, a word? brackets make it a unit, ',unit=mm' behind FILE "
              "a word",
              FAMILY_SHOWN(head, family), behind ? behind + 1 : "");
     double scale = unit / columns_space_mm(out->space);
@@ -500,6 +501,14 @@ static const struct family *find_kind(struct head *head, enum family_kind kind)
     return found;
 }
 
+static void drop_role(struct head *head, enum role role)
+{
+    for (size_t i = 0; i < head->line.count && head->out->has[role]; i++) {
+        head->out->role_of[i] = head->out->role_of[i] == role ? ROLES : head->out->role_of[i];
+    }
+    head->out->has[role] = false;
+}
+
 /* Columns of one number or text each. */
 static void find_roles(struct head *head)
 {
@@ -533,7 +542,15 @@ static void find_roles(struct head *head)
     size_t electrode = find_name(head, "electrode", 0);
     size_t contact = find_name(head, "contact", 0);
     if (electrode != COLUMN_NONE && contact != COLUMN_NONE && head->out->role_of[electrode] == ROLE_NAME) {
-        set_role(head, contact, ROLE_CONTACT);
+        size_t r = 0;
+        while (r < head->row_count && !columns_cell(head, r, electrode).size) {
+            r++;
+        }
+        bool is_empty = r == head->row_count && r;
+        if (is_empty) {
+            drop_role(head, ROLE_NAME);
+        }
+        set_role(head, contact, is_empty ? ROLE_NAME : ROLE_CONTACT);
     }
     for (size_t i = 0; i < MATRIX_NUMBERS; i++) {
         char name[8];
@@ -578,24 +595,13 @@ static void refuse_turned(struct head *head, const struct family *position)
     }
 }
 
-static void drop_role(struct head *head, enum role role)
-{
-    for (size_t i = 0; i < head->line.count && head->out->has[role]; i++) {
-        head->out->role_of[i] = head->out->role_of[i] == role ? ROLES : head->out->role_of[i];
-    }
-    head->out->has[role] = false;
-}
-
 /* Whether the column is 0 in all rows of the head. */
-static bool is_all_zero(const struct head *head, enum role role)
+static bool is_all_zero(const struct head *head, size_t column)
 {
     bool all = true;
     for (size_t r = 0; r < head->row_count; r++) {
-        for (size_t i = 0; i < head->rows[r].count && i < head->out->count; i++) {
-            double value;
-            all = all && (head->out->role_of[i] != role ||
-                          (table_number(&value, &head->out->table, columns_cell(head, r, i)) && value == 0));
-        }
+        double value;
+        all = all && table_number(&value, &head->out->table, columns_cell(head, r, column)) && value == 0;
     }
     return all;
 }
@@ -747,7 +753,8 @@ static void choose_families(struct head *head)
              "phi and theta are angles from bregma, which only an atlas of the Allen CCF has (--space bregma)");
     FAULT_IF(has_tilt && out->has[ROLE_TILT_ML] != out->has[ROLE_TILT_AP], head,
              "only one of the columns tilt_ml and tilt_ap: the other one may be 0");
-    if (out->has[ROLE_ANGLE] && (out->is_of_points || out->has[ROLE_DEPTH]) && is_all_zero(head, ROLE_ANGLE)) {
+    const uint8_t *angle = memchr(out->role_of, ROLE_ANGLE, sizeof out->role_of);
+    if (angle && (out->is_of_points || out->has[ROLE_DEPTH]) && is_all_zero(head, (size_t)(angle - out->role_of))) {
         drop_role(head, ROLE_ANGLE); /* whichever it is, it says nothing */
     }
     FAULT_IF(out->has[ROLE_ANGLE] && out->has[ROLE_DEPTH] && !strstr(out->shown[ROLE_ANGLE], "pening"), head,
@@ -777,6 +784,12 @@ static void choose_families(struct head *head)
     if (!out->is_of_points || !position) {
         return;
     }
+    size_t t = find_name(head, "t", 0);
+    bool is_of_ants = t == 3 && find_name(head, "x", 0) == 0 && find_name(head, "y", 0) == 1 &&
+                      find_name(head, "z", 0) == 2 && head->row_count && is_all_zero(head, t);
+    FAULT_IF(is_of_ants && out->space == CONUS_SPACE_RAS && !head->options->any_space, head,
+             "x,y,z,t with t 0 in all rows is how ANTs has points, which are LPS: --space lps reads them so; if these "
+             "are RAS, take the column t out");
     FAULT_IF(out->has[ROLE_ANGLE], head,
              "column \"%s\" is the opening of a cone, which needs a direction: tx ty tz, dx dy dz or qw qx qy qz",
              out->shown[ROLE_ANGLE]);
@@ -1144,9 +1157,9 @@ static void show_reading(char out[COLUMN_NAME_SIZE * 4], const struct head *head
         const enum role role = head->out->role_of[i];
         const struct text cell = columns_cell(head, row, i);
         if (role == ROLE_NAME || role < ROLE_ANGLE) {
-            used += (size_t)snprintf(out + used, COLUMN_NAME_SIZE * 4 - used,
-                                     role == ROLE_NAME ? "%s\"%.*s\"" : "%s%.*s", used ? ", " : "",
-                                     TEXT_SHOW(cell, 12));
+            used +=
+                (size_t)snprintf(out + used, COLUMN_NAME_SIZE * 4 - used, role == ROLE_NAME ? "%s\"%.*s\"" : "%s%.*s",
+                                 used ? ", " : "", TEXT_SHOW(cell, 12));
         }
         used = used < COLUMN_NAME_SIZE * 3 ? used : 0; /* of a matrix the end */
     }
@@ -1187,10 +1200,11 @@ static void complete_header(struct head *head)
     bool is_first = fits_rows(head);
     show_reading(readings[0], head, row);
     if (is_first && is_last && !begins_with_quoted(head)) {
-        FAULT(head,
-              "%zu names above rows of %zu cells: the row is %s if the first column has no name, and %s if the last one "
-              "has none; name each column",
-              named, cells, readings[0], readings[1]);
+        FAULT(
+            head,
+            "%zu names above rows of %zu cells: the row is %s if the first column has no name, and %s if the last one "
+            "has none; name each column",
+            named, cells, readings[0], readings[1]);
     } else if (is_last && !is_first) {
         *line = given;
         put_nameless(line, named);
@@ -1244,6 +1258,25 @@ static bool find_header(struct head *head)
         complete_header(head);
     }
     return best.size;
+}
+
+/* Whether the line below the header has nothing but units. */
+static bool has_row_of_units(const struct head *head)
+{
+    struct text rest = head->text;
+    struct text text = {"", 0};
+    struct table_line line;
+    size_t count = 0;
+    for (size_t number = 0; number < head->out->head_lines && text_line(&rest, &text); number++) {
+    }
+    bool all = table_next_line(&rest, &text, NULL) && table_split(&line, &head->out->table, text);
+    for (size_t i = 0; all && i < line.count; i++) {
+        double factor;
+        bool is_one = find_unit(&factor, line.cells[i]);
+        all = is_one || !line.cells[i].size;
+        count += is_one;
+    }
+    return all && count;
 }
 
 /* Without rows a header alone tells what separates its cells: what makes the most of them. */
@@ -1464,9 +1497,11 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
     if (!head) {
         return CONUS_ERROR_MEMORY;
     }
-    *out = (struct columns){
-        .space = options->space, .is_bids = out->is_bids, .side = out->side, .beside_mm = out->beside_mm,
-        .table.quotes_are_plain = out->is_bids};
+    *out = (struct columns){.space = options->space,
+                            .is_bids = out->is_bids,
+                            .side = out->side,
+                            .beside_mm = out->beside_mm,
+                            .table.quotes_are_plain = out->is_bids};
     head->out = out;
     head->options = options;
     head->text = head_text;
@@ -1492,6 +1527,8 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
     out->has_header = !status && options->format != CONUS_POSE_FORMAT_POINTS && find_header(head);
     FAULT_IF(out->has_header && out->table.comma == TABLE_COMMA_UNCLEAR, head,
              "a comma before three digits, or commas of two kinds: 1,250 may be 1250 or 1.25");
+    FAULT_IF(out->has_header && has_row_of_units(head), head,
+             "a row of units below it: write them behind the names, as in x (mm)");
     if (status) {
         out->has_header = false;
     } else if (!out->has_header) {

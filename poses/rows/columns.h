@@ -72,10 +72,10 @@ struct columns {
     size_t kept[POSE_KEPT_LIMIT]; /**< Columns whose texts are kept, in the order of the options. */
     size_t kept_count;
     double factor[ROLE_NAME]; /**< mm, degrees or seconds per unit of a column; 0: as it is. */
-    bool is_mlapdv;          /**< x y z are ML, AP, DV from bregma, as IBL has them beside theta and phi. */
-    struct space_words said; /**< What titles, comments and headers say. */
-    bool has_unit;           /**< The file names it, */
-    bool is_own_unit;        /**< or the user. */
+    bool is_mlapdv;           /**< x y z are ML, AP, DV from bregma, as IBL has them beside theta and phi. */
+    struct space_words said;  /**< What titles, comments and headers say. */
+    bool has_unit;            /**< The file names it, */
+    bool is_own_unit;         /**< or the user. */
     size_t pairs; /**< From 1: the column that says whether a row is an entry or the target of its name (pairs_parse());
                      0 = none does. */
     bool ends_at_target; /**< Axes end there, not only point there (target_x, but not tx). */

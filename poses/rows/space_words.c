@@ -12,10 +12,10 @@
 /* How much a word says by itself. */
 enum weight {
     STRONG,
-    WEAK,   /* next to a word for positions */
-    ALONE,  /* there, or where the sentence says nothing else */
-    FRONT,  /* before one for a space, in a sentence without MNI: "patient space", not "coordinates of patient 3" */
-    ORIGIN  /* behind from, to */
+    WEAK,  /* next to a word for positions */
+    ALONE, /* there, or where the sentence says nothing else */
+    FRONT, /* before one for a space, in a sentence without MNI: "patient space", not "coordinates of patient 3" */
+    ORIGIN /* behind from, to */
 };
 
 enum { TOKENS = 64, SIGNS = 100, CELL_TOKENS = 4 };
@@ -254,10 +254,10 @@ static void hear_unit(struct space_words *words, const struct sentence *sentence
     bool is_said = index && token_is(sentence, index - 1, "in/unit/units");
     bool is_small = token_is(sentence, index, "in") && !in_brackets && !(of_coordinates && sentence->count == 1);
     for (size_t i = 0; i < UNITS && !is_small; i++) {
-        bool fits =
-            text_is_one_of(token, units[i].names, false) &&
-            (of_coordinates || ((is_said || in_brackets || !units[i].is_short) &&
-                                (has_context(sentence, index, 1) || token_is(sentence, index - !!index, "unit/units"))));
+        bool fits = text_is_one_of(token, units[i].names, false) &&
+                    (of_coordinates ||
+                     ((is_said || in_brackets || !units[i].is_short) &&
+                      (has_context(sentence, index, 1) || token_is(sentence, index - !!index, "unit/units"))));
         if (fits && units[i].mm == SPACE_UNIT_REFUSED) {
             words->why = space_why_unit;
             snprintf(words->heard, sizeof words->heard, "%.*s", TEXT_SHOW(token, sizeof words->heard - 1));
