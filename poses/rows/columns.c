@@ -1129,7 +1129,7 @@ static bool fits_rows(const struct head *head)
         }
         fits += all;
     }
-    return 2 * fits > head->row_count && count_roles(head->out, ROLE_X, ROLE_ANGLE) > 0;
+    return 2 * fits > head->row_count && (count_roles(head->out, ROLE_X, 3) == 3 || head->out->has[ROLE_M00]);
 }
 
 /* Whether the first cells are in quotation marks, and no number is: a program's names of rows. */
@@ -1165,14 +1165,32 @@ static void show_reading(char out[COLUMN_NAME_SIZE * 4], const struct head *head
     }
 }
 
-/* Rows of one cell more than the header: the first column has no name (R), or the last one. Where both may be, neither
- * is taken, with a fault. */
+/* Whether rows fit the header with a column without a name at `at`, or, of shorter rows, without that name. */
+static bool fits_with(char reading[COLUMN_NAME_SIZE * 4], struct head *head, const struct table_line *given, size_t at,
+                      bool is_longer, size_t row)
+{
+    struct table_line *line = &head->line;
+    *line = *given;
+    if (is_longer) {
+        put_nameless(line, at);
+    } else {
+        line->count = --line->given;
+        memmove(line->cells + at, line->cells + at + 1, (line->given - at) * sizeof line->cells[0]);
+    }
+    find_columns(head);
+    show_reading(reading, head, row);
+    return fits_rows(head);
+}
+
+/* Rows of one cell more than the header: the first column has no name (R), or the last one; or all of one less: one of
+ * these is missing. Where both may be, neither is taken, with a fault. */
 static void complete_header(struct head *head)
 {
     struct table_line *line = &head->line;
     const size_t named = line->given;
     size_t row = 0; /* the first one of the longest */
     size_t cells = 0;
+    size_t longest = 0;
     for (size_t r = 0; r < head->row_count; r++) {
         size_t own = head->rows[r].count == head->out->table.cells ? head->rows[r].count : 0;
         while (own && !head->rows[r].cells[own - 1].size) {
@@ -1180,36 +1198,33 @@ static void complete_header(struct head *head)
         }
         row = own > cells ? r : row;
         cells = own > cells ? own : cells;
+        longest = head->rows[r].count > longest ? head->rows[r].count : longest;
     }
     if (cells > named && line->count > named) { /* empty names at its end are those of columns */
         line->given = cells < line->count ? cells : line->count;
         find_columns(head);
+        return;
     }
-    if (line->given + 1 != cells || line->given != named || cells > TABLE_CELLS) {
+    const bool is_longer = named + 1 == cells && cells <= TABLE_CELLS;
+    if (!is_longer && longest + 1 != named) {
         return;
     }
     const struct table_line given = *line;
+    const char *what = is_longer ? "has no name" : "is missing";
     char readings[2][COLUMN_NAME_SIZE * 4];
-    put_nameless(line, named);
-    find_columns(head);
-    bool is_last = fits_rows(head);
-    show_reading(readings[1], head, row);
-    *line = given;
-    put_nameless(line, 0);
-    find_columns(head);
-    bool is_first = fits_rows(head);
-    show_reading(readings[0], head, row);
-    if (is_first && is_last && !begins_with_quoted(head)) {
-        FAULT(
-            head,
-            "%zu names above rows of %zu cells: the row is %s if the first column has no name, and %s if the last one "
-            "has none; name each column",
-            named, cells, readings[0], readings[1]);
-    } else if (is_last && !is_first) {
+    bool is_last = fits_with(readings[1], head, &given, named - !is_longer, is_longer, row);
+    bool is_first = fits_with(readings[0], head, &given, 0, is_longer, row);
+    if (!is_longer || (is_last && !is_first)) {
         *line = given;
-        put_nameless(line, named);
+        if (is_longer) {
+            put_nameless(line, named);
+        }
         find_columns(head);
     }
+    FAULT_IF(is_first && is_last && !(is_longer && begins_with_quoted(head)), head,
+             "%zu names above rows of %zu cells: the row is %s if the first column %s, and %s if the last one %s; name "
+             "each column",
+             named, is_longer ? cells : longest, readings[0], what, readings[1], what);
 }
 
 /* Looks for the header above the first row: a line of as many cells, with coordinates among them, or a comment of that

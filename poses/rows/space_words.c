@@ -239,7 +239,8 @@ static bool is_heard(const struct sentence *sentence, size_t index, const struct
         return near || (index >= 2 && token_is(sentence, index - 1, small) && token_is(sentence, index - 2, "from/to"));
     }
     if (row->weight == FRONT) { /* headers and cells have lists of their own */
-        bool is_before = token_is(sentence, index + count, "space/coordinates/coordinate/coords/system/frame");
+        bool is_before = token_is(sentence, index + count, "space/coordinates/coordinate/coords/system/frame") &&
+                         sentence->tokens[index + count].data[-1] != '_'; /* of the name of a file */
         return !of_coordinates && !has_token(sentence, "mni/mni152/icbm/icbm152") &&
                (is_before || (index && token_is(sentence, index - 1, "space")));
     }
@@ -362,7 +363,8 @@ void space_words_hear_name(struct space_words *words, struct text name)
 /* Whether a cell is words of spaces alone: each is one, or a small one beside it. */
 static bool is_of_space(struct text cell, bool strong)
 {
-    static const char small[] = "space/coordinate/coordinates/system/standard/template/brain/152/305/in/the/mm/ras/lps";
+    static const char small[] =
+        "space/coordinate/coordinates/system/standard/template/brain/152/305/in/the/mm/ras/lps/not/non";
     const struct sentence sentence = take_apart(cell);
     bool all = sentence.count > 0 && sentence.count <= CELL_TOKENS;
     for (size_t i = 0; i < sentence.count && all;) {
