@@ -1148,6 +1148,30 @@ static bool begins_with_quoted(const struct head *head)
     return all;
 }
 
+/* How far a cell is from the beginning of its line; with *is_first whether blanks alone are before it. */
+static size_t offset_of(bool *is_first, const struct head *head, struct text cell)
+{
+    const char *at = cell.data;
+    *is_first = true;
+    while (at > head->text.data && !strchr("\r\n", at[-1])) {
+        at--;
+        *is_first = *is_first && strchr(" \t", *at);
+    }
+    return (size_t)(cell.data - at);
+}
+
+/* Whether the header begins behind the first cells, as R and pandas print a table. */
+static bool begins_behind(const struct head *head, struct text first_name)
+{
+    bool all = head->out->table.separator >= TABLE_BLANKS;
+    size_t begin = all ? offset_of(&all, head, first_name) : 0;
+    for (size_t r = 0; r < head->row_count && all; r++) {
+        const struct text cell = head->rows[r].cells[0];
+        all = offset_of(&(bool){false}, head, cell) + cell.size <= begin;
+    }
+    return all;
+}
+
 /* What the first row is by this header: "A" at -42, -20, 50. */
 static void show_reading(char out[COLUMN_NAME_SIZE * 4], const struct head *head, size_t row)
 {
@@ -1221,7 +1245,8 @@ static void complete_header(struct head *head)
         }
         find_columns(head);
     }
-    FAULT_IF(is_first && is_last && !(is_longer && begins_with_quoted(head)), head,
+    bool is_printed = is_longer && (begins_with_quoted(head) || begins_behind(head, given.cells[0]));
+    FAULT_IF(is_first && is_last && !is_printed, head,
              "%zu names above rows of %zu cells: the row is %s if the first column %s, and %s if the last one %s; name "
              "each column",
              named, is_longer ? cells : longest, readings[0], what, readings[1], what);

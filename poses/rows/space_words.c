@@ -285,19 +285,24 @@ static struct sentence take_apart(struct text text)
     return sentence;
 }
 
-/* Whether a sentence denies a word: "non-MNI", "not in MNI space", "MNI coordinates are not there", up to a comma; not
- * "MNI coordinates not corrected". */
+/* Whether a sentence denies a word: "non-MNI", "rather than MNI", "not in MNI space", "MNI coordinates are not there",
+ * up to a comma or the like; not "MNI coordinates not corrected". */
 static bool is_denied(const struct sentence *sentence, size_t index)
 {
-    static const char others[] = "corrected/significant/smoothed/shown/listed/included/reported/labelled/labeled/named";
+    static const char others[] = "corrected/significant/smoothed/thresholded/shown/listed/included/reported/"
+                                 "labelled/labeled/named/used/edit/final/change";
     enum { BEFORE = 6, BEHIND = 3 };
-    bool found = index && token_is(sentence, index - 1, "no/non/kein/keine");
+    bool found = (index && token_is(sentence, index - 1, "no/non/kein/keine/than/without/ohne")) ||
+                 (index > 1 && token_is(sentence, index - 1, "of") && token_is(sentence, index - 2, "instead"));
     for (size_t i = 0; i < sentence->count && !found; i++) {
         const char *from = sentence->tokens[i < index ? i : index].data;
         const char *to = sentence->tokens[i < index ? index : i].data;
-        bool is_near = i < index ? index - i <= BEFORE : i - index <= BEHIND && !token_is(sentence, i + 1, others);
-        found = is_near && token_is(sentence, i, "not/nicht/never/neither/nor/isn/aren/wasn/weren") &&
-                !memchr(from, ',', (size_t)(to - from));
+        bool is_near = i < index ? index - i <= BEFORE : i - index <= BEHIND;
+        bool is_other = token_is(sentence, i + 1, others);
+        for (const char *at = from; at < to; at++) {
+            is_other = is_other || strchr(",:!?", *at);
+        }
+        found = is_near && !is_other && token_is(sentence, i, "not/cannot/nicht/never/neither/nor/isn/aren/wasn/weren");
     }
     return found;
 }
