@@ -351,8 +351,6 @@ static struct tractogram bare_tractogram(const struct tractogram *tractogram)
     bare.first = NULL;
     bare.scalars = NULL;
     bare.groups = NULL;
-    bare.mapped = NULL;
-    bare.mapped_size = 0;
     bare.is_ready = true;
     bare.tree.nodes = NULL;
     bare.tree.leaves = NULL;

@@ -59,6 +59,7 @@ const char *forms_why_none(struct text text)
          "packed by xz: unpack it, or let xz -dc write it to standard input"},
         {"BZh", "packed by bzip2: unpack it, or let bzip2 -dc write it to standard input"},
         {"\x28\xb5\x2f\xfd", "packed by zstd: unpack it, or let zstd -dc write it to standard input"},
+        {"{\\rtf", "a text of a word processor (RTF): save it as plain text"},
         {"PK\x03\x04", "a zip file or a spreadsheet: unpack it, or export it as text with tabs or commas"},
         {"\xd0\xcf\x11\xe0", "a spreadsheet: export it as text with tabs or commas"},
         {"(",

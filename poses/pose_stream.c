@@ -258,11 +258,49 @@ static conus_status find_format(conus_pose_stream *stream)
     return status;
 }
 
+/* A table that is called as those of BIDS is in the space and unit of the *_coordsystem.json beside it. */
+static conus_status begin_coordsystem(conus_pose_stream *stream)
+{
+    conus_pose_list *list = &stream->list;
+    conus_status status = stream->path ? pose_coordsystem_find(list, stream->path, false) : CONUS_OK;
+    bool is_ras = list->space.brain != POSE_BRAIN_UNKNOWN && list->space.brain != POSE_BRAIN_OTHER;
+    if (status || !list->coordsystem) {
+        return status;
+    }
+    stream->columns.beside_mm = list->space.scale;
+    if (is_ras && stream->options.space == CONUS_SPACE_LPS) {
+        status = pose_note_space(&list->notes, &stream->options, false);
+        stream->frame = (conus_frame){.space = CONUS_SPACE_RAS};
+        stream->options.space = CONUS_SPACE_RAS;
+    }
+    return status;
+}
+
+/* What it says and what the table says are one. */
+static conus_status end_coordsystem(conus_pose_stream *stream)
+{
+    conus_pose_list *list = &stream->list;
+    struct columns *columns = &stream->columns;
+    const struct pose_space *said = &columns->said.space;
+    bool is_other = said->brain && said->brain != list->space.brain;
+    bool is_turned = columns->space == CONUS_SPACE_LPS && stream->options.space == CONUS_SPACE_RAS;
+    if (!stream->options.any_space && (is_other || is_turned)) {
+        return fail(CONUS_ERROR_DATA, "\"%s\" is said in it, and \"%s\" by %s: in which space are the positions?",
+                    is_other ? said->name : "LPS", list->space.name, path_base(list->coordsystem));
+    }
+    bool moves = space_moves(&list->space, &stream->options) && !columns->moves;
+    columns->moves = columns->moves || moves;
+    conus_status status = moves ? space_note_move(&list->notes, &list->space) : CONUS_OK;
+    list->space.brain = columns->moves ? POSE_BRAIN_MNI152 : list->space.brain;
+    return status;
+}
+
 /* By as much as tells what the columns are: of a pipe that is silent behind its header perhaps the header alone. */
 static conus_status plan_table(conus_pose_stream *stream)
 {
     struct pose_lines *lines = &stream->lines;
     conus_status status = pose_lines_fill_head(lines, POSE_LINE_LIMIT);
+    status = status ? status : begin_coordsystem(stream);
     bool is_short = true;
     bool is_decided = false;
     stream->columns.side = sides_of_file(stream->path);
@@ -299,7 +337,9 @@ static conus_status plan_table(conus_pose_stream *stream)
         return fail(CONUS_ERROR_DATA, "its name says \"LPS\", and nothing in it: --space lps reads the positions so; "
                                       "--any-space takes them as RAS, with x to the right");
     }
-    if (!status && !stream->list.space.name[0]) {
+    if (!status && stream->list.coordsystem) {
+        status = end_coordsystem(stream);
+    } else if (!status && !stream->list.space.name[0]) {
         stream->list.space = columns_space(columns);
     }
     stream->format = !status && !columns->has_header ? CONUS_POSE_FORMAT_POINTS
@@ -403,8 +443,16 @@ static conus_status read_whole(conus_pose_stream *stream)
     struct bytes bytes = {0};
     conus_status status =
         (stream->format == CONUS_POSE_FORMAT_ELECTRODES || stream->format == CONUS_POSE_FORMAT_NIBS) && stream->path
-            ? pose_coordsystem_find(&stream->list, stream->path)
+            ? pose_coordsystem_find(&stream->list, stream->path, true)
             : CONUS_OK;
+    if (!status && stream->format == CONUS_POSE_FORMAT_LIST && stream->path && !stream->columns.pairs) {
+        status = pose_coordsystem_find(&stream->list, stream->path, false);
+        status =
+            status || !stream->list.coordsystem
+                ? status
+                : fail(CONUS_ERROR_DATA, "%s beside it is of a table with the columns x, y and z, which this is not",
+                       path_base(stream->list.coordsystem));
+    }
     status = status ? status : pose_lines_rest(&bytes, &stream->lines, pose_memory(&stream->options));
     struct text text = {(const char *)bytes.data, bytes.size};
     if (!status && !text_starts(text_trim(text), "<")) { /* XML says itself what its letters are */

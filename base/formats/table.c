@@ -147,10 +147,29 @@ bool table_split(struct table_line *out, const struct table *table, struct text 
     return true;
 }
 
+/* How many bytes are a whole number in groups of three digits with points between, two groups or more: "42.000". */
+static size_t grouped_by_points(struct text cell)
+{
+    size_t minus = text_minus(cell);
+    size_t sign = minus ? minus : text_starts(cell, "+");
+    size_t first = text_digits(cell, sign);
+    size_t at = sign + first;
+    while (first >= 1 && first <= 3 && at < cell.size && cell.data[at] == '.' && text_digits(cell, at + 1) == 3) {
+        at += 4;
+    }
+    return at > sign + first && cell.data[sign] != '0' ? at : 0;
+}
+
 /* What the commas of a cell that is a number by them say of themselves; TABLE_COMMA_UNKNOWN without one or of others.
  */
 static enum table_comma comma_of(struct text cell)
 {
+    size_t points = grouped_by_points(cell);
+    if (points && points < cell.size && cell.data[points] == ',') {
+        return text_digits(cell, points + 1) && points + 1 + text_digits(cell, points + 1) == cell.size
+                   ? TABLE_COMMA_DECIMAL
+                   : TABLE_COMMA_UNKNOWN;
+    }
     size_t minus = text_minus(cell);
     cell = behind(cell, minus ? minus : text_starts(cell, "+"));
     const char *comma = cell.size ? memchr(cell.data, ',', cell.size) : NULL;
@@ -195,7 +214,8 @@ static bool read_odd_number(double *out, const struct table *table, struct text 
         return false;
     }
     for (size_t i = 0; i < cell.size; i++) {
-        if (cell.data[i] != ',' || is_decimal) {
+        bool is_group = is_decimal && has_comma && cell.data[i] == '.' && grouped_by_points(cell) > i;
+        if ((cell.data[i] != ',' || is_decimal) && !is_group) {
             copy[size++] = (char)(cell.data[i] == ',' ? '.' : cell.data[i]);
         }
     }
@@ -204,7 +224,9 @@ static bool read_odd_number(double *out, const struct table *table, struct text 
 
 bool table_number(double *out, const struct table *table, struct text cell)
 {
-    return text_to_double(cell, out) || read_odd_number(out, table, table_trim(cell));
+    const struct text own = table_trim(cell);
+    bool is_unclear = table->comma == TABLE_COMMA_DECIMAL && own.size && grouped_by_points(own) == own.size;
+    return !is_unclear && (text_to_double(cell, out) || read_odd_number(out, table, own));
 }
 
 /* Whether a cell is a number whatever a comma is. */

@@ -61,7 +61,8 @@ size_t table_numbers(const struct table_line *line);
 void table_add_comma(struct table *table, struct text cell);
 
 /** A number as tables have them: with a typographic minus (U+2212, U+2013, U+2011, U+00AD) before a digit, between
- * no-break and thin spaces, with the table's comma. False for anything else; NaN and infinities are numbers. */
+ * no-break and thin spaces, with the table's comma. False for anything else, and for 42.000 where a comma is decimal;
+ * NaN and infinities are numbers. */
 bool table_number(double *out, const struct table *table, struct text cell);
 
 /** Whether a line is a comment (#, %, //): @p inside is what is behind the mark. */

@@ -10,6 +10,7 @@
 #include "poses/rows/pose_row.h"
 #include "poses/rows/space_words.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <string.h>
 
@@ -389,7 +390,8 @@ struct cells {
     struct table table;
     size_t at, name; /* columns of the positions and of the names, SIZE_MAX = no names */
     size_t count;    /* columns that could be the positions */
-    size_t headers;  /* lines of it */
+    struct text called;
+    size_t headers; /* lines of it */
 };
 
 static bool cell_point(double point[3], struct text cell)
@@ -424,6 +426,7 @@ static bool find_cells(struct cells *out, struct text head)
                                  text_contains(names.cells[i], text_from("x,y,z"));
                 if (cell_point(point, row.cells[i]) && !cell_point(point, names.cells[i]) && (is_bare || is_called)) {
                     out->at = i;
+                    out->called = names.cells[i];
                     out->count++;
                 } else if (out->name == SIZE_MAX && row.cells[i].size && !text_to_double(row.cells[i], &number)) {
                     out->name = i;
@@ -452,6 +455,25 @@ static bool read_cells(struct spoken *out, const struct cells *cells, struct tex
     return fits && cell_point(out->numbers, row.cells[cells->at]);
 }
 
+/* Whether a name says another order than x, y, z: "(z y x)", "zyx". */
+static bool is_other_order(struct text name)
+{
+    char letters[4] = "";
+    size_t count = 0;
+    for (size_t i = 0; i < name.size; i++) {
+        size_t size = 0;
+        while (i + size < name.size && isalpha((unsigned char)name.data[i + size])) {
+            size++;
+        }
+        bool is_one = (size == 1 || size == 3) && text_has_only((struct text){name.data + i, size}, "xyzXYZ");
+        for (size_t k = 0; is_one && k < size && count < 3; k++) {
+            letters[count++] = (char)tolower((unsigned char)name.data[i + k]);
+        }
+        i += size;
+    }
+    return count == 3 && strcmp(letters, "xyz") != 0;
+}
+
 /* Lines that are spoken, or, of a table, have a cell of three numbers. */
 static conus_status parse_lines(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
@@ -466,6 +488,10 @@ static conus_status parse_lines(conus_pose_list *list, struct text text, const c
     if (is_table && (!find_cells(&cells, text) || cells.count != 1)) {
         return fail(CONUS_ERROR_DATA, "several columns with three numbers in a cell: which are the positions? Take the "
                                       "others out");
+    }
+    if (is_table && is_other_order(cells.called)) {
+        return fail(CONUS_ERROR_DATA, "column \"%.*s\": another order than x, y, z: put them into columns of their own",
+                    POSE_QUOTE(cells.called));
     }
     while (!is_table && !has_target && table_next_line(&rest, &line, NULL)) {
         has_target = read_spoken(&spoken, line) && spoken.count == 6;

@@ -31,6 +31,7 @@ struct reading {
     size_t rows[KINDS]; /* of each kind, in the whole file */
     size_t passed_over; /* rows of other sections */
     size_t line;
+    bool has_section;
     bool counting; /* only `rows`, and what a comma is in its numbers, are wanted */
 };
 
@@ -89,6 +90,7 @@ static conus_status begin_section(struct reading *reading, struct text header)
 {
     struct named_cells *cells = &reading->cells;
     conus_status status = named_cells_find(cells, header);
+    reading->has_section = true;
     reading->kind = TARGETS;
     while (reading->kind < KINDS && !text_equal(cells->line.cells[0], kinds[reading->kind].column)) {
         reading->kind++;
@@ -230,6 +232,11 @@ conus_status pose_brainsight_parse(conus_pose_list *list, struct text text, cons
     reading.counting = false;
     reading.has_space = false;
     status = status ? status : read_lines(&reading, text);
+    if (!status && !reading.has_section && reading.passed_over) {
+        status =
+            fail(CONUS_ERROR_DATA, "no header of a section with tabs between its columns, as Brainsight writes them: "
+                                   "was it saved with commas or semicolons?");
+    }
     if (!status && reading.passed_over) {
         status =
             notes_add(&list->notes, "%zu rows of landmarks and other sections were passed over", reading.passed_over);

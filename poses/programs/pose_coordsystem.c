@@ -16,7 +16,7 @@
 /* Tables of positions, and whose system theirs is where a file has several, the first best. */
 static const struct {
     const char *ending, *modalities;
-} tables[] = {{"electrodes.tsv", "iEEG/EEG/EMG"}, {"optodes.tsv", "NIRS"}, {"markers.tsv", "NIBS"}};
+} tables[] = {{"electrodes", "iEEG/EEG/EMG"}, {"optodes", "NIRS"}, {"markers", "NIBS"}};
 
 enum { TABLES = sizeof tables / sizeof tables[0] };
 
@@ -189,15 +189,23 @@ conus_status pose_coordsystem_hear_name(conus_pose_list *list, const char *path)
     return status;
 }
 
-conus_status pose_coordsystem_find(conus_pose_list *list, const char *path)
+/* Of a table that its name says to be one of BIDS, whatever its case and extension; NULL of others. */
+static const char *modalities_of(const char *path)
 {
-    const size_t size = strlen(path);
-    const char *modalities = NULL; /* of no table of BIDS */
+    const char *base = path_base(path);
+    const char *last = strrchr(base, '_');
+    const char *suffix = last ? last + 1 : base;
+    const struct text name = {suffix, strcspn(suffix, ".")};
+    const char *modalities = NULL;
     for (size_t i = 0; i < TABLES; i++) {
-        size_t ending = strlen(tables[i].ending);
-        bool ends = size > ending && strcmp(path + size - ending, tables[i].ending) == 0;
-        modalities = ends ? tables[i].modalities : modalities;
+        modalities = text_equal_ignoring_case(name, tables[i].ending) ? tables[i].modalities : modalities;
     }
+    return modalities;
+}
+
+conus_status pose_coordsystem_find(conus_pose_list *list, const char *path, bool is_needed)
+{
+    const char *modalities = modalities_of(path);
     for (int candidate = 0; modalities && candidate < CANDIDATES; candidate++) {
         char *beside = system_path(path, candidate);
         if (!beside) {
@@ -209,6 +217,9 @@ conus_status pose_coordsystem_find(conus_pose_list *list, const char *path)
             return status;
         }
         memory_free(beside);
+    }
+    if (!is_needed) {
+        return CONUS_OK;
     }
     conus_status status = pose_coordsystem_hear_name(list, path);
     bool is_named = list->space.name[0];

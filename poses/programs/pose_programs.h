@@ -33,8 +33,8 @@ bool pose_nibs_header(struct text line);
  * or else of its only one. CONUS_ERROR_DATA for a space that is no image's world, and for units that are no lengths. */
 conus_status pose_coordsystem_parse(struct pose_space *out, struct text text, const char *modalities);
 /** Sets list->space from the *_coordsystem.json beside the table @p path, and list->coordsystem to its path; without
- * that file from the table's name, with a note. */
-conus_status pose_coordsystem_find(conus_pose_list *list, const char *path);
+ * that file, if it @p is_needed, from the table's name, with a note. */
+conus_status pose_coordsystem_find(conus_pose_list *list, const char *path, bool is_needed);
 /** Compares list->space with what the name of the file at @p path says behind "space-": a warning where it is another
  * one. Of a file that says nothing itself it is that, by which no position is moved. @p path NULL: none. */
 conus_status pose_coordsystem_hear_name(conus_pose_list *list, const char *path);

@@ -112,52 +112,55 @@ conus_status columns_hear_words(struct head *head, struct notes *notes)
     return out->moves ? space_note_move(notes, &said->space) : CONUS_OK;
 }
 
+enum { SIDE_COLUMNS = 4 };
+
 /* The numbers of the head's rows, mm or as the space has them. */
 struct census {
     size_t points, negatives, shallow, axes, short_axes;
-    double farthest;
-    struct sides sides;
+    double farthest, nearest_target, farthest_target;
+    struct sides sides[1 + SIDE_COLUMNS]; /* by names, and by these columns: */
+    size_t columns[SIDE_COLUMNS], column_count;
     size_t bad, rows;
 };
 
-/* A column whose cells are all words of sides says them, whatever its header; else the name does. */
-static int side_of_row(const struct head *head, struct text text, struct text name, size_t column)
-{
-    struct table_line line;
-    return column != COLUMN_NONE && table_split(&line, &head->out->table, text) && column < line.count
-               ? sides_of_name(line.cells[column])
-               : sides_of_name(name);
-}
+/* Words beside a side that is not one of the brain, */
+static const char limbs[] = "hand/hands/handed/handedness/foot/feet/leg/arm/limb/finger/fingers/thumb/toe/toes/wrist/"
+                            "elbow/shoulder/face/lip/muscle/tapping/button/press/grip/hemifield/fdi/apb/adm/ecr/fcr/"
+                            "tibialis";
 
-/* The column of a side of the brain: not that of a hand. */
-static size_t find_side_column(const struct head *head)
+/* and in the name of a column. */
+static const char not_of_point[] = "eye/ear/field/response/task/contrast/condition/stimulus/cue/onset/symptom/symptoms/"
+                                   "affected/paretic/seed/reference/ref/dominance/dominant/language/of";
+
+/* The columns whose cells all say a side, whatever their header, or some below one that is called so. */
+static void find_side_columns(struct census *out, const struct head *head)
 {
-    static const char others[] = "hand/handed/handedness/eye/ear/foot/leg/arm/limb/finger/muscle/response";
     static const char neither[] = "midline/mid/both/bilateral/m/b";
-    size_t found = COLUMN_NONE;
-    for (size_t i = 0; i < head->line.count && found == COLUMN_NONE && head->out->has_header; i++) {
+    for (size_t i = 0; i < head->line.count && out->column_count < SIDE_COLUMNS && head->out->has_header; i++) {
         struct text name = text_from(head->names[i]);
         struct text word;
         bool is_called = strstr(head->names[i], "hemi") || strcmp(head->names[i], "side") == 0;
-        bool all = head->out->role_of[i] == ROLES || (is_called && head->out->role_of[i] == ROLE_NAME);
+        bool all = head->out->role_of[i] == ROLES;
         size_t sides = 0;
         while (text_word(&name, &word)) {
-            all = all && !text_is_one_of(word, others, false);
+            all = all && !text_is_one_of(word, limbs, false) && !text_is_one_of(word, not_of_point, false);
         }
         for (size_t r = 0; all && r < head->row_count; r++) {
             const struct text cell = columns_cell(head, r, i);
             sides += sides_of_name(cell) != 0;
             all = is_called || columns_is_absent(cell) || sides_of_name(cell) || text_is_one_of(cell, neither, false);
         }
-        found = all && sides ? i : found;
+        if (all && sides) {
+            out->columns[out->column_count++] = i;
+        }
     }
-    return found;
 }
 
-static void count_row(struct census *census, const struct head *head, const conus_pose_row *row, int side,
+static void count_row(struct census *census, const struct head *head, const conus_pose_row *row, struct text text,
                       struct text name, double width)
 {
     double p[3];
+    struct table_line line;
     conus_frame_from_world(p, head->options->frame, row->pose.world_from_device + 12);
     const double *world = row->pose.world_from_device + 12;
     bool is_of_bregma = head->options->space == CONUS_SPACE_BREGMA;
@@ -169,8 +172,44 @@ static void count_row(struct census *census, const struct head *head, const conu
     if (isfinite(row->range[1]) && head->out->ends_at_target) {
         census->axes++;
         census->short_axes += row->range[1] < width / 20;
+    } else if (head->out->has[ROLE_TX]) { /* at one distance from all positions they are directions */
+        census->nearest_target = census->axes ? fmin(census->nearest_target, row->target_mm) : row->target_mm;
+        census->farthest_target = fmax(census->farthest_target, row->target_mm);
+        census->axes++;
+        census->short_axes += row->target_mm < width / 20;
     }
-    sides_count(&census->sides, side, name, is_of_bregma ? p[1] : world[0], width / 36);
+    const double x = is_of_bregma ? p[1] : world[0];
+    sides_count(&census->sides[0], sides_of_name(name), name, x, width / 36);
+    bool fits = census->column_count && table_split(&line, &head->out->table, text);
+    for (size_t i = 0; fits && i < census->column_count; i++) {
+        const size_t at = census->columns[i];
+        sides_count(&census->sides[1 + i], at < line.count ? sides_of_name(line.cells[at]) : 0, text_from(""), x,
+                    width / 36);
+    }
+}
+
+/* What names and columns say of sides: each is evidence. Half of two points or more is refused, one is warned of. */
+static conus_status judge_sides(bool *are_right, const struct census *c, const struct head *head, struct notes *notes)
+{
+    const char *other = head->options->space == CONUS_SPACE_LPS ? "ras" : "lps";
+    conus_status status = CONUS_OK;
+    *are_right = false;
+    for (size_t i = 0; i <= c->column_count && !status; i++) {
+        const struct sides *sides = &c->sides[i];
+        const struct text column = i ? head->line.cells[c->columns[i - 1]] : text_from("");
+        size_t wrong = sides->left_on_right + sides->right_on_left;
+        char why[256];
+        snprintf(why, sizeof why, "%s%.*s%s--space %s would turn x and y", i ? "by column \"" : "", POSE_QUOTE(column),
+                 i ? "\", if these are sides of the brain; " : "", other);
+        *are_right = *are_right || (sides->left && sides->right && !wrong);
+        status = head->out->is_of_points ? sides_check(sides, why) : CONUS_OK;
+        if (!status && wrong) {
+            status = i ? notes_warn(notes, "%zu rows lie on the other side than column \"%.*s\" says", wrong,
+                                    POSE_QUOTE(column))
+                       : notes_warn(notes, "%zu rows lie on the other side than their name says", wrong);
+        }
+    }
+    return status;
 }
 
 static conus_status judge(const struct census *c, const struct head *head, struct notes *notes, double longest,
@@ -188,12 +227,9 @@ static conus_status judge(const struct census *c, const struct head *head, struc
                     "columns another? The first: %s",
                     c->bad, c->rows, first_fault);
     }
-    const struct sides *sides = &c->sides;
-    size_t wrong = sides->left_on_right + sides->right_on_left;
     bool is_asked = is_known && !head->words.any_sides;
-    char why[64];
-    snprintf(why, sizeof why, "--space %s would turn x and y", space == CONUS_SPACE_LPS ? "ras" : "lps");
-    conus_status status = is_asked && is_list ? sides_check(sides, why) : CONUS_OK;
+    bool are_right = false;
+    conus_status status = is_asked ? judge_sides(&are_right, c, head, notes) : CONUS_OK;
     if (status) {
         return status;
     }
@@ -223,7 +259,8 @@ static conus_status judge(const struct census *c, const struct head *head, struc
             "%zu of %zu positions have a DV above 0, above bregma: DV is up in space bregma, depths are negative",
             c->shallow, c->points);
     }
-    if (is_known && c->axes && 2 * c->short_axes >= c->axes) {
+    bool are_ends = head->out->ends_at_target || c->farthest_target > 1.5 * c->nearest_target;
+    if (is_known && c->axes && are_ends && 2 * c->short_axes >= c->axes) {
         return columns_refuse_short(c->short_axes, c->axes, longest);
     }
     if (is_list && of_people && is_known && !is_said && c->farthest < longest / 14) {
@@ -231,13 +268,10 @@ static conus_status judge(const struct census *c, const struct head *head, struc
                             "all positions lie within %g mm of the origin: are they in centimetres? ',unit=cm' "
                             "behind FILE takes them so",
                             longest / 14);
-    } else if (is_list && of_people && is_known && !c->negatives && !(sides->left && sides->right && !wrong)) {
+    } else if (is_list && of_people && is_known && !c->negatives && !are_right) {
         status = notes_warn(notes, "no position has a negative number: are they voxels, or positions in a frame?");
     }
-    if (!status && is_asked && wrong) {
-        status = notes_warn(notes, "%zu rows lie on the other side than their name says", wrong);
-    }
-    return status || !is_asked || !is_list ? status : sides_warn(sides, head->out->side, notes);
+    return status || !is_asked || !is_list ? status : sides_warn(&c->sides[0], head->out->side, notes);
 }
 
 /* Whether a word stands where a number is to be, and a character that is no sign before a coordinate. */
@@ -264,7 +298,7 @@ conus_status columns_check_numbers(const struct head *head, struct notes *notes)
     struct text text;
     const conus_pose_options *options = head->options;
     const double longest = options->longest; /* 0: what needs it is not asked */
-    size_t column = find_side_column(head);
+    find_side_columns(&census, head);
     char first_fault[256] = "";
     for (size_t number = 1; text_line(&rest, &text); number++) {
         conus_pose_row row = pose_row_at(number);
@@ -277,7 +311,7 @@ conus_status columns_check_numbers(const struct head *head, struct notes *notes)
         if (kind == LINE_ROW && bad) {
             find_faults(&has_word, &has_glyph, head->out, text);
         } else if (kind == LINE_ROW) {
-            count_row(&census, head, &row, side_of_row(head, text, name.text, column), name.text, longest);
+            count_row(&census, head, &row, text, name.text, longest);
         }
         if (has_glyph) {
             char where[128];
@@ -292,7 +326,7 @@ conus_status columns_check_numbers(const struct head *head, struct notes *notes)
     return judge(&census, head, notes, longest, first_fault);
 }
 
-/* Words of at least so many letters count. */
+/* Words of at least so many letters count, and none beside one of a hand or the like. */
 static int find_side(struct text name, size_t least)
 {
     static const char left[] = "left/l/lh/links/gauche", right[] = "right/r/rh/rechts/droite";
@@ -303,6 +337,9 @@ static int find_side(struct text name, size_t least)
             size++;
         }
         const struct text word = {name.data + i, size};
+        if (text_is_one_of(word, limbs, false)) {
+            return 0;
+        }
         side = size < least                         ? side
                : text_is_one_of(word, left, false)  ? -1
                : text_is_one_of(word, right, false) ? 1

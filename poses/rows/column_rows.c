@@ -299,9 +299,16 @@ static conus_status read_value(double *out, const struct columns *columns, enum 
     }
     if (!table_number(out, &columns->table, cell) || !isfinite(*out)) {
         char what[16 + COLUMN_NAME_SIZE];
+        double plain;
         snprintf(what, sizeof what, "column %s", columns->shown[role]);
-        return pose_no_number(what, cell);
+        return columns->table.comma == TABLE_COMMA_DECIMAL && text_to_double(cell, &plain) && isfinite(plain)
+                   ? fail(CONUS_ERROR_DATA,
+                          "%s: \"%.*s\": a point before three digits where commas are decimal: "
+                          "thousands, or %g?",
+                          what, POSE_QUOTE(cell), plain)
+                   : pose_no_number(what, cell);
     }
+    *out *= columns->factor[role] > 0 ? columns->factor[role] : 1;
     bool is_error = role == ROLE_ERROR_DEG || role == ROLE_ERROR_MM;
     return is_error && *out < 0
                ? fail(CONUS_ERROR_DATA, "column %s: %g, allowed are 0 and more", columns->shown[role], *out)
@@ -372,6 +379,10 @@ static conus_status read_values(double values[ROLE_NAME], struct pose_name *name
                                           : read_value(&values[role], columns, role, cell);
         }
     }
+    if (!status && !names[0].size && names[1].size) {
+        status = fail(CONUS_ERROR_DATA, "column %s: \"\" beside \"%.*s\": merged cells? write it in each row",
+                      columns->shown[ROLE_NAME], POSE_QUOTE(names[1]));
+    }
     if (!line->spoilt.data) { /* a row with an error keeps its name */
         set_name(name, text, names[0], names[1]);
     }
@@ -409,7 +420,7 @@ static conus_status read_row(conus_pose_row *row, struct pose_name *name, const 
     row->is_point = columns->is_of_points;
     row->range[0] = values[ROLE_NEAR];
     row->range[1] = values[ROLE_FAR];
-    double depth = values[ROLE_DEPTH] * columns->depth_mm;
+    double depth = values[ROLE_DEPTH]; /* mm */
     if (!status && columns->has[ROLE_DEPTH] && isfinite(depth)) {
         status = depth > 0 ? CONUS_OK
                            : fail(CONUS_ERROR_DATA, "column %s: %g, allowed is more than 0", columns->shown[ROLE_DEPTH],

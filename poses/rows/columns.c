@@ -3,6 +3,7 @@
 #include "poses/rows/columns.h"
 
 #include "base/files/file.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "poses/rows/columns_head.h"
@@ -14,27 +15,45 @@
 
 enum { SHOWN = 20 };
 
-/* Columns of one number or text, by exact names and by others; of the same role the first name that is there. */
+enum measure { NO_MEASURE, LENGTH, ANGLE, TIME }; /* mm, degrees, seconds */
+
+static const char *const measures[] = {"", "a length", "an angle", "a time"};
+
+/* Columns of one number or text, by exact names, perhaps with a unit behind, and by others; of the same role the first
+ * name that is there. */
 static const struct {
     enum role role;
+    enum measure measure;
     const char *names; /* normalised, see normalise(); in the order of preference */
 } roles[] = {
-    {ROLE_QW, "qw/q w/quat w/quaternion w/q0"},
-    {ROLE_ANGLE, "angle/angle deg/opening angle/opening/cone angle"},
-    {ROLE_TIME, "time s/times/timestamp s"},
-    {ROLE_TRIGGER, "trigger"},
-    {ROLE_ERROR_DEG, "error deg"},
-    {ROLE_ERROR_MM, "error mm"},
-    {ROLE_NEAR, "near"},
-    {ROLE_FAR, "far"},
-    {ROLE_DEPTH, "depth"},
-    {ROLE_TILT_ML, "tilt ml/ml tilt"},
-    {ROLE_TILT_AP, "tilt ap/ap tilt"},
-    {ROLE_PHI, "phi"},
-    {ROLE_THETA, "theta"},
-    {ROLE_NAME,
+    {ROLE_QW, NO_MEASURE, "qw/q w/quat w/quaternion w/q0"},
+    {ROLE_ANGLE, ANGLE, "angle/opening angle/opening/cone angle"},
+    {ROLE_TIME, TIME, "time s/times/timestamp s"},
+    {ROLE_TRIGGER, NO_MEASURE, "trigger"},
+    {ROLE_ERROR_DEG, NO_MEASURE, "error deg"},
+    {ROLE_ERROR_MM, NO_MEASURE, "error mm"},
+    {ROLE_NEAR, LENGTH, "near"},
+    {ROLE_FAR, LENGTH, "far"},
+    {ROLE_DEPTH, LENGTH, "depth"},
+    {ROLE_TILT_ML, ANGLE, "tilt ml/ml tilt"},
+    {ROLE_TILT_AP, ANGLE, "tilt ap/ap tilt"},
+    {ROLE_PHI, ANGLE, "phi"},
+    {ROLE_THETA, ANGLE, "theta"},
+    {ROLE_NAME, NO_MEASURE,
      "query id/query/id/name/label/channel/electrode/contact/site/roi/region/sensor/optode/marker/area/structure/"
      "probe/cluster/cluster id/cluster index/index"},
+};
+
+/* Other units than lengths. */
+static const struct {
+    enum measure measure;
+    const char *names;
+    double factor;
+} units[] = {
+    {ANGLE, "deg/degree/degrees/\xc2\xb0", 1},
+    {ANGLE, "rad/radian/radians", 180 / MATH3_PI},
+    {TIME, "s/sec/second/seconds", 1},
+    {TIME, "ms/msec/millisecond/milliseconds", 0.001},
 };
 
 /* The third list: what a column says that makes a row no mere point. */
@@ -180,6 +199,41 @@ static size_t find_name(const struct head *head, const char *name, size_t first)
     return i < head->line.count ? i : COLUMN_NONE;
 }
 
+/* The unit that a text is. Its factor is below 0 where it is not taken, 0 where there is none. */
+static enum measure find_unit(double *factor, struct text text)
+{
+    *factor = space_unit_mm(text);
+    enum measure measure = *factor != 0 ? LENGTH : NO_MEASURE;
+    for (size_t i = 0; i < sizeof units / sizeof units[0] && !measure; i++) {
+        bool is_one = text_is_one_of(text, units[i].names, true);
+        measure = is_one ? units[i].measure : NO_MEASURE;
+        *factor = is_one ? units[i].factor : 0;
+    }
+    return measure;
+}
+
+/* The same as find_name(), with the unit behind the name, if the column has one. */
+static size_t find_measured(enum measure *measure, double *factor, const struct head *head, const char *name,
+                            size_t first)
+{
+    const size_t size = strlen(name);
+    for (size_t i = first; i < head->line.count; i++) {
+        const char *rest = head->names[i] + size;
+        bool begins = strncmp(head->names[i], name, size) == 0;
+        *factor = head->unit[i];
+        *measure = *factor != 0 ? LENGTH : NO_MEASURE;
+        if (begins && rest[0] == ' ') {
+            rest += strncmp(rest, " in ", 4) == 0 ? 4 : 1;
+            *measure = find_unit(factor, text_from(rest));
+            rest += *measure ? strlen(rest) : 0;
+        }
+        if (begins && !rest[0]) {
+            return i;
+        }
+    }
+    return COLUMN_NONE;
+}
+
 static bool is_capital(const struct head *head, size_t column)
 {
     struct text cell = head->line.cells[column];
@@ -323,7 +377,11 @@ static bool is_whole(const struct family *family)
 static void set_role(struct head *head, size_t column, enum role role)
 {
     struct columns *out = head->out;
+    const uint8_t before = out->role_of[column];
     out->role_of[column] = (uint8_t)role;
+    if (before != ROLES && !memchr(out->role_of, before, sizeof out->role_of)) {
+        out->has[before] = false;
+    }
     out->has[role] = true;
     snprintf(out->shown[role], COLUMN_NAME_SIZE, "%.*s", TEXT_SHOW(head->line.cells[column], COLUMN_NAME_SIZE - 1));
 }
@@ -371,6 +429,13 @@ static void take_family(struct head *head, const struct family *family, enum rol
         unit = own != 0 ? own : unit;
         set_role(head, family->at[k], first + (enum role)k);
     }
+    const char *behind = family->at[0] != COLUMN_NONE ? strrchr(head->names[family->at[0]], ' ') : NULL;
+    FAULT_IF(first <= ROLE_TX && behind && text_is_one_of(text_from(behind + 1), "cm/m", true) && unit == 0 &&
+                 !(head->words.unit > 0),
+             head,
+             "%s: is %s a unit or, as in centre of mass, a word? brackets make it a unit, ',unit=mm' behind FILE "
+             "a word",
+             FAMILY_SHOWN(head, family), behind ? behind + 1 : "");
     double scale = unit / columns_space_mm(out->space);
     FAULT_IF(unit == SPACE_UNIT_REFUSED && !(head->words.unit > 0), head,
              "%s: %s; ',unit=mm' behind FILE takes them so", FAMILY_SHOWN(head, family), space_why_unit);
@@ -436,6 +501,15 @@ static const struct family *find_kind(struct head *head, enum family_kind kind)
     return found;
 }
 
+static void drop_role(struct head *head, enum role role)
+{
+    for (size_t i = 0; i < head->line.count && head->out->has[role]; i++) {
+        head->out->role_of[i] = head->out->role_of[i] == role ? ROLES : head->out->role_of[i];
+    }
+    head->out->has[role] = false;
+}
+
+/* Columns of one number or text each. */
 static void find_roles(struct head *head)
 {
     for (size_t r = 0; r < sizeof roles / sizeof roles[0]; r++) {
@@ -445,26 +519,44 @@ static void find_roles(struct head *head)
         for (bool more = true; !head->out->has[role] && text_field(&rest, '/', &more, &name);) {
             char copy[COLUMN_NAME_SIZE];
             snprintf(copy, sizeof copy, "%.*s", (int)name.size, name.data);
-            size_t column = find_name(head, copy, 0);
+            enum measure measure = NO_MEASURE;
+            double factor = 0;
+            bool has_unit = roles[r].measure;
+            size_t column = has_unit ? find_measured(&measure, &factor, head, copy, 0) : find_name(head, copy, 0);
             if (column == COLUMN_NONE || head->out->role_of[column] != ROLES) {
                 continue;
             }
+            const struct text cell = head->line.cells[column];
             bool is_loose = role == ROLE_NAME && !text_is_one_of(name, "query id/query/id/name", true);
-            FAULT_IF(!is_loose && find_name(head, copy, column + 1) != COLUMN_NONE, head, "column \"%.*s\" twice",
-                     POSE_QUOTE(head->line.cells[column]));
+            size_t again = has_unit ? find_measured(&(enum measure){0}, &(double){0}, head, copy, column + 1)
+                                    : find_name(head, copy, column + 1);
+            FAULT_IF(!is_loose && again != COLUMN_NONE, head, "column \"%.*s\" twice", POSE_QUOTE(cell));
+            FAULT_IF(measure && measure != roles[r].measure, head, "column \"%.*s\": the unit of %s, and it is %s",
+                     POSE_QUOTE(cell), measures[measure], measures[roles[r].measure]);
+            FAULT_IF(measure == roles[r].measure && factor < 0, head, "column \"%.*s\": %s", POSE_QUOTE(cell),
+                     space_why_unit);
+            head->out->factor[role] = factor;
             set_role(head, column, role);
         }
     }
     size_t electrode = find_name(head, "electrode", 0);
     size_t contact = find_name(head, "contact", 0);
     if (electrode != COLUMN_NONE && contact != COLUMN_NONE && head->out->role_of[electrode] == ROLE_NAME) {
-        set_role(head, contact, ROLE_CONTACT);
+        size_t r = 0;
+        while (r < head->row_count && !columns_cell(head, r, electrode).size) {
+            r++;
+        }
+        bool is_empty = r == head->row_count && r;
+        if (is_empty) {
+            drop_role(head, ROLE_NAME);
+        }
+        set_role(head, contact, is_empty ? ROLE_NAME : ROLE_CONTACT);
     }
     for (size_t i = 0; i < MATRIX_NUMBERS; i++) {
         char name[8];
         snprintf(name, sizeof name, "m%zu%zu", i / 4, i % 4);
         size_t column = find_name(head, name, 0);
-        if (column != COLUMN_NONE) {
+        if (column != COLUMN_NONE && head->out->role_of[column] == ROLES) {
             set_role(head, column, ROLE_M00 + (enum role)i);
         }
     }
@@ -503,23 +595,13 @@ static void refuse_turned(struct head *head, const struct family *position)
     }
 }
 
-static void drop_role(struct head *head, enum role role)
-{
-    for (size_t i = 0; i < head->line.count && head->out->has[role]; i++) {
-        head->out->role_of[i] = head->out->role_of[i] == role ? ROLES : head->out->role_of[i];
-    }
-    head->out->has[role] = false;
-}
-
-static bool is_all_zero(const struct head *head, enum role role)
+/* Whether the column is 0 in all rows of the head. */
+static bool is_all_zero(const struct head *head, size_t column)
 {
     bool all = true;
     for (size_t r = 0; r < head->row_count; r++) {
-        for (size_t i = 0; i < head->rows[r].count && i < head->out->count; i++) {
-            double value;
-            all = all && (head->out->role_of[i] != role ||
-                          (table_number(&value, &head->out->table, columns_cell(head, r, i)) && value == 0));
-        }
+        double value;
+        all = all && table_number(&value, &head->out->table, columns_cell(head, r, column)) && value == 0;
     }
     return all;
 }
@@ -550,7 +632,23 @@ static const struct family *find_named(struct head *head)
     for (int k = 0; k < 3; k++) {
         head->named.at[k] = find_word(head, head->words.at[k]);
     }
-    return is_whole(&head->named) ? &head->named : NULL;
+    const size_t *at = head->named.at;
+    bool are_three = at[0] != at[1] && at[0] != at[2] && at[1] != at[2];
+    FAULT_IF(is_whole(&head->named) && !are_three, head, "one column is named twice as x, y or z");
+    return is_whole(&head->named) && are_three ? &head->named : NULL;
+}
+
+/* Columns that the user calls x, y and z are nothing else. */
+static void take_named(struct head *head)
+{
+    const struct family *named = find_named(head);
+    for (size_t i = 0; named && i < head->family_count; i++) {
+        struct family *family = &head->families[i];
+        for (size_t k = 0; k < 9; k++) {
+            family->kind = family->at[k / 3] == named->at[k % 3] ? STATISTIC : family->kind;
+        }
+    }
+    take_family(head, named, ROLE_X, "x y z");
 }
 
 static const char on_its_side[] = "a table on its side, whose rows are called x, y and z: exchange rows and columns";
@@ -609,7 +707,7 @@ static void find_beam(struct head *head, const struct family **position, const s
 static void choose_families(struct head *head)
 {
     struct columns *out = head->out;
-    const struct family *named = find_named(head);
+    const struct family *named = out->has[ROLE_X] ? &head->named : NULL;
     const struct family *position = named ? named : find_position(head);
     const struct family *entry = find_kind(head, ENTRY);
     const struct family *target = find_kind(head, TARGET);
@@ -634,7 +732,7 @@ static void choose_families(struct head *head)
     if (head->options->aperture > 0 && position && target) {
         find_beam(head, &position, &target);
     }
-    take_family(head, position, ROLE_X, "x y z");
+    take_family(head, named ? NULL : position, ROLE_X, "x y z");
     take_family(head, target, ROLE_TX, "tx ty tz");
     take_family(head, direction, ROLE_DX, "dx dy dz");
     take_family(head, up, ROLE_UX, "ux uy uz");
@@ -656,7 +754,8 @@ static void choose_families(struct head *head)
              "phi and theta are angles from bregma, which only an atlas of the Allen CCF has (--space bregma)");
     FAULT_IF(has_tilt && out->has[ROLE_TILT_ML] != out->has[ROLE_TILT_AP], head,
              "only one of the columns tilt_ml and tilt_ap: the other one may be 0");
-    if (out->has[ROLE_ANGLE] && (out->is_of_points || out->has[ROLE_DEPTH]) && is_all_zero(head, ROLE_ANGLE)) {
+    const uint8_t *angle = memchr(out->role_of, ROLE_ANGLE, sizeof out->role_of);
+    if (angle && (out->is_of_points || out->has[ROLE_DEPTH]) && is_all_zero(head, (size_t)(angle - out->role_of))) {
         drop_role(head, ROLE_ANGLE); /* whichever it is, it says nothing */
     }
     FAULT_IF(out->has[ROLE_ANGLE] && out->has[ROLE_DEPTH] && !strstr(out->shown[ROLE_ANGLE], "pening"), head,
@@ -686,6 +785,12 @@ static void choose_families(struct head *head)
     if (!out->is_of_points || !position) {
         return;
     }
+    size_t t = find_name(head, "t", 0);
+    bool is_of_ants = t == 3 && find_name(head, "x", 0) == 0 && find_name(head, "y", 0) == 1 &&
+                      find_name(head, "z", 0) == 2 && head->row_count && is_all_zero(head, t);
+    FAULT_IF(is_of_ants && out->space == CONUS_SPACE_RAS && !head->options->any_space, head,
+             "x,y,z,t with t 0 in all rows is how ANTs has points, which are LPS: --space lps reads them so; if these "
+             "are RAS, take the column t out");
     FAULT_IF(out->has[ROLE_ANGLE], head,
              "column \"%s\" is the opening of a cone, which needs a direction: tx ty tz, dx dy dz or qw qx qy qz",
              out->shown[ROLE_ANGLE]);
@@ -926,6 +1031,7 @@ static void find_columns(struct head *head)
     head->faults.size = 0;
     memset(out->role_of, ROLES, sizeof out->role_of);
     memset(out->has, 0, sizeof out->has);
+    memset(out->factor, 0, sizeof out->factor);
     out->scale = 0;
     out->said = (struct space_words){0};
     out->pairs = 0;
@@ -959,18 +1065,21 @@ static void find_columns(struct head *head)
     if (column != COLUMN_NONE) {
         set_role(head, column, ROLE_NAME);
     }
+    take_named(head);
     if (out->is_bids) { /* other columns are of others, whatever they are called */
-        take_family(head, find_named(head), ROLE_X, "x y z");
         out->is_of_points = true;
         find_spaces(head);
         find_pairs(head);
-        return;
+    } else {
+        find_roles(head);
+        find_spaces(head);
+        choose_families(head);
+        find_pairs(head);
+        refuse_lone_end(head);
     }
-    find_roles(head);
-    find_spaces(head);
-    choose_families(head);
-    find_pairs(head);
-    refuse_lone_end(head);
+    FAULT_IF(column != COLUMN_NONE && out->role_of[column] != ROLE_NAME, head,
+             "column \"%.*s\" is called a name, but it is one of a position or direction",
+             POSE_QUOTE(head->line.cells[column]));
 }
 
 /* Whether some of the columns of a line belong together as coordinates, so that it is a header. */
@@ -997,18 +1106,150 @@ static bool split_header(struct head *head, struct text text, size_t cells)
     return found;
 }
 
-/* R writes the names of rows without a name of their column: there the header gets an empty cell. */
-static void shift_header(struct head *head)
+/* Puts a column without a name into the header, as its column `at`. */
+static void put_nameless(struct table_line *line, size_t at)
+{
+    memmove(line->cells + at + 1, line->cells + at, (line->given - at) * sizeof line->cells[0]);
+    line->cells[at] = (struct text){"", 0};
+    line->count = ++line->given;
+}
+
+/* Whether most rows have numbers where this header has them. */
+static bool fits_rows(const struct head *head)
+{
+    size_t fits = 0;
+    for (size_t r = 0; r < head->row_count; r++) {
+        bool all = true;
+        for (size_t i = 0; i < head->out->count; i++) {
+            double value;
+            const enum role role = head->out->role_of[i];
+            const struct text cell = columns_cell(head, r, i);
+            all = all && (role >= ROLE_SPACE || role == ROLE_TRIGGER || table_number(&value, &head->out->table, cell) ||
+                          (role >= ROLE_ANGLE && columns_is_absent(cell)));
+        }
+        fits += all;
+    }
+    return 2 * fits > head->row_count && (count_roles(head->out, ROLE_X, 3) == 3 || head->out->has[ROLE_M00]);
+}
+
+/* Whether the first cells are in quotation marks, and no number is: a program's names of rows. */
+static bool begins_with_quoted(const struct head *head)
+{
+    bool all = true;
+    for (size_t r = 0; r < head->row_count && all; r++) {
+        const struct head_row *row = &head->rows[r];
+        for (size_t i = 0; i < row->count && all; i++) {
+            double value;
+            const struct text cell = row->cells[i];
+            bool is_quoted = cell.size && cell.data > head->text.data && cell.data[-1] == '"';
+            all = i ? !is_quoted || !table_number(&value, &head->out->table, cell) : is_quoted;
+        }
+    }
+    return all;
+}
+
+/* How far a cell is from the beginning of its line; with *is_first whether blanks alone are before it. */
+static size_t offset_of(bool *is_first, const struct head *head, struct text cell)
+{
+    const char *at = cell.data;
+    *is_first = true;
+    while (at > head->text.data && !strchr("\r\n", at[-1])) {
+        at--;
+        *is_first = *is_first && strchr(" \t", *at);
+    }
+    return (size_t)(cell.data - at);
+}
+
+/* Whether the header begins behind the first cells, as R and pandas print a table. */
+static bool begins_behind(const struct head *head, struct text first_name)
+{
+    bool all = head->out->table.separator >= TABLE_BLANKS;
+    size_t begin = all ? offset_of(&all, head, first_name) : 0;
+    for (size_t r = 0; r < head->row_count && all; r++) {
+        const struct text cell = head->rows[r].cells[0];
+        all = offset_of(&(bool){false}, head, cell) + cell.size <= begin;
+    }
+    return all;
+}
+
+/* What the first row is by this header: "A" at -42, -20, 50. */
+static void show_reading(char out[COLUMN_NAME_SIZE * 4], const struct head *head, size_t row)
+{
+    size_t used = 0;
+    out[0] = '\0';
+    for (size_t i = 0; i < head->out->count; i++) {
+        const enum role role = head->out->role_of[i];
+        const struct text cell = columns_cell(head, row, i);
+        if (role == ROLE_NAME || role < ROLE_ANGLE) {
+            used +=
+                (size_t)snprintf(out + used, COLUMN_NAME_SIZE * 4 - used, role == ROLE_NAME ? "%s\"%.*s\"" : "%s%.*s",
+                                 used ? ", " : "", TEXT_SHOW(cell, 12));
+        }
+        used = used < COLUMN_NAME_SIZE * 3 ? used : 0; /* of a matrix the end */
+    }
+}
+
+/* Whether rows fit the header with a column without a name at `at`, or, of shorter rows, without that name. */
+static bool fits_with(char reading[COLUMN_NAME_SIZE * 4], struct head *head, const struct table_line *given, size_t at,
+                      bool is_longer, size_t row)
 {
     struct table_line *line = &head->line;
-    const size_t cells = head->out->table.cells;
-    if (!cells || line->given + 1 != cells || line->count == cells) {
+    *line = *given;
+    if (is_longer) {
+        put_nameless(line, at);
+    } else {
+        line->count = --line->given;
+        memmove(line->cells + at, line->cells + at + 1, (line->given - at) * sizeof line->cells[0]);
+    }
+    find_columns(head);
+    show_reading(reading, head, row);
+    return fits_rows(head);
+}
+
+/* Rows of one cell more than the header: the first column has no name (R), or the last one; or all of one less: one of
+ * these is missing. Where both may be, neither is taken, with a fault. */
+static void complete_header(struct head *head)
+{
+    struct table_line *line = &head->line;
+    const size_t named = line->given;
+    size_t row = 0; /* the first one of the longest */
+    size_t cells = 0;
+    size_t longest = 0;
+    for (size_t r = 0; r < head->row_count; r++) {
+        size_t own = head->rows[r].count == head->out->table.cells ? head->rows[r].count : 0;
+        while (own && !head->rows[r].cells[own - 1].size) {
+            own--;
+        }
+        row = own > cells ? r : row;
+        cells = own > cells ? own : cells;
+        longest = head->rows[r].count > longest ? head->rows[r].count : longest;
+    }
+    if (cells > named && line->count > named) { /* empty names at its end are those of columns */
+        line->given = cells < line->count ? cells : line->count;
+        find_columns(head);
         return;
     }
-    memmove(line->cells + 1, line->cells, sizeof line->cells - sizeof line->cells[0]);
-    line->cells[0] = (struct text){"", 0};
-    line->count += line->count < TABLE_CELLS;
-    line->given++;
+    const bool is_longer = named + 1 == cells && cells <= TABLE_CELLS;
+    if (!is_longer && longest + 1 != named) {
+        return;
+    }
+    const struct table_line given = *line;
+    const char *what = is_longer ? "has no name" : "is missing";
+    char readings[2][COLUMN_NAME_SIZE * 4];
+    bool is_last = fits_with(readings[1], head, &given, named - !is_longer, is_longer, row);
+    bool is_first = fits_with(readings[0], head, &given, 0, is_longer, row);
+    if (!is_longer || (is_last && !is_first)) {
+        *line = given;
+        if (is_longer) {
+            put_nameless(line, named);
+        }
+        find_columns(head);
+    }
+    bool is_printed = is_longer && (begins_with_quoted(head) || begins_behind(head, given.cells[0]));
+    FAULT_IF(is_first && is_last && !is_printed, head,
+             "%zu names above rows of %zu cells: the row is %s if the first column %s, and %s if the last one %s; name "
+             "each column",
+             named, is_longer ? cells : longest, readings[0], what, readings[1], what);
 }
 
 /* Looks for the header above the first row: a line of as many cells, with coordinates among them, or a comment of that
@@ -1053,10 +1294,29 @@ static bool find_header(struct head *head)
         head->out->head_lines = line_of_best;
         head->out->header_sum = columns_sum(best);
         (void)split_header(head, best, table->cells);
-        shift_header(head);
         find_columns(head);
+        complete_header(head);
     }
     return best.size;
+}
+
+/* Whether the line below the header has nothing but units. */
+static bool has_row_of_units(const struct head *head)
+{
+    struct text rest = head->text;
+    struct text text = {"", 0};
+    struct table_line line;
+    size_t count = 0;
+    for (size_t number = 0; number < head->out->head_lines && text_line(&rest, &text); number++) {
+    }
+    bool all = table_next_line(&rest, &text, NULL) && table_split(&line, &head->out->table, text);
+    for (size_t i = 0; all && i < line.count; i++) {
+        double factor;
+        bool is_one = find_unit(&factor, line.cells[i]);
+        all = is_one || !line.cells[i].size;
+        count += is_one;
+    }
+    return all && count;
 }
 
 /* Without rows a header alone tells what separates its cells: what makes the most of them. */
@@ -1277,8 +1537,11 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
     if (!head) {
         return CONUS_ERROR_MEMORY;
     }
-    *out = (struct columns){
-        .space = options->space, .is_bids = out->is_bids, .side = out->side, .table.quotes_are_plain = out->is_bids};
+    *out = (struct columns){.space = options->space,
+                            .is_bids = out->is_bids,
+                            .side = out->side,
+                            .beside_mm = out->beside_mm,
+                            .table.quotes_are_plain = out->is_bids};
     head->out = out;
     head->options = options;
     head->text = head_text;
@@ -1304,6 +1567,8 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
     out->has_header = !status && options->format != CONUS_POSE_FORMAT_POINTS && find_header(head);
     FAULT_IF(out->has_header && out->table.comma == TABLE_COMMA_UNCLEAR, head,
              "a comma before three digits, or commas of two kinds: 1,250 may be 1250 or 1.25");
+    FAULT_IF(out->has_header && has_row_of_units(head), head,
+             "a row of units below it: write them behind the names, as in x (mm)");
     if (status) {
         out->has_header = false;
     } else if (!out->has_header) {
@@ -1323,16 +1588,19 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
     }
     double unit = head->words.unit > 0 ? head->words.unit : options->unit; /* the user's word */
     out->is_own_unit = unit > 0;
+    const double beside = out->beside_mm / columns_space_mm(options->space);
+    if (!status && !out->is_own_unit && beside > 0 && out->scale > 0 && out->scale != beside) {
+        status = fail(CONUS_ERROR_DATA, "its header names another unit than the *_coordsystem.json beside it");
+    }
+    out->scale = beside > 0 ? beside : out->scale;
     status = status ? status : columns_hear_words(head, notes);
     if (unit > 0) {
         out->scale = unit / columns_space_mm(options->space);
     }
     out->has_unit = out->scale > 0;
-    double of_depth = 0;
-    for (size_t i = 0; i < out->count; i++) {
-        of_depth = out->role_of[i] == ROLE_DEPTH ? head->unit[i] : of_depth;
-    }
-    out->depth_mm = of_depth > 0 ? of_depth : (out->has_unit ? out->scale : 1) * columns_space_mm(options->space);
+    const double space_mm = columns_space_mm(options->space);
+    out->factor[ROLE_DEPTH] =
+        out->factor[ROLE_DEPTH] > 0 ? out->factor[ROLE_DEPTH] : (out->has_unit ? out->scale : 1) * space_mm;
     out->scale = out->has_unit ? out->scale : 1;
     status = status ? status : columns_check_numbers(head, notes);
     buffer_finish(&head->faults);

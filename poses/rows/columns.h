@@ -64,17 +64,18 @@ struct columns {
     bool is_bids; /**< Before columns_plan(): marks belong to cells, no column is unusual, and only x, y, z and name, or
                      those that the user names, and words of space and unit have a role. */
     int side;     /**< Before columns_plan(): sides_of_file(). */
+    double beside_mm;  /**< Before columns_plan(): mm per unit, as a file beside it says; 0 = none does. */
     bool is_of_points; /**< It gives no direction. */
     bool has_space;    /**< It says itself in which space the numbers are: */
     conus_space space;
     double scale;                 /**< Units of the space per unit of positions. */
     size_t kept[POSE_KEPT_LIMIT]; /**< Columns whose texts are kept, in the order of the options. */
     size_t kept_count;
-    double depth_mm;         /**< mm per unit of depth. */
-    bool is_mlapdv;          /**< x y z are ML, AP, DV from bregma, as IBL has them beside theta and phi. */
-    struct space_words said; /**< What titles, comments and headers say. */
-    bool has_unit;           /**< The file names it, */
-    bool is_own_unit;        /**< or the user. */
+    double factor[ROLE_NAME]; /**< mm, degrees or seconds per unit of a column; 0: as it is. */
+    bool is_mlapdv;           /**< x y z are ML, AP, DV from bregma, as IBL has them beside theta and phi. */
+    struct space_words said;  /**< What titles, comments and headers say. */
+    bool has_unit;            /**< The file names it, */
+    bool is_own_unit;         /**< or the user. */
     size_t pairs; /**< From 1: the column that says whether a row is an entry or the target of its name (pairs_parse());
                      0 = none does. */
     bool ends_at_target; /**< Axes end there, not only point there (target_x, but not tx). */

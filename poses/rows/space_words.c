@@ -13,32 +13,41 @@
 enum weight {
     STRONG,
     WEAK,  /* next to a word for positions */
+    ALONE, /* there, or where the sentence says nothing else */
+    FRONT, /* before one for a space, in a sentence without MNI: "patient space", not "coordinates of patient 3" */
     ORIGIN /* behind from, to */
 };
 
 enum { TOKENS = 64, SIGNS = 100, CELL_TOKENS = 4 };
 
+static const char why_origin[] = "counted from a point (MCP, AC, ear bars, lambda, dura) that the atlas does not know";
+static const char why_code[] = "a code of axes other than RAS and LPS, which is read in AFNI's own reports alone";
+
 static const struct row {
-    const char *words;
+    const char *words; /* several of one row in one word: "ac pc" */
     enum weight weight;
     int brain; /* enum pose_brain or SIGNS */
     const char *name;
     const char *why; /* positions cannot be taken, whatever the atlas */
 } rows[] = {
-    {"mni305/fsaverage", STRONG, POSE_BRAIN_MNI305, "MNI305", NULL},
+    {"mni305/fsaverage/mni 305", STRONG, POSE_BRAIN_MNI305, "MNI305", NULL},
     {"talairach/tal/tlrc/mni2tal", STRONG, POSE_BRAIN_TALAIRACH, "Talairach", NULL},
-    {"tk/tkr/tkras/tkrras/tkreg/tkregras/surfaceras", STRONG, POSE_BRAIN_OTHER, "tkRAS", NULL},
+    {"tk/tkr/tkras/tkrras/tkreg/tkregras/surfaceras/surface ras", STRONG, POSE_BRAIN_OTHER, "tkRAS", NULL},
     {"radiological", STRONG, 0, NULL,
      "radiological: left and right may be exchanged; --space lps or ras says which they are"},
     {"mni/mni152/icbm/icbm152", STRONG, POSE_BRAIN_MNI152, "MNI 152", NULL},
-    {"mcp/earbar/earbars/ear/interaural/lambda/dura/pia/midcommissural", ORIGIN, 0, NULL,
-     "counted from a point (MCP, ear bars, lambda, dura) that the atlas does not know"},
-    {"native/scanner/individual/acpc/head/device/leksell/crw/scs/ctf", WEAK, POSE_BRAIN_SUBJECT, NULL, NULL},
-    {"voxel/voxels/vox/ijk/matrix", WEAK, 0, NULL,
+    {"mcp/earbar/earbars/ear/interaural/lambda/dura/pia/midcommissural/ac/anterior commissure/posterior commissure",
+     ORIGIN, 0, NULL, why_origin},
+    {"mcp/midcommissural/interaural", WEAK, 0, NULL, why_origin},
+    {"native/scanner/individual/acpc/ac pc/head/device/leksell/crw/scs/ctf/dicom", WEAK, POSE_BRAIN_SUBJECT, NULL,
+     NULL},
+    {"t1/t1w/t2/t2w/ct/flair/patient/patient s/subject/subject s/participant", FRONT, POSE_BRAIN_SUBJECT, NULL, NULL},
+    {"voxel/voxels/vox/ijk", ALONE, 0, NULL,
      "voxels, which only the image that they were counted in places; mm are needed"},
-    {"ras/lps", WEAK, SIGNS, NULL, NULL},
-    {"rai/lpi/las/lai/rpi/rps/ral/lar/ipr/ipl/spr/spl/asr/asl/pir/pil", WEAK, 0, NULL,
-     "a code of axes other than RAS and LPS, which is read in AFNI's own reports alone"},
+    {"matrix", WEAK, 0, NULL, "voxels, which only the image that they were counted in places; mm are needed"},
+    {"ras/lps/dicom/itk", WEAK, SIGNS, NULL, NULL},
+    {"rai/lpi/las/lai/rpi/rps/ral/lar", ALONE, 0, NULL, why_code},
+    {"ipr/ipl/spr/spl/asr/asl/pir/pil", WEAK, 0, NULL, why_code},
 };
 
 static const struct {
@@ -107,6 +116,7 @@ enum pose_brain space_brain_named(struct text name)
 struct sentence {
     struct text tokens[TOKENS];
     size_t count;
+    bool is_whole; /* its line says nothing else */
 };
 
 static bool is_letter(char c)
@@ -119,6 +129,26 @@ static bool token_is(const struct sentence *sentence, size_t index, const char *
     return index < sentence->count && text_is_one_of(sentence->tokens[index], words, false);
 }
 
+/* How many tokens from this one on are one of the words, of which some are several tokens; 0: they are none. */
+static size_t token_phrase(const struct sentence *sentence, size_t index, const char *words)
+{
+    struct text rest = text_from(words);
+    struct text phrase;
+    struct text word;
+    size_t found = 0;
+    for (bool more = true; !found && text_field(&rest, '/', &more, &phrase);) {
+        size_t count = 0;
+        bool fits = true;
+        while (fits && text_word(&phrase, &word)) {
+            const size_t at = index + count++;
+            fits = at < sentence->count && word.size == sentence->tokens[at].size &&
+                   text_contains(sentence->tokens[at], word);
+        }
+        found = fits ? count : 0;
+    }
+    return found;
+}
+
 static bool is_context(const struct sentence *sentence, size_t index)
 {
     return token_is(sentence, index, "coordinate/coordinates/coords/position/positions/space/system/frame/xyz") ||
@@ -128,12 +158,12 @@ static bool is_context(const struct sentence *sentence, size_t index)
            (token_is(sentence, index, "dv") && index >= 2 && token_is(sentence, index - 1, "ml"));
 }
 
-/* Whether a word for positions is its neighbour, but for small words between. */
-static bool has_context(const struct sentence *sentence, size_t index)
+/* Whether a word for positions is the neighbour of so many tokens, but for small words between. */
+static bool has_context(const struct sentence *sentence, size_t index, size_t count)
 {
-    static const char small[] = "in/the/are/is/of/unit/units/native/scanner/ras/lps/mni/mni152";
+    static const char small[] = "in/the/are/is/of/unit/units/native/scanner/ras/lps/mni/mni152/not/g/t1/t1w";
     size_t before = index;
-    size_t behind = index + 1;
+    size_t behind = index + count;
     while (before && token_is(sentence, before - 1, small)) {
         before--;
     }
@@ -148,7 +178,7 @@ static void keep(struct space_words *words, struct text heard, const struct row 
     bool is_better = !words->heard[0] || (row->why && !words->why) ||
                      (words->space.brain == POSE_BRAIN_MNI152 && row->brain != POSE_BRAIN_MNI152);
     if (row->brain == SIGNS) {
-        conus_space signs = text_equal_ignoring_case(heard, "lps") ? CONUS_SPACE_LPS : CONUS_SPACE_RAS;
+        conus_space signs = text_equal_ignoring_case(heard, "ras") ? CONUS_SPACE_RAS : CONUS_SPACE_LPS;
         if (words->has_signs && words->signs != signs) {
             words->why = "one in one place, the other in another, and only one is right";
             snprintf(words->heard, sizeof words->heard, "RAS, LPS");
@@ -167,28 +197,40 @@ static void keep(struct space_words *words, struct text heard, const struct row 
     }
 }
 
-/* Whether a sentence is nothing but RAS or LPS, and perhaps a unit. */
-static bool is_alone(const struct sentence *sentence)
+/* Whether a sentence is nothing but these words, and perhaps a unit. */
+static bool is_alone(const struct sentence *sentence, const char *words)
 {
     bool all = true;
     for (size_t i = 0; i < sentence->count; i++) {
-        all = all && token_is(sentence, i, "ras/lps/in/all/points/mm/cm/um/m");
+        all = all && (token_is(sentence, i, "in/all/points/mm/cm/um/m") || token_is(sentence, i, words));
     }
     return all;
+}
+
+static bool has_token(const struct sentence *sentence, const char *words)
+{
+    size_t i = 0;
+    while (i < sentence->count && !token_is(sentence, i, words)) {
+        i++;
+    }
+    return i < sentence->count;
 }
 
 static bool is_heard(const struct sentence *sentence, size_t index, const struct row *row, bool of_coordinates)
 {
     static const char small[] = "the/a/from/to/surface/mid";
-    if (!token_is(sentence, index, row->words)) {
+    static const char mni[] = "mni/mni152";
+    const size_t count = token_phrase(sentence, index, row->words);
+    if (!count) {
         return false;
     }
     if (row->brain == POSE_BRAIN_TALAIRACH ||
         row->brain == POSE_BRAIN_MNI305) { /* brought to MNI, or a program's labels */
-        bool is_other = false;
+        bool is_other = has_token(sentence, "label/labels/daemon") ||
+                        (index && token_is(sentence, index - 1, "from") && has_token(sentence, mni) &&
+                         has_token(sentence, "converted/transformed/brought"));
         for (size_t i = 0; i < sentence->count; i++) {
-            is_other = is_other || token_is(sentence, i, "label/labels/daemon") ||
-                       (token_is(sentence, i, "to") && token_is(sentence, i + 1, "mni/mni152"));
+            is_other = is_other || (token_is(sentence, i, "to") && token_is(sentence, i + 1, mni));
         }
         return !is_other;
     }
@@ -196,8 +238,14 @@ static bool is_heard(const struct sentence *sentence, size_t index, const struct
         bool near = index && token_is(sentence, index - 1, "from/to");
         return near || (index >= 2 && token_is(sentence, index - 1, small) && token_is(sentence, index - 2, "from/to"));
     }
-    return row->weight == STRONG || of_coordinates || has_context(sentence, index) ||
-           (row->brain == SIGNS && is_alone(sentence));
+    if (row->weight == FRONT) { /* headers and cells have lists of their own */
+        bool is_before = token_is(sentence, index + count, "space/coordinates/coordinate/coords/system/frame") &&
+                         sentence->tokens[index + count].data[-1] != '_'; /* of the name of a file */
+        return !of_coordinates && !has_token(sentence, "mni/mni152/icbm/icbm152") &&
+               (is_before || (index && token_is(sentence, index - 1, "space")));
+    }
+    return row->weight == STRONG || of_coordinates || has_context(sentence, index, count) ||
+           ((row->brain == SIGNS || (row->weight == ALONE && sentence->is_whole)) && is_alone(sentence, row->words));
 }
 
 static void hear_unit(struct space_words *words, const struct sentence *sentence, size_t index, bool in_brackets,
@@ -207,10 +255,10 @@ static void hear_unit(struct space_words *words, const struct sentence *sentence
     bool is_said = index && token_is(sentence, index - 1, "in/unit/units");
     bool is_small = token_is(sentence, index, "in") && !in_brackets && !(of_coordinates && sentence->count == 1);
     for (size_t i = 0; i < UNITS && !is_small; i++) {
-        bool fits =
-            text_is_one_of(token, units[i].names, false) &&
-            (of_coordinates || ((is_said || in_brackets || !units[i].is_short) &&
-                                (has_context(sentence, index) || token_is(sentence, index - !!index, "unit/units"))));
+        bool fits = text_is_one_of(token, units[i].names, false) &&
+                    (of_coordinates ||
+                     ((is_said || in_brackets || !units[i].is_short) &&
+                      (has_context(sentence, index, 1) || token_is(sentence, index - !!index, "unit/units"))));
         if (fits && units[i].mm == SPACE_UNIT_REFUSED) {
             words->why = space_why_unit;
             snprintf(words->heard, sizeof words->heard, "%.*s", TEXT_SHOW(token, sizeof words->heard - 1));
@@ -237,39 +285,64 @@ static struct sentence take_apart(struct text text)
     return sentence;
 }
 
-static void hear_sentence(struct space_words *words, struct text text, bool of_coordinates)
+/* Whether a sentence denies a word: "non-MNI", "rather than MNI", "not in MNI space", "MNI coordinates are not there",
+ * up to a comma or the like; not "MNI coordinates not corrected". */
+static bool is_denied(const struct sentence *sentence, size_t index)
 {
-    const struct sentence sentence = take_apart(text);
+    static const char others[] = "corrected/significant/smoothed/thresholded/shown/listed/included/reported/"
+                                 "labelled/labeled/named/used/edit/final/change";
+    enum { BEFORE = 6, BEHIND = 3 };
+    bool found = (index && token_is(sentence, index - 1, "no/non/kein/keine/than/without/ohne")) ||
+                 (index > 1 && token_is(sentence, index - 1, "of") && token_is(sentence, index - 2, "instead"));
+    for (size_t i = 0; i < sentence->count && !found; i++) {
+        const char *from = sentence->tokens[i < index ? i : index].data;
+        const char *to = sentence->tokens[i < index ? index : i].data;
+        bool is_near = i < index ? index - i <= BEFORE : i - index <= BEHIND;
+        bool is_other = token_is(sentence, i + 1, others);
+        for (const char *at = from; at < to; at++) {
+            is_other = is_other || strchr(",:!?", *at);
+        }
+        found = is_near && !is_other && token_is(sentence, i, "not/cannot/nicht/never/neither/nor/isn/aren/wasn/weren");
+    }
+    return found;
+}
+
+static void hear_sentence(struct space_words *words, struct text text, bool of_coordinates, bool is_whole)
+{
+    struct sentence sentence = take_apart(text);
+    struct space_words denied = {0};
+    sentence.is_whole = is_whole;
     for (size_t i = 0; i < sentence.count; i++) {
         struct text token = sentence.tokens[i];
+        struct space_words *out = is_denied(&sentence, i) ? &denied : words;
         const char *before = token.data > text.data ? token.data - 1 : " ";
         for (size_t r = 0; r < sizeof rows / sizeof rows[0]; r++) {
             if (is_heard(&sentence, i, &rows[r], of_coordinates)) {
-                keep(words, token, &rows[r]);
+                const struct text last = sentence.tokens[i + token_phrase(&sentence, i, rows[r].words) - 1];
+                keep(out, (struct text){token.data, (size_t)(last.data + last.size - token.data)}, &rows[r]);
             } else if (rows[r].brain == SIGNS && text_equal(token, "LPS")) {
-                words->may_be_lps = true;
+                out->may_be_lps = true;
             }
         }
-        if (token_is(&sentence, i, "surface") && token_is(&sentence, i + 1, "ras")) {
-            keep(words, (struct text){token.data, token.size}, &rows[2]);
-        }
-        if (token_is(&sentence, i, "mni") && token_is(&sentence, i + 1, "305")) {
-            words->heard[0] = '\0';
-            keep(words, token, &rows[0]);
-        }
-        hear_unit(words, &sentence, i, *before == '(' || *before == '[', of_coordinates);
+        hear_unit(out, &sentence, i, *before == '(' || *before == '[', of_coordinates);
+    }
+    bool are_signs = (denied.has_signs || denied.may_be_lps) && !words->has_signs; /* "RAS, not LPS" says which */
+    if (denied.heard[0] || are_signs || (denied.mm > 0 && !(words->mm > 0))) {
+        words->why = "what it denies is said, and not what they are";
+        snprintf(words->heard, sizeof words->heard, "%.*s", TEXT_SHOW(text_trim(text), sizeof words->heard - 1));
     }
 }
 
 void space_words_hear(struct space_words *words, struct text line)
 {
+    const char *begin = line.data;
     while (line.size) {
         size_t size = 0;
         while (size < line.size && !(line.data[size] == ';' ||
                                      (line.data[size] == '.' && size + 1 < line.size && line.data[size + 1] == ' '))) {
             size++;
         }
-        hear_sentence(words, (struct text){line.data, size}, false);
+        hear_sentence(words, (struct text){line.data, size}, false, line.data == begin && size == line.size);
         size += size < line.size;
         line = (struct text){line.data + size, line.size - size};
     }
@@ -277,13 +350,13 @@ void space_words_hear(struct space_words *words, struct text line)
 
 void space_words_hear_of(struct space_words *words, struct text word)
 {
-    hear_sentence(words, word, true);
+    hear_sentence(words, word, true, true);
 }
 
 void space_words_hear_name(struct space_words *words, struct text name)
 {
     const struct sentence sentence = take_apart(name);
-    hear_sentence(words, name, false);
+    hear_sentence(words, name, false, false);
     for (size_t i = 0; i < sentence.count; i++) {
         words->may_be_lps = words->may_be_lps || token_is(&sentence, i, "lps");
         if (!words->heard[0] && token_is(&sentence, i, "native/acpc")) {
@@ -295,16 +368,18 @@ void space_words_hear_name(struct space_words *words, struct text name)
 /* Whether a cell is words of spaces alone: each is one, or a small one beside it. */
 static bool is_of_space(struct text cell, bool strong)
 {
-    static const char small[] = "space/coordinate/coordinates/system/standard/template/brain/152/305/in/the/mm/ras/lps";
+    static const char small[] =
+        "space/coordinate/coordinates/system/standard/template/brain/152/305/in/the/mm/ras/lps/not/non";
     const struct sentence sentence = take_apart(cell);
     bool all = sentence.count > 0 && sentence.count <= CELL_TOKENS;
-    for (size_t i = 0; i < sentence.count && all; i++) {
-        bool is_one = token_is(&sentence, i, small);
-        for (size_t r = 0; r < sizeof rows / sizeof rows[0] && !is_one; r++) {
-            bool counts = !strong || (rows[r].weight == STRONG && !rows[r].why);
-            is_one = counts && token_is(&sentence, i, rows[r].words);
+    for (size_t i = 0; i < sentence.count && all;) {
+        size_t count = token_is(&sentence, i, small);
+        for (size_t r = 0; r < sizeof rows / sizeof rows[0] && !count; r++) {
+            bool counts = strong ? rows[r].weight == STRONG && !rows[r].why : rows[r].weight != FRONT;
+            count = counts ? token_phrase(&sentence, i, rows[r].words) : 0;
         }
-        all = is_one;
+        all = count > 0;
+        i += count;
     }
     return all;
 }
@@ -313,7 +388,7 @@ bool space_words_hear_cell(struct space_words *words, struct text cell, bool str
 {
     *words = (struct space_words){0};
     if (is_of_space(cell, strong)) {
-        hear_sentence(words, cell, true);
+        hear_sentence(words, cell, true, true);
     } else if (!strong && !text_equal_ignoring_case(cell, "n/a") && space_brain_named(cell)) { /* as BIDS calls it */
         words->space = pose_space_named(cell, space_brain_named(cell));
         snprintf(words->heard, sizeof words->heard, "%.*s", TEXT_SHOW(cell, sizeof words->heard - 1));

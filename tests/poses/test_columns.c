@@ -147,6 +147,9 @@ static void what_can_be_read_in_two_ways_is_refused(void **state)
         {"name,x,y,z\n-42,M1,-20,50\n38,I,14,-4\n", "2 of 2 rows have no number where the header has x y z"},
         {"entry_x,entry_y,entry_z,target_x,target_y,target_z\n1,2,3,2,3,4\n", "planned and reached"},
         {"x (mm),y (cm),z (mm)\n1,2,3\n", "two units"},
+        {"x,y,z,dx,dy,dz,opening (mm)\n1,2,3,0,0,1,9\n", "the unit of a length, and it is an angle"},
+        {"x,y,z,dx,dy,dz,far (inch)\n1,2,3,0,0,1,9\n", "a unit that is not taken"},
+        {"x_cm,y_cm,z_cm\n1,2,3\n", "is cm a unit or, as in centre of mass, a word"},
         {"ap,ml,dv\n1,2,3\n", "ap, dv and ml are read in space ccf or bregma"},
         {"x,y,a\n1,2,3\n", "only some of the columns x y z: x y, without z"},
         {"orig_y,orig_z,a\n1,2,3\n", "only some of the columns x y z: orig_y orig_z, without x"},
@@ -390,7 +393,12 @@ static void angles_and_ends(void **state)
         {"x,y,z,dx,dy,dz,depth (cm)\n0,0,0,3,4,0,2\n", false, {0, 0, 0}, {3, 4, 0}, 20},
         {"x\ty\tz\tdx\tdy\tdz\tdepth (cm)\nA\t0\t0\t0\t3\t4\t0\t2\n", false, {0, 0, 0}, {3, 4, 0}, 20}, /* R */
         {"depth (cm)\tx\ty\tz\tdx\tdy\tdz\tangle\nA\t2\t0\t0\t0\t3\t4\t0\t0\n", false, {0, 0, 0}, {3, 4, 0}, 20},
+        {"x,y,z,dx,dy,dz,depth_cm\n0,0,0,3,4,0,2\n", false, {0, 0, 0}, {3, 4, 0}, 20},
+        {"x,y,z,dx,dy,dz,near (cm),far_cm\n0,0,0,3,4,0,0,2\n", false, {0, 0, 0}, {3, 4, 0}, 20},
+        {"x,y,z,tilt_ml (rad),tilt_ap (rad)\n30,-20,50,0.7853981633974483,0\n", false, {30, -20, 50}, {1, 0, -1}, NAN},
     };
+    static const char *const angles[] = {"angle,0.5729577951308232", "angle [\xc2\xb0],0.5729577951308232",
+                                         "angle_degrees,0.5729577951308232", "angle (rad),0.01"};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         conus_pose_list *list = pose_text_parse(text_from(cases[i].text),
                                                 &(conus_pose_options){.frame = cases[i].from_bregma ? &bregma : NULL});
@@ -406,6 +414,14 @@ static void angles_and_ends(void **state)
         if (!ends || (!isnan(cases[i].end) && row->range[0] != 0)) {
             fail_msg("case %zu: %g to %g", i, row->range[0], row->range[1]);
         }
+        conus_pose_list_destroy(list);
+    }
+    for (size_t i = 0; i < sizeof angles / sizeof angles[0]; i++) {
+        char text[128];
+        const char *comma = strchr(angles[i], ',');
+        snprintf(text, sizeof text, "x,y,z,dx,dy,dz,%.*s\n0,0,0,3,4,0%s\n", (int)(comma - angles[i]), angles[i], comma);
+        conus_pose_list *list = pose_text_parse(text_from(text), NULL);
+        assert_true(fabs(conus_pose_list_row(list, 0)->angle - 0.01) < 1e-12);
         conus_pose_list_destroy(list);
     }
 }
