@@ -214,8 +214,7 @@ static int print_no_mask(conus_status status)
 /* Points of a file or, of entries, voxels of a mask. */
 static int load_points(struct place *place, const struct request *request, bool may_be_mask)
 {
-    conus_pose_options options = request_pose_options(request);
-    options.longest = 0; /* entries lie on one side, and near each other */
+    const conus_pose_options options = request_pose_options(request);
     conus_pose_list *list = NULL;
     conus_roi *mask = NULL;
     char why[1024];
