@@ -486,12 +486,12 @@ TEXT = Never("text has no byte order")
 EMPTY_TABLE = "not a label table"
 
 
-def labels(reader, table, ending="txt", columns="", colour=None, **cells):
-    """A row of a reader of label tables; `table` is a file whose second entry has the number @N and the name @T."""
+def labels(reader, table, ending="txt", columns="", colour=None, second=7, **cells):
+    """A row of a reader of label tables; `table` is a file whose `second` entry has the number @N and the name @T."""
     def fill(number="7", name=TYPOGRAPHIC.encode(), text=bytes):
         return lambda path: write(f"{path}.{ending}", text(table.replace(b"@N", number.encode()).replace(b"@T", name)))
 
-    def is_named(value=7, dtype="i2", **more):
+    def is_named(value=second, dtype="i2", **more):
         def cell(path):
             atlas = write_nifti(f"{path}_atlas", voxels(value, dtype))
             file = fill(**more)(path) + columns
@@ -531,7 +531,9 @@ def labels(reader, table, ending="txt", columns="", colour=None, **cells):
     cells.setdefault("minus", number_is_refused("-1"))
     cells.setdefault("out_of_range", number_is_refused("4294967296"))
     for key, value in cells.items():
-        if isinstance(value, tuple):  # (number, words), or (words, old, new)
+        if isinstance(value, tuple) and isinstance(value[0], bytes):  # (old, new), and it is read
+            cells[key] = is_named(text=lambda text, pair=value: text.replace(*pair))
+        elif isinstance(value, tuple):  # (number, words), or (words, old, new)
             cells[key] = (comma_is_refused if len(value) == 3 else number_is_refused)(*value)
     row("labels", reader, byte_scale=NO_VOXELS, tenth=NO_VOXELS, lps=NO_PLACES, **{"big_endian": TEXT, **cells})
 
@@ -549,6 +551,8 @@ labels("Workbench label list", b"One\n1 255 0 0 255\n@T\n@N 0 255 0 255\nTwo\n2 
 labels("FSLeyes colours", b"1 0 0.5 1\n@N 1 1 1\n16777218 1 1 1\n", "lut", colour="#ffffff", windows=NO_NAMES,
        decimal_comma=(EMPTY_TABLE, b"0.5", b"0,5"), nan=("nan", EMPTY_TABLE), minus=("-1", EMPTY_TABLE),
        out_of_range=("4294967296", EMPTY_TABLE))
+labels("list of names", b"One\n@T\n", second=2, **dict.fromkeys(("large", "nan", "minus", "out_of_range"),
+                                                                Never("names alone count from 1")))
 labels("BIDS label table", b"index\tname\n1\tOne\n@N\t@T\n2\tTwo\n", "tsv")
 labels("CSV label table", b"index,name\n1,One\n@N,@T\n2,Two\n", "csv")
 labels("CSV without a header", b"1,One\n@N,@T\n2,Two\n", "csv")
@@ -581,7 +585,7 @@ labels(
     b'<Label Key="1" Red="1" Green="0" Blue="0" Alpha="1">One</Label>\n'
     b'<Label Key="@N" Red="0.5" Green="0" Blue="0" Alpha="1">@T</Label>\n'
     b'</LabelTable></VolumeInformation></CaretExtension>\n', "xml",
-    decimal_comma=('red is "0,5", a number from 0 to 1', b"0.5", b"0,5"))
+    decimal_comma=(b"0.5", b"0,5"))  # of the colour, which a note says is left out
 labels(
     "FSL atlas XML", b'<atlas><header><name>A</name><type>Label</type></header><data>\n'
     b'<label index="1" x="0" y="0" z="0">One</label>\n<label index="@N" x="0" y="0" z="0">@T</label>\n</data></atlas>\n',
@@ -703,7 +707,7 @@ def in_lines(template, ending, **fixed):
 
 BALL, CONE = ("--radius", "0.5"), ("--angle", "0.5", "--range", "0,70")
 LPS = ("--space", "lps")
-NOT_UTF8, NOT_DECODED = ("not UTF-8 text", 1), ("unable to decode byte 0x92", 3)
+NOT_DECODED = "unable to decode byte 0x92", 3
 NO_POINTS = ("neither names of columns nor three numbers in a line", 3)
 poses("table", in_lines("name;x;y;z;dx;dy;dz;space\n@T;@X;@Y;57;0;0;-1;@S\n", ".csv", S="ras"), *CONE, comma=None,
       empty=b";;;;;;;\n", lps={"S": "lps"})
@@ -719,7 +723,7 @@ poses(
     in_lines(
         "# Version: 12\n# Coordinate system: @S\n# Encoding: UTF-8\n"
         "# Target Name\tLoc. X\tLoc. Y\tLoc. Z\tm0n0\tm0n1\tm0n2\tm1n0\tm1n1\tm1n2\tm2n0\tm2n1\tm2n2\n"
-        "@T\t@X\t@Y\t57\t1\t0\t0\t0\t1\t0\t0\t0\t1\n", ".txt", S="NIfTI:Scanner"), *CONE, windows=NOT_UTF8,
+        "@T\t@X\t@Y\t57\t1\t0\t0\t0\t1\t0\t0\t0\t1\n", ".txt", S="NIfTI:Scanner"), *CONE,
     empty=b"\t" * 12 + b"\n", lps={"S": "World"}, comma=None)
 poses(
     "localite",
@@ -728,29 +732,29 @@ poses(
         '<Marker description="@T" set="true">\n<Matrix4D data00="0" data01="0" data02="1" data03="@X" data10="0" data11="1" '
         'data12="0" data13="@Y" data20="-1" data21="0" data22="0" data23="57" data30="0" data31="0" data32="0" data33="1"/>\n'
         "</Marker>\n</InstrumentMarker>\n</InstrumentMarkerList>\n", ".xml", S="RAS"), *CONE, lps={"S": "LPS"})
-poses("electrodes", in_lines("name\tx\ty\tz\n@T\t@X\t@Y\t@Z\n", "_electrodes.tsv"), *BALL, windows=NOT_UTF8,
+poses("electrodes", in_lines("name\tx\ty\tz\n@T\t@X\t@Y\t@Z\n", "_electrodes.tsv"), *BALL,
       empty=b"\t\t\t\n", lps=RAS_ONLY, comma=None)
 poses(
     "markups",
     in_lines(
         '{"markups": [{"type": "Fiducial", "coordinateSystem": "@S", "coordinateUnits": "mm",\n'
         '"controlPoints": [{"label": "@T", "position": [@X, @Y, @Z], "positionStatus": "defined"}]}]}\n', ".mrk.json",
-        S="RAS"), *BALL, windows=NOT_DECODED, lps={"S": "LPS"}, nan=("invalid token near 'nan'", 3),
+        S="RAS"), *BALL, lps={"S": "LPS"}, nan=("invalid token near 'nan'", 3),
     far=("real number overflow", 3), comma="position: three numbers are needed")
 poses(
     "markups as .fcsv",
     in_lines(
         "# Markups fiducial file version = 4.11\n# CoordinateSystem = @S\n"
         "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n"
-        "0,@X,@Y,@Z,0,0,0,1,1,1,0,@T,,\n", ".fcsv", S="RAS"), *BALL, windows=NOT_UTF8, empty=b"," * 13 + b"\n",
+        "0,@X,@Y,@Z,0,0,0,1,1,1,0,@T,,\n", ".fcsv", S="RAS"), *BALL, empty=b"," * 13 + b"\n",
     lps={"S": "LPS"}, comma="15 fields, the header has 14")
 poses("nibs", in_lines("nibs_position_id\ttarget_x\ttarget_y\ttarget_z\n@T\t@X\t@Y\t@Z\n", "_markers.tsv"), *BALL,
-      windows=NOT_UTF8, empty=b"\t\t\t\n", lps=RAS_ONLY)
+      empty=b"\t\t\t\n", lps=RAS_ONLY)
 poses(
     "invesalius",
     in_lines(
         '##INVESALIUS3_MARKER_FILE_4\n"label"\t"alpha"\t"marker_type"\t"x_world"\t"y_world"\t"z_world"\t"alpha_world"\t'
-        '"beta_world"\t"gamma_world"\n"@T"\t0.0\t2\t@X\t@Y\t57\t0.0\t0.0\t0.0\n', ".mkss"), *CONE, windows=NOT_UTF8,
+        '"beta_world"\t"gamma_world"\n"@T"\t0.0\t2\t@X\t@Y\t57\t0.0\t0.0\t0.0\n', ".mkss"), *CONE,
     empty=b"\t" * 8 + b"\n", lps=RAS_ONLY)
 
 
