@@ -131,7 +131,7 @@ static conus_status gifti_find_place(double world[16], const struct gifti_array 
     return status
                ? status
                : notes_add(notes, "the surface does not say in which space it is (DataSpace is unknown): vertices were "
-                                  "taken as the world's (" MESH_SPACE_WAY ")");
+                                  "taken as the world's" MESH_SPACE_WAY);
 }
 
 conus_status gifti_mesh(struct mesh *out, const struct gifti *gifti, bool as_stored, struct notes *notes)

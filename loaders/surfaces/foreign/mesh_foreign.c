@@ -136,9 +136,9 @@ static conus_status say_unstated(const struct reading *work)
     }
     const char *path = work->first_unstated;
     return work->unstated == 1
-               ? notes_add(work->notes, "%s does not state its space; RAS was taken (" MESH_SPACE_WAY ")", path)
+               ? notes_add(work->notes, "%s does not state its space; RAS was taken" MESH_SPACE_WAY, path)
                : notes_add(work->notes,
-                           "%zu mesh files do not state their space, %s the first; RAS was taken (" MESH_SPACE_WAY ")",
+                           "%zu mesh files do not state their space, %s the first; RAS was taken" MESH_SPACE_WAY,
                            work->unstated, path);
 }
 
