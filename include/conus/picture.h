@@ -331,7 +331,7 @@ typedef struct conus_cut_view {
     bool no_cone;                     /**< The selection's cone is not drawn. */
     const conus_pathway_transfer *pathways; /**< [pathway_count] Pathways that conus_cuts_image() colours by their
                                                values; NULL = as its renderer does. */
-    size_t pathway_count;
+    size_t pathway_count;                   /**< 0 where pathways is NULL. */
 } conus_cut_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

@@ -215,7 +215,7 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
     [ "$output" = "$rows" ]
     answers query nested.nii.gz --pose beams.csv --aperture-diameter 40 --format json
     [ "$(jq -c '[.Queries[] | [.angle_deg, .range_mm]]' <<<"$output")" = '[[36.8698976,[0,60]],[90,[0,20]]]' ]
-    local look=(--view cone --opacity 0.5 -q) # else it is seen across, in glass
+    local look=(--view cone --opacity 0.5 --legend none -q) # else it is seen across, in glass, and called a beam
     conus render nested.nii.gz "${beam[@]}" "${look[@]}" -o a.png
     conus render nested.nii.gz --origin 0,0,0 --toward 0,0,60 --angle 36.86989764584402 --range 0,60 --layers all \
         "${look[@]}" -o b.png

@@ -35,6 +35,15 @@ same_answers() {
     same_answers d.conus bundle/bundle.atlas.json
     printf '1 0 0 7\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >right.txt
     same_answers e.conus nested.nii.gz --atlas-transform right.txt
+    /usr/bin/python3 - <<'EOF'
+import nibabel, numpy
+field = numpy.zeros((9, 9, 9, 1, 3), "f4")
+field[..., 0, 0] = 3 * numpy.sin(numpy.arange(9))[:, None, None]
+image = nibabel.Nifti1Image(field, numpy.array([[16, 0, 0, -64], [0, 16, 0, -64], [0, 0, 16, -64], [0, 0, 0, 1.]]))
+image.header.set_intent(1007)
+nibabel.save(image, "field.nii.gz")
+EOF
+    same_answers h.conus nested.nii.gz --atlas-transform field.nii.gz
     printf 'index\tname\tparent\n1\tOuter\t9\n2\tInner\t9\n9\tAll\t0\n' >tree.tsv
     same_answers f.conus nested.nii.gz --labels tree.tsv
     # What is asked of an atlas is asked of a pack.

@@ -845,6 +845,20 @@ def test_an_atlas_is_pickled(atlas):
     assert other.info().equals(atlas.info()) and name_on_the_right(other) == "right"
 
 
+def test_an_atlas_is_saved_as_a_pack(atlas, tmp_path):
+    path = tmp_path / "sides.conus"
+    atlas.save(path)
+    other = conus.load(path)
+    assert other.info().equals(atlas.info()) and name_on_the_right(other) == "right"
+    path.write_bytes(path.read_bytes()[:-1])
+    with pytest.raises(conus.DataError, match="pack it again"):
+        conus.load(path)
+    with pytest.raises(conus.ArgumentError, match="closed"):
+        with atlas:
+            pass
+        atlas.save(path)
+
+
 def test_a_damaged_pickle_is_an_error(atlas):
     """Every bit of the packed bytes counts: 64 of them, spread over the pickle, behind what pickle itself reads."""
     whole = pickle.dumps(atlas)
