@@ -911,10 +911,11 @@ static conus_status draw_view(conus_image **out, const struct picture *picture, 
 }
 
 /* What part of the width a legend, or strips, leave at least. */
-static double room_of(const conus_view *view)
+static double room_of(const struct picture *picture, const conus_view *view)
 {
-    const bool is_beside = view->legend == CONUS_LEGEND_RIGHT || view->legend == CONUS_LEGEND_AUTO;
-    return is_beside || view->probe_count ? 0.5 : 1;
+    const bool has_colours = picture->settings->figure.streamline_colour || picture->translucent.pathway_count;
+    const bool is_auto = view->legend == CONUS_LEGEND_AUTO && (has_colours || view->legend_rows);
+    return view->legend == CONUS_LEGEND_RIGHT || is_auto || view->probe_count ? 0.5 : 1;
 }
 
 /* Draws the frames of a turntable, or the one picture that there is without. */
@@ -925,7 +926,7 @@ static int draw_frames(struct picture *picture, const conus_view *view, const co
     double field_of_view = view->field_of_view;
     int code = EXIT_DONE;
     if (turn->frames && !picture->has_camera && field_of_view == 0) {
-        code = print_status(turn_fit(&field_of_view, picture->atlas, picture->renderer, view, room_of(view)));
+        code = print_status(turn_fit(&field_of_view, picture->atlas, picture->renderer, view, room_of(picture, view)));
     }
     for (uint32_t frame = 0; (frame == 0 || frame < turn->frames) && !code; frame++) {
         conus_image *image = NULL;

@@ -122,7 +122,7 @@ END
     check_message 'note: two.csv: 2 poses in one picture, as balls with lines to what their axes meet first; {query} or {row} in'
     [ "$(discs two.svg | wc -l)" -eq 4 ]
     [ "$(grep -E 'd="M200 [0-9.]+L200 [0-9.]+"' two.svg | grep -cvE 'M(200 [0-9.]+)L\1"')" -eq 2 ] # straight down, with its edge
-    printf 'x y z\n0 0 30\n0 0 3000\n' >one.txt
+    printf 'x y z\n0 0 30\n0 0 900\n' >one.txt
     gl render sphere.nii.gz --pose one.txt --size 400x300 --opacity 0 -o one.svg
     [ "$(discs one.svg | wc -l)" -eq 2 ]
     grep -q '>1 of 2 points are outside of the picture<' one.svg

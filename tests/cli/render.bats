@@ -193,8 +193,9 @@ END
     for names in wrong right; do
         "$CONUS" render six.nii --labels $names.tsv --cuts axial --origin=-30,0,0 --toward 0,0,0 --angle 9 --layers all \
             --legend below -q -o $names.svg
-        grep -q '>B_R<' $names.svg
     done
+    grep -q '>B_R<' wrong.svg # names of such an atlas stay as they are
+    grep -q '>B right<' right.svg
     grep -q '>left and right are exchanged<' wrong.svg
     run ! grep -q 'exchanged' right.svg
 }

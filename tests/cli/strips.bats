@@ -98,7 +98,7 @@ END
 # The atlas is about 30 mm wide: a bar of more than 20 mm would mean that it is a dot in its picture.
 @test "a probe that passes nothing is noted, and what is shown is as large as without it" {
     probes
-    printf 'far\t3000\t0\t90\t3000\t0\t95\n' >>two.tsv
+    printf 'far\t900\t0\t90\t900\t0\t95\n' >>two.tsv
     run -0 --separate-stderr conus render u-shape.nii.gz --poses two.tsv --range 0,80 --strips --size 900x400 -o all.svg
     [[ $stderr == *'note: two.tsv: 1 of 3 probes pass nothing of the atlas, the first in line 4'* ]]
     for distance in 3000 30000; do
