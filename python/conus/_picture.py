@@ -90,6 +90,7 @@ class GLOwner:
 
 _SRGB = (np.arange(255) + 0.5) / 255
 _STEPS = np.where(_SRGB <= 0.04045, _SRGB / 12.92, ((_SRGB + 0.055) / 1.055) ** 2.4).astype(np.float32)
+_LEGEND_ROWS = 12  # as conus render
 _POINT = dtype_of("conus_transfer_point")
 _SIDES = ("cone", "left", "right", "front", "back", "top", "bottom", "beside", "across")
 _STYLES = ("auto", "screen", "print")
@@ -196,7 +197,7 @@ class Renderer(Bound):
     transfer : str, path or array, optional
         Colours and opacities of the context by its values: a preset ("brain", "surface", ...; see
         :func:`transfer_presets`), a TF file, or (n, 5) points of value, sRGB, and opacity of 1 mm. Without
-        it, what the manifest says, or "brain".
+        it, what the manifest says, or "brain", and no context in space that opaque areas cover.
     max_memory : int
         Limit for textures and for a picture, bytes; 0 = 8 GiB.
     pathway_transfers : str, path or dict, optional
@@ -226,7 +227,8 @@ class Renderer(Bound):
         is_name = isinstance(transfer, (str, bytes, os.PathLike))
         name = path_of("transfer", transfer) if is_name else ffi.NULL
         options.transfer = name
-        pathways, alive = _pathways_of(atlas, pathway_transfers)
+        self._has_transfer = transfer is not None
+        self._pathways = pathways, alive = _pathways_of(atlas, pathway_transfers)
         options.pathways, options.pathway_count = pathways, len(alive)
         colour = ffi.NULL if streamline_colour is None else utf8("streamline_colour", streamline_colour)
         options.streamline_colour = colour
@@ -279,6 +281,7 @@ class Renderer(Bound):
         self._needs_context()
         values = ffi.cast("conus_transfer_point *", array.ctypes.data)
         check(lib.conus_renderer_set_transfer(self._mine(), values, len(array)))
+        self._has_transfer = True
 
     def _needs_context(self) -> None:
         if not len(self.transfer):
@@ -379,7 +382,7 @@ class Renderer(Bound):
             Areas and pathways have their own colours with a selection, too. Without it, and without a palette of the
             atlas, what is hit has a colour by its place in the answer.
         legend_rows : int
-            Of the objects in the legend only so many, and a row that counts the others.
+            Of the objects in the legend only so many, and a row that counts the others; 12 if not given.
         legend_areas : sequence of str or int
             Areas, with all below them in the area tree, pathways or bundles that have a row in the legend beside what
             is hit.
@@ -456,7 +459,9 @@ class Renderer(Bound):
         if unselected is not None:
             options.has_unselected, options.unselected_rgb = True, rgb_of("unselected", unselected)
         options.own_colours = flag("own_colours", own_colours)
-        options.legend_rows = 0 if legend_rows is None else whole("legend_rows", legend_rows, 1)
+        has_rows = not (probes or legend is False or legend == "none")
+        options.legend_rows = has_rows * _LEGEND_ROWS if legend_rows is None else whole("legend_rows", legend_rows, 1)
+        options.no_covered_context = not self._has_transfer
         options.shapes = flag("vectors", vectors)
         drawn = self._probes_of(probes, probe_range)
         options.probes, options.probe_count = (drawn[0], len(drawn[0])) if drawn else (ffi.NULL, 0)
@@ -473,6 +478,7 @@ class Renderer(Bound):
             return Picture(out[0], self.device)
         planes, look = _planes_of(self.atlas, cuts, at, flag("radiological", radiological)), ffi.new("conus_cut_view *")
         look.fill = 0.6 if fill is None else real("fill", fill)
+        look.pathways, look.pathway_count = self._pathways[0], len(self._pathways[1])
         check(lib.conus_cuts_image(out, self.atlas._p, planes, len(planes), look,
                                    pointer if "3d" in cuts else ffi.NULL, options))
         return Picture(out[0], self.device)

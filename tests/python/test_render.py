@@ -265,9 +265,12 @@ def test_safe_colours_are_other_colours():
 
 @needs_aal
 def test_context_fades_and_a_draft_is_rough(aal, halved):
-    """Without its context, the atlas is the picture; a draft has fewer shades at edges."""
+    """Without its context, the atlas is the picture, as it is where areas cover it and no transfer function is given; a
+    draft has fewer shades at edges."""
     bare = conus.load(halved[AAL]).render(size=SMALL, legend=False, **CAMERA).array
     with aal.renderer() as renderer:
+        assert np.array_equal(renderer.render(size=SMALL, legend=False, **CAMERA).array, bare)
+    with aal.renderer(transfer="brain") as renderer:
         assert np.array_equal(renderer.render(size=SMALL, legend=False, fade=1, **CAMERA).array, bare)
         whole = renderer.render(size=SMALL, legend=False, **CAMERA).array
         draft = renderer.render(size=SMALL, legend=False, draft=True, **CAMERA).array
@@ -308,7 +311,7 @@ def test_camera_sees_the_plates_where_they_are(atlas):
 
 
 def test_channels_are_linear_light(atlas):
-    picture = atlas.render(size=(40, 30))
+    picture = atlas.render(size=(40, 30), legend=False)
     assert picture.size == (40, 30) and picture.channels == ["R", "G", "B", "A"]
     assert (picture.channel("A") == 1).all()
     red = picture.channel("R")
