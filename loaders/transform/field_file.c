@@ -206,9 +206,10 @@ static bool has_vectors(struct text head)
 static conus_status read_foreign(struct field_header *out, bool *found, struct text head, const char *path)
 {
     conus_volume_info info;
-    *found = has_vectors(head) && volume_file_header(&info, path) == CONUS_OK && info.volume_count == 3;
+    conus_status status = has_vectors(head) ? volume_file_header(&info, path) : CONUS_ERROR_DATA;
+    *found = !status && info.volume_count == 3;
     if (!*found) {
-        return CONUS_OK;
+        return status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* a damaged header is of no known kind */
     }
     if (text_mentions(head, "displacement field type:=modeling")) {
         return fail(CONUS_ERROR_UNSUPPORTED, "displacement field type: found modeling, which moves points the other "

@@ -117,7 +117,9 @@ static conus_status xfm_parse(double out[16], struct text text)
     if (!status && !count) {
         status = fail(CONUS_ERROR_DATA, "Transform_Type = Linear; is missing");
     }
-    memcpy(out, all, sizeof all);
+    if (!status) {
+        memcpy(out, all, sizeof all);
+    }
     return status;
 }
 

@@ -535,7 +535,9 @@ static void find_roles(struct head *head)
                      POSE_QUOTE(cell), measures[measure], measures[roles[r].measure]);
             FAULT_IF(measure == roles[r].measure && factor < 0, head, "column \"%.*s\": %s", POSE_QUOTE(cell),
                      space_why_unit);
-            head->out->factor[role] = factor;
+            if (has_unit) {
+                head->out->factor[role] = factor;
+            }
             set_role(head, column, role);
         }
     }
