@@ -15,6 +15,7 @@ struct connect_settings {
 
 static const struct option_group groups[] = {
     {"What is connected", atlas_options, REQUEST_FIELD(atlas)},
+    {"", side_options, REQUEST_FIELD(atlas)},
     REQUEST_NO_POSE_ATLAS_GROUPS,
     REQUEST_OUTPUT_GROUPS,
     {"", connectivity_options, offsetof(struct connect_settings, ends)},

@@ -111,6 +111,7 @@ static const struct option own_options[] = {
 
 static const struct option_group groups[] = {
     {"What is loaded", atlas_options, offsetof(struct info_settings, atlas)},
+    {"", side_options, offsetof(struct info_settings, atlas)},
     {"", context_choice_options, offsetof(struct info_settings, context)},
     {"", own_options, 0},
     {"", plain_options, offsetof(struct info_settings, common)},

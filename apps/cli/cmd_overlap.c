@@ -45,6 +45,7 @@ static const struct option_group groups[] = {
     {"What the region is", region_options, 0},
     {"", space_options, REQUEST_FIELD(aim.space)},
     {"What it may cover", atlas_options, REQUEST_FIELD(atlas)},
+    {"", side_options, REQUEST_FIELD(atlas)},
     REQUEST_NO_POSE_ATLAS_GROUPS,
     REQUEST_OUTPUT_GROUPS,
     {"", cluster_options, 0},

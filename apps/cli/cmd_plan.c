@@ -213,6 +213,7 @@ static const struct option_group groups[] = {
     {"What is listed", list_options, 0},
     {"", jitter_options, 0},
     {"What is there", atlas_options, REQUEST_FIELD(atlas)},
+    {"", side_options, REQUEST_FIELD(atlas)},
     {"", shown_options, REQUEST_FIELD(atlas)},
     REQUEST_OUTPUT_GROUPS,
     {"", best_map_options, 0},

@@ -557,6 +557,7 @@ static const struct option_group groups[] = {
     {"How rays are traced", pixel_options, offsetof(struct render_settings, engine)},
     {"", engine_options + 1, offsetof(struct render_settings, engine)}, /* --engine is above */
     {"Atlas", atlas_options, offsetof(struct render_settings, atlas)},
+    {"", side_options, offsetof(struct render_settings, atlas)},
     {"", shown_options, offsetof(struct render_settings, atlas)},
     {"", quiet_options, offsetof(struct render_settings, common)},
     {0},

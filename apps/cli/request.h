@@ -38,7 +38,8 @@ struct request_settings {
         "", slices_options, REQUEST_FIELD(engine)                                                                      \
     }
 #define REQUEST_ATLAS_GROUPS                                                                                           \
-    {"What can be hit", atlas_options, REQUEST_FIELD(atlas)}, {"", shown_options, REQUEST_FIELD(atlas)},               \
+    {"What can be hit", atlas_options, REQUEST_FIELD(atlas)}, {"", side_options, REQUEST_FIELD(atlas)},                \
+        {"", shown_options, REQUEST_FIELD(atlas)},                                                                     \
     {                                                                                                                  \
         "", context_options, REQUEST_FIELD(context)                                                                    \
     }

@@ -67,13 +67,6 @@ const struct option atlas_options[] = {
          "state them, as DIPY's VTK in LPS), moves (it lies where ATLAS's files do, and --atlas-transform moves it, "
          "too); may be repeated",
      .words = "fibre, fiber, tractography, tractogram", .role = OPTION_READS},
-    {OPTION_VALUED("hemispheres", struct atlas_settings, hemispheres, "HOW"),
-     .help =
-         "cut areas of both sides in two at x = 0 (split), or report left and right areas of one name as one (merged):",
-     .choices = settings_hemispheres, .words = "left, right, side"},
-    {OPTION_VALUED("sides", struct atlas_settings, sides, "HOW"),
-     .help = "mirror ATLAS, whose voxels lie the other way round than its header says, as a warning tells (exchanged):",
-     .choices = sides, .words = "left, right, mirror, flip"},
     {OPTION_VALUED("atlas-transform", struct atlas_settings, transforms, "FILE[,KEY]..."),
      .help =
          "bring the atlas to the poses: an affine (ITK, FreeSurfer, MNI, FSL, 4 x 4), a B-spline (ITK), a "
@@ -91,6 +84,17 @@ const struct option atlas_options[] = {
          "largest file or volume to accept, like 512M or 2G (default 8G; 1G for files of poses that are read whole)",
      .words = "RAM",
      .role = OPTION_KEPT},
+    {0},
+};
+
+const struct option side_options[] = {
+    {OPTION_VALUED("hemispheres", struct atlas_settings, hemispheres, "HOW"),
+     .help =
+         "cut areas of both sides in two at x = 0 (split), or report left and right areas of one name as one (merged):",
+     .choices = settings_hemispheres, .words = "left, right, side"},
+    {OPTION_VALUED("sides", struct atlas_settings, sides, "HOW"),
+     .help = "mirror ATLAS, whose voxels lie the other way round than its header says, as a warning tells (exchanged):",
+     .choices = sides, .words = "left, right, mirror, flip"},
     {0},
 };
 

@@ -85,7 +85,8 @@ extern const struct option plain_options[];          /**< common_settings: --hel
 extern const char *const settings_hemispheres[];
 /** Likewise of --engine, of conus_engine. */
 extern const char *const settings_engines[];
-extern const struct option atlas_options[];      /**< atlas_settings */
+extern const struct option atlas_options[];      /**< atlas_settings: what is read */
+extern const struct option side_options[];       /**< atlas_settings: --hemispheres, --sides */
 extern const struct option shown_options[];      /**< atlas_settings: --only, --hide */
 extern const struct option more_atlas_options[]; /**< atlas_settings: --atlas; of commands that answer for several */
 extern const struct option aim_options[];        /**< aim_settings: where from and where to */

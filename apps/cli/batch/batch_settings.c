@@ -105,6 +105,7 @@ const struct option_group batch_groups[] = {
     {"", shape_options, offsetof(struct batch_settings, engine)},
     {"", slices_options, offsetof(struct batch_settings, engine)},
     {"What can be hit", atlas_options, offsetof(struct batch_settings, atlas)},
+    {"", side_options, offsetof(struct batch_settings, atlas)},
     {"", shown_options, offsetof(struct batch_settings, atlas)},
     {"", context_options, offsetof(struct batch_settings, context)},
     {"", more_atlas_options, offsetof(struct batch_settings, atlas)},
