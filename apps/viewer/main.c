@@ -71,6 +71,7 @@ static const struct option_group groups[] = {
     {"", scene_options, 0},
     {"", own_options, 0},
     {"", atlas_options, offsetof(struct view_settings, atlas)},
+    {"", side_options, offsetof(struct view_settings, atlas)},
     {"", shown_options, offsetof(struct view_settings, atlas)},
     {"", more_atlas_options, offsetof(struct view_settings, atlas)},
     {"", space_options, offsetof(struct view_settings, space)},

@@ -160,10 +160,6 @@ bool picture_draws(const struct picture *picture, uint32_t number);
 /** Fills in `seen`, by rays from the camera through the whole picture. Whatever is drawn is opaque or haze. */
 conus_status picture_see(struct picture *picture);
 
-/** Whether areas lie at or less than 8 mm behind the first bright voxels of the context, in 92 of 100 columns that look
- * at it from six sides; false without one. */
-conus_status picture_covers_context(bool *out, const conus_atlas *atlas);
-
 /** Whether the camera sees neither it nor anything below it in the area tree, as far as that is known. */
 bool picture_is_hidden(const struct picture *picture, uint32_t number);
 

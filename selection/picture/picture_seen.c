@@ -202,7 +202,7 @@ static bool look_along(bool *is_covered, const conus_atlas *atlas, size_t at[3],
     return left < SIZE_MAX;
 }
 
-conus_status picture_covers_context(bool *out, const conus_atlas *atlas)
+conus_status conus_context_is_covered(bool *out, const conus_atlas *atlas)
 {
     enum { COLUMNS = 90 };            /* along each side */
     static const double bright = 0.2; /* of the way from black to white */

@@ -927,7 +927,7 @@ static conus_status leave_context(struct picture *picture)
     bool is_covered = false;
     bool may_be =
         picture->options.no_covered_context && !picture->opacity && !pathways_first(atlas) && !pathways_shown(atlas);
-    conus_status status = may_be ? picture_covers_context(&is_covered, atlas) : CONUS_OK;
+    conus_status status = may_be ? conus_context_is_covered(&is_covered, atlas) : CONUS_OK;
     picture->options.fade = is_covered ? 1 : picture->options.fade;
     return status;
 }

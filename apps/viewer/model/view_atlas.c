@@ -11,55 +11,17 @@
 #include <string.h>
 
 /* Finds the box around all objects, which is that of those that are shown where none is hidden. */
-static conus_status find_box(struct view_atlas *view)
+static conus_status find_box_and_cover(struct view_atlas *view)
 {
     bool hides = view_atlas_hidden(view) > 0;
     conus_status status = hides ? conus_atlas_set_hidden(view->atlas, NULL) : CONUS_OK;
     if (!status && conus_atlas_bounds(view->box[0], view->box[1], view->atlas)) {
         view->box[0][0] = INFINITY;
     }
+    if (!status && conus_context_is_covered(&view->is_covered, view->atlas)) {
+        view->is_covered = false; /* of one grey */
+    }
     return hides && !status ? conus_atlas_set_hidden(view->atlas, view->shown.hidden) : status;
-}
-
-enum { LATTICE = 24 };
-
-/* Whether most of the places of a lattice where the context is brighter than black have an area. */
-static bool find_cover(const struct view_atlas *view)
-{
-    const size_t context = view_atlas_context(view);
-    const conus_volume_info *info = conus_atlas_volume(view->atlas, context);
-    conus_cut_view cut = {.width = LATTICE, .height = LATTICE, .no_outlines = true, .window = {0, 1}};
-    uint32_t objects[LATTICE][LATTICE];
-    uint8_t rgba[LATTICE][LATTICE][4];
-    size_t bright = 0;
-    size_t covered = 0;
-    double reach = 0; /* from the middle, along any axis */
-    for (int a = 0; info && a < 3; a++) {
-        const double *m = info->world_from_voxel;
-        cut.centre[a] = m[12 + a];
-        for (int b = 0; b < 3; b++) {
-            cut.centre[a] += m[4 * b + a] * (double)info->dim[b] / 2;
-            reach = fmax(reach, fabs(m[4 * b + a]) * (double)info->dim[b] / 2);
-        }
-    }
-    const double middle = cut.centre[2];
-    cut.mm_per_pixel = 2 * reach / LATTICE;
-    for (int k = 0; info && k < LATTICE; k++) {
-        cut.centre[2] = middle + (k + 0.5 - LATTICE / 2.0) * cut.mm_per_pixel;
-        if (conus_cut(&rgba[0][0][0], &objects[0][0], view->atlas, &cut)) {
-            return false;
-        }
-        for (int p = 0; p < LATTICE * LATTICE; p++) {
-            const int column = p % LATTICE;
-            const int row = p / LATTICE;
-            const double at[3] = {cut.centre[0] + (column + 0.5 - LATTICE / 2.0) * cut.mm_per_pixel,
-                                  cut.centre[1] - (row + 0.5 - LATTICE / 2.0) * cut.mm_per_pixel, cut.centre[2]};
-            bool is_bright = conus_atlas_value(view->atlas, context, at) > view->found_grey[0];
-            bright += is_bright;
-            covered += is_bright && objects[row][column];
-        }
-    }
-    return 2 * covered > bright;
 }
 
 bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
@@ -78,7 +40,7 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
     bool has_look = appearance_init(&view.appearance, view.object_count);
     if (!view.shown.hidden || !has_look || !view.path || !view.name || !view.watch || !view.prefixes || !view.sides ||
         conus_atlas_sides(view.sides, view.atlas) || conus_atlas_prefixes(view.prefixes, view.atlas) ||
-        find_box(&view)) {
+        find_box_and_cover(&view)) {
         view_atlas_finish(&view);
         return false;
     }
@@ -86,7 +48,6 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
     if (context == conus_atlas_volume_count(view.atlas) || conus_atlas_window(view.found_grey, view.atlas, context)) {
         view.found_grey[0] = view.found_grey[1] = 0;
     }
-    view.is_covered = find_cover(&view);
     *out = view;
     return true;
 }

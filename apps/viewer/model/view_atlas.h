@@ -27,7 +27,7 @@ struct view_atlas {
     const char **prefixes; /**< [object_count + 1] Of conus_atlas_prefixes(). */
     double found_grey[2];  /**< Grey values of the context that the cuts show as black and white, unless the look says
                             others: what air and bright tissue have; both 0 without one. */
-    bool is_covered;       /**< Most of what the context shows lies in areas. */
+    bool is_covered;       /**< conus_context_is_covered() */
     struct appearance appearance;
     struct shown_objects shown;
     struct file_watch *watch;

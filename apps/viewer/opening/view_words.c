@@ -52,6 +52,7 @@ static const struct option_group groups[] = {
     {"", map_options, offsetof(struct view_settings, context)},
     {"", scene_options, 0},
     {"", atlas_options, offsetof(struct view_settings, atlas)},
+    {"", side_options, offsetof(struct view_settings, atlas)},
     {"", more_atlas_options, offsetof(struct view_settings, atlas)},
     {"", space_options, offsetof(struct view_settings, space)},
     {"", constraint_options, offsetof(struct view_settings, constraints)},
