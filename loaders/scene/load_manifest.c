@@ -6,6 +6,7 @@
 #include "base/files/file.h"
 #include "base/files/folder.h"
 #include "base/memory.h"
+#include "base/tolerance.h"
 #include "loaders/labels/label_find.h"
 #include "loaders/labels/labels_on_job.h"
 #include "loaders/manifest/manifest.h"
@@ -18,6 +19,7 @@
 #include "loaders/scene/load_transform.h"
 #include "loaders/scene/parcellations.h"
 
+#include <math.h>
 #include <string.h>
 
 /* A manifest while it is loaded. */
@@ -560,8 +562,19 @@ void probabilities_load(struct load *load, const char *path)
     load_entry(load, path, &entry, NULL);
 }
 
+/* Whether the largest value of @p info, as it is stored, is the number of an area of @p table. A map of 0 and 1 is a
+ * mask, whatever is called 1. */
+static bool table_names_the_largest(const struct label_table *table, const conus_volume_info *info)
+{
+    const double stored = (info->maximum - info->intercept) / info->slope;
+    const double whole = tolerance_whole(stored, stored);
+    const bool is_label = whole > 1 && whole <= UINT32_MAX && whole == rint(whole);
+    const struct label *label = is_label ? label_table_find(table, (uint32_t)whole) : NULL;
+    return label && label->name;
+}
+
 /* One map has no labels: a table in or beside its file may tell that it is none. */
-static void warn_of_table(struct load *load)
+static void doubt_by_table(struct load *load)
 {
     struct job *job = &load->job;
     const char *source = "";
@@ -573,9 +586,19 @@ static void warn_of_table(struct load *load)
     const struct attempt attempt = job_try(job);
     label_table_of_volume(job, table, &source, &volume, NULL);
     (void)job_dropped(job, &attempt);
-    if (job_ok(job) && table->count) {
-        job_note(job, "%s: its values are stated to be probabilities, so %s, which names %zu labels, is not used",
-                 path_base(volume.info->path), source, table->count);
+    const char *name = path_base(volume.info->path);
+    if (!job_ok(job) || !table->count) {
+        return;
+    }
+    if (table_names_the_largest(table, volume.info) && !named_maps_is_probseg(volume.info->path)) {
+        job_fail(job, CONUS_ERROR_ARGUMENT,
+                 "%s: --probability states that its values are probabilities, but %s names %zu label%s, its largest "
+                 "value among them; without --probability the values are labels; of probabilities a file called "
+                 "X_probseg.nii.gz has no doubt",
+                 name, source, table->count, table->count > 1 ? "s" : "");
+    } else {
+        job_note(job, "%s: its values are stated to be probabilities, so %s, which names %zu labels, is not used", name,
+                 source, table->count);
     }
 }
 
@@ -596,6 +619,6 @@ void named_maps_load(struct load *load, const char *path, const struct named_map
         (void)JOB_CALL(job, notes_move(&job->notes, maps->notes));
     }
     if (maps->is_one) {
-        warn_of_table(load);
+        doubt_by_table(load);
     }
 }

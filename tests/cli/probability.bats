@@ -99,10 +99,14 @@ row() {
     fails 2 'as its name or --probability states, and nothing names them: --labels FILE does' query maps_probseg.nii $AIM
     fails 2 'states that its values are probabilities, but none is 1 or more (up to 0.88)' \
         query maps.nii,volume=0 $AIM --probability 1
-    # Labels are taken by the user's word, too, and the table that says what they are is named.
+    # A table that does not name the largest value is no second reading; one that does is.
     sphere --size 16
     run -0 --separate-stderr "$CONUS" info sphere.nii.gz --probability 0.5 --format tsv
     [[ "$stderr" == *'sphere.nii.gz: its values are stated to be probabilities, so BIDS label table in sphere.tsv, which names 1 label'* ]]
+    printf 'index\tname\n88\tArea\n' | tee maps.tsv >maps_probseg.tsv
+    fails 2 'maps.nii: --probability states that its values are probabilities, but BIDS label table in maps.tsv names 1 label, its largest value among them; without --probability the values are labels' \
+        query maps.nii,volume=0 $AIM --probability 0.5
+    [ "$(voxels maps_probseg.nii,volume=0 --probability 0.5)" = '[320]' ]
 }
 
 @test "conus manifest writes probabilities, and pathways beside a parcellation" {
