@@ -263,9 +263,26 @@ static void compare_notes(const struct entry *entry, json_t *notes, json_t *fact
     json_decref(wanted);
 }
 
+/* The objects that `names` means, {"1": "Area 17", "2": null}: these areas in this order, a number without a name for
+ * null, and nothing else said of any. */
+static json_t *objects_of(json_t *names)
+{
+    json_t *objects = json_array();
+    const char *number;
+    json_t *name;
+    json_object_foreach(names, number, name)
+    {
+        json_array_append_new(objects, json_pack("{s:I, s:b, s:s, s:n, s:n, s:n}", "index",
+                                                 (json_int_t)strtoull(number, NULL, 10), "named", json_is_string(name),
+                                                 "name", json_is_string(name) ? json_string_value(name) : number,
+                                                 "abbreviation", "parent", "hemisphere"));
+    }
+    return objects;
+}
+
 static void check_facts(const struct entry *entry, const struct answer *answer)
 {
-    static const char *const keys[] = {"is", "with", "child", "facts", "notes", "enough", "refused", "code"};
+    static const char *const keys[] = {"like", "is", "with", "child", "facts", "notes", "enough", "refused", "code"};
     const char *key;
     json_t *value;
     json_object_foreach(entry->facts, key, value)
@@ -288,6 +305,11 @@ static void check_facts(const struct entry *entry, const struct answer *answer)
     json_t *facts = json_object_get(entry->facts, "facts");
     compare_notes(entry, json_object_get(answer->json, "notes"), json_object_get(entry->facts, "notes"));
     if (json_object_size(facts)) {
+        json_t *names = json_object_get(facts, "names");
+        if (names) {
+            json_object_set_new(facts, "objects", objects_of(names));
+            json_object_del(facts, "names");
+        }
         compare(entry, "", answer->json, facts);
     } else {
         report(entry, "has no facts");
@@ -553,6 +575,44 @@ static void take_words(struct entry *entry)
     }
 }
 
+/* Puts `change` into a copy of `base`: members and, in lists of one length, elements that it does not have stay. */
+static json_t *merged(json_t *base, json_t *change)
+{
+    const char *key;
+    json_t *value;
+    size_t i;
+    const bool are_objects = json_is_object(base) && json_is_object(change);
+    const bool are_lists =
+        json_is_array(base) && json_is_array(change) && json_array_size(base) == json_array_size(change);
+    json_t *out = are_objects || are_lists ? json_copy(base) : json_incref(change);
+    json_object_foreach(are_objects ? change : NULL, key, value)
+    {
+        json_t *old = json_object_get(base, key);
+        json_object_set_new(out, key, old ? merged(old, value) : json_incref(value));
+    }
+    json_array_foreach(are_lists ? change : NULL, i, value)
+    {
+        json_array_set_new(out, i, merged(json_array_get(base, i), value));
+    }
+    return out;
+}
+
+/* A row "like" another one has what that one has, but for what it says itself. */
+static void take_likes(json_t *rows)
+{
+    const char *file;
+    json_t *row;
+    void *next;
+    json_object_foreach_safe(rows, next, file, row)
+    {
+        json_t *like =
+            json_object_get(rows, json_is_object(row) ? json_string_value(json_object_get(row, "like")) : NULL);
+        if (like) {
+            json_object_set_new(rows, file, merged(like, row));
+        }
+    }
+}
+
 /* Runs an entry in a fresh folder, where nothing else lies. */
 static void run_entry(const char *folder, const char *file, json_t *facts)
 {
@@ -591,6 +651,7 @@ int main(int argc, char **argv)
     for (size_t i = 0; i < sizeof elsewhere / sizeof elsewhere[0]; i++) {
         unsetenv(elsewhere[i]);
     }
+    take_likes(all);
     total.cut = json_object();
     messages_hold(true);
     walked.all = all;

@@ -774,6 +774,7 @@ def files_of_corpus(ask):
         form, rows = file.parent, json.loads(file.read_text(encoding="utf-8"))
         for name, row in ((name, row) for name, some in rows.items()
                           for row in (some if isinstance(some, list) else [some])):
+            row = {**rows.get(row.get("like"), {}), **row}
             words = [word.replace("{}", name) for word in row.get("with", ())]
             words = words if any(name in word for word in words) else [name, *words]
             beside = {place.split("/")[0] for word in words for place in (word, word.split(",")[0])}
