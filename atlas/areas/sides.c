@@ -460,9 +460,60 @@ static conus_status note_swapped(conus_atlas *atlas, const double *middle)
     return status;
 }
 
-conus_status swapped_sides_note(conus_atlas *atlas)
+/* Whether a word in its name gives `area` the side that its table does not: a long word, or a letter whose counterpart
+ * is the name of another area. */
+static conus_status is_contradicted(bool *out, const struct name_index *index, const conus_object *area)
 {
-    return note_swapped(atlas, NULL);
+    struct text name = text_from(area->name);
+    struct side_word word;
+    bool is_other = false;
+    conus_status status = CONUS_OK;
+    for (size_t from = 0; !status && side_word_find(&word, name, from); from = word.start + word.size) {
+        if (word.side == area->hemisphere) {
+            is_other = false;
+            break;
+        }
+        struct buffer swapped = {0};
+        size_t first;
+        side_word_swap(&swapped, name, &word);
+        status = buffer_status(&swapped);
+        is_other = !status && (is_other || side_word_is_long(&word) || find_name(&first, index, swapped.data));
+        buffer_finish(&swapped);
+    }
+    *out = is_other;
+    return status;
+}
+
+/* Warns of areas whose table says another side than their name. */
+static conus_status note_contradicted(conus_atlas *atlas)
+{
+    struct name_index index;
+    conus_status status = index_names(&index, atlas);
+    size_t stated = 0, contradicted = 0;
+    const conus_object *example = NULL;
+    for (size_t i = 0; !status && i < atlas->area_count; i++) {
+        const conus_object *area = &atlas->objects[i];
+        bool is_other = false;
+        if (area->hemisphere == 'L' || area->hemisphere == 'R') {
+            status = is_contradicted(&is_other, &index, area);
+            stated++;
+        }
+        contradicted += is_other;
+        example = is_other && !example ? area : example;
+    }
+    memory_free(index.areas);
+    return status || !example
+               ? status
+               : notes_warn(&atlas->notes,
+                            "the label table gives %zu of %zu areas another side than their name, first %s, which it "
+                            "calls %s: one of both is wrong; answers have the table's side",
+                            contradicted, stated, example->name, example->hemisphere == 'L' ? "left" : "right");
+}
+
+conus_status conflicting_sides_note(conus_atlas *atlas)
+{
+    conus_status status = note_contradicted(atlas);
+    return status ? status : note_swapped(atlas, NULL);
 }
 
 /* Takes out the note that left and right are exchanged, number `exchanged`, 0 = there is none. */

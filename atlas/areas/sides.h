@@ -48,9 +48,10 @@ conus_status hemispheres_label_step(uint32_t *out, const conus_atlas *atlas);
  * name such as "left" or "rh". On failure @p out may have been written to. */
 conus_status area_sides_find(char *out, const conus_atlas *atlas);
 
-/** Warns where at least three quarters of the pairs of a left and a right area (hemispheres_pair()), and three of them
- * or more, lie the other way round: the left one at the larger mean x of voxels or vertices. The midline's place does
- * not matter. In large grids every so many-th row is read. CONUS_ERROR_MEMORY. */
-conus_status swapped_sides_note(conus_atlas *atlas);
+/** Warns of areas whose label table says another side than a word in their name (a lone letter counts where an area has
+ * the other one), and where at least three quarters of the pairs of a left and a right area (hemispheres_pair()), and
+ * three of them or more, lie the other way round: the left one at the larger mean x of voxels or vertices. The midline's
+ * place does not matter. In large grids every so many-th row is read. CONUS_ERROR_MEMORY. */
+conus_status conflicting_sides_note(conus_atlas *atlas);
 
 #endif

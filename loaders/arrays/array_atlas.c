@@ -204,7 +204,7 @@ static conus_status create_of_voxels(conus_atlas **out, struct volume_file *file
     status = status ? status
                     : atlas_create_of(&atlas, &volume, 1, &table, label_count ? "the program" : "none found", &notes);
     status = status ? status : set_words(atlas, file->path);
-    status = status ? status : swapped_sides_note(atlas);
+    status = status ? status : conflicting_sides_note(atlas);
     label_voxels_finish(&numbers);
     label_table_finish(&table);
     notes_finish(&notes);

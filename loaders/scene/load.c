@@ -389,7 +389,7 @@ static conus_status check_whole(struct load *load, const char *path)
     if (probability > 0 && !atlas_has_probabilities(atlas)) {
         return fail(CONUS_ERROR_ARGUMENT, "--probability %g: %s has no areas of probabilities", probability, path);
     }
-    conus_status status = swapped_sides_note(atlas);
+    conus_status status = conflicting_sides_note(atlas);
     status = status ? status : note_unit(atlas);
     atlas->notes.sink = NULL;
     atlas->path = memory_text(path, strlen(path));

@@ -46,7 +46,7 @@ static const char *said(conus_atlas *atlas)
 {
     static char text[400];
     size_t before = atlas->notes.count;
-    assert_ok(swapped_sides_note(atlas));
+    assert_ok(conflicting_sides_note(atlas));
     snprintf(text, sizeof text, "%s", atlas->notes.count > before ? atlas->notes.lines[before] : "");
     const char *note = conus_atlas_exchanged(atlas);
     assert_string_equal(note ? note : "", text);
@@ -143,7 +143,7 @@ static void exchanged_sides_are_mended(void **state)
         conus_atlas *atlas = atlas_of(4, swapped);
         double low[2][3];
         double high[2][3];
-        assert_ok(swapped_sides_note(atlas));
+        assert_ok(conflicting_sides_note(atlas));
         assert_int_equal(conus_atlas_exchanged(atlas) != NULL, swapped != 0);
         atlas->volumes[0].info.space_code = 4;
         assert_ok(conus_atlas_bounds(low[0], high[0], atlas));
@@ -170,9 +170,41 @@ static void exchanged_sides_are_mended(void **state)
     }
 }
 
+/* A table's column of sides may contradict its names. A lone letter without a counterpart is no side. */
+static void names_against_the_column_of_sides_are_told(void **state)
+{
+    (void)state;
+    static const struct {
+        struct area_row rows[4];
+        const char *said;
+    } cases[] = {
+        {{{1, "Hippocampus_L", 0, NULL, 'R'}, {2, "Hippocampus_R", 0, NULL, 'L'}, {3, "Middle", 0, NULL, 'B'}},
+         "the label table gives 2 of 2 areas another side than their name, first Hippocampus_L, which it calls right: "
+         "one of both is wrong; answers have the table's side"},
+        {{{1, "A_L", 0, NULL, 'L'}, {2, "Left-vessel", 0, NULL, 'R'}},
+         "1 of 2 areas another side than their name, first L"},
+        {{{1, "A_L", 0, NULL, 'L'}, {2, "A_R", 0, NULL, 'R'}}, ""},
+        {{{1, "Area L", 0, NULL, 'R'}, {2, "Area M", 0, NULL, 'R'}}, ""},
+        {{{1, "Right of the left sulcus", 0, NULL, 'R'}, {2, "Left, by rh", 0, NULL, 'L'}}, ""},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        conus_atlas *atlas = NULL;
+        assert_ok(area_rows_atlas(&atlas, (const size_t[]){3, 1, 1}, (const uint32_t[]){1, 2, 3}, cases[i].rows));
+        const char *said_of_it = "";
+        assert_ok(conflicting_sides_note(atlas));
+        for (size_t k = 0; k < conus_atlas_note_count(atlas); k++) {
+            const char *each = conus_atlas_note(atlas, k);
+            said_of_it = strstr(each, "another side than") ? each : said_of_it;
+        }
+        assert_non_null(strstr(said_of_it, cases[i].said));
+        assert_int_equal(said_of_it[0] == 0, cases[i].said[0] == 0);
+        conus_atlas_destroy(atlas);
+    }
+}
+
 static conus_status note(void *data)
 {
-    return swapped_sides_note(data);
+    return conflicting_sides_note(data);
 }
 
 /* What fails leaves the atlas as it was, its notes, too. */
@@ -195,11 +227,12 @@ static void every_failing_allocation_is_clean(void **state)
 {
     (void)state;
     conus_atlas *atlas = atlas_of(4, 4);
+    atlas->objects[0].hemisphere = 'R';
     test_every_allocation(note, atlas);
     conus_atlas_destroy(atlas);
     for (size_t swapped = 0; swapped <= 4; swapped += 4) {
         atlas = atlas_of(4, swapped);
-        assert_ok(swapped_sides_note(atlas));
+        assert_ok(conflicting_sides_note(atlas));
         test_every_allocation(exchange, atlas);
         conus_atlas_destroy(atlas);
     }
@@ -214,6 +247,7 @@ TEST_GROUP(swapped_sides)
         cmocka_unit_test(surfaces_have_sides),
         cmocka_unit_test(real_atlases_are_told),
         cmocka_unit_test(exchanged_sides_are_mended),
+        cmocka_unit_test(names_against_the_column_of_sides_are_told),
         cmocka_unit_test(every_failing_allocation_is_clean),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -63,7 +63,7 @@ conus_status area_rows_pairs(conus_atlas **out, bool exchanged)
                                            {0}};
     static const uint32_t labels[2][9] = {{1, 0, 2, 3, 0, 4, 5, 0, 6}, {2, 0, 1, 4, 0, 3, 6, 0, 5}};
     conus_status status = area_rows_atlas(out, (const size_t[]){3, 3, 1}, labels[exchanged], rows);
-    return status ? status : swapped_sides_note(*out);
+    return status ? status : conflicting_sides_note(*out);
 }
 
 uint32_t area_rows_number(const conus_atlas *atlas, const char *name)
