@@ -139,6 +139,40 @@ static bool read_numbers(const struct option *option, double *field, size_t coun
     return true;
 }
 
+/* A number with or without the unit of the option's value behind it: "5", "5mm", "0.5 cm". */
+static bool read_number(const struct option *option, double *field, const char *text)
+{
+    static const struct {
+        const char *value, *unit;
+        double factor;
+    } units[] = {
+        {"MM", "mm", 1}, {"MM", "cm", 10}, {"DEGREES", "deg", 1}, {"DEGREES", "degrees", 1}, {"DEGREES", "°", 1}};
+    char word[NUMBERS_SIZE];
+    double number;
+    bool is_number = number_parse(text, &number);
+    for (size_t i = 0; !is_number && option->value && i < sizeof units / sizeof units[0]; i++) {
+        const size_t unit = strlen(units[i].unit);
+        size_t length = strlen(text);
+        if (strcmp(option->value, units[i].value) == 0 && length > unit && length < sizeof word &&
+            strcasecmp(text + length - unit, units[i].unit) == 0) {
+            length -= unit;
+            length -= text[length - 1] == ' ';
+            memcpy(word, text, length);
+            word[length] = '\0';
+            is_number = number_parse(word, &number);
+            number *= units[i].factor;
+        }
+    }
+    if (!is_number) {
+        return refuse_value(option, text, "a number");
+    }
+    if (outside(option, number)) {
+        return refuse_range(option, text);
+    }
+    *field = number;
+    return true;
+}
+
 /* LOW,target[+MM] */
 static bool read_to_target(const struct option *option, struct depth_range *field, const char *text)
 {
@@ -252,8 +286,7 @@ bool option_read(const struct option *option, void *field, const char *text)
         *(bool *)field = true;
         return true;
     case OPTION_NUMBER:
-        return number_parse(text, numbers) ? !outside(option, *numbers) || refuse_range(option, text)
-                                           : refuse_value(option, text, "a number");
+        return read_number(option, numbers, text);
     case OPTION_COUNT:
         return read_count(option, field, text);
     case OPTION_VECTOR:

@@ -10,6 +10,7 @@
 #include "options/output.h"
 
 #include <assert.h>
+#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -260,10 +261,39 @@ static int take_long(struct cursor *cursor, const char *word)
     return take_option(cursor, found, name[length] ? name + length + 1 : NULL);
 }
 
+/* A word behind all operands: a part of a vector, or a file of poses without its option. */
+static int print_unexpected(const struct arguments *arguments, const char *word)
+{
+    const struct found poses = find_name(arguments->command, NULL, "poses", 5);
+    const struct found pose = find_name(arguments->command, NULL, "pose", 4);
+    const struct found *found = poses.option ? &poses : &pose;
+    const struct found point = find_name(arguments->command, NULL, "point", 5);
+    const bool may_be_point = point.option && !arguments->given[point.ordinal];
+    if (strspn(word, "+-.,0123456789") == strlen(word)) {
+        return print_usage_error(may_be_point
+                                     ? "unexpected argument \"%s\"; a point is given as --point X,Y,Z"
+                                     : "unexpected argument \"%s\"; a vector is one word: X,Y,Z without spaces",
+                                 word);
+    }
+    if (may_be_point && !strpbrk(word, "./")) {
+        return print_usage_error(
+            "unexpected argument \"%s\"; a place is given as --point %s, a file of poses as --%s FILE", word, word,
+            found->option->name);
+    }
+    if (found->option && !arguments->given[found->ordinal]) {
+        return print_usage_error("unexpected argument \"%s\"; a file of poses is given as --%s %s", word,
+                                 found->option->name, word);
+    }
+    return print_usage_error("unexpected argument \"%s\"", word);
+}
+
 static int take_short(struct cursor *cursor, const char *word)
 {
     const struct command *command = cursor->arguments->command;
     struct found found;
+    if (isdigit((unsigned char)word[1])) {
+        return print_unexpected(cursor->arguments, word);
+    }
     for (size_t i = 0; (found = found_at(command, cursor->settings, i)).option && found.option->letter != word[1];) {
         i++;
     }
@@ -272,22 +302,6 @@ static int take_short(struct cursor *cursor, const char *word)
     }
     cursor->arguments->is_brief = true; /* if it is -h */
     return take_option(cursor, found, word[2] ? word + 2 : NULL);
-}
-
-/* A word behind all operands: a part of a vector, or a file of poses without its option. */
-static int print_unexpected(const struct arguments *arguments, const char *word)
-{
-    const struct found poses = find_name(arguments->command, NULL, "poses", 5);
-    const struct found pose = find_name(arguments->command, NULL, "pose", 4);
-    const struct found *found = poses.option ? &poses : &pose;
-    if (strchr(word, ',') || strspn(word, "+-.0123456789") == strlen(word)) {
-        return print_usage_error("unexpected argument \"%s\"; a vector is one word: X,Y,Z without spaces", word);
-    }
-    if (found->option && !arguments->given[found->ordinal]) {
-        return print_usage_error("unexpected argument \"%s\"; a file of poses is given as --%s %s", word,
-                                 found->option->name, word);
-    }
-    return print_usage_error("unexpected argument \"%s\"", word);
 }
 
 static int take_operand(struct cursor *cursor, const char *word)

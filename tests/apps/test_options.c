@@ -143,6 +143,30 @@ static void ranges_may_be_open(void **state)
     assert_false(option_read(&count, &number, "4294967297"));
 }
 
+static void numbers_may_have_their_unit(void **state)
+{
+    (void)state;
+    const struct option radius = {.name = "radius", .type = OPTION_NUMBER, .value = "MM", .high = 100};
+    const struct option angle = {.name = "angle", .type = OPTION_NUMBER, .value = "DEGREES", .high = 180};
+    const struct option share = {.name = "share", .type = OPTION_NUMBER, .value = "F"};
+    static const struct {
+        const char *text;
+        double mm, degrees; /* -1: refused */
+    } cases[] = {{"5mm", 5, -1},    {"5 mm", 5, -1},   {"0.5cm", 5, -1},       {"11cm", -1, -1},  {"5e-1MM", 0.5, -1},
+                 {"5m", -1, -1},    {"mm", -1, -1},    {" mm", -1, -1},        {"5  mm", -1, -1}, {"5mmm", -1, -1},
+                 {"15deg", -1, 15}, {"15°", -1, 15},   {"15 degrees", -1, 15}, {"200°", -1, -1},  {"0.2rad", -1, -1},
+                 {"°", -1, -1},     {"nanmm", -1, -1}, {"0x5mm", -1, -1},      {"7", 7, 7}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        double number = -1;
+        assert_int_equal(option_read(&radius, &number, cases[i].text), cases[i].mm >= 0);
+        assert_near(number, cases[i].mm, 1e-12);
+        number = -1;
+        assert_int_equal(option_read(&angle, &number, cases[i].text), cases[i].degrees >= 0);
+        assert_near(number, cases[i].degrees, 1e-12);
+        assert_int_equal(option_read(&share, &number, cases[i].text), cases[i].mm == 7);
+    }
+}
+
 static const char *name_at(const void *list, size_t index)
 {
     return ((const char *const *)list)[index];
@@ -209,10 +233,15 @@ static int silence(void **state)
 TEST_GROUP(options)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(only_decimal_numbers_are_numbers), cmocka_unit_test(only_digits_are_counts),
-        cmocka_unit_test(vectors_are_three_numbers),        cmocka_unit_test(sizes_are_two_counts),
-        cmocka_unit_test(bytes_have_binary_units),          cmocka_unit_test(ranges_may_be_open),
-        cmocka_unit_test(the_closest_name_is_suggested),    cmocka_unit_test(each_option_counts_for_itself),
+        cmocka_unit_test(numbers_may_have_their_unit),
+        cmocka_unit_test(only_decimal_numbers_are_numbers),
+        cmocka_unit_test(only_digits_are_counts),
+        cmocka_unit_test(vectors_are_three_numbers),
+        cmocka_unit_test(sizes_are_two_counts),
+        cmocka_unit_test(bytes_have_binary_units),
+        cmocka_unit_test(ranges_may_be_open),
+        cmocka_unit_test(the_closest_name_is_suggested),
+        cmocka_unit_test(each_option_counts_for_itself),
     };
     return cmocka_run_group_tests(tests, silence, NULL);
 }

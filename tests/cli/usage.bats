@@ -96,6 +96,9 @@ END
     fails 2 'unknown option --jitter of conus query; conus sweep has it' query sphere.nii.gz --jitter 1,1
     fails 2 'unexpected argument "poses.tsv"; a file of poses is given as --poses poses.tsv' batch sphere.nii.gz poses.tsv
     fails 2 'unexpected argument "poses.tsv"; a file of poses is given as --pose poses.tsv' query sphere.nii.gz poses.tsv
+    fails 2 'unexpected argument "Ball"; a place is given as --point Ball, a file of poses as --pose FILE' query sphere.nii.gz Ball
+    fails 2 'unexpected argument "-26"; a point is given as --point X,Y,Z' query sphere.nii.gz -26 -20 -14
+    fails 2 'unexpected argument "5"; a vector is one word: X,Y,Z without spaces' query sphere.nii.gz --point 1,2,3 5
     fails 2 'unexpected argument "more.tsv"' batch sphere.nii.gz --poses poses.tsv more.tsv
     [[ $stderr != *'given as'* ]]
     for command in 'query --pose' 'batch --poses' 'track --poses' 'sweep --pose'; do
@@ -140,7 +143,7 @@ END
     fails 2 'unknown option ---angle' query ---angle 3
     fails 2 'unknown option --=' query --=5
     fails 2 'a b' query a.nii --angle $'a\nb'
-    fails 2 'unknown option -9' query a.nii -90,20,20
+    fails 2 'unexpected argument "-90,20,20"; a point is given as --point X,Y,Z' query a.nii -90,20,20
     fails 3 '-o' info -- -o
     fails 3 'file;rm -rf .nii: cannot open' info 'file;rm -rf .nii'
     nothing_left
