@@ -129,11 +129,12 @@ void table_write_axis(struct buffer *out, const conus_report *report, const stru
                   digits, origin[2], axis[0], axis[1], axis[2]);
 }
 
-void table_write_id(struct buffer *out, const conus_report *report, const struct report_query *query)
+/* The query's id with the marks of its row: "LA1 (row 3, group left)". */
+static void write_id(struct buffer *out, const conus_report *report, const struct report_query *query)
 {
     const conus_row_marks *marks = report_marks(report);
     char time[TEXT_NUMBER_SIZE];
-    buffer_format(out, "query %s", query->id);
+    buffer_text(out, query->id);
     const char *before = " (";
     if (marks && marks->has_number) {
         buffer_format(out, "%srow %llu", before, (unsigned long long)query->number);
@@ -149,7 +150,14 @@ void table_write_id(struct buffer *out, const conus_report *report, const struct
             before = ", ";
         }
     }
-    buffer_text(out, before[0] == ',' ? "): " : ": ");
+    buffer_text(out, before[0] == ',' ? ")" : "");
+}
+
+void table_write_id(struct buffer *out, const conus_report *report, const struct report_query *query)
+{
+    buffer_text(out, "query ");
+    write_id(out, report, query);
+    buffer_text(out, ": ");
 }
 
 void table_write_query(struct buffer *out, const conus_report *report, const struct report_query *query)
@@ -497,10 +505,118 @@ static void write_contacts(struct buffer *out, const conus_report *report)
     table_write_sources(out, report);
 }
 
+/* Whether there are several answers, all of what is at a point. */
+static bool is_of_points(const conus_report *report)
+{
+    bool all = report->query_count > 1;
+    bool any = false;
+    for (size_t i = 0; i < report->query_count && all; i++) {
+        any = any || report->queries[i].is_point;
+        all = report->queries[i].is_point || report->queries[i].error;
+    }
+    return all && any;
+}
+
+enum { WIDEST_ID = 40, WIDTH_OF_POINT = 26 };
+
+static const char nearest[] = "nearest: "; /* before the name of an object that is not at the point */
+
+/* Widths of the columns of a list of points. */
+struct point_widths {
+    int id, atlas, names;
+    int gap; /* Before names; 0 where atlases have none. */
+};
+
+static int widest(int width, const char *text)
+{
+    const int other = width_of(text);
+    return other > width ? other : width;
+}
+
+static struct point_widths find_widths(const conus_report *report)
+{
+    struct point_widths widths = {.id = width_of("point")};
+    bool has_near = false;
+    for (const conus_report *of = report; of; of = of->next) {
+        widths.atlas = of->name ? widest(widths.atlas, of->name) : 0;
+        for (size_t row = 0; row < of->row_count; row++) {
+            has_near = has_near || of->rows[row].result.distance > 0;
+        }
+    }
+    for (size_t i = 0; i < report->query_count; i++) {
+        struct buffer id = {0};
+        write_id(&id, report, &report->queries[i]);
+        widths.id = widest(widths.id, id.data ? id.data : "");
+        buffer_finish(&id);
+    }
+    widths.id = widths.id > WIDEST_ID ? WIDEST_ID : widths.id;
+    widths.gap = widths.atlas ? 2 : 0;
+    widths.names = table_name_width(report) + (has_near ? width_of(nearest) : 0);
+    return widths;
+}
+
+/* What one atlas has at a point, or nearest to it: a line each. `id` and `at` stand in the first line of the point. */
+static void write_at_point(struct buffer *out, const conus_report *report, size_t index,
+                           const struct point_widths *widths, const char *id, const char *at)
+{
+    char label[TABLE_LABEL_SIZE];
+    for (size_t row = report->queries[index].first_row; row < report_row_end(report, index); row++) {
+        const conus_result *result = &report->rows[row].result;
+        const char *before = result->distance > 0 ? nearest : "";
+        table_write_name(out, id, widths->id);
+        buffer_format(out, "  %*s  ", WIDTH_OF_POINT, at);
+        table_write_name(out, report->name ? report->name : "", widths->atlas);
+        buffer_format(out, "%*s%s", widths->gap, "", before);
+        table_write_name(out, table_name(report, result->object), widths->names - width_of(before));
+        buffer_format(out, "  %10s", table_label(label, report, result->object));
+        write_number(out, 8, 2, result->distance, "");
+        if (isfinite(result->contact_value)) {
+            buffer_format(out, "  value %.4g", result->contact_value);
+        }
+        buffer_text(out, "\n");
+        id = at = "";
+    }
+}
+
+static void write_points(struct buffer *out, const conus_report *report)
+{
+    static const char form[] = "%-*s  %*s  %-*s%*s%-*s  %10s  %8s\n";
+    char axes[TABLE_AXES_SIZE], at[96];
+    const int digits = table_digits(report);
+    const struct point_widths w = find_widths(report);
+    buffer_format(out, form, w.id, "point", WIDTH_OF_POINT, table_axes(axes, report, "at"), w.atlas,
+                  w.atlas ? "atlas" : "", w.gap, "", w.names, "what is at it", "label", "distance");
+    buffer_format(out, form, w.id, "", WIDTH_OF_POINT, conus_space_unit(report->frame.space), w.atlas, "", w.gap, "",
+                  w.names, "", "", "mm");
+    for (size_t i = 0; i < report->query_count; i++) {
+        const struct report_query *query = &report->queries[i];
+        struct buffer text = {0};
+        double p[3];
+        memcpy(p, query->cone.pose.world_from_device + 12, sizeof p);
+        report_point(report, p);
+        snprintf(at, sizeof at, "%8.*f %8.*f %8.*f", digits, p[0], digits, p[1], digits, p[2]);
+        write_id(&text, report, query);
+        out->failed = out->failed || text.failed;
+        const char *id = text.data ? text.data : "";
+        const size_t line = out->size;
+        for (const conus_report *of = report; of && !query->error; of = of->next) {
+            const bool is_first = out->size == line;
+            write_at_point(out, of, i, &w, is_first ? id : "", is_first ? at : "");
+        }
+        if (out->size == line) {
+            table_write_name(out, id, w.id);
+            buffer_format(out, query->error ? "  no answer: %s\n" : "  %s  nothing\n",
+                          query->error ? query->error : at);
+        }
+        buffer_finish(&text);
+    }
+    table_write_sources(out, report);
+}
+
 void report_write_table(struct buffer *out, const conus_report *report)
 {
-    if (is_of_contacts(report)) {
-        write_contacts(out, report);
+    if (is_of_contacts(report) || is_of_points(report)) {
+        (is_of_contacts(report) ? write_contacts : write_points)(out, report);
         return;
     }
     int width = table_name_width(report);

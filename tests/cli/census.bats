@@ -88,7 +88,22 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
     printf -- '-1 0 0 origin\n0 0 20 above\n0 0 30 out\n' >points.txt
     answers query nested.nii.gz --pose points.txt -q
     [ "${lines[0]}" = "asked as points in the atlas's space: what is at each, or else nearest to it" ]
-    has 'query origin: point (-1.00, 0.00, 0.00), RAS mm'
+    [ "$(tail -n +2 <<<"$output")" = "\
+point                   at x, y, z  what is at it               label  distance
+                                mm                                           mm
+origin     -1.00     0.00     0.00  Core                   4000000001      0.00
+above       0.00     0.00    20.00  Shell outer                     1      0.00
+out         0.00     0.00    30.00  nearest: Shell outer            1      6.00
+atlas nested.nii.gz, placed by sform, code 1 (scanner)" ]
+    # Each atlas, marks of rows, a row without an answer.
+    printf 'name,x,y,z,group\nIn,-1,0,5,a\nBad,b,0,0,b\n' >list.csv
+    conus phantom sphere -o . --size 64
+    run -1 --separate-stderr conus query nested.nii.gz --atlas sphere.nii.gz --pose list.csv --keep group -q
+    [ "$(sed -n '2p;4,6p' <<<"$output")" = "\
+point                          at x, y, z  atlas   what is at it       label  distance
+In (group a)      -1.00     0.00     5.00  nested  Core           4000000001      0.00
+                                           sphere  Sphere                  1      0.00
+Bad (group b)  no answer: line 3: column x: \"b\" is not a finite number" ]
     answers query nested.nii.gz --pose points.txt --format tsv -q
     [ "$(cut -f 1,4,13 <<<"$output" | tail -n +2 | tr '\t\n' '/;')" = 'origin/Core/0;above/Shell outer/0;out/Shell outer/6;' ]
     [ "$(cell z 3)" = 30 ]
