@@ -53,13 +53,21 @@ static const char *name_at(const void *command, size_t index)
     return option ? option->name : NULL;
 }
 
+/* Whether the option is called by these letters; "_" is taken for "-", as Python has it. */
+static bool is_called(const struct option *option, const char *name, size_t length)
+{
+    size_t i = 0;
+    while (i < length && option->name[i] == (name[i] == '_' ? '-' : name[i])) {
+        i++;
+    }
+    return i == length && !option->name[i];
+}
+
 static struct found find_name(const struct command *command, void *settings, const char *name, size_t length)
 {
     struct found found;
-    for (size_t i = 0; (found = found_at(command, settings, i)).option; i++) {
-        if (strlen(found.option->name) == length && memcmp(found.option->name, name, length) == 0) {
-            break;
-        }
+    for (size_t i = 0; (found = found_at(command, settings, i)).option && !is_called(found.option, name, length);) {
+        i++;
     }
     return found;
 }

@@ -93,6 +93,8 @@ END
     fails 2 'unknown option --poses; did you mean --pose?' query sphere.nii.gz --poses poses.tsv
     fails 2 'unknown option --pose; did you mean --poses?' batch sphere.nii.gz --pose poses.tsv
     fails 2 'unknown option --threads of conus query; conus batch has it' query sphere.nii.gz --threads 2
+    fails 2 '--point and --slice-fraction exclude each other' query sphere.nii.gz --point 1,2,3 --slice_fraction 0.5
+    fails 2 'unknown option --_point; did you mean --point?' query sphere.nii.gz --_point 1,2,3
     fails 2 'unknown option --jitter of conus query; conus sweep has it' query sphere.nii.gz --jitter 1,1
     fails 2 'unexpected argument "poses.tsv"; a file of poses is given as --poses poses.tsv' batch sphere.nii.gz poses.tsv
     fails 2 'unexpected argument "poses.tsv"; a file of poses is given as --pose poses.tsv' query sphere.nii.gz poses.tsv
