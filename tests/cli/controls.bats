@@ -63,21 +63,6 @@ questions=(
     [ $i -eq 50 ]
 }
 
-@test "invalid queries are refused and change nothing" {
-    need_window
-    nested
-    export ASAN_OPTIONS=detect_leaks=0 # Mesa forgets 128 bytes of a driver that is unloaded before anything was drawn
-    local case
-    for case in 'ask --range=5,2|--range' 'ask --level 9|the area tree has depths 1 to 3' \
-        'ask --layers=all --sampling=slices|needs exact sampling' 'ask --slices=3|no effect without --sampling slices' \
-        'ask --score=centre+share|no name of a score' 'ask --score=unoccluded|needs --layers all' 'ask --angle=3|--angle' \
-        'ask --segments=x|for files, not for the window' 'ask --level=Shel|did you mean "Shell"'; do
-        printf '%s\n' "${case%%|*}" >script
-        run -3 --separate-stderr timeout $HANG "$CONUS" view nested.nii.gz --labels tree.tsv --script script --quiet --size 400x256
-        [[ $stderr == *"${case#*|}"* ]] || { echo "$case: $stderr"; false; }
-    done
-}
-
 @test "level, range and order are changed by keys, kept in sessions and taken back" {
     need_window
     nested
@@ -226,7 +211,7 @@ END
     conus sweep "${at[@]}" --angles 3:40:4.7 --resolution 1 | grep nested | diff - <(grep nested ray.tsv)
 }
 
-@test "a study is begun by a key, saved by a key, and an invalid one is refused" {
+@test "a study is begun by a key, and saved by a key" {
     need_window
     nested
     view nested.nii.gz --labels tree.tsv <<'END'
@@ -253,12 +238,4 @@ END
     conus sweep nested.nii.gz --labels tree.tsv --origin=60,3,2 --toward=0,0,0 --angles 2:40:2 --format tsv -q >sweep.tsv
     conus sweep nested.nii.gz --labels tree.tsv --origin=60,3,2 --toward=0,0,0 --angle 5 --jitter 2,1.5 --format tsv -q >jitter.tsv
     cat sweep.tsv jitter.tsv | sort | diff - <(sort "${saved[@]}")
-    export ASAN_OPTIONS=detect_leaks=0 # Mesa forgets 128 bytes of a driver that is unloaded before anything was drawn
-    local case
-    for case in 'sweep 9 3 1|from, to and by are needed' 'jitter 2 1 100|power of two' 'sweep 1 2|LOW HIGH STEP' \
-        'study x.tsv|there is no cone to study'; do
-        printf '%s\n' "${case%%|*}" >script
-        run -3 --separate-stderr timeout $HANG "$CONUS" view nested.nii.gz --labels tree.tsv --script script --quiet --size 400x256
-        [[ $stderr == *"${case#*|}"* ]] || { echo "$case: $stderr"; false; }
-    done
 }

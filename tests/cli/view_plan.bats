@@ -143,10 +143,3 @@ save new.json
 END
     jq -e '.opened.options == ["--reach=\"U\""]' new.json
 }
-
-@test "a structure that the atlas has not is refused" {
-    need_window
-    needles
-    run -3 --separate-stderr timeout $HANG "$CONUS" view u-shape.nii.gz --reach Boll --script /dev/null --quiet --size 400x256
-    check_message 'did you mean'
-}

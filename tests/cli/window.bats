@@ -261,19 +261,6 @@ assert 0 < said[0] < said[1], said # the longer words
 END
 }
 
-@test "the search is a key away, and names what it chooses" {
-    conus phantom slabs -o .
-    live slabs.nii.gz
-    xdotool key --window "$window" slash
-    pass
-    xdotool type --window "$window" posterior
-    pass
-    enter
-    look '.hidden == []'
-    [[ $(xdotool getwindowname "$window") == *'Slab posterior (chosen)' ]]
-    leave
-}
-
 @test "keys are listed in groups, and a search leaves those that fit" {
     need_pixels
     conus phantom slabs -o .
@@ -322,15 +309,6 @@ END
     run -0 --separate-stderr timeout $HANG "$CONUS" view sphere.nii.gz --script script --quiet
     [ -z "$stderr" ]
     wait "$manager"
-}
-
-@test "a session of another version is refused with both versions" {
-    need_window
-    conus phantom sphere -o . --size 16
-    echo '{"conus_session": 9, "atlas": "sphere.nii.gz"}' >other.json
-    echo 'open other.json' >script
-    run -3 --separate-stderr timeout $HANG "$CONUS" view sphere.nii.gz --script script --quiet
-    [[ $stderr == *'"conus_session" is 9, and this conus reads 1: another version wrote it'* ]]
 }
 
 # bats test_tags=main
@@ -447,14 +425,6 @@ END
     enter # the page is there still, with the name
     wait_until "$child" test -e none/yours.json
     leave
-}
-
-@test "the table that cannot be written is named, not its sidecar" {
-    need_window
-    conus phantom slabs -o .
-    printf '%s\n' 'aim 60 3 2 0 0 0' 'export none/hits.tsv' >script
-    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --script script --quiet --size 400x256
-    [[ $stderr == *'none/hits.tsv: '* ]]
 }
 
 @test "at 1500x940 the icons stand beside the list of areas" {
