@@ -435,7 +435,6 @@ static conus_source_state find_source(const struct source_head *head, const char
 /* The pack as the atlas knows it. */
 static conus_status make_origin(struct pack_origin **out, const struct opening *opening)
 {
-    static const char digits[] = "0123456789abcdef";
     const struct pack_head *head = &opening->head;
     const uint8_t *sources = opening->memory + head->sources.at;
     const char *texts[SOURCE_TEXTS];
@@ -454,8 +453,7 @@ static conus_status make_origin(struct pack_origin **out, const struct opening *
     char *path = (char *)(origin->sources + count);
     memcpy(path, opening->path, path_size);
     for (size_t i = 0; i < sizeof head->sha256; i++) {
-        origin->sha256[2 * i] = digits[head->sha256[i] >> 4];
-        origin->sha256[2 * i + 1] = digits[head->sha256[i] & 0xf];
+        snprintf(origin->sha256 + 2 * i, 3, "%02x", head->sha256[i]);
     }
     origin->info = (conus_pack_info){.path = path,
                                      .sha256 = origin->sha256,

@@ -91,6 +91,10 @@ static void what_is_opened_is_what_was_packed(void **state)
     assert_null(conus_atlas_pack_info(first));
     conus_atlas_destroy(opened);
     conus_atlas_destroy(first);
+    struct bytes again = make_pack(); /* nothing of this process's memory is in it */
+    assert_int_equal(again.size, bytes.size);
+    assert_memory_equal(again.data, bytes.data, bytes.size);
+    bytes_finish(&again);
     bytes_finish(&bytes);
 }
 
