@@ -7,6 +7,7 @@
 #include "conus/report.h"
 #include "conus/selection.h"
 #include "conus/streamlines.h"
+#include "pack/pack_check.h"
 #include "pack/pack_layout.h"
 #include "packed_atlas.h"
 #include "test.h"
@@ -358,6 +359,59 @@ static void no_number_leads_out_of_a_pack_with_right_sums(void **state)
     bytes_finish(&bytes);
 }
 
+/* The second object is made one of a surface, so the volume's numbers have a gap. */
+static void a_volume_has_numbers_of_its_own_objects_only(void **state)
+{
+    (void)state;
+    struct bytes bytes = make_pack();
+    conus_atlas *atlas = NULL;
+    assert_ok(conus_atlas_load(&atlas, pack_path, NULL));
+    struct volume *volume = &atlas->volumes[0];
+    uint16_t *numbers = memory_copy(volume->objects16, volume->voxel_count, sizeof *numbers);
+    const uint16_t *packed = volume->objects16;
+    assert_non_null(numbers);
+    assert_ok(pack_check_atlas(atlas));
+    atlas->places[1].is_mesh = true;
+    assert_fails(pack_check_atlas(atlas), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "volume 0 (from 0): a voxel has an object that is not in it"));
+    for (size_t v = 0; v < volume->voxel_count; v++) {
+        numbers[v] = numbers[v] == 2 ? 0 : numbers[v];
+    }
+    volume->objects16 = numbers;
+    assert_ok(pack_check_atlas(atlas));
+    volume->objects16 = (uint16_t *)packed;
+    memory_free(numbers);
+    conus_atlas_destroy(atlas);
+    bytes_finish(&bytes);
+}
+
+/* Behind the first PACK_CHUNK, too, with its place. */
+static void damage_far_behind_is_found(void **state)
+{
+    (void)state;
+    char path[400];
+    uint8_t byte;
+    conus_atlas *atlas = NULL;
+    snprintf(path, sizeof path, "%s", test_scratch("large"));
+    assert_ok(conus_phantom_write("sphere", path, &(const conus_phantom_options){.size = 192}));
+    snprintf(path, sizeof path, "%s/sphere.nii.gz", test_scratch("large"));
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    keep_path("large.conus");
+    assert_ok(conus_atlas_save(pack_path, atlas, NULL));
+    conus_atlas_destroy(atlas);
+    assert_ok(conus_atlas_load(&atlas, pack_path, NULL));
+    conus_atlas_destroy(atlas);
+    int file = open(pack_path, O_RDWR);
+    const off_t at = PACK_PAGE + PACK_CHUNK + 5;
+    assert_int_equal(pread(file, &byte, 1, at), 1);
+    byte ^= 4;
+    assert_int_equal(pwrite(file, &byte, 1, at), 1);
+    close(file);
+    assert_fails(conus_atlas_load(&atlas, pack_path, NULL), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "is damaged between the bytes 16781312 and "));
+    unlink(pack_path);
+}
+
 static conus_status load_atlas(void *data)
 {
     conus_atlas *atlas = NULL;
@@ -421,7 +475,19 @@ static void sources_are_looked_for_and_compared(void **state)
     snprintf(pack_path, sizeof pack_path, "%s/s.conus", folder);
     assert_ok(conus_atlas_save(pack_path, atlas, &(const conus_save_options){.words = "words"}));
     assert_states(pack_path, "same same");
+    char far[320];
+    char below[320];
+    snprintf(far, sizeof far, "%s", test_scratch("far.conus"));
+    snprintf(below, sizeof below, "%s/below", folder);
+    assert_int_equal(mkdir(below, 0700), 0);
+    snprintf(below, sizeof below, "%s/below/s.conus", folder);
+    assert_ok(conus_atlas_save(below, atlas, &(const conus_save_options){.words = "words"}));
+    assert_int_equal(rename(below, far), 0); /* the pack alone: by their whole paths */
+    assert_states(far, "same same");
+    assert_int_equal(rename(far, below), 0);
     assert_int_equal(rename(folder, moved), 0); /* together */
+    snprintf(below, sizeof below, "%s/below/s.conus", moved);
+    assert_states(below, "same same");
     snprintf(pack_path, sizeof pack_path, "%s/s.conus", moved);
     assert_states(pack_path, "same same");
     snprintf(names, sizeof names, "%s/sphere.tsv", moved);
@@ -501,6 +567,8 @@ TEST_GROUP(pack_file)
         cmocka_unit_test(each_field_of_the_head_is_refused_or_means_nothing),
         cmocka_unit_test(other_heads_are_refused_by_what_they_say),
         cmocka_unit_test(no_number_leads_out_of_a_pack_with_right_sums),
+        cmocka_unit_test(a_volume_has_numbers_of_its_own_objects_only),
+        cmocka_unit_test(damage_far_behind_is_found),
         cmocka_unit_test(every_failing_allocation_is_an_error),
         cmocka_unit_test(sources_are_looked_for_and_compared),
         cmocka_unit_test(a_source_that_changed_before_it_was_packed_is_an_error),
