@@ -56,11 +56,8 @@ static size_t round_up(size_t size)
 /* `size` small bytes at `data`, which are read, or written when attaching. */
 static void pack_bytes(struct pack_walk *walk, void *data, size_t size)
 {
+    pack_check(walk, size <= walk->small_end - walk->small);
     if (walk->status) {
-        return;
-    }
-    if (walk->mode == PACK_ATTACH && size > walk->small_end - walk->small) {
-        walk->status = fail_damaged();
         return;
     }
     if (walk->mode == PACK_SMALL) {
@@ -101,22 +98,19 @@ static void pack_struct(struct pack_walk *walk, void *data, enum pack_kind kind)
 /* A text of its own, or none. */
 static void pack_text(struct pack_walk *walk, char **text)
 {
-    char *given = *text;
-    size_t size = walk->mode != PACK_ATTACH && given ? strlen(given) + 1 : 0;
-    if (walk->mode == PACK_ATTACH) {
+    const bool attaches = walk->mode == PACK_ATTACH;
+    size_t size = !attaches && *text ? strlen(*text) + 1 : 0;
+    if (attaches) {
         *text = NULL;
     }
     pack_bytes(walk, &size, sizeof size);
-    if (walk->status || size == 0) {
-        return;
-    }
-    if (walk->mode == PACK_ATTACH) {
-        bool fits = size <= walk->small_end - walk->small;
-        *text = fits ? memory_text((const char *)walk->memory + walk->small, size - 1) : NULL;
-        walk->status = !fits ? fail_damaged() : *text ? CONUS_OK : CONUS_ERROR_MEMORY;
+    pack_check(walk, size <= walk->small_end - walk->small);
+    if (!walk->status && size && attaches) {
+        *text = memory_text((const char *)walk->memory + walk->small, size - 1);
+        walk->status = *text ? CONUS_OK : CONUS_ERROR_MEMORY;
         walk->small += size;
-    } else {
-        pack_bytes(walk, given, size);
+    } else if (size) {
+        pack_bytes(walk, *text, size);
     }
 }
 
@@ -167,9 +161,7 @@ static void pack_array(struct pack_walk *walk, void *array, size_t count, size_t
     size_t bytes = 0;
     memcpy(&given, array, sizeof given);
     bool is_there = pack_whether(walk, given);
-    if (!walk->status && !memory_multiply(count, size, &bytes)) {
-        walk->status = fail_damaged();
-    }
+    pack_check(walk, memory_multiply(count, size, &bytes));
     uint8_t *place = is_there && !walk->status ? pack_place(walk, bytes) : NULL;
     if (is_there && walk->mode == PACK_LARGE) {
         pack_give(walk, given, bytes);
@@ -185,15 +177,12 @@ static void *pack_reserve(struct pack_walk *walk, void *things, size_t count, si
     if (walk->mode != PACK_ATTACH || walk->status) {
         return things;
     }
-    if (count > walk->small_end) { /* each takes a byte at least */
-        walk->status = fail_damaged();
-        return things;
-    }
-    while (capacity < count) {
+    pack_check(walk, count <= walk->small_end); /* each takes a byte at least */
+    while (!walk->status && capacity < count) {
         capacity *= 2;
     }
-    things = memory_zeroed(capacity, size);
-    walk->status = things ? CONUS_OK : CONUS_ERROR_MEMORY;
+    things = walk->status ? things : memory_zeroed(capacity, size);
+    walk->status = walk->status ? walk->status : things ? CONUS_OK : CONUS_ERROR_MEMORY;
     return things;
 }
 
@@ -312,9 +301,7 @@ static void pass_scalar(struct pack_walk *walk, void *item)
     size_t count = scalar->per_point ? walk->tractogram->point_count : walk->tractogram->streamline_count;
     pack_words(walk, &scalar->name);
     pack_array(walk, &scalar->values, count, scalar->components * sizeof *scalar->values);
-    if (!walk->status && (!scalar->name || (count && !scalar->values))) {
-        walk->status = fail_damaged();
-    }
+    pack_check(walk, scalar->name && (!count || scalar->values));
 }
 
 static void pass_group(struct pack_walk *walk, void *item)
@@ -323,9 +310,7 @@ static void pass_group(struct pack_walk *walk, void *item)
     pack_bytes(walk, &group->count, sizeof group->count);
     pack_words(walk, &group->name);
     pack_array(walk, &group->members, group->count, sizeof *group->members);
-    if (!walk->status && (!group->name || (group->count && !group->members))) {
-        walk->status = fail_damaged();
-    }
+    pack_check(walk, group->name && (!group->count || group->members));
 }
 
 static bool has_arrays(const struct tractogram *tractogram)

@@ -116,15 +116,10 @@ static bool is_one_file(const char *path)
     return !path_ending_length(path, ".nhdr/.mhd/.hdr/.img/.img.gz/.head/.brik/.brik.gz");
 }
 
-/* What a store of Zarr has beside its chunks. */
+/* A store of Zarr has its metadata beside its chunks. */
 static bool is_chunk(const char *path)
 {
-    static const char *const kept[] = {"zarr.json", ".zarray", ".zgroup", ".zattrs", ".zmetadata"};
-    bool is = strstr(path, ".zarr/");
-    for (size_t i = 0; i < sizeof kept / sizeof kept[0]; i++) {
-        is = is && strcmp(path_base(path), kept[i]) != 0;
-    }
-    return is;
+    return strstr(path, ".zarr/") && !path_ending_length(path, "zarr.json/.zarray/.zgroup/.zattrs/.zmetadata");
 }
 
 static bool is_known(const struct sources *sources, const char *whole)
