@@ -53,7 +53,6 @@ says() {
 
 # bats test_tags=main
 @test "a tractogram that is dropped, opened, typed or added by a script is asked as by conus query" {
-    need_window
     scene
     view slabs.nii.gz <<END
 $AIM
@@ -99,12 +98,8 @@ END
 
 # enter_line TEXT: types it into the line that has the keyboard.
 enter_line() {
-    xdotool type --window "$window" "$1"
-    pass
-    xdotool keydown --window "$window" Return
-    pass
-    xdotool keyup --window "$window" Return
-    pass
+    typed "$1"
+    enter
 }
 
 @test "the list of what was added adds, changes and takes out" {
@@ -134,7 +129,6 @@ enter_line() {
 }
 
 @test "settings stay while files are added and removed, and can be undone" {
-    need_window
     scene
     view slabs.nii.gz <<END
 $AIM

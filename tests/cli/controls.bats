@@ -27,7 +27,6 @@ questions=(
 
 @test "the list is what conus query answers, for 50 poses and with all options" {
     need_all
-    need_window
     nested
     awk 'BEGIN { srand(7); print "x\ty\tz\ttx\tty\ttz"; for (i = 0; i < 50; i++) {
         a = 6.2831853 * rand(); z = 80 * rand() - 40
@@ -64,7 +63,6 @@ questions=(
 }
 
 @test "level, range and order are changed by keys, kept in sessions and taken back" {
-    need_window
     nested
     view nested.nii.gz --labels tree.tsv <<'END'
 angle 14
@@ -105,7 +103,6 @@ END
 }
 
 @test "the keys of the wand move it, and change nothing of what is asked" {
-    need_window
     conus phantom slabs -o .
     {
         echo 'aim 60 3 2 0 0 0'
@@ -125,31 +122,22 @@ END
 }
 
 @test "above the list it says which depths count, at which level, and what is hidden" {
-    need_window
-    need_pixels
     nested
     view nested.nii.gz --labels tree.tsv --size 1000x640 <<'END'
 aim 60 3 2 0 0 0
-settle
-screenshot plain.png
+shot plain
 ask --range=0,1000
-settle
-screenshot depths.png
+shot depths
 ask --level=1
-settle
-screenshot level.png
+shot level
 ask
 choose Inner
 key h
-settle
-screenshot hidden.png
+shot hidden
 key v
-settle
-screenshot shown.png
+shot shown
 END
-    /usr/bin/python3 - <<'END'
-import OpenImageIO as oiio
-import numpy
+    pixels <<'END'
 # texts of the accent's colour, 9cc7ff, or of that of trouble, ffaf55, right above the list, below the panel's title
 def written(name, colour=[156, 199, 255]):
     top = oiio.ImageBuf(name + ".png").get_pixels(oiio.UINT8)[30:60, 700:, :3].astype(int)
@@ -170,7 +158,6 @@ END
 
 @test "sweep and jitter are what conus sweep prints, of each atlas and with all options" {
     need_all
-    need_window
     nested
     conus phantom slabs -o .
     view nested.nii.gz --labels tree.tsv --atlas slabs.nii.gz <<'END'
@@ -212,7 +199,6 @@ END
 }
 
 @test "a study is begun by a key, and saved by a key" {
-    need_window
     nested
     view nested.nii.gz --labels tree.tsv <<'END'
 aim 60 3 2 0 0 0

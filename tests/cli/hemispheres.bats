@@ -52,7 +52,6 @@ answers_are() {
 }
 
 @test "lists are what conus query answers with the same hemispheres, forth and back" {
-    need_window
     bands
     poses
     {
@@ -105,7 +104,6 @@ answers_are() {
 }
 
 @test "undo loads the atlas as it was, and redo again" {
-    need_window
     bands
     poses
     aim="aim $(sed -n 2p poses.tsv)"

@@ -35,7 +35,6 @@ AIM=$'angle 20\naim 3 90 2 3 0 2'
 
 # bats test_tags=main
 @test "a path that is typed opens as if it had been given" {
-    need_window
     own_folders
     conus phantom nested -o .
     conus phantom slabs -o home
@@ -58,7 +57,6 @@ END
 }
 
 @test "the name of an installed atlas opens it, and its path is remembered" {
-    need_window
     own_folders
     conus phantom nested -o .
     mkdir -p data/mricron/templates
@@ -74,7 +72,6 @@ END
 }
 
 @test "options hold for the first atlas that is opened, and for no other" {
-    need_window
     own_folders
     conus phantom nested -o .
     conus phantom slabs -o .
@@ -104,7 +101,6 @@ END
 }
 
 @test "the page lists what was opened, and an atlas of this computer" {
-    need_window
     own_folders
     conus phantom nested -o .
     conus phantom slabs -o 'a folder'
@@ -133,7 +129,6 @@ open_from() {
 }
 
 @test "what is typed searches the installed atlases, and S writes and opens the sample" {
-    need_window
     own_folders
     export CONUS_ATLAS_PATH=$PWD/mine
     conus phantom slabs -o mine
@@ -184,7 +179,6 @@ END
 }
 
 @test "a session opens its atlas as it was opened" {
-    need_window
     own_folders
     conus phantom slabs -o elsewhere
     conus phantom sphere -o .
@@ -307,7 +301,6 @@ END
 }
 
 @test "another atlas is added or replaces, once the question was answered" {
-    need_window
     own_folders
     conus phantom slabs -o .
     sphere --size 16
@@ -353,7 +346,6 @@ END
 }
 
 @test "of several atlases each keeps what was set and confirmed in it when another one goes" {
-    need_window
     own_folders
     conus phantom slabs -o .
     conus phantom nested -o .
@@ -397,36 +389,26 @@ END
     conus phantom nested -o .
     left_open "$PWD/nested.nii.gz"
     live --size 1000x640
-    xdotool type --window "$window" "$PWD/slabs.nii.gz" # without Tab: the first letter goes to the line, too
-    pass
+    typed "$PWD/slabs.nii.gz" # without Tab: the first letter goes to the line, too
     xdotool keydown --window "$window" Return # it has to be down when a frame is drawn
     look '.objects == 2'
     xdotool keyup --window "$window" Return
     tell "$AIM" 'save before.json'
-    xdotool key --window "$window" ctrl+n
-    pass
-    xdotool key --window "$window" v # typed, not a key of the brain
-    pass
-    xdotool keydown --window "$window" Escape # leaves the line
-    pass
-    xdotool keyup --window "$window" Escape
-    pass
-    xdotool key --window "$window" Escape # and the page
-    pass
+    press ctrl+n
+    press v # typed, not a key of the brain
+    hold_key Escape
+    press Escape # and the page
     tell 'save after.json'
     pass
     diff before.json after.json
     [ -z "$(find . -name 'conus-2*')" ] # O alone saves the session
-    xdotool key --window "$window" ctrl+n
-    pass
+    press ctrl+n
     local down=100
     until look '.objects == 3'; do # click down the page until the entry is hit
         down=$((down + 12))
         [ $down -lt 400 ]
-        xdotool mousemove --window "$window" 200 $down
-        pass
-        xdotool click 1
-        pass
+        mouse_to 200 $down
+        mouse click 1
         xdotool key --window "$window" r # an answer, not a key of the page
     done
     leave
@@ -441,34 +423,22 @@ END
     mv a/nested.nii.gz only
     rm a/nested.* # so that the key Down means the same when it repeats
     live sphere.nii.gz --size 1000x640
-    xdotool key --window "$window" ctrl+o
-    pass
-    xdotool type --window "$window" a/ # behind the folder in which conus was started
-    pass
+    press ctrl+o
+    typed a/ # behind the folder in which conus was started
     for key in Down Return; do # b c
-        xdotool keydown --window "$window" $key
-        pass
-        xdotool keyup --window "$window" $key
-        pass
+        hold_key $key
     done
-    xdotool type --window "$window" nii
-    pass
-    xdotool keydown --window "$window" Return
-    pass
-    xdotool keyup --window "$window" Return
+    typed nii
+    enter
     xdotool key --window "$window" r
     look '.objects == 2 and (.atlas | endswith("/a/b c/slabs.nii.gz"))'
     tell "$AIM" 'save before.json'
-    xdotool key --window "$window" ctrl+o
-    pass
-    xdotool keydown --window "$window" Escape
-    pass
-    xdotool keyup --window "$window" Escape
+    press ctrl+o
+    hold_key Escape
     tell 'save after.json'
     pass
     diff before.json after.json
-    xdotool key --window "$window" ctrl+o
-    pass
+    press ctrl+o
     # by the mouse: click down the list of one file until it is hit
     local down=140
     until look '.objects == 3'; do
@@ -476,10 +446,8 @@ END
         down=$((down + 14))
         [ $down -lt 300 ]
         tell "type $PWD/only/"
-        xdotool mousemove --window "$window" 700 $down
-        pass
-        xdotool click 1
-        pass
+        mouse_to 700 $down
+        mouse click 1
         xdotool keydown --window "$window" Return
         pass
         xdotool key --window "$window" r

@@ -9,7 +9,7 @@ on() {
 
 setup_nested() {
     conus phantom nested -o . --size 32 --spacing 2,2,2
-    ask=(query nested.nii.gz --origin 0,0,100 --toward 0,0,0 --angle 20 --layers all)
+    ask=(query nested.nii.gz --origin 0,0,100 --toward 0,0,0 --angle 20 --layers all --quiet) # no note of a slow opening
     export TERM=xterm
     unset NO_COLOR COLUMNS
 }

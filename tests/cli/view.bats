@@ -5,17 +5,13 @@ load window
 
 # bats test_tags=main
 @test "it starts, shows four panes and panels, and ends" {
-    need_window
     conus phantom u-shape -o .
     view u-shape.nii.gz --size 1000x640 <<'END'
 aim 60 0 6 0 0 6
-settle
-screenshot window.png
+shot window
 END
     # the 3-D pane and the panels are the dark theme's, the flat panes black at their corners
-    need_pixels
-    /usr/bin/python3 - <<'END'
-import OpenImageIO as oiio
+    pixels <<'END'
 pixels = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)
 assert pixels.shape[:2] == (640, 1000), pixels.shape
 assert tuple(pixels[560, 80][:3]) == (0x14, 0x17, 0x1b), pixels[560, 80]
@@ -25,7 +21,6 @@ END
 }
 
 @test "the lists of two tools are what conus query answers" {
-    need_window
     conus phantom nested -o .
     awk 'BEGIN { srand(7); for (i = 0; i < 10; i++) {
         a = 6.2831853 * rand(); z = 80 * rand() - 40
@@ -92,7 +87,6 @@ END
 }
 
 @test "positions are those of the mouse, in scripts, lists and poses" {
-    need_window
     python3 "$BATS_TEST_DIRNAME/ccf.py"
     printf 'name,ap,ml,dv,dap,dml,ddv,time_s\n1,-1,2,2,0,0,-1,0\n' >poses.csv
     view ras.nii --space bregma --poses poses.csv <<'END'
@@ -101,8 +95,7 @@ results replayed.tsv
 aim 0 -1 2 0.5 -1 -3
 crosshair -0.1 -1.639 -1.768
 results aimed.tsv
-settle
-screenshot window.png
+shot window
 END
     conus query ras.nii --space bregma --pose poses.csv --angle 4 --format tsv --quiet >wanted
     printf 'x,y,z,dx,dy,dz,far\n0,0,90,0,0,-1,9\n' >ranged.csv
@@ -161,7 +154,6 @@ in_columns() {
 
 # bats test_tags=main
 @test "a session is left and opened as it was" {
-    need_window
     conus phantom slabs -o .
     view slabs.nii.gz <<'END'
 aim 3 90 2 3 0 2
@@ -221,7 +213,6 @@ END
 }
 
 @test "a moved atlas in the window, and its session" {
-    need_window
     conus phantom nested -o .
     printf '1 0 0 7\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >right.txt
     echo '{"conus_atlas": 1, "parcellation": "nested.nii.gz", "transform": "right.txt"}' >one.atlas.json
@@ -239,7 +230,6 @@ END
 }
 
 @test "a session keeps thresholds, the context's transfer function and colours" {
-    need_window
     scene
     local aim='--origin 0,150,0 --toward 0,0,0 --angle 30 --layers all'
     view scene.atlas.json <<'END'
@@ -298,7 +288,6 @@ END
 }
 
 @test "pins without a contact or a share are not lost" {
-    need_window
     conus phantom slabs -o . --size 16
     view slabs.nii.gz <<<$'aim 3 90 2 3 0 2\nkey enter\nsave one.json'
     jq '.confirmed[0] |= (.contact = [null, null, null] | .distance_mm = null | del(.share))' one.json >poor.json
@@ -311,7 +300,6 @@ END
 # On a screen of 1280 x 800 pixels and mm, as Xvfb's here; the 3-D pane of a window of 1000 x 640 at its corner is 468 x
 # 616 pixels at (48, 0), so its middle is at (282, 308).
 @test "the mouse points through the eye of a tracked head" {
-    need_window
     conus phantom nested -o .
     view nested.nii.gz --size 1000x640 <<'END'
 key x
@@ -353,7 +341,6 @@ END
 }
 
 @test "3-D alone fills the screen, and goes back" {
-    need_window
     conus phantom nested -o .
     view nested.nii.gz --size 1000x640 <<'END'
 key x
@@ -362,22 +349,18 @@ head 300 900 60
 angle 6
 key f11
 wait 5
-settle
-screenshot full.png
+shot full
 point 0.5 0.5
 results middle.tsv
 save full.json
 key F11
 wait 5
-settle
-screenshot back.png
+shot back
 END
     conus query nested.nii.gz --origin 300,900,60 --toward 0,200,0 --angle 6 --format tsv | diff middle.tsv -
     printf 'key f11\nwait 5\nsettle\nscreenshot back2.png\n' >script
     run -0 timeout $HANG "$CONUS" view nested.nii.gz --script script --quiet --size 1000x640 --full-screen
-    need_pixels
-    /usr/bin/python3 - <<'END'
-import OpenImageIO as oiio
+    pixels <<'END'
 full, back, again = (oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8) for name in ("full", "back", "back2"))
 assert full.shape[:2] == (800, 1280), full.shape
 assert all(tuple(full[400, x][:3]) == (0x14, 0x17, 0x1b) for x in (5, 1275)) # no panels
@@ -452,51 +435,38 @@ END
 
 # bats test_tags=main
 @test "searching, hiding, isolating and taking it back" {
-    need_window
     conus phantom slabs -o .
     view slabs.nii.gz <<'END'
 orbit 0 0
-settle
-screenshot all.png
+shot all
 choose "Slab anterior"
 key i
-settle
-screenshot only.png
+shot only
 key u
-settle
-screenshot again.png
+shot again
 search poster
-settle
-screenshot found.png
+shot found
 END
     run -1 conus diff all.png only.png
     run -1 conus diff again.png found.png
 }
 
 @test "the chosen area is outlined in all panes, and through others in 3-D" {
-    need_window
-    need_pixels
     conus phantom nested -o .
     # the innermost of three balls is chosen, hidden and shown again; then none is chosen, and the crosshair stays in
     # its middle
     view nested.nii.gz --size 1000x640 <<'END'
-settle
-screenshot none.png
+shot none
 choose "Core"
-settle
-screenshot chosen.png
+shot chosen
 key h
-settle
-screenshot hidden.png
+shot hidden
 key h
-settle
-screenshot again.png
+shot again
 key escape
-settle
-screenshot escaped.png
+shot escaped
 END
-    /usr/bin/python3 - <<'END'
-import OpenImageIO as oiio
+    pixels <<'END'
 boxes = {"3-D": (60, 0, 511, 615), "axial": (572, 0, 127, 204), "coronal": (572, 205, 127, 204),
          "sagittal": (572, 410, 127, 205)}
 def panes(name):
@@ -514,7 +484,6 @@ END
 
 # bats test_tags=main
 @test "the mouse points, turns and confirms" {
-    need_window
     conus phantom sphere -o .
     live sphere.nii.gz
     local step=0
@@ -560,20 +529,15 @@ END
 }
 
 @test "an answer whose tracker is gone is pale, and said to be old" {
-    need_window
-    need_pixels
     conus phantom sphere -o .
     view sphere.nii.gz --size 1000x640 <<'END'
 pointer wand
 aim 0 90 0 0 0 0
-settle
-screenshot fresh.png
+shot fresh
 pointer tracker
-settle
-screenshot old.png
+shot old
 END
-    /usr/bin/python3 - <<'END'
-import OpenImageIO as oiio
+    pixels <<'END'
 def count(name, x, y, width, height, low, high):
     "How many pixels are between two colours."
     pixels = oiio.ImageBuf(name).get_pixels(oiio.UINT8)[y:y + height, x:x + width, :3]
@@ -630,8 +594,7 @@ END
     tell 'pointer tracker'
     click_at 1150 389 # the field below Point with, in which Enter connects
     xdotool key --window "$window" ctrl+a
-    xdotool type --window "$window" "127.0.0.1:$(<port)"
-    pass
+    typed "127.0.0.1:$(<port)"
     xdotool keydown --window "$window" Return
     until look '.has_pose == true'; do
         runs "$child"
@@ -659,7 +622,6 @@ at_apex() {
 }
 
 @test "the mouse's cone and ray are asked as by conus query, beside the brain from the eye, and kept" {
-    need_window
     conus phantom nested -o .
     view nested.nii.gz <<'END'
 angle 20
@@ -699,7 +661,6 @@ END
 }
 
 @test "a session is saved where it was opened or saved last" {
-    need_window
     conus phantom slabs -o .
     view slabs.nii.gz <<'END'
 save one.json
@@ -727,7 +688,6 @@ END
 }
 
 @test "a click holds the cone, another lets it go, panels do not move it, Escape clears it" {
-    need_window
     conus phantom sphere -o .
     live sphere.nii.gz
     local step=0 pose
@@ -775,9 +735,7 @@ END
     tell 'aim 0 70 0 0 0 0' 'key space' 'orbit 270 10' settle 'screenshot ball.png'
     look '.frozen == true and .orbit[4] != 0'
     local x y orbit
-    read -r x y < <(/usr/bin/python3 - <<'END'
-import numpy
-import OpenImageIO as oiio
+    read -r x y < <(pixels <<'END'
 pixels = oiio.ImageBuf("ball.png").get_pixels(oiio.UINT8)[60:520, 60:519, :3].astype(int) # of the 3-D pane
 amber = abs(pixels - (255, 176, 0)).max(axis=2) < 10
 inside = numpy.lib.stride_tricks.sliding_window_view(amber, (5, 5)).all(axis=(2, 3)) # of no line
@@ -939,7 +897,6 @@ is_at() {
 }
 
 @test "sessions that do not fit are refused when they are given or dropped, and a script goes on" {
-    need_window
     conus phantom slabs -o . --size 16
     view slabs.nii.gz <<<'save slabs.json'
     sed 's/"angle_deg": [0-9.]*/"angle_deg": 1e9/' slabs.json >bad.json
@@ -984,7 +941,6 @@ is_at() {
 }
 
 @test "any size while it draws, pictures and the gl engine beside its own context" {
-    need_window
     conus phantom nested -o .
     view nested.nii.gz --size 1x1 <<'END'
 results none.tsv
@@ -1004,8 +960,7 @@ size 90 600
 orbit 10 20
 wait 4
 size 640 480
-settle
-screenshot last.png
+shot last
 picture large.png 320 200
 times times.json
 END
@@ -1021,7 +976,6 @@ END
 }
 
 @test "files that go away while it is open" {
-    need_window
     conus phantom slabs -o . --size 32
     live slabs.nii.gz 2>said
     rm slabs.*
@@ -1032,7 +986,6 @@ END
 }
 
 @test "unmapped and made tiny from outside" {
-    need_window
     conus phantom sphere -o .
     live sphere.nii.gz
     for size in '1 1' '300 900' '3 500' '500 320'; do
@@ -1046,7 +999,6 @@ END
 }
 
 @test "a wand needs no pose to start, and keys save" {
-    need_window
     conus phantom sphere -o .
     view sphere.nii.gz <<'END'
 pointer wand
@@ -1076,7 +1028,6 @@ END
 }
 
 @test "the right button in a cut puts the wand there" {
-    need_window
     conus phantom sphere -o .
     live sphere.nii.gz
     tell 'pointer wand'
@@ -1112,7 +1063,6 @@ status_at() {
 }
 
 @test "the status line names the place under the mouse and the area there" {
-    need_pixels
     need_window
     command -v xdotool >/dev/null || skip "no xdotool"
     sphere
@@ -1134,8 +1084,7 @@ status_at() {
     status_at 316 300 space.png
     status_at 640 110 both-again.png
     leave
-    /usr/bin/python3 - <<'END'
-import OpenImageIO as oiio
+    pixels <<'END'
 names = ("Sphere", "Sphere-again", "beside", "Ball", "Ball-again", "both", "space", "both-again", "Sphere-cross",
          "Ball-cross")
 line = {name: oiio.ImageBuf(name + ".png").get_pixels(oiio.UINT8)[-24:] for name in names}

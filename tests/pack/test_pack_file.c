@@ -86,6 +86,7 @@ static void what_is_opened_is_what_was_packed(void **state)
         }
     }
     assert_int_equal(conus_atlas_context_surface_count(opened), 1);
+    assert_int_equal(conus_atlas_note_count(opened), conus_atlas_note_count(first)); /* it is not called old */
     assert_int_equal(opened->tractograms[0].point_count, first->tractograms[0].point_count);
     assert_fails(conus_atlas_save(pack_path, opened, NULL), CONUS_ERROR_ARGUMENT);
     assert_fails(conus_atlas_save("x.nii", first, NULL), CONUS_ERROR_ARGUMENT);
