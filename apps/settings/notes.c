@@ -11,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { LISTED = 8, LIST_SIZE = 512, SLOW_MS = 1000 };
 
