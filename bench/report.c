@@ -99,6 +99,7 @@ static const struct hold {
     {"python_over_batch", false, 1},
     {"tracts_million_over_10k", true, 6},
     {"open_bytes_per_voxel", true, 3.1},
+    {"query_packed_over_gunzip", true, 0.2},
     {"range_over_cone", true, 1.2},
     {"cylinder_over_cone", true, 2},
     {"cylinder_layers_over_cone_layers", true, 1.5},

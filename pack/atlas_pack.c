@@ -16,20 +16,21 @@
 
 enum { PACK_LINE = 64, PACK_BEHIND = 64 }; /* alignment of arrays; readable bytes behind each */
 
-/* Small things are copied or attached, or only counted; large arrays likewise, or given to a sink one after the other.
- */
-enum pack_mode { PACK_MEASURE, PACK_COPY, PACK_SMALL, PACK_LARGE, PACK_ATTACH };
+/* All is counted; or small things are copied; or large arrays are given to a sink, one after the other; or all is
+ * attached. */
+enum pack_mode { PACK_MEASURE, PACK_SMALL, PACK_LARGE, PACK_ATTACH };
 
 /* A function that passes a part of an atlas serves all modes: it gives each number, text and array to one of the pack_
  * functions below, which counts it, puts it into the block, or takes it from there. After a failure they do nothing. */
 struct pack_walk {
     enum pack_mode mode;
-    uint8_t *memory; /* only read when attaching; NULL when measuring and giving; or only the small things */
+    uint8_t *memory; /* the block, which is only read; the small things; or NULL */
     pack_sink *sink;
     void *user;
     size_t small, small_end;
     size_t large, size;
-    bool is_verified; /* when attaching: the large arrays have their checksum */
+    bool is_verified;                    /* when attaching: the large arrays have their checksum */
+    const struct tractogram *tractogram; /* whose scalars are passed */
     conus_status status;
 };
 
@@ -55,14 +56,11 @@ static size_t round_up(size_t size)
 /* `size` small bytes at `data`, which are read, or written when attaching. */
 static void pack_bytes(struct pack_walk *walk, void *data, size_t size)
 {
+    pack_check(walk, size <= walk->small_end - walk->small);
     if (walk->status) {
         return;
     }
-    if (walk->mode == PACK_ATTACH && size > walk->small_end - walk->small) {
-        walk->status = fail_damaged();
-        return;
-    }
-    if (walk->mode == PACK_COPY || walk->mode == PACK_SMALL) {
+    if (walk->mode == PACK_SMALL) {
         memcpy(walk->memory + walk->small, data, size);
     } else if (walk->mode == PACK_ATTACH) {
         memcpy(data, walk->memory + walk->small, size);
@@ -70,32 +68,49 @@ static void pack_bytes(struct pack_walk *walk, void *data, size_t size)
     walk->small += size;
 }
 
-/* A struct, whose pointers are NULL in the block. */
+union item {
+    conus_atlas atlas;
+    conus_object object;
+    struct object_place place;
+    struct volume volume;
+    struct mesh mesh;
+    struct warp warp;
+    struct tractogram tractogram;
+    struct tract_scalar scalar;
+    struct tract_group group;
+    struct context_surface surface;
+};
+
+/* A struct without its pointers, which are NULL when it is attached, too, whatever the block has. */
 static void pack_struct(struct pack_walk *walk, void *data, enum pack_kind kind)
 {
-    pack_bytes(walk, data, pack_kind_size(kind));
-    pack_check(walk, pack_flags_are_sound(data, kind));
+    union item bare;
+    memcpy(&bare, data, pack_kind_size(kind));
+    pack_make_bare(&bare, kind);
+    pack_bytes(walk, &bare, pack_kind_size(kind));
+    pack_check(walk, pack_flags_are_sound(&bare, kind));
+    if (walk->mode == PACK_ATTACH && !walk->status) {
+        pack_make_bare(&bare, kind);
+        memcpy(data, &bare, pack_kind_size(kind));
+    }
 }
 
 /* A text of its own, or none. */
 static void pack_text(struct pack_walk *walk, char **text)
 {
-    char *given = *text;
-    size_t size = walk->mode != PACK_ATTACH && given ? strlen(given) + 1 : 0;
-    if (walk->mode == PACK_ATTACH) {
+    const bool attaches = walk->mode == PACK_ATTACH;
+    size_t size = !attaches && *text ? strlen(*text) + 1 : 0;
+    if (attaches) {
         *text = NULL;
     }
     pack_bytes(walk, &size, sizeof size);
-    if (walk->status || size == 0) {
-        return;
-    }
-    if (walk->mode == PACK_ATTACH) {
-        bool fits = size <= walk->small_end - walk->small;
-        *text = fits ? memory_text((const char *)walk->memory + walk->small, size - 1) : NULL;
-        walk->status = !fits ? fail_damaged() : *text ? CONUS_OK : CONUS_ERROR_MEMORY;
+    pack_check(walk, size <= walk->small_end - walk->small);
+    if (!walk->status && size && attaches) {
+        *text = memory_text((const char *)walk->memory + walk->small, size - 1);
+        walk->status = *text ? CONUS_OK : CONUS_ERROR_MEMORY;
         walk->small += size;
-    } else {
-        pack_bytes(walk, given, size);
+    } else if (size) {
+        pack_bytes(walk, *text, size);
     }
 }
 
@@ -108,21 +123,17 @@ static void pack_words(struct pack_walk *walk, char **words)
     }
 }
 
-/* Where the next `size` bytes of a large array lie; NULL where they do not lie in memory. */
+/* Passes the next `size` bytes, of a large array, and gives where they lie in the block; NULL where there is none. */
 static uint8_t *pack_place(struct pack_walk *walk, size_t size)
 {
     size_t at = walk->large;
-    bool in_memory = walk->mode == PACK_COPY || walk->mode == PACK_ATTACH;
-    bool fits = walk->mode == PACK_MEASURE || (at <= walk->size && size <= walk->size - at);
+    bool fits = walk->mode != PACK_ATTACH || (at <= walk->size && size <= walk->size - at);
+    pack_check(walk, fits);
     if (walk->status) {
         return NULL;
     }
-    if (!fits) {
-        walk->status = fail_damaged();
-        return NULL;
-    }
     walk->large += round_up(size + PACK_BEHIND);
-    return in_memory ? walk->memory + at : NULL;
+    return walk->mode == PACK_ATTACH ? walk->memory + at : NULL;
 }
 
 /* Whether there is something. Not as a bool, which damage could make neither. */
@@ -150,13 +161,9 @@ static void pack_array(struct pack_walk *walk, void *array, size_t count, size_t
     size_t bytes = 0;
     memcpy(&given, array, sizeof given);
     bool is_there = pack_whether(walk, given);
-    if (!walk->status && !memory_multiply(count, size, &bytes)) {
-        walk->status = fail_damaged();
-    }
+    pack_check(walk, memory_multiply(count, size, &bytes));
     uint8_t *place = is_there && !walk->status ? pack_place(walk, bytes) : NULL;
-    if (place && walk->mode == PACK_COPY) {
-        memcpy(place, given, bytes);
-    } else if (is_there && walk->mode == PACK_LARGE) {
+    if (is_there && walk->mode == PACK_LARGE) {
         pack_give(walk, given, bytes);
     } else if (walk->mode == PACK_ATTACH) {
         memcpy(array, &place, sizeof place);
@@ -170,35 +177,20 @@ static void *pack_reserve(struct pack_walk *walk, void *things, size_t count, si
     if (walk->mode != PACK_ATTACH || walk->status) {
         return things;
     }
-    if (count > walk->small_end) { /* each takes a byte at least */
-        walk->status = fail_damaged();
-        return things;
-    }
-    while (capacity < count) {
+    pack_check(walk, count <= walk->small_end); /* each takes a byte at least */
+    while (!walk->status && capacity < count) {
         capacity *= 2;
     }
-    things = memory_zeroed(capacity, size);
-    walk->status = things ? CONUS_OK : CONUS_ERROR_MEMORY;
+    things = walk->status ? things : memory_zeroed(capacity, size);
+    walk->status = walk->status ? walk->status : things ? CONUS_OK : CONUS_ERROR_MEMORY;
     return things;
 }
 
-/* Passes one thing; `owner` is what has the list. */
-typedef void pass_item(struct pack_walk *walk, void *item, const void *owner);
-
-union item {
-    struct volume volume;
-    struct mesh mesh;
-    struct warp warp;
-    struct tractogram tractogram;
-    struct tract_scalar scalar;
-    struct tract_group group;
-    struct context_surface surface;
-};
+typedef void pass_item(struct pack_walk *walk, void *item);
 
 /* Passes `count` things of `size` bytes; `list` is the address of the pointer to them. Each is a copy, since the atlas
  * is only read unless it is attached: then the things begin as zeros, and `counted` are there to be destroyed. */
-static void pass_list(struct pack_walk *walk, void *list, size_t *counted, size_t count, size_t size, pass_item *pass,
-                      const void *owner)
+static void pass_list(struct pack_walk *walk, void *list, size_t *counted, size_t count, size_t size, pass_item *pass)
 {
     bool attaches = walk->mode == PACK_ATTACH;
     union item item;
@@ -209,7 +201,7 @@ static void pass_list(struct pack_walk *walk, void *list, size_t *counted, size_
     for (size_t i = 0; i < count && !walk->status; i++) {
         char *thing = (char *)things + i * size;
         memcpy(&item, thing, size);
-        pass(walk, &item, owner);
+        pass(walk, &item);
         if (attaches) {
             memcpy(thing, &item, size);
             *counted = i + 1;
@@ -217,16 +209,14 @@ static void pass_list(struct pack_walk *walk, void *list, size_t *counted, size_
     }
 }
 
-static void pass_distances(struct pack_walk *walk, struct volume *volume, const struct volume *source)
+static void pass_distances(struct pack_walk *walk, struct volume *volume)
 {
-    bool is_there = pack_whether(walk, walk->mode != PACK_ATTACH && volume_can_be_hit(source) ? source : NULL);
+    bool is_there = pack_whether(walk, walk->mode != PACK_ATTACH && volume_can_be_hit(volume) ? volume : NULL);
     uint8_t *place = is_there && !walk->status ? pack_place(walk, distance_map_size(volume)) : NULL;
-    if (place && walk->mode == PACK_COPY) {
-        walk->status = distance_map_write(place, source);
-    } else if (is_there && walk->mode == PACK_LARGE && !walk->status) {
-        size_t size = distance_map_size(source);
+    if (is_there && walk->mode == PACK_LARGE && !walk->status) {
+        size_t size = distance_map_size(volume);
         uint8_t *map = memory_raw((size + PACK_LINE - 1) / PACK_LINE, PACK_LINE);
-        walk->status = map ? distance_map_write(map, source) : CONUS_ERROR_MEMORY;
+        walk->status = map ? distance_map_write(map, volume) : CONUS_ERROR_MEMORY;
         pack_give(walk, map, size);
         memory_free(map);
     } else if (walk->mode == PACK_ATTACH) {
@@ -241,27 +231,6 @@ static bool volume_fits(const struct volume *volume, const struct pack_walk *wal
     size_t count;
     return dim[0] && dim[1] && dim[2] && memory_multiply(dim[0], dim[1], &count) &&
            memory_multiply(count, dim[2], &count) && count == volume->voxel_count && count / VALUE_PAGE <= walk->size;
-}
-
-/* The numbers without the pointers: what goes into the block, and all that is taken from it. So for each kind. */
-static struct volume bare_volume(const struct volume *volume)
-{
-    struct volume bare = *volume;
-    bare.path = NULL;
-    bare.info.path = NULL;
-    bare.objects16 = NULL;
-    bare.objects32 = NULL;
-    bare.values = NULL;
-    bare.steps = NULL;
-    bare.map.pages = NULL;
-    bare.map.runs = NULL;
-    bare.map.codes = NULL;
-    bare.map.table = NULL;
-    bare.hidden_runs = NULL;
-    bare.distances = NULL;
-    bare.source = NULL;
-    bare.is_borrowed = true;
-    return bare;
 }
 
 /* The box, which sizes follow from, holds voxels, or none. */
@@ -287,22 +256,16 @@ static void pass_map(struct pack_walk *walk, struct volume *volume)
     pack_check(walk, (!map->count || value_map_is_sound(map, volume->voxel_count)) && steps_are_sound(volume));
 }
 
-static void pass_volume(struct pack_walk *walk, void *item, const void *owner)
+static void pass_volume(struct pack_walk *walk, void *item)
 {
-    (void)owner;
     struct volume *volume = item;
-    struct volume source = *volume;
-    if ((walk->mode == PACK_COPY || walk->mode == PACK_SMALL) && volume_can_be_hit(&source)) {
-        volume_measure_centres(&source);
+    if (walk->mode == PACK_SMALL && volume_can_be_hit(volume)) {
+        volume_measure_centres(volume);
     }
-    struct volume plain = bare_volume(&source);
-    pack_struct(walk, &plain, PACK_VOLUME);
-    pack_check(walk, volume_fits(&plain, walk));
+    pack_struct(walk, volume, PACK_VOLUME);
+    pack_check(walk, volume_fits(volume, walk));
     if (walk->status) {
         return;
-    }
-    if (walk->mode == PACK_ATTACH) {
-        *volume = bare_volume(&plain);
     }
     pack_text(walk, &volume->path);
     volume->info.path = volume->path;
@@ -311,54 +274,16 @@ static void pass_volume(struct pack_walk *walk, void *item, const void *owner)
     pack_array(walk, &volume->values, volume->voxel_count, sizeof *volume->values);
     pass_map(walk, volume);
     pack_array(walk, &volume->hidden_runs, volume->hidden_run_count, sizeof *volume->hidden_runs);
-    pass_distances(walk, volume, walk->mode == PACK_ATTACH ? volume : &source);
+    pass_distances(walk, volume);
 }
 
-static struct mesh bare_mesh(const struct mesh *mesh)
+static void pass_mesh(struct pack_walk *walk, void *item)
 {
-    struct mesh bare = *mesh;
-    bare.path = NULL;
-    bare.positions = NULL;
-    bare.triangles = NULL;
-    bare.is_borrowed = true;
-    return bare;
-}
-
-static void pass_mesh(struct pack_walk *walk, void *item, const void *owner)
-{
-    (void)owner;
     struct mesh *mesh = item;
-    struct mesh plain = bare_mesh(mesh);
-    pack_struct(walk, &plain, PACK_MESH);
-    if (walk->status) {
-        return;
-    }
-    if (walk->mode == PACK_ATTACH) {
-        *mesh = bare_mesh(&plain);
-    }
+    pack_struct(walk, mesh, PACK_MESH);
     pack_text(walk, &mesh->path);
     pack_array(walk, &mesh->positions, mesh->vertex_count, 3 * sizeof *mesh->positions);
     pack_array(walk, &mesh->triangles, mesh->triangle_count, 3 * sizeof *mesh->triangles);
-}
-
-static struct tractogram bare_tractogram(const struct tractogram *tractogram)
-{
-    struct tractogram bare = *tractogram;
-    bare.path = NULL;
-    bare.files = (struct file_sums){0};
-    bare.points = NULL;
-    bare.halves = NULL;
-    bare.first = NULL;
-    bare.scalars = NULL;
-    bare.groups = NULL;
-    bare.is_ready = true;
-    bare.tree.nodes = NULL;
-    bare.tree.leaves = NULL;
-    bare.tree.marks = NULL;
-    bare.tree.lengths = NULL;
-    bare.has_borrowed_points = true;
-    bare.is_borrowed = true;
-    return bare;
 }
 
 /* Counts that arrays in the block can have, and texts that end. */
@@ -369,36 +294,23 @@ static bool tractogram_fits(const struct tractogram *plain, const struct pack_wa
            plain->tree.run_count <= UINT32_MAX;
 }
 
-static void pass_scalar(struct pack_walk *walk, void *item, const void *owner)
+static void pass_scalar(struct pack_walk *walk, void *item)
 {
     struct tract_scalar *scalar = item;
-    const struct tractogram *tractogram = owner;
-    struct tract_scalar plain = *scalar;
-    plain.name = NULL;
-    plain.values = NULL;
-    pack_struct(walk, &plain, PACK_SCALAR);
-    if (!walk->status && walk->mode == PACK_ATTACH) {
-        scalar->per_point = plain.per_point;
-        scalar->components = plain.components;
-    }
-    size_t count = scalar->per_point ? tractogram->point_count : tractogram->streamline_count;
+    pack_struct(walk, scalar, PACK_SCALAR);
+    size_t count = scalar->per_point ? walk->tractogram->point_count : walk->tractogram->streamline_count;
     pack_words(walk, &scalar->name);
     pack_array(walk, &scalar->values, count, scalar->components * sizeof *scalar->values);
-    if (!walk->status && (!scalar->name || (count && !scalar->values))) {
-        walk->status = fail_damaged();
-    }
+    pack_check(walk, scalar->name && (!count || scalar->values));
 }
 
-static void pass_group(struct pack_walk *walk, void *item, const void *owner)
+static void pass_group(struct pack_walk *walk, void *item)
 {
-    (void)owner;
     struct tract_group *group = item;
     pack_bytes(walk, &group->count, sizeof group->count);
     pack_words(walk, &group->name);
     pack_array(walk, &group->members, group->count, sizeof *group->members);
-    if (!walk->status && (!group->name || (group->count && !group->members))) {
-        walk->status = fail_damaged();
-    }
+    pack_check(walk, group->name && (!group->count || group->members));
 }
 
 static bool has_arrays(const struct tractogram *tractogram)
@@ -410,21 +322,19 @@ static bool has_arrays(const struct tractogram *tractogram)
 }
 
 /* Into a tractogram of zeros when attaching, which has at every moment what tractogram_finish() may end. */
-static void pass_tractogram(struct pack_walk *walk, void *item, const void *owner)
+static void pass_tractogram(struct pack_walk *walk, void *item)
 {
-    (void)owner;
     struct tractogram *tractogram = item;
     struct tract_tree *tree = &tractogram->tree;
-    struct tractogram plain = bare_tractogram(tractogram);
     bool attaches = walk->mode == PACK_ATTACH;
-    pack_struct(walk, &plain, PACK_TRACTOGRAM);
-    pack_check(walk, tractogram_fits(&plain, walk));
+    pack_struct(walk, tractogram, PACK_TRACTOGRAM);
+    const size_t scalar_count = tractogram->scalar_count, group_count = tractogram->group_count;
+    if (attaches) {
+        tractogram->scalar_count = tractogram->group_count = 0;
+    }
+    pack_check(walk, tractogram_fits(tractogram, walk));
     if (walk->status) {
         return;
-    }
-    if (attaches) {
-        *tractogram = bare_tractogram(&plain);
-        tractogram->scalar_count = tractogram->group_count = 0;
     }
     pack_text(walk, &tractogram->path);
     pack_array(walk, &tractogram->points, tractogram->point_count, 3 * sizeof *tractogram->points);
@@ -434,10 +344,10 @@ static void pass_tractogram(struct pack_walk *walk, void *item, const void *owne
     pack_array(walk, &tree->leaves, tract_leaf_count(tree->run_count), sizeof *tree->leaves);
     pack_array(walk, &tree->marks, tract_mark_count(tractogram->point_count), sizeof *tree->marks);
     pack_array(walk, &tree->lengths, tractogram->streamline_count, sizeof *tree->lengths);
-    pass_list(walk, &tractogram->scalars, &tractogram->scalar_count, plain.scalar_count, sizeof *tractogram->scalars,
-              pass_scalar, tractogram);
-    pass_list(walk, &tractogram->groups, &tractogram->group_count, plain.group_count, sizeof *tractogram->groups,
-              pass_group, tractogram);
+    walk->tractogram = tractogram;
+    pass_list(walk, &tractogram->scalars, &tractogram->scalar_count, scalar_count, sizeof *tractogram->scalars,
+              pass_scalar);
+    pass_list(walk, &tractogram->groups, &tractogram->group_count, group_count, sizeof *tractogram->groups, pass_group);
     pack_check(walk, tractogram->path && has_arrays(tractogram));
     if (attaches && !walk->status && !walk->is_verified) {
         walk->status = tractogram_check_tree(tractogram);
@@ -455,16 +365,12 @@ static bool bundle_is_sound(const conus_atlas *atlas, size_t object)
 
 static void pass_object(struct pack_walk *walk, conus_object *object, struct object_place *place)
 {
-    conus_object plain = *object;
     char *name = (char *)object->name;
     char *abbreviation = (char *)object->abbreviation;
-    plain.name = NULL;
-    plain.abbreviation = NULL;
-    pack_struct(walk, &plain, PACK_OBJECT);
+    pack_struct(walk, object, PACK_OBJECT);
     pack_struct(walk, place, PACK_PLACE);
     pack_words(walk, &name);
     pack_words(walk, &abbreviation);
-    *object = plain;
     object->name = name;
     object->abbreviation = abbreviation;
 }
@@ -478,26 +384,15 @@ static bool field_fits(const struct deformation *field, const struct pack_walk *
            count <= walk->size;
 }
 
-static void pass_warp(struct pack_walk *walk, void *item, const void *owner)
+static void pass_warp(struct pack_walk *walk, void *item)
 {
-    (void)owner;
     struct warp *warp = item;
-    struct warp plain = *warp;
-    plain.field.vectors = plain.field.rest = NULL;
-    plain.field.coefficients = NULL;
-    plain.field.is_borrowed = true;
-    pack_struct(walk, &plain, PACK_WARP);
-    pack_check(walk, field_fits(&plain.field, walk));
+    const size_t *dim = warp->field.dim;
+    pack_struct(walk, warp, PACK_WARP);
+    pack_check(walk, field_fits(&warp->field, walk));
     if (walk->status) {
         return;
     }
-    if (walk->mode == PACK_ATTACH) {
-        plain.field.vectors = plain.field.rest = NULL;
-        plain.field.coefficients = NULL;
-        plain.field.is_borrowed = true;
-        *warp = plain;
-    }
-    const size_t *dim = plain.field.dim;
     size_t nodes = dim[0] * dim[1] * dim[2];
     pack_array(walk, &warp->field.vectors, nodes, 3 * sizeof *warp->field.vectors);
     pack_array(walk, &warp->field.rest, nodes, 3 * sizeof *warp->field.rest);
@@ -507,23 +402,12 @@ static void pass_warp(struct pack_walk *walk, void *item, const void *owner)
 }
 
 /* Nothing changes the arrays of a surface around the areas, but its values are its own. */
-static void pass_surface(struct pack_walk *walk, void *item, const void *owner)
+static void pass_surface(struct pack_walk *walk, void *item)
 {
     struct context_surface *surface = item;
-    struct context_surface plain = *surface;
     float *values = surface->values;
-    (void)owner;
-    plain.mesh = (struct mesh){0};
-    plain.values = NULL;
-    plain.map_name = NULL;
-    pack_struct(walk, &plain, PACK_SURFACE);
-    if (walk->mode == PACK_ATTACH && !walk->status) {
-        *surface = plain;
-        surface->mesh = (struct mesh){0};
-        surface->values = NULL;
-        surface->map_name = NULL;
-    }
-    pass_mesh(walk, &surface->mesh, NULL);
+    pack_struct(walk, surface, PACK_SURFACE);
+    pass_mesh(walk, &surface->mesh);
     pack_words(walk, &surface->map_name);
     pack_array(walk, &values, surface->mesh.vertex_count, sizeof *values);
     if (walk->mode == PACK_ATTACH && !walk->status && values) {
@@ -572,41 +456,13 @@ static void pass_files_and_notes(struct pack_walk *walk, conus_atlas *atlas, con
     }
 }
 
-static conus_atlas bare_atlas(const conus_atlas *atlas)
-{
-    conus_atlas bare = *atlas;
-    bare.volumes = NULL;
-    bare.meshes = NULL;
-    bare.tractograms = NULL;
-    bare.warps = NULL;
-    bare.last_transform = NULL;
-    bare.objects = NULL;
-    bare.places = NULL;
-    bare.path = NULL;
-    bare.label_source = NULL;
-    bare.files.items = NULL;
-    bare.files.paths = (struct name_set){0};
-    bare.taken = (struct name_set){0};
-    bare.transfer = NULL;
-    bare.context_surfaces = NULL;
-    bare.pack = NULL;
-    bare.notes.lines = NULL;
-    bare.notes.marks = NULL;
-    bare.notes.sink = NULL;
-    bare.mapped = NULL;
-    bare.mapped_size = 0;
-    return bare;
-}
-
 /* Into an atlas of zeros when attaching, which has at every moment what conus_atlas_destroy() may end. */
 static void pass_atlas(struct pack_walk *walk, conus_atlas *atlas)
 {
-    conus_atlas plain = bare_atlas(atlas);
-    pack_struct(walk, &plain, PACK_ATLAS);
-    pack_check(walk, (unsigned)plain.brain <= CONUS_BRAIN_TEMPLATE);
-    const conus_atlas counts = plain;
-    if (walk->mode == PACK_ATTACH && !walk->status) {
-        *atlas = bare_atlas(&plain);
+    pack_struct(walk, atlas, PACK_ATLAS);
+    pack_check(walk, (unsigned)atlas->brain <= CONUS_BRAIN_TEMPLATE);
+    const conus_atlas counts = *atlas;
+    if (walk->mode == PACK_ATTACH) {
         atlas->volume_count = atlas->mesh_count = atlas->tractogram_count = atlas->object_count = atlas->files.count =
             atlas->notes.count = atlas->warp_count = atlas->context_surface_count = 0;
     }
@@ -616,14 +472,13 @@ static void pass_atlas(struct pack_walk *walk, conus_atlas *atlas)
     if (walk->status) {
         return;
     }
-    pass_list(walk, &atlas->warps, &atlas->warp_count, counts.warp_count, sizeof *atlas->warps, pass_warp, atlas);
-    pass_list(walk, &atlas->volumes, &atlas->volume_count, counts.volume_count, sizeof *atlas->volumes, pass_volume,
-              atlas);
-    pass_list(walk, &atlas->meshes, &atlas->mesh_count, counts.mesh_count, sizeof *atlas->meshes, pass_mesh, atlas);
+    pass_list(walk, &atlas->warps, &atlas->warp_count, counts.warp_count, sizeof *atlas->warps, pass_warp);
+    pass_list(walk, &atlas->volumes, &atlas->volume_count, counts.volume_count, sizeof *atlas->volumes, pass_volume);
+    pass_list(walk, &atlas->meshes, &atlas->mesh_count, counts.mesh_count, sizeof *atlas->meshes, pass_mesh);
     pass_list(walk, &atlas->tractograms, &atlas->tractogram_count, counts.tractogram_count, sizeof *atlas->tractograms,
-              pass_tractogram, atlas);
+              pass_tractogram);
     pass_list(walk, &atlas->context_surfaces, &atlas->context_surface_count, counts.context_surface_count,
-              sizeof *atlas->context_surfaces, pass_surface, atlas);
+              sizeof *atlas->context_surfaces, pass_surface);
     pass_objects(walk, atlas, &counts);
     pass_files_and_notes(walk, atlas, &counts);
 }
@@ -648,14 +503,9 @@ static struct pack_walk walk_over(const conus_atlas *atlas, struct pack_walk wal
     return walk;
 }
 
-static struct pack_walk measure(const conus_atlas *atlas)
-{
-    return walk_over(atlas, (struct pack_walk){.mode = PACK_MEASURE});
-}
-
 size_t conus_atlas_packed_size(const conus_atlas *atlas)
 {
-    struct pack_walk walk = measure(atlas);
+    struct pack_walk walk = walk_over(atlas, (struct pack_walk){.mode = PACK_MEASURE});
     return round_up(walk.small) + walk.large;
 }
 
@@ -674,24 +524,9 @@ static void write_head(uint8_t *memory, size_t small_end, size_t size)
     memcpy(memory, &head, sizeof head);
 }
 
-conus_status conus_atlas_pack(void *memory, size_t size, const conus_atlas *atlas)
-{
-    struct pack_walk measured = measure(atlas);
-    size_t needed = round_up(measured.small) + measured.large;
-    if (!memory || (uintptr_t)memory % PACK_LINE || size < needed) {
-        return fail(CONUS_ERROR_ARGUMENT, "%zu bytes at %p for an atlas: %zu at a multiple of %d are needed", size,
-                    memory, needed, PACK_LINE);
-    }
-    struct pack_walk walk = walk_over(
-        atlas,
-        (struct pack_walk){.mode = PACK_COPY, .memory = memory, .large = round_up(measured.small), .size = needed});
-    write_head(memory, walk.small, needed);
-    return walk.status;
-}
-
 conus_status atlas_pack_give(const conus_atlas *atlas, pack_sink *sink, void *user)
 {
-    struct pack_walk measured = measure(atlas);
+    struct pack_walk measured = walk_over(atlas, (struct pack_walk){.mode = PACK_MEASURE});
     size_t small = round_up(measured.small);
     uint8_t *memory = memory_zeroed(small, 1);
     if (!memory) {
@@ -713,6 +548,26 @@ conus_status atlas_pack_give(const conus_atlas *atlas, pack_sink *sink, void *us
         status = walk_over(atlas, walk).status;
     }
     return status;
+}
+
+/* A pack_sink: behind what has been copied. */
+static conus_status copy_on(void *user, const void *data, size_t size)
+{
+    uint8_t **at = user;
+    memcpy(*at, data, size);
+    *at += size;
+    return CONUS_OK;
+}
+
+conus_status conus_atlas_pack(void *memory, size_t size, const conus_atlas *atlas)
+{
+    const size_t needed = conus_atlas_packed_size(atlas);
+    uint8_t *at = memory;
+    if (!memory || (uintptr_t)memory % PACK_LINE || size < needed) {
+        return fail(CONUS_ERROR_ARGUMENT, "%zu bytes at %p for an atlas: %zu at a multiple of %d are needed", size,
+                    memory, needed, PACK_LINE);
+    }
+    return atlas_pack_give(atlas, copy_on, &at);
 }
 
 /* Whether `size` bytes at `memory` are a block of this build's, undamaged in what is small. */

@@ -11,18 +11,6 @@
 
 #include <string.h>
 
-/* Bridge: streamlines_load(), whose atlas is the caller's. */
-static conus_status load_lines(conus_atlas **out, const char *path, conus_file_space space,
-                               const conus_load_options *options)
-{
-    const struct note_sink sink = {options->log, options->log_user, path};
-    struct job job = {.sink = &sink};
-    conus_atlas *atlas = streamlines_load(&job, path, options, space);
-    atlas = job_give(&job, atlas, sizeof *atlas);
-    *out = atlas ? atlas : *out;
-    return job_close(&job, NULL, NULL);
-}
-
 /* Copies `path` without the ",template=WORD" that says whose brain the atlas is, if it has one. */
 static conus_status cut_template(char **plain, conus_brain *brain, const char *path)
 {
@@ -67,13 +55,17 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
 /* The streamlines of a file, in an atlas of their own. */
 static conus_status load_streamlines(conus_atlas **out, const char *path, const conus_streamlines_options *options)
 {
-    const conus_load_options load = {
-        .max_memory = options->max_memory, .log = options->log, .log_user = options->log_user};
+    const conus_load_options load = {.max_memory = options->max_memory};
     if ((unsigned)options->space > CONUS_FILE_SPACE_LPS) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: space %d, allowed are CONUS_FILE_SPACE_AS_STATED (0), _RAS and _LPS",
                     path, (int)options->space);
     }
-    return load_lines(out, path, options->space, &load);
+    const struct note_sink sink = {options->log, options->log_user, path};
+    struct job job = {.sink = &sink};
+    conus_atlas *atlas = streamlines_load(&job, path, &load, options->space);
+    atlas = job_give(&job, atlas, sizeof *atlas);
+    *out = atlas ? atlas : *out;
+    return job_close(&job, NULL, NULL);
 }
 
 conus_status conus_tractogram_load(conus_tractogram **out, const char *path, const conus_streamlines_options *options)

@@ -116,15 +116,10 @@ static bool is_one_file(const char *path)
     return !path_ending_length(path, ".nhdr/.mhd/.hdr/.img/.img.gz/.head/.brik/.brik.gz");
 }
 
-/* What a store of Zarr has beside its chunks. */
+/* A store of Zarr has its metadata beside its chunks. */
 static bool is_chunk(const char *path)
 {
-    static const char *const kept[] = {"zarr.json", ".zarray", ".zgroup", ".zattrs", ".zmetadata"};
-    bool is = strstr(path, ".zarr/");
-    for (size_t i = 0; i < sizeof kept / sizeof kept[0]; i++) {
-        is = is && strcmp(path_base(path), kept[i]) != 0;
-    }
-    return is;
+    return strstr(path, ".zarr/") && !path_ending_length(path, "zarr.json/.zarray/.zgroup/.zattrs/.zmetadata");
 }
 
 static bool is_known(const struct sources *sources, const char *whole)
@@ -435,7 +430,6 @@ static conus_source_state find_source(const struct source_head *head, const char
 /* The pack as the atlas knows it. */
 static conus_status make_origin(struct pack_origin **out, const struct opening *opening)
 {
-    static const char digits[] = "0123456789abcdef";
     const struct pack_head *head = &opening->head;
     const uint8_t *sources = opening->memory + head->sources.at;
     const char *texts[SOURCE_TEXTS];
@@ -454,8 +448,7 @@ static conus_status make_origin(struct pack_origin **out, const struct opening *
     char *path = (char *)(origin->sources + count);
     memcpy(path, opening->path, path_size);
     for (size_t i = 0; i < sizeof head->sha256; i++) {
-        origin->sha256[2 * i] = digits[head->sha256[i] >> 4];
-        origin->sha256[2 * i + 1] = digits[head->sha256[i] & 0xf];
+        snprintf(origin->sha256 + 2 * i, 3, "%02x", head->sha256[i]);
     }
     origin->info = (conus_pack_info){.path = path,
                                      .sha256 = origin->sha256,

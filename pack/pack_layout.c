@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The members of packed structures: where each lies, and which must be looked at before the structure is used. */
+/* The members of packed structures: where each lies, what a block has of it, and which must be looked at before the
+ * structure is used. */
 #include "pack/pack_layout.h"
 
 #include "atlas/atlas.h"
@@ -8,7 +9,8 @@
 
 #include <string.h>
 
-enum member_kind { MEMBER_OTHER, MEMBER_FLAG, MEMBER_TEXT };
+/* In a block a pointer is NULL and a MEMBER_TRUE is true; a MEMBER_PART is a pointer in a member before it. */
+enum member_kind { MEMBER_OTHER, MEMBER_FLAG, MEMBER_TEXT, MEMBER_POINTER, MEMBER_PART, MEMBER_TRUE };
 
 struct member {
     size_t at, size;
@@ -18,52 +20,55 @@ struct member {
 #define KIND_OF(member)                                                                                                \
     _Generic(&(member),                                                                                                \
         bool *: MEMBER_FLAG,                                                                                           \
-        char **: MEMBER_OTHER,                                                                                         \
-        const char **: MEMBER_OTHER,                                                                                   \
         default: _Generic((member), char *: MEMBER_TEXT, default: MEMBER_OTHER))
-#define M(type, member)                                                                                                \
+#define K(type, member, kind)                                                                                          \
     {                                                                                                                  \
-        offsetof(type, member), sizeof(((type *)0)->member), KIND_OF(((type *)0)->member)                              \
+        offsetof(type, member), sizeof(((type *)0)->member), kind                                                      \
     }
+#define M(type, member) K(type, member, KIND_OF(((type *)0)->member))
+#define P(type, member) K(type, member, MEMBER_POINTER)
 
 #define ATLAS(T)                                                                                                       \
-    M(T, volumes), M(T, volume_count), M(T, meshes), M(T, mesh_count), M(T, tractograms), M(T, tractogram_count),      \
-        M(T, objects), M(T, places), M(T, object_count), M(T, taken), M(T, area_count), M(T, first_pair),              \
+    P(T, volumes), M(T, volume_count), P(T, meshes), M(T, mesh_count), P(T, tractograms), M(T, tractogram_count),      \
+        P(T, objects), P(T, places), M(T, object_count), P(T, taken), M(T, area_count), M(T, first_pair),              \
         M(T, hemispheres), M(T, half_step), M(T, has_other_colours), M(T, has_palette), M(T, is_moved),                \
-        M(T, is_mirrored), M(T, own_from_world), M(T, warps), M(T, warp_count), M(T, last_transform),                  \
-        M(T, last_is_inverse), M(T, brain), M(T, has_ccf), M(T, own_from_ccf), M(T, path), M(T, label_source),         \
-        M(T, files), M(T, transfer), M(T, notes), M(T, exchanged), M(T, lacks_context), M(T, context_surfaces),        \
-        M(T, context_surface_count), M(T, mapped), M(T, mapped_size), M(T, pack)
+        M(T, is_mirrored), M(T, own_from_world), P(T, warps), M(T, warp_count), P(T, last_transform),                  \
+        M(T, last_is_inverse), M(T, brain), M(T, has_ccf), M(T, own_from_ccf), P(T, path), P(T, label_source),         \
+        M(T, files), P(T, transfer), M(T, notes), M(T, exchanged), M(T, lacks_context), P(T, context_surfaces),        \
+        M(T, context_surface_count), P(T, mapped), P(T, mapped_size), P(T, pack), K(T, files.items, MEMBER_PART),      \
+        K(T, files.paths, MEMBER_PART), K(T, notes.lines, MEMBER_PART), K(T, notes.marks, MEMBER_PART),                \
+        K(T, notes.sink, MEMBER_PART)
 #define INFO(T)                                                                                                        \
-    M(T, info.role), M(T, info.path), M(T, info.sha256), M(T, info.format), M(T, info.datatype), M(T, info.dim),       \
+    M(T, info.role), P(T, info.path), M(T, info.sha256), M(T, info.format), M(T, info.datatype), M(T, info.dim),       \
         M(T, info.volume), M(T, info.volume_count), M(T, info.world_from_voxel), M(T, info.spacing),                   \
         M(T, info.orientation), M(T, info.transform), M(T, info.space_code), M(T, info.slope), M(T, info.intercept),   \
         M(T, info.minimum), M(T, info.maximum), M(T, info.threshold), M(T, info.unit)
 #define VOLUME(T)                                                                                                      \
-    INFO(T), M(T, path), M(T, voxel_from_world), M(T, voxel_count), M(T, objects16), M(T, objects32), M(T, values),    \
+    INFO(T), P(T, path), M(T, voxel_from_world), M(T, voxel_count), P(T, objects16), P(T, objects32), P(T, values),    \
         M(T, map.count), M(T, map.page_count), M(T, map.run_count), M(T, map.table_count), M(T, map.width),            \
-        M(T, map.pages), M(T, map.runs), M(T, map.codes), M(T, map.table), M(T, steps), M(T, step_count),              \
-        M(T, box.first), M(T, box.last), M(T, is_hidden), M(T, hidden_runs), M(T, hidden_run_count), M(T, is_joined),  \
-        M(T, is_borrowed), M(T, source), M(T, centres.m), M(T, centres.low), M(T, centres.high), M(T, distances)
+        P(T, map.pages), P(T, map.runs), P(T, map.codes), P(T, map.table), P(T, steps), M(T, step_count),              \
+        M(T, box.first), M(T, box.last), M(T, is_hidden), P(T, hidden_runs), M(T, hidden_run_count), M(T, is_joined),  \
+        K(T, is_borrowed, MEMBER_TRUE), P(T, source), M(T, centres.m), M(T, centres.low), M(T, centres.high),          \
+        P(T, distances)
 #define MESH(T)                                                                                                        \
-    M(T, path), M(T, positions), M(T, vertex_count), M(T, triangles), M(T, triangle_count), M(T, is_borrowed),         \
-        M(T, shape.low), M(T, shape.high), M(T, shape.volume_mm3), M(T, shape.centroid), M(T, shape.closed),           \
-        M(T, shape.has_volume)
+    P(T, path), P(T, positions), M(T, vertex_count), P(T, triangles), M(T, triangle_count),                            \
+        K(T, is_borrowed, MEMBER_TRUE), M(T, shape.low), M(T, shape.high), M(T, shape.volume_mm3),                     \
+        M(T, shape.centroid), M(T, shape.closed), M(T, shape.has_volume)
 #define SURFACE(T)                                                                                                     \
-    M(T, mesh), M(T, opacity), M(T, is_shell), M(T, hemisphere), M(T, values), M(T, map_name), M(T, low), M(T, high)
+    P(T, mesh), M(T, opacity), M(T, is_shell), M(T, hemisphere), P(T, values), P(T, map_name), M(T, low), M(T, high)
 #define WARP(T)                                                                                                        \
     M(T, field.dim), M(T, field.world_from_voxel), M(T, field.voxel_from_world), M(T, field.base), M(T, field.linear), \
-        M(T, field.vectors), M(T, field.rest), M(T, field.coefficients), M(T, field.stays_outside),                    \
-        M(T, field.is_borrowed), M(T, field.start), M(T, field.low), M(T, field.high), M(T, after)
+        P(T, field.vectors), P(T, field.rest), P(T, field.coefficients), M(T, field.stays_outside),                    \
+        K(T, field.is_borrowed, MEMBER_TRUE), M(T, field.start), M(T, field.low), M(T, field.high), M(T, after)
 #define TRACTOGRAM(T)                                                                                                  \
-    M(T, path), M(T, format), M(T, states_mm), M(T, sha256), M(T, space), M(T, files), M(T, points), M(T, halves),     \
-        M(T, point_count), M(T, first), M(T, streamline_count), M(T, scalars), M(T, scalar_count), M(T, groups),       \
-        M(T, group_count), M(T, radius), M(T, tree.nodes), M(T, tree.node_count), M(T, tree.leaves),                   \
-        M(T, tree.run_count), M(T, tree.lengths), M(T, tree.marks), M(T, low), M(T, high), M(T, is_ready),             \
-        M(T, has_borrowed_points), M(T, is_borrowed)
-#define SCALAR(T) M(T, name), M(T, per_point), M(T, components), M(T, values)
+    P(T, path), M(T, format), M(T, states_mm), M(T, sha256), M(T, space), P(T, files), P(T, points), P(T, halves),     \
+        M(T, point_count), P(T, first), M(T, streamline_count), P(T, scalars), M(T, scalar_count), P(T, groups),       \
+        M(T, group_count), M(T, radius), P(T, tree.nodes), M(T, tree.node_count), P(T, tree.leaves),                   \
+        M(T, tree.run_count), P(T, tree.lengths), P(T, tree.marks), M(T, low), M(T, high),                             \
+        K(T, is_ready, MEMBER_TRUE), K(T, has_borrowed_points, MEMBER_TRUE), K(T, is_borrowed, MEMBER_TRUE)
+#define SCALAR(T) P(T, name), M(T, per_point), M(T, components), P(T, values)
 #define OBJECT(T)                                                                                                      \
-    M(T, kind), M(T, label), M(T, name), M(T, abbreviation), M(T, hemisphere), M(T, named), M(T, rgb), M(T, parent),   \
+    M(T, kind), M(T, label), P(T, name), P(T, abbreviation), M(T, hemisphere), M(T, named), M(T, rgb), M(T, parent),   \
         M(T, voxels), M(T, volume_mm3), M(T, triangles), M(T, closed), M(T, is_band), M(T, volume), M(T, low),         \
         M(T, high), M(T, streamlines), M(T, points), M(T, length_mm), M(T, radius)
 #define PLACE(T) M(T, is_mesh), M(T, is_bundle), M(T, is_hidden), M(T, named), M(T, index), M(T, group), M(T, own_rgb)
@@ -108,13 +113,24 @@ size_t pack_kind_size(enum pack_kind kind)
     return structs[kind].size;
 }
 
+void pack_make_bare(void *data, enum pack_kind kind)
+{
+    for (size_t i = 0; i < structs[kind].count; i++) {
+        const struct member *member = &structs[kind].members[i];
+        if (member->kind >= MEMBER_POINTER) {
+            memset((uint8_t *)data + member->at, member->kind == MEMBER_TRUE, member->size);
+        }
+    }
+}
+
 bool pack_flags_are_sound(const void *data, enum pack_kind kind)
 {
     const uint8_t *bytes = data;
     bool sound = true;
     for (size_t i = 0; i < structs[kind].count; i++) {
         const struct member *member = &structs[kind].members[i];
-        sound = sound && (member->kind != MEMBER_FLAG || bytes[member->at] <= 1) &&
+        bool is_flag = member->kind == MEMBER_FLAG || member->kind == MEMBER_TRUE;
+        sound = sound && (!is_flag || bytes[member->at] <= 1) &&
                 (member->kind != MEMBER_TEXT || memchr(bytes + member->at, 0, member->size));
     }
     return sound;
@@ -125,7 +141,7 @@ uint64_t pack_layout(void)
     uint64_t layout = 0;
     for (int kind = 0; kind < PACK_KINDS; kind++) {
         layout = 1000003 * layout + structs[kind].size;
-        for (size_t i = 0; i < structs[kind].count; i++) {
+        for (size_t i = 0; i < structs[kind].count && structs[kind].members[i].kind != MEMBER_PART; i++) {
             layout = 1000003 * layout + structs[kind].members[i].at;
             layout = 1000003 * layout + structs[kind].members[i].size;
         }

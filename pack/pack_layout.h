@@ -28,6 +28,9 @@ enum pack_kind {
 
 size_t pack_kind_size(enum pack_kind kind);
 
+/** Clears the pointers of a structure, and sets what says that its arrays are another's. */
+void pack_make_bare(void *data, enum pack_kind kind);
+
 /** Whether each bool of a structure that comes from elsewhere is 0 or 1, and each text in it ends. */
 bool pack_flags_are_sound(const void *data, enum pack_kind kind);
 

@@ -5,6 +5,7 @@
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
+#include "options/clock.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/outputs.h"
@@ -136,6 +137,7 @@ int atlases_load_all(struct atlases *atlases, const struct atlas_settings *setti
                      const struct context_settings *context)
 {
     int code = EXIT_DONE;
+    double began = clock_ms();
     for (size_t i = 0; i < atlases->count && !code; i++) {
         if (!atlases->items[i].atlas) {
             code = load_at(atlases, i, settings);
@@ -144,6 +146,7 @@ int atlases_load_all(struct atlases *atlases, const struct atlas_settings *setti
                        : atlas_input_load_context(atlases->items[i].atlas, context->path, context->blocks, settings);
         }
     }
+    atlases->opening_ms = clock_ms() - began;
     return code;
 }
 

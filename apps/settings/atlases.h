@@ -18,6 +18,7 @@ struct named_atlas {
 struct atlases {
     struct named_atlas *items; /**< [count] ATLAS, then those of --atlas. */
     size_t count;
+    double opening_ms;        /**< How long loading took. */
     bool shares_streamlines;  /**< Every atlas has the bundles of --streamlines; they are in memory once. */
     struct tract_shelf shelf; /**< If so: these. */
 };

@@ -2,6 +2,8 @@
 /* Prints what a careful user should know about atlases, and about where cones lie and point. */
 #include "settings/notes.h"
 
+#include "base/system/system.h"
+#include "conus/pack.h"
 #include "options/messages.h"
 
 #include <inttypes.h>
@@ -10,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LISTED = 8, LIST_SIZE = 512 };
+enum { LISTED = 8, LIST_SIZE = 512, SLOW_MS = 1000 };
 
 /* Ends a note about a pathway whose threshold it names. */
 static const char threshold_mark[] = "; threshold ";
@@ -103,12 +105,27 @@ void atlas_notes_say(const conus_atlas *atlas, const struct common_settings *set
     say_notes(atlas, "", settings->quiet);
 }
 
+/* Tells a person who waited for files how to wait no more. */
+static void say_slow(const struct atlases *atlases, bool quiet)
+{
+    const char *slow = NULL;
+    for (size_t i = 0; i < atlases->count && !slow; i++) {
+        slow = conus_atlas_pack_info(atlases->items[i].atlas) ? NULL : atlases->items[i].given;
+    }
+    if (slow && atlases->opening_ms > SLOW_MS && system_is_terminal(STDERR_FILENO)) {
+        say_note(CONUS_SEVERITY_NOTE, quiet,
+                 "opening took %.1f s; conus pack %s ... -o NAME.conus makes a file that opens at once",
+                 atlases->opening_ms / 1e3, slow);
+    }
+}
+
 void atlases_say_notes(const struct atlases *atlases, const struct common_settings *settings)
 {
     for (size_t i = 0; i < atlases->count; i++) {
         char of[ATLAS_PREFIX_SIZE];
         say_notes(atlases->items[i].atlas, atlases_prefix(of, &atlases->items[i]), settings->quiet);
     }
+    say_slow(atlases, settings->quiet);
 }
 
 /* A surface that is not closed has no volume, nor has one whose parts overlap or face different ways. */

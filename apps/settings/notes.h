@@ -26,7 +26,8 @@ void aim_notes_say(const struct aimed *aimed, size_t count, const char *file, co
 
 /** Says the atlas's notes on stderr, unless --quiet. */
 void atlas_notes_say(const conus_atlas *atlas, const struct common_settings *settings);
-/** The same of several; each note begins with the atlas's name. */
+/** The same of several; each note begins with the atlas's name. On a terminal also, if opening them took more than a
+ * second, that there are packs. */
 void atlases_say_notes(const struct atlases *atlases, const struct common_settings *settings);
 
 /** Says on stderr, unless --quiet, where all layers are asked for, how many surfaces are not closed and what that means

@@ -1,11 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From nothing to an answer: loading an atlas, making a selector, and the whole program. */
+/* From nothing to an answer: loading an atlas from files and from a pack, making a selector, and the whole program. */
+#include "base/memory.h"
 #include "bench/support/program.h"
+#include "conus/pack.h"
 #include "conus/phantom.h"
+#include "conus/report.h"
 #include "conus/selection.h"
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/resource.h>
 
 enum { PATH_SIZE = 512, PROCESSES = 5 };
@@ -57,6 +61,58 @@ static void run_query(void *data)
     keep_first_error(job, program_run(arguments));
 }
 
+/* Unpacks the atlas, and nothing else: what a program must do that has no pack. */
+static void run_gzip(void *data)
+{
+    struct job *job = data;
+    char *arguments[] = {"/bin/gzip", "-dc", (char *)job->path, NULL};
+    keep_first_error(job, program_run(arguments));
+}
+
+/* The rows of a cone; memory_free() them. */
+static conus_status ask(char **rows, const char *path)
+{
+    conus_atlas *atlas = NULL;
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_report *report = NULL;
+    conus_pose pose;
+    const char *text = NULL;
+    size_t size = 0;
+    conus_status status = conus_atlas_load(&atlas, path, NULL);
+    status = status ? status : conus_selector_create(&selector, atlas, NULL);
+    status = status ? status : conus_pose_toward(&pose, (double[]){-90, 20, 20}, (double[]){0, -10, 10}, NULL);
+    status = status ? status : conus_select(&selection, selector, &pose, 0.2);
+    status = status ? status : conus_report_create(&report, selector, NULL);
+    status = status ? status : conus_report_add(report, "1", selection);
+    status = status ? status : conus_report_text(&text, &size, report);
+    *rows = status ? NULL : memory_text(text, size);
+    conus_report_destroy(report);
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+    return status;
+}
+
+/* Packs the atlas at `files` to `path`; an error where the pack gives other rows. */
+static conus_status make_pack(struct job *out, const char *path, const struct job *files)
+{
+    conus_atlas *atlas = NULL;
+    char *rows[2] = {NULL, NULL};
+    conus_status status = conus_atlas_load(&atlas, files->path, NULL);
+    status = status ? status : conus_atlas_save(path, atlas, NULL);
+    status = status ? status : ask(&rows[0], files->path);
+    status = status ? status : ask(&rows[1], path);
+    if (!status && (!rows[0] || !rows[1] || strcmp(rows[0], rows[1]) != 0)) {
+        status = fail(CONUS_ERROR_DATA, "%s: gives other rows than %s", path, files->path);
+    }
+    memory_free(rows[0]);
+    memory_free(rows[1]);
+    conus_atlas_destroy(atlas);
+    *out = (struct job){.path = path, .program = files->program, .status = status};
+    return status;
+}
+
 /* Runs all variants once, to find errors. */
 static void try_all(struct bench_variant *variants, size_t count)
 {
@@ -70,10 +126,19 @@ static void try_all(struct bench_variant *variants, size_t count)
 static conus_status measure_loading(struct bench *bench, struct job *labels, struct job *brain)
 {
     struct job rays = *labels, gl = *labels;
+    struct job packs[2];
+    char paths[2][PATH_SIZE];
+    snprintf(paths[0], PATH_SIZE, "%s/labels.conus", bench->folder);
+    snprintf(paths[1], PATH_SIZE, "%s/brain.conus", bench->folder);
+    if (make_pack(&packs[0], paths[0], labels) || make_pack(&packs[1], paths[1], brain)) {
+        return packs[0].status ? packs[0].status : packs[1].status;
+    }
     rays.engine = CONUS_ENGINE_RAYS;
     gl.engine = CONUS_ENGINE_GL;
     struct bench_variant variants[] = {{.name = "labelled volume, from memory", .run = load_atlas, .data = labels},
+                                       {.name = "labelled volume, from a pack", .run = load_atlas, .data = &packs[0]},
                                        {.name = "brain phantom, from memory", .run = load_atlas, .data = brain},
+                                       {.name = "brain phantom, from a pack", .run = load_atlas, .data = &packs[1]},
                                        {.name = "labelled volume, selector, rays", .run = make_selector, .data = &rays},
                                        {.name = "labelled volume, selector, gl", .run = make_selector, .data = &gl}};
     size_t count = sizeof variants / sizeof *variants;
@@ -109,17 +174,31 @@ static double cpu_of(void run(void *), struct job *job)
 
 static conus_status measure_query(struct bench *bench, struct job *labels)
 {
-    char program[PATH_SIZE];
+    char program[PATH_SIZE], path[PATH_SIZE];
     if (program_find(program, sizeof program, "conus", "CONUS")) {
         return bench_leave_out(bench, "conus query");
     }
     labels->program = program;
-    struct bench_variant variant = {.name = "conus query, whole process", .run = run_query, .data = labels};
-    try_all(&variant, 1);
-    double cpu_s = cpu_of(run_query, labels);
-    conus_status status = bench_measure(bench, "startup", &variant, 1, 1, 10);
-    status = status ? status : bench_value(bench, "query_process_cpu_s", cpu_s, variant.equal);
-    return status ? status : bench_value(bench, "query_process_s", variant.median_ms / 1e3, variant.equal);
+    struct job gzip = *labels;
+    struct job pack;
+    snprintf(path, sizeof path, "%s/labels.conus", bench->folder);
+    conus_status status = make_pack(&pack, path, labels);
+    if (status) {
+        return status;
+    }
+    struct bench_variant variants[] = {{.name = "conus query, whole process", .run = run_query, .data = labels},
+                                       {.name = "conus query of a pack", .run = run_query, .data = &pack}};
+    try_all(variants, 2);
+    double cpu_s = cpu_of(run_query, labels), pack_cpu_s = cpu_of(run_query, &pack),
+           gzip_cpu_s = cpu_of(run_gzip, &gzip);
+    status = bench_measure(bench, "startup", variants, 2, 1, 10);
+    status = status ? status : bench_value(bench, "query_process_cpu_s", cpu_s, variants[0].equal);
+    status = status ? status : bench_value(bench, "query_packed_cpu_s", pack_cpu_s, variants[1].equal);
+    status = status ? status : bench_value(bench, "query_process_s", variants[0].median_ms / 1e3, variants[0].equal);
+    if (status || gzip.status) {
+        return status ? status : bench_leave_out(bench, "gzip -dc of the atlas");
+    }
+    return bench_value(bench, "query_packed_over_gunzip", pack_cpu_s / gzip_cpu_s, variants[1].equal);
 }
 
 conus_status bench_startup(struct bench *bench)

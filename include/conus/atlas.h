@@ -443,7 +443,7 @@ CONUS_API size_t conus_atlas_packed_size(const conus_atlas *atlas);
  * @param[out] memory [size], at a multiple of 64 bytes. On failure its content has no meaning.
  * @param size Bytes, at least conus_atlas_packed_size().
  * @param atlas The atlas.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for too few bytes or another alignment.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for too few bytes or another alignment; #CONUS_ERROR_MEMORY.
  * @threads Any, while none changes the atlas.
  * @since 0.1
  */

@@ -143,14 +143,10 @@ seen() {
     live slabs.nii.gz --size 1000x640
     tell 'pointer wand'
     seen before.png
-    xdotool mousemove --window "$window" 48 200
-    pass
-    xdotool mousedown 1
-    pass
-    xdotool mousemove --window "$window" 320 200
-    pass
-    xdotool mouseup 1
-    pass
+    mouse_to 48 200
+    mouse mousedown 1
+    mouse_to 320 200
+    mouse mouseup 1
     seen dragged.png
     run -1 conus diff before.png dragged.png
     tell 'panes 320 0 0 0' # the border that the mouse must find: at 320
@@ -160,8 +156,7 @@ seen() {
     seen back.png
     conus diff before.png back.png
     # the axial cut is the first of the strip
-    xdotool mousemove --window "$window" 630 100
-    pass
+    mouse_to 630 100
     xdotool key --window "$window" z
     look '.enlarged == "axial"'
     xdotool key --window "$window" z
@@ -176,10 +171,8 @@ seen() {
     look true
     posterior=$(jq -c .crosshair "look$looks.json")
     for word in anterior posterior; do
-        xdotool key --window "$window" slash
-        pass
-        xdotool type --window "$window" $word
-        pass
+        press slash
+        typed $word
         enter
         pass
         xdotool keyup --window "$window" Return
@@ -187,10 +180,8 @@ seen() {
         [ $word = posterior ] || [ "$(jq -c .crosshair "look$looks.json")" != "$posterior" ]
     done
     [ "$(jq -c .crosshair "look$looks.json")" = "$posterior" ]
-    xdotool key --window "$window" ctrl+p
-    pass
-    xdotool key --window "$window" Escape
-    pass
+    press ctrl+p
+    press Escape
     xdotool key --window "$window" l # for the brain again
     look '.layers == "all"'
     leave

@@ -27,7 +27,6 @@ END
 
 # The cone, the ball and names, which the window lays over its picture, are added to that of conus render.
 @test "a figure is what conus render draws with the same camera and options, and what lies over it" {
-    need_window
     need_pixels
     conus phantom nested -o . --size 32
     view nested.nii.gz <<'END'
@@ -77,7 +76,6 @@ END
 
 # The mouse's cone lies in the opaque brain: only what lies over the picture shows it.
 @test "a figure has the cone that begins on the surface, its beginning and its name" {
-    need_window
     need_pixels
     conus phantom nested -o . --size 32
     view nested.nii.gz --size 900x600 <<'END'

@@ -2,14 +2,6 @@
 # A grey volume is no atlas: every command that takes an atlas says so in one line, before anything else.
 load helpers
 
-setup_file() {
-    start_screen 1280x800
-}
-
-teardown_file() {
-    stop_screen
-}
-
 # The context of the brain phantom: 0 to 46000, smooth; areas would have three in four neighbours equal.
 grey() {
     conus phantom brain -o brain
@@ -38,15 +30,6 @@ refuses() {
     refuses batch t1.nii.gz --poses poses.tsv -o rows.tsv
     refuses track t1.nii.gz --poses poses.tsv
     refuses mesh t1.nii.gz -o meshes
-}
-
-@test "the window refuses it" {
-    need_window
-    grey
-    export ASAN_OPTIONS=detect_leaks=0 # Mesa does not free 128 bytes of a driver that is unloaded before anything was drawn
-    echo settle >script
-    run -3 --separate-stderr timeout 120 "$CONUS" view t1.nii.gz --script script --quiet
-    check_message 't1.nii.gz: looks like an image, not like labels'
 }
 
 @test "--labels-anyway takes it" {

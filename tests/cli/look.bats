@@ -9,7 +9,6 @@ phantoms() {
 }
 
 @test "words and keys change how it looks, and sessions keep it" {
-    need_window
     phantoms
     view nested.nii.gz --context nested.nii.gz --pathway nested.nii.gz,name=Tract,threshold=0.5 <<'END'
 save before.json
@@ -79,7 +78,6 @@ END
 }
 
 @test "streamlines are coloured by words and a key, in figures, too, and sessions keep it" {
-    need_window
     conus phantom slabs -o . --size 32
     python3 "$BATS_TEST_DIRNAME/tck.py" two.tck -40,30,0 40,30,0 -- 0,30,-40 0,30,40
     view slabs.nii.gz --streamlines two.tck <<'END'

@@ -291,6 +291,8 @@ view() {
     done
     left_nothing 2 'ATLAS is missing'
     left_nothing 3 'none.nii.gz' none.nii.gz
+    conus pack slabs.nii.gz -o slabs.conus
+    left_nothing 3 'slabs.conus: a page needs the files that it was packed from: slabs.tsv, ...' slabs.conus
     left_nothing 2 'toward' slabs.nii.gz --origin 1,1,1
     TMPDIR=$PWD/slabs.tsv left_nothing 3 'slabs.tsv/conus-view-' slabs.nii.gz
     rm alone/page.html

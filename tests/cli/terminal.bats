@@ -9,7 +9,7 @@ on() {
 
 setup_nested() {
     conus phantom nested -o . --size 32 --spacing 2,2,2
-    ask=(query nested.nii.gz --origin 0,0,100 --toward 0,0,0 --angle 20 --layers all)
+    ask=(query nested.nii.gz --origin 0,0,100 --toward 0,0,0 --angle 20 --layers all --quiet) # no note of a slow opening
     export TERM=xterm
     unset NO_COLOR COLUMNS
 }
@@ -133,4 +133,24 @@ plain() {
     conus query sphere.nii.gz --pose poses.tsv -o plain.tsv 2>said
     [ ! -s said ]
     cmp plain.tsv query.tsv
+}
+
+@test "where opening files took more than a second a note names conus pack; a pack has none" {
+    [ -n "${CONUS_HOLD_OPEN-}" ] || skip "hold_open is built with the window"
+    setup_nested
+    conus pack nested.nii.gz -o nested.conus
+    export HOLD_FOLDER=$PWD
+    is_old() { [ -n "$(find begun -not -newermt '1.2 seconds ago')" ]; }
+    for atlas in nested.nii.gz nested.conus; do
+        rm -f begun released
+        background on 200 env HOLD_NAME=$atlas LD_PRELOAD="$CONUS_HOLD_OPEN" ASAN_OPTIONS=verify_asan_link_order=0 \
+            "$CONUS" query $atlas --origin 0,0,100 --toward 0,0,0 >$atlas.said
+        wait_until "$child" test -e begun
+        wait_until "$child" is_old
+        touch released
+        wait "$child"
+    done
+    plain <nested.nii.gz.said |
+        grep -qE '^conus: note: opening took [0-9.]+ s; conus pack nested.nii.gz ... -o NAME.conus makes a file that opens at once$'
+    not grep -q 'opening took' nested.conus.said
 }

@@ -9,11 +9,19 @@ teardown_file() {
 
 # view ATLAS [OPTION...] <SCRIPT: asserts that it succeeds without a message. The window is small, and drawn in half the
 # time of one of 1000x640, unless the test asks for another --size to look at pixels.
+# `shot NAME` in a script takes the picture NAME.png of the window once it is fine.
 view() {
-    cat >script
+    need_window
+    sed 's/^shot \(.*\)/settle\nscreenshot \1.png/' >script
     [[ " $* " == *" --size "* ]] || set -- "$@" --size 400x256
     run -0 --separate-stderr timeout $HANG "$CONUS" view "$@" --script script --quiet
     ! grep -v '^conus: warning: ' <<<"$stderr" | grep . || { echo "said: $stderr"; return 1; } # --quiet keeps warnings
+}
+
+# pixels <<PYTHON: runs it, with numpy, and OpenImageIO as oiio.
+pixels() {
+    need_pixels
+    { printf '%s\n' 'import numpy' 'import OpenImageIO as oiio' && cat; } | /usr/bin/python3 -
 }
 
 # live [ATLAS] [OPTION...]: starts a window that does what `tell` says, and waits in between. It is process $child, its
@@ -67,14 +75,44 @@ close_window() {
     /usr/bin/python3 -B "$BATS_TEST_DIRNAME/x11_client.py" close "$1"
 }
 
-# click_at X Y: clicks at pixels of the window.
-click_at() {
+# Events, each with the frames that it takes.
+# press KEY... and hold_key KEY: a key that a list or a line of text takes has to be down when a frame is drawn.
+press() {
+    xdotool key --window "$window" "$@"
+    pass
+}
+
+hold_key() {
+    xdotool keydown --window "$window" "$1"
+    pass
+    xdotool keyup --window "$window" "$1"
+    pass
+}
+
+enter() {
+    hold_key Return
+}
+
+typed() {
+    xdotool type --window "$window" "$1"
+    pass
+}
+
+# mouse_to X Y: pixels of the window; mouse WORD...: of xdotool.
+mouse_to() {
     xdotool mousemove --window "$window" "$1" "$2"
     pass
-    xdotool mousedown 1
+}
+
+mouse() {
+    xdotool "$@"
     pass
-    xdotool mouseup 1
-    pass
+}
+
+click_at() {
+    mouse_to "$1" "$2"
+    mouse mousedown 1
+    mouse mouseup 1
 }
 
 # drop PATH...: drops files as a file manager does, on $window, which handles events meanwhile.

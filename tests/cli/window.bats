@@ -3,21 +3,12 @@
 load helpers
 load window
 
-# enter: the key has to be down when a frame is drawn.
-enter() {
-    xdotool keydown --window "$window" Return
-    pass
-    xdotool keyup --window "$window" Return
-}
-
 @test "a whole path that is pasted takes the place of the folder in the line" {
     conus phantom slabs -o "$PWD/else where"
     conus phantom sphere -o .
     live sphere.nii.gz
-    xdotool key --window "$window" ctrl+o
-    pass
-    xdotool type --window "$window" "$PWD/else where/slabs.nii.gz"
-    pass
+    press ctrl+o
+    typed "$PWD/else where/slabs.nii.gz"
     enter
     xdotool key --window "$window" r # the answer of the dialog
     look '.objects == 2 and (.atlas | endswith("/else where/slabs.nii.gz"))'
@@ -31,25 +22,18 @@ enter() {
     echo 'no atlas' >bad.nii
     live sphere.nii.gz
     for path in "$PWD/bad.nii" "$PWD/none.nii"; do
-        xdotool key --window "$window" ctrl+o
-        pass
-        xdotool type --window "$window" "$path"
-        pass
+        press ctrl+o
+        typed "$path"
         enter
         xdotool type --window "$window" lhop
         look '.objects == 1 and .layers == "visible" and .hidden == []'
         [ -z "$(ls conus-* 2>/dev/null)" ]
-        xdotool keydown --window "$window" Escape
-        pass
-        xdotool keyup --window "$window" Escape
+        hold_key Escape
     done
-    xdotool key --window "$window" ctrl+o
-    pass
-    xdotool type --window "$window" "$PWD/bad.nii"
-    pass
+    press ctrl+o
+    typed "$PWD/bad.nii"
     enter
-    xdotool type --window "$window" "$PWD/slabs.nii.gz" # it replaces the one that failed
-    pass
+    typed "$PWD/slabs.nii.gz" # it replaces the one that failed
     enter
     xdotool key --window "$window" r
     look '.objects == 2'
@@ -57,7 +41,6 @@ enter() {
 }
 
 @test "escape ends a search before it clears the cone" {
-    need_window
     conus phantom slabs -o .
     view slabs.nii.gz <<'END'
 aim 60 3 2 0 0 0
@@ -73,7 +56,6 @@ END
 }
 
 @test "no key writes a file before its place is chosen" {
-    need_window
     conus phantom slabs -o .
     view slabs.nii.gz <<'END'
 aim 60 3 2 0 0 0
@@ -108,7 +90,6 @@ END
 }
 
 @test "cuts are where they were when a session is opened again, though they follow the tip" {
-    need_window
     conus phantom slabs -o .
     view slabs.nii.gz <<'END'
 key g
@@ -126,12 +107,6 @@ END
     jq -e '.crosshair == [5, 1, 2]' started.json
 }
 
-# key_at NAME: presses and releases it; a key that is held moves on in a list after a while.
-key_at() {
-    xdotool key --window "$window" "$1"
-    pass
-}
-
 @test "an open list of choices takes all keys, and a tab shows what is its own" {
     conus phantom slabs -o .
     live slabs.nii.gz --size 1280x800
@@ -139,12 +114,12 @@ key_at() {
     look '.frozen == true and .layers == "visible"'
     orbit=$(jq -c .orbit "look$looks.json")
     click_at 1150 369 # Point with
-    key_at Escape
+    press Escape
     look '.has_pose == true and .frozen == true'
     click_at 1150 369
     xdotool key --window "$window" h
-    key_at Down
-    key_at Return
+    press Down
+    press Return
     look ".pointer == \"wand\" and .confirmed == [] and .hidden == [] and .orbit == $orbit"
     xdotool key --window "$window" l # the list is closed: keys belong to the brain again
     look '.layers == "all"'
@@ -157,7 +132,6 @@ key_at() {
 }
 
 @test "the brain alone and back, panels that fold, and standard views" {
-    need_window
     conus phantom slabs -o .
     view slabs.nii.gz --size 1000x640 <<'END'
 key ctrl+1
@@ -174,8 +148,7 @@ settle
 save alone.json
 screenshot alone.png
 key f
-settle
-screenshot back.png
+shot back
 save back.json
 END
     close_to() { jq -e ".orbit[4:6] | (.[0] - $2 | fabs) < 1e-9 and (.[1] - $3 | fabs) < 0.1" "$1.json"; }
@@ -185,9 +158,7 @@ END
     close_to top 3.141592653589793 1.5
     jq -e .layout.brain_alone alone.json
     jq -e '.layout.brain_alone == false and .layout.left == "as-at-first"' back.json
-    need_pixels
-    /usr/bin/python3 - <<'END'
-import OpenImageIO as oiio
+    pixels <<'END'
 alone, back = (oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[..., :3].astype(int) for name in ("alone", "back"))
 for y, x in (320, 3), (320, 984), (636, 500): # no panels, no cuts, no line below
     assert alone[y, x].min() > 200 and back[y, x].max() < 60, (y, x)
@@ -195,17 +166,12 @@ END
 }
 
 @test "at 1280 x 800 the brain has nearly half of the window" {
-    need_window
-    need_pixels
     conus phantom sphere -o .
     view sphere.nii.gz --size 1280x800 <<'END'
 background white
-settle
-screenshot window.png
+shot window
 END
-    /usr/bin/python3 - <<'END'
-import numpy
-import OpenImageIO as oiio
+    pixels <<'END'
 row = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[740, :658, :3].astype(int) # up to the cuts
 column = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[:, 51, :3].astype(int)
 wide, high = ((line.min(axis=1) > 100).sum() for line in (row, column)) # beside the ball and all words
@@ -216,17 +182,12 @@ END
 # At scale 2 the rail takes 96 pixels and the panel 480; of the 704 between them the cuts have 704 - 506 = 198. A ball's
 # box is a cube of 40 voxels: it fills 0.92 of the shorter side, 182. Five voxels off its middle it has 38 across: 173.
 @test "a cut fills its pane to 92 %, and letters at its sides can be read on the brain" {
-    need_window
-    need_pixels
     conus phantom sphere -o .
     view sphere.nii.gz --size 1280x800 --scale 2 <<'END'
 crosshair 0 0 0
-settle
-screenshot window.png
+shot window
 END
-    /usr/bin/python3 - <<'END'
-import numpy
-import OpenImageIO as oiio
+    pixels <<'END'
 pixels = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[..., :3].astype(int)
 for top in 0, 251, 502:
     pane = pixels[top:top + 248, 603:603 + 196]
@@ -240,20 +201,15 @@ END
 }
 
 @test "a session that is opened again says so, and no more what was said before" {
-    need_window
-    need_pixels
     conus phantom slabs -o .
     view slabs.nii.gz <<'END'
 save slabs.json
 key escape
-settle
-screenshot cleared.png
+shot cleared
 open slabs.json
-settle
-screenshot opened.png
+shot opened
 END
-    /usr/bin/python3 - <<'END'
-import OpenImageIO as oiio
+    pixels <<'END'
 cleared, opened = (oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[-24:, :, :3].astype(int)
                    for name in ("cleared", "opened"))
 said = [(abs(line - (156, 199, 255)).max(axis=2) < 40).any(axis=0).sum() for line in (cleared, opened)]
@@ -261,35 +217,18 @@ assert 0 < said[0] < said[1], said # the longer words
 END
 }
 
-@test "the search is a key away, and names what it chooses" {
-    conus phantom slabs -o .
-    live slabs.nii.gz
-    xdotool key --window "$window" slash
-    pass
-    xdotool type --window "$window" posterior
-    pass
-    enter
-    look '.hidden == []'
-    [[ $(xdotool getwindowname "$window") == *'Slab posterior (chosen)' ]]
-    leave
-}
-
 @test "keys are listed in groups, and a search leaves those that fit" {
-    need_pixels
     conus phantom slabs -o .
     live slabs.nii.gz --size 1280x800
-    xdotool key --window "$window" F1
-    pass
+    press F1
     tell 'screenshot all.png'
-    xdotool key --window "$window" slash
-    pass
+    press slash
     xdotool type --window "$window" 'under another name'
     look '.layers == "visible" and .angle_deg == 5'
     tell 'screenshot found.png'
     look true
     leave
-    /usr/bin/python3 - <<'END'
-import OpenImageIO as oiio
+    pixels <<'END'
 def rows(name):
     "Rows of the left half where something is written in the colour of keys."
     pixels = oiio.ImageBuf(name).get_pixels(oiio.UINT8)[60:780, 25:120, :3].astype(int)
@@ -322,15 +261,6 @@ END
     run -0 --separate-stderr timeout $HANG "$CONUS" view sphere.nii.gz --script script --quiet
     [ -z "$stderr" ]
     wait "$manager"
-}
-
-@test "a session of another version is refused with both versions" {
-    need_window
-    conus phantom sphere -o . --size 16
-    echo '{"conus_session": 9, "atlas": "sphere.nii.gz"}' >other.json
-    echo 'open other.json' >script
-    run -3 --separate-stderr timeout $HANG "$CONUS" view sphere.nii.gz --script script --quiet
-    [[ $stderr == *'"conus_session" is 9, and this conus reads 1: another version wrote it'* ]]
 }
 
 # bats test_tags=main
@@ -369,7 +299,6 @@ END
 
 # It lies over black, beside the ball, in the plane z = 0: only in that cut is it a line with a length, in figures, too.
 @test "a measured line is firm in the cut that it lies in, and faint beside it" {
-    need_pixels
     conus phantom sphere -o .
     view sphere.nii.gz <<'END'
 save at.json
@@ -379,13 +308,11 @@ END
         view sphere.nii.gz --session measured.json --size 900x500 <<END
 key tab
 crosshair 0 30 $z
-settle
-screenshot window$z.png
+shot window$z
 figure figure$z.png axial
 END
     done
-    /usr/bin/python3 - <<'END'
-import OpenImageIO as oiio
+    pixels <<'END'
 
 
 def longest(name, least):
@@ -407,19 +334,14 @@ END
 }
 
 @test "the 3-D pane says that clicks measure, as long as they do" {
-    need_window
-    need_pixels
     conus phantom slabs -o .
     view slabs.nii.gz --size 1000x640 <<'END'
 key ctrl+m
-settle
-screenshot on.png
+shot on
 key ctrl+m
-settle
-screenshot off.png
+shot off
 END
-    /usr/bin/python3 - <<'END'
-import OpenImageIO as oiio
+    pixels <<'END'
 on, off = (oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[560:615, 60:300, :3].astype(int) for name in ("on", "off"))
 green = [((lower[..., 1] > 150) & (lower[..., 1] > lower[..., 0] + 60)).sum() for lower in (on, off)]
 assert green[0] > 100 and green[1] == 0, green
@@ -430,31 +352,19 @@ END
     conus phantom slabs -o .
     live slabs.nii.gz
     tell 'aim 60 3 2 0 0 0'
-    xdotool key --window "$window" ctrl+s
-    pass
-    xdotool type --window "$window" mine
-    pass
+    press ctrl+s
+    typed mine
     enter
     wait_until "$child" test -e mine.json
     [ ! -e slabs-session.json ]
-    xdotool key --window "$window" ctrl+shift+s
-    pass
-    xdotool type --window "$window" "$PWD/none/yours"
-    pass
+    press ctrl+shift+s
+    typed "$PWD/none/yours"
     enter
     pass
     mkdir none
     enter # the page is there still, with the name
     wait_until "$child" test -e none/yours.json
     leave
-}
-
-@test "the table that cannot be written is named, not its sidecar" {
-    need_window
-    conus phantom slabs -o .
-    printf '%s\n' 'aim 60 3 2 0 0 0' 'export none/hits.tsv' >script
-    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --script script --quiet --size 400x256
-    [[ $stderr == *'none/hits.tsv: '* ]]
 }
 
 @test "at 1500x940 the icons stand beside the list of areas" {
@@ -474,8 +384,7 @@ END
     tell 'drop sphere.nii.gz'
     click_at 919 535
     look '.second.on | not'
-    xdotool key --window "$window" Escape
-    pass
+    press Escape
     click_at 919 535
     look '.second.on'
     leave
@@ -532,7 +441,6 @@ END
 # The sphere's values are 0 to 1, and the editor goes up to 0.3 a mm (panel_look.c): so the middle one of these points is
 # in its middle, 110 pixels high. 22 of them up are a fifth of the way: 0.15 + 0.06.
 @test "closing asks where a transfer function was drawn that no session has" {
-    need_window
     conus phantom slabs -o .
     sphere
     local brain=(slabs.nii.gz --context sphere.nii.gz --session drawn.json)
@@ -562,14 +470,10 @@ END
     click_at 1085 759 # Context, its last heading
     xdotool mousemove --window "$window" 1100 640 click --repeat 30 --delay 10 5
     pass
-    xdotool mousemove --window "$window" 1083 715
-    pass
-    xdotool mousedown 1
-    pass
-    xdotool mousemove --window "$window" 1083 693
-    pass
-    xdotool mouseup 1
-    pass
+    mouse_to 1083 715
+    mouse mousedown 1
+    mouse_to 1083 693
+    mouse mouseup 1
     close_window "$window"
     pass
     look '.transfer[1][4] > 0.2 and .transfer[1][4] < 0.22' # and saved, so that it may close
@@ -659,10 +563,8 @@ crosshair() {
     conus phantom sphere -o .
     conus phantom slabs -o .
     live sphere.nii.gz
-    xdotool key --window "$window" ctrl+o
-    pass
-    xdotool type --window "$window" "$PWD/slabs.nii.gz$(printf 'x%.0s' {1..40})"
-    pass
+    press ctrl+o
+    typed "$PWD/slabs.nii.gz$(printf 'x%.0s' {1..40})"
     between_frames xdotool key --window "$window" $(printf 'BackSpace %.0s' {1..40}) Return
     pass
     between_frames xdotool key --window "$window" r
@@ -676,22 +578,16 @@ crosshair() {
 
 # The bar at its left has the first rank's colour, and the name is in letters that a room can read.
 @test "the brain alone has the answer on a card, and without an answer none" {
-    need_window
-    need_pixels
     conus phantom slabs -o .
     view slabs.nii.gz --size 1000x640 <<'END'
 key f
-settle
-screenshot none.png
+shot none
 aim 3 90 2 3 0 2
-settle
-screenshot card.png
+shot card
 pointer tracker
-settle
-screenshot old.png
+shot old
 END
-    /usr/bin/python3 - <<'END'
-import OpenImageIO as oiio
+    pixels <<'END'
 none, card, old = (oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[..., :3].astype(int) for name in ("none", "card", "old"))
 bar = lambda rgb: (abs(rgb[400:, :40] - (0xD2, 0x24, 0x6C)).max(axis=2) < 8).any(axis=1).sum()
 assert bar(none) == bar(old) == 0 and bar(card) > 0.12 * 640, (bar(none), bar(old), bar(card))
@@ -705,14 +601,11 @@ END
 }
 
 @test "what lies over the 3-D picture belongs to it, and it keeps its shape while the pane changes" {
-    need_window
-    need_pixels
     conus phantom slabs -o .
     conus phantom sphere -o .
     view slabs.nii.gz --size 1000x640 <<'END'
 choose "Slab anterior"
-settle
-screenshot before.png
+shot before
 key ctrl+5
 wait 1
 screenshot after.png
@@ -724,9 +617,7 @@ key f
 wait 1
 screenshot alone.png
 END
-    /usr/bin/python3 - <<'END'
-import numpy
-import OpenImageIO as oiio
+    pixels <<'END'
 before, after, alone = (oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[..., :3].astype(int) for name in ("before", "after", "alone"))
 changed = (before != after).any(axis=2)[70:520, 60:440].mean() # of the 3-D pane, without buttons and words
 assert changed == 0 or changed > 0.05, changed # nothing yet, or the picture of the view from above, too
@@ -738,31 +629,23 @@ END
 }
 
 @test "the chosen area has no colour of a hit: dashes where it is hidden, and its outline where it is not hit" {
-    need_window
-    need_pixels
     conus phantom nested -o .
     conus phantom slabs -o .
     view nested.nii.gz --size 1000x640 <<'END'
 aim 0 60 0 0 0 0
-settle
-screenshot before.png
+shot before
 choose Core
-settle
-screenshot hidden.png
+shot hidden
 END
     view slabs.nii.gz --size 1000x640 <<'END'
 aim 0 60 0 0 0 0
 orbit 180 20
 crosshair 0 -9 0
-settle
-screenshot unchosen.png
+shot unchosen
 choose "Slab posterior"
-settle
-screenshot chosen.png
+shot chosen
 END
-    /usr/bin/python3 - <<'END'
-import numpy
-import OpenImageIO as oiio
+    pixels <<'END'
 pixels = lambda name: oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[60:520, 60:440, :3].astype(int) # of the 3-D pane
 before, hidden, unchosen, chosen = map(pixels, ("before", "hidden", "unchosen", "chosen"))
 lines = (before != hidden).any(axis=2)
@@ -780,25 +663,19 @@ END
 
 # From behind, the contact of a cone from the front is behind the other slab.
 @test "the name of a hit that another area hides is pale, and the second tool's hits are blue in list and picture" {
-    need_window
-    need_pixels
     conus phantom slabs -o .
     view slabs.nii.gz --size 1000x640 <<'END'
 aim 0 90 0 0 0 0
 orbit 20 10
-settle
-screenshot seen.png
+shot seen
 orbit 200 10
-settle
-screenshot hidden.png
+shot hidden
 orbit 90 10
 second on
 second aim 90 0 0 0 0 0
-settle
-screenshot second.png
+shot second
 END
-    /usr/bin/python3 - <<'END'
-import OpenImageIO as oiio
+    pixels <<'END'
 pixels = lambda name, x, y, width, height: oiio.ImageBuf(name).get_pixels(oiio.UINT8)[y:y + height, x:x + width, :3]
 pane, the_list = (60, 60, 340, 400), (704, 200, 290, 320) # of 3-D what has no letters of directions
 white = lambda name: (pixels(name, *pane).min(axis=2) > 212).sum() # letters and ring; the grey slab has less
@@ -812,21 +689,15 @@ END
 # The arms of the crosshair are lines of 24 pixels and more: in the middle of the ball of 20 mm each is two dashes, before
 # it each is one piece.
 @test "the crosshair is dashed where it is hidden" {
-    need_window
-    need_pixels
     conus phantom sphere -o .
     view sphere.nii.gz --size 1000x700 <<'END'
 orbit 0 0
 crosshair 0 0 0
-settle
-screenshot hidden.png
+shot hidden
 crosshair 0 28 0
-settle
-screenshot seen.png
+shot seen
 END
-    /usr/bin/python3 - <<'END'
-import numpy
-import OpenImageIO as oiio
+    pixels <<'END'
 for name, pieces in ("hidden", 4), ("seen", 2):
     pane = oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[:, :500, :3].astype(int)
     cross = abs(pane - [0xf2, 0xf2, 0x8a]).max(axis=2) < 40
@@ -838,21 +709,16 @@ END
 # From x = 90 the axis leaves the ball of 20 mm at x = -20, 110 mm deep, where a cone of 10 degrees is 2 * 9.6 mm wide:
 # between its sides there is nothing, but an end at 105 mm is one. Nothing else in the pane has the cone's colour.
 @test "in a cut the cone is open where it leaves the brain, and closed where its depths end" {
-    need_window
-    need_pixels
     conus phantom sphere -o .
     view sphere.nii.gz --size 1000x700 <<'END'
 crosshair 0 0 0
 angle 10
 aim 90 0 0 0 0 0
-settle
-screenshot open.png
+shot open
 ask --range=0,105
-settle
-screenshot closed.png
+shot closed
 END
-    /usr/bin/python3 - <<'END'
-import OpenImageIO as oiio
+    pixels <<'END'
 counts = []
 for name in "open", "closed":
     pane = oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[:224, 517:570, :3].astype(int)

@@ -4,7 +4,10 @@
 
 #include "base/files/file.h"
 #include "conus/phantom.h"
+#include "conus/report.h"
+#include "conus/selection.h"
 #include "conus/streamlines.h"
+#include "pack/pack_check.h"
 #include "pack/pack_layout.h"
 #include "packed_atlas.h"
 #include "test.h"
@@ -83,12 +86,17 @@ static void what_is_opened_is_what_was_packed(void **state)
         }
     }
     assert_int_equal(conus_atlas_context_surface_count(opened), 1);
+    assert_int_equal(conus_atlas_note_count(opened), conus_atlas_note_count(first)); /* it is not called old */
     assert_int_equal(opened->tractograms[0].point_count, first->tractograms[0].point_count);
     assert_fails(conus_atlas_save(pack_path, opened, NULL), CONUS_ERROR_ARGUMENT);
     assert_fails(conus_atlas_save("x.nii", first, NULL), CONUS_ERROR_ARGUMENT);
     assert_null(conus_atlas_pack_info(first));
     conus_atlas_destroy(opened);
     conus_atlas_destroy(first);
+    struct bytes again = make_pack(); /* nothing of this process's memory is in it */
+    assert_int_equal(again.size, bytes.size);
+    assert_memory_equal(again.data, bytes.data, bytes.size);
+    bytes_finish(&again);
     bytes_finish(&bytes);
 }
 
@@ -102,25 +110,115 @@ static void every_cut_is_refused(void **state)
     bytes_finish(&bytes);
 }
 
+/* Packs of unlike kinds: voxels, streamlines, and something of everything. */
+static const char *const kinds[][2] = {{"nested", "nested.nii.gz"}, {"bundle", "bundle.atlas.json"}, {NULL, NULL}};
+enum { KINDS = 3, FLIPS = 100000 };
+
+/* What is asked of a pack, and its answer. */
+struct attacked {
+    struct bytes bytes;
+    int file; /* the pack on the disk, which is changed in place */
+    char *answer;
+};
+
+/* All that a question and the list of objects say; NULL without memory. */
+static char *answer_of(const conus_atlas *atlas)
+{
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_report *report = NULL;
+    conus_pose pose;
+    const char *text;
+    size_t size;
+    struct buffer out = {0};
+    const conus_selector_options options = {.resolution = 8, .engine = CONUS_ENGINE_RAYS, .layers = CONUS_LAYERS_ALL};
+    assert_ok(conus_selector_create(&selector, atlas, &options));
+    assert_ok(conus_pose_toward(&pose, (double[]){3, -30, 2}, (double[]){0, 0, 0}, NULL));
+    assert_ok(conus_select(&selection, selector, &pose, 0.5));
+    assert_ok(conus_report_create(&report, selector, &(const conus_report_options){.format = CONUS_FORMAT_TSV}));
+    assert_ok(conus_report_add(report, "1", selection));
+    assert_ok(conus_report_text(&text, &size, report));
+    buffer_append(&out, text, size + 1);
+    conus_report_destroy(report);
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    assert_ok(buffer_status(&out));
+    return out.data;
+}
+
+static void begin_attack(struct attacked *out, size_t kind)
+{
+    char path[500];
+    conus_atlas *atlas = NULL;
+    if (kinds[kind][0]) {
+        keep_path(kinds[kind][0]);
+        assert_ok(
+            conus_phantom_write(kinds[kind][0], pack_path, &(const conus_phantom_options){.size = kind ? 0 : 16}));
+        snprintf(path, sizeof path, "%s/%s", pack_path, kinds[kind][1]);
+        assert_ok(conus_atlas_load(&atlas, path, NULL));
+        keep_path("attacked.conus");
+        assert_ok(conus_atlas_save(pack_path, atlas, &(const conus_save_options){.words = "conus pack it"}));
+        conus_atlas_destroy(atlas);
+    } else {
+        struct bytes bytes = make_pack();
+        bytes_finish(&bytes);
+    }
+    *out = (struct attacked){.file = open(pack_path, O_RDWR)};
+    assert_ok(file_read(&out->bytes, pack_path, UINT32_MAX));
+    assert_ok(conus_atlas_load(&atlas, pack_path, NULL));
+    out->answer = answer_of(atlas);
+    assert_non_null(strchr(strchr(out->answer, '\n') + 1, '\n')); /* a row */
+    conus_atlas_destroy(atlas);
+}
+
+static void end_attack(struct attacked *attacked)
+{
+    assert_int_equal(close(attacked->file), 0);
+    memory_free(attacked->answer);
+    bytes_finish(&attacked->bytes);
+}
+
+static void put_at(const struct attacked *attacked, const void *data, size_t size, size_t at)
+{
+    assert_int_equal(pwrite(attacked->file, data, size, (off_t)at), (ssize_t)size);
+}
+
+/* An error that names the file and says what it is about, or the right answer; gives whether it is an error. */
+static bool is_refused_or_right(const struct attacked *attacked)
+{
+    conus_atlas *atlas = NULL;
+    conus_status status = conus_atlas_load(&atlas, pack_path, NULL);
+    if (status) {
+        assert_int_equal(status, CONUS_ERROR_DATA);
+        assert_memory_equal(conus_message(), pack_path, strlen(pack_path));
+        return true;
+    }
+    char *answer = answer_of(atlas);
+    assert_string_equal(answer, attacked->answer);
+    memory_free(answer);
+    conus_atlas_destroy(atlas);
+    return false;
+}
+
 static void every_flipped_bit_is_refused(void **state)
 {
     (void)state;
-    struct bytes bytes = make_pack();
     uint64_t random = 1;
-    for (size_t bit = 0; bit < 8 * (sizeof(struct pack_head) + sizeof(uint64_t)); bit += bit < 2048 ? 1 : 97) {
-        bytes.data[bit / 8] ^= (uint8_t)(1 << bit % 8);
-        assert_fails(open_bytes(&bytes), CONUS_ERROR_DATA);
-        bytes.data[bit / 8] ^= (uint8_t)(1 << bit % 8);
+    for (size_t kind = 0; kind < KINDS; kind++) {
+        struct attacked attacked;
+        begin_attack(&attacked, kind);
+        size_t every = test_cases(FLIPS) / KINDS + 1;
+        for (size_t i = 0; i < every; i++) {
+            random = random * UINT64_C(6364136223846793005) + 1442695040888963407;
+            size_t bit = (size_t)(random >> 20) % (8 * (i % 8 ? attacked.bytes.size : PACK_PAGE));
+            uint8_t flipped = attacked.bytes.data[bit / 8] ^ (uint8_t)(1 << bit % 8);
+            put_at(&attacked, &flipped, 1, bit / 8);
+            assert_true(is_refused_or_right(&attacked));
+            put_at(&attacked, attacked.bytes.data + bit / 8, 1, bit / 8);
+        }
+        assert_false(is_refused_or_right(&attacked));
+        end_attack(&attacked);
     }
-    for (size_t i = 0; i < test_cases(100000); i++) {
-        random = random * UINT64_C(6364136223846793005) + 1442695040888963407;
-        size_t bit = (size_t)(random >> 20) % (8 * bytes.size);
-        bytes.data[bit / 8] ^= (uint8_t)(1 << bit % 8);
-        assert_fails(open_bytes(&bytes), CONUS_ERROR_DATA);
-        bytes.data[bit / 8] ^= (uint8_t)(1 << bit % 8);
-    }
-    assert_ok(open_bytes(&bytes));
-    bytes_finish(&bytes);
 }
 
 /* Writes a head whose sum is right. */
@@ -128,6 +226,53 @@ static void set_head(struct bytes *bytes, struct pack_head head)
 {
     head.crc = libdeflate_crc32(0, &head, offsetof(struct pack_head, crc));
     memcpy(bytes->data, &head, sizeof head);
+}
+
+#define FIELD(member, decides)                                                                                         \
+    {                                                                                                                  \
+        offsetof(struct pack_head, member), sizeof(((struct pack_head *)0)->member), decides                           \
+    }
+
+static void each_field_of_the_head_is_refused_or_means_nothing(void **state)
+{
+    (void)state;
+    static const struct {
+        size_t at, size;
+        bool decides; /* another value is always refused */
+    } fields[] = {FIELD(magic, true),         FIELD(format, true),    FIELD(byte_order, true),  FIELD(layout, true),
+                  FIELD(size, true),          FIELD(words.at, false), FIELD(words.size, false), FIELD(sources.at, true),
+                  FIELD(sources.size, false), FIELD(atlas.at, true),  FIELD(atlas.size, false), FIELD(sums.at, true),
+                  FIELD(sums.size, true),     FIELD(sha256, false),   FIELD(sums_crc, true),    FIELD(readers, false),
+                  FIELD(version, false),      FIELD(rest, false)};
+    for (size_t kind = 0; kind < KINDS; kind++) {
+        struct attacked attacked;
+        begin_attack(&attacked, kind);
+        struct bytes head = {.data = memory_copy(attacked.bytes.data, PACK_PAGE, 1), .size = PACK_PAGE};
+        for (size_t f = 0; f < sizeof fields / sizeof *fields; f++) {
+            uint8_t *field = head.data + fields[f].at;
+            for (int how = 0; how < 5; how++) { /* nothing, all, a byte more, a page less, far away */
+                memset(field, how == 1 ? 0xff : 0, how < 2 ? fields[f].size : 0);
+                field[0] = (uint8_t)(field[0] + (how == 2));
+                field[1] = (uint8_t)(field[1] - (how == 3 ? PACK_PAGE / 256 : 0));
+                field[fields[f].size - 1] ^= how == 4 ? 0x40 : 0;
+                struct pack_head changed;
+                memcpy(&changed, head.data, sizeof changed);
+                set_head(&head, changed);
+                put_at(&attacked, head.data, PACK_PAGE, 0);
+                bool is_other = memcmp(head.data, attacked.bytes.data, offsetof(struct pack_head, crc)) != 0;
+                bool is_refused = is_refused_or_right(&attacked);
+                assert_true(is_refused || !is_other || !fields[f].decides);
+                memcpy(head.data, attacked.bytes.data, PACK_PAGE);
+            }
+        }
+        put_at(&attacked, head.data, PACK_PAGE, 0);
+        for (size_t k = 40; k-- > 0;) { /* cuts */
+            assert_int_equal(ftruncate(attacked.file, (off_t)(attacked.bytes.size * k / 40)), 0);
+            assert_true(is_refused_or_right(&attacked));
+        }
+        bytes_finish(&head);
+        end_attack(&attacked);
+    }
 }
 
 static void other_heads_are_refused_by_what_they_say(void **state)
@@ -215,6 +360,59 @@ static void no_number_leads_out_of_a_pack_with_right_sums(void **state)
     bytes_finish(&bytes);
 }
 
+/* The second object is made one of a surface, so the volume's numbers have a gap. */
+static void a_volume_has_numbers_of_its_own_objects_only(void **state)
+{
+    (void)state;
+    struct bytes bytes = make_pack();
+    conus_atlas *atlas = NULL;
+    assert_ok(conus_atlas_load(&atlas, pack_path, NULL));
+    struct volume *volume = &atlas->volumes[0];
+    uint16_t *numbers = memory_copy(volume->objects16, volume->voxel_count, sizeof *numbers);
+    const uint16_t *packed = volume->objects16;
+    assert_non_null(numbers);
+    assert_ok(pack_check_atlas(atlas));
+    atlas->places[1].is_mesh = true;
+    assert_fails(pack_check_atlas(atlas), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "volume 0 (from 0): a voxel has an object that is not in it"));
+    for (size_t v = 0; v < volume->voxel_count; v++) {
+        numbers[v] = numbers[v] == 2 ? 0 : numbers[v];
+    }
+    volume->objects16 = numbers;
+    assert_ok(pack_check_atlas(atlas));
+    volume->objects16 = (uint16_t *)packed;
+    memory_free(numbers);
+    conus_atlas_destroy(atlas);
+    bytes_finish(&bytes);
+}
+
+/* Behind the first PACK_CHUNK, too, with its place. */
+static void damage_far_behind_is_found(void **state)
+{
+    (void)state;
+    char path[400];
+    uint8_t byte;
+    conus_atlas *atlas = NULL;
+    snprintf(path, sizeof path, "%s", test_scratch("large"));
+    assert_ok(conus_phantom_write("sphere", path, &(const conus_phantom_options){.size = 192}));
+    snprintf(path, sizeof path, "%s/sphere.nii.gz", test_scratch("large"));
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    keep_path("large.conus");
+    assert_ok(conus_atlas_save(pack_path, atlas, NULL));
+    conus_atlas_destroy(atlas);
+    assert_ok(conus_atlas_load(&atlas, pack_path, NULL));
+    conus_atlas_destroy(atlas);
+    int file = open(pack_path, O_RDWR);
+    const off_t at = PACK_PAGE + PACK_CHUNK + 5;
+    assert_int_equal(pread(file, &byte, 1, at), 1);
+    byte ^= 4;
+    assert_int_equal(pwrite(file, &byte, 1, at), 1);
+    close(file);
+    assert_fails(conus_atlas_load(&atlas, pack_path, NULL), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "is damaged between the bytes 16781312 and "));
+    unlink(pack_path);
+}
+
 static conus_status load_atlas(void *data)
 {
     conus_atlas *atlas = NULL;
@@ -278,7 +476,19 @@ static void sources_are_looked_for_and_compared(void **state)
     snprintf(pack_path, sizeof pack_path, "%s/s.conus", folder);
     assert_ok(conus_atlas_save(pack_path, atlas, &(const conus_save_options){.words = "words"}));
     assert_states(pack_path, "same same");
+    char far[320];
+    char below[320];
+    snprintf(far, sizeof far, "%s", test_scratch("far.conus"));
+    snprintf(below, sizeof below, "%s/below", folder);
+    assert_int_equal(mkdir(below, 0700), 0);
+    snprintf(below, sizeof below, "%s/below/s.conus", folder);
+    assert_ok(conus_atlas_save(below, atlas, &(const conus_save_options){.words = "words"}));
+    assert_int_equal(rename(below, far), 0); /* the pack alone: by their whole paths */
+    assert_states(far, "same same");
+    assert_int_equal(rename(far, below), 0);
     assert_int_equal(rename(folder, moved), 0); /* together */
+    snprintf(below, sizeof below, "%s/below/s.conus", moved);
+    assert_states(below, "same same");
     snprintf(pack_path, sizeof pack_path, "%s/s.conus", moved);
     assert_states(pack_path, "same same");
     snprintf(names, sizeof names, "%s/sphere.tsv", moved);
@@ -355,8 +565,11 @@ TEST_GROUP(pack_file)
         cmocka_unit_test(what_is_opened_is_what_was_packed),
         cmocka_unit_test(every_cut_is_refused),
         cmocka_unit_test(every_flipped_bit_is_refused),
+        cmocka_unit_test(each_field_of_the_head_is_refused_or_means_nothing),
         cmocka_unit_test(other_heads_are_refused_by_what_they_say),
         cmocka_unit_test(no_number_leads_out_of_a_pack_with_right_sums),
+        cmocka_unit_test(a_volume_has_numbers_of_its_own_objects_only),
+        cmocka_unit_test(damage_far_behind_is_found),
         cmocka_unit_test(every_failing_allocation_is_an_error),
         cmocka_unit_test(sources_are_looked_for_and_compared),
         cmocka_unit_test(a_source_that_changed_before_it_was_packed_is_an_error),

@@ -16,6 +16,7 @@
 #include <math.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <zlib.h>
 
 /* Packs into pages that cannot be written to. */
 static struct block pack(const conus_atlas *atlas)
@@ -389,11 +390,11 @@ static void what_is_no_packed_atlas_is_refused(void **state)
 }
 
 /* Every byte of the head gets every other value; and each eight bytes get numbers near the largest, which overflow
- * where they are rounded up. */
+ * where they are rounded up. With a right checksum, an end of the small things that comes too early is seen, too. */
 static void a_damaged_head_is_refused(void **state)
 {
     (void)state;
-    enum { HEAD = 56 };
+    enum { CRC = 24, LAYOUT = 32, SMALL_END = 40, HEAD = 56 };
     uint64_t random = 8;
     conus_atlas *attached = NULL;
     conus_atlas *atlas = mixed_atlas(&random, 1);
@@ -416,6 +417,19 @@ static void a_damaged_head_is_refused(void **state)
         }
         memcpy(block.memory + i, &right, sizeof right);
     }
+    uint64_t end;
+    memcpy(&end, block.memory + SMALL_END, sizeof end);
+    for (uint64_t early = end + 1; early-- > HEAD;) {
+        memcpy(block.memory + SMALL_END, &early, sizeof early);
+        uint64_t crc = crc32_z(0, block.memory + LAYOUT, early - LAYOUT);
+        memcpy(block.memory + CRC, &crc, sizeof crc);
+        if (early < end) {
+            assert_fails(conus_atlas_attach(&attached, block.memory, block.size), CONUS_ERROR_DATA);
+        }
+    }
+    memcpy(block.memory + SMALL_END, &end, sizeof end);
+    uint64_t crc = crc32_z(0, block.memory + LAYOUT, end - LAYOUT);
+    memcpy(block.memory + CRC, &crc, sizeof crc);
     assert_null(attached);
     assert_ok(conus_atlas_attach(&attached, block.memory, block.size));
     conus_atlas_destroy(attached);
