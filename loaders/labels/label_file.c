@@ -13,15 +13,15 @@ enum {
     LABEL_GROWTH = 64, /* bytes that a byte of a table may become */
 };
 
-uint64_t label_file_limit(uint64_t max_memory)
+uint64_t label_file_limit(const struct job *job)
 {
-    uint64_t allowed = max_memory / LABEL_GROWTH;
-    return max_memory && allowed < LABEL_FILE_LIMIT ? allowed : LABEL_FILE_LIMIT;
+    uint64_t allowed = job->max_memory / LABEL_GROWTH;
+    return job->max_memory && allowed < LABEL_FILE_LIMIT ? allowed : LABEL_FILE_LIMIT;
 }
 
-struct bytes label_file_bytes(struct job *job, const char *path, uint64_t max_memory)
+struct bytes label_file_bytes(struct job *job, const char *path)
 {
-    uint64_t limit = label_file_limit(max_memory);
+    uint64_t limit = label_file_limit(job);
     size_t place = job_in(job, path, JOB_ALONE);
     struct bytes bytes = job_read(job, path, limit, limit < LABEL_FILE_LIMIT ? FILE_MAX_MEMORY : "");
     job_out(job, place);
@@ -43,7 +43,7 @@ static void apply_colours(struct job *job, struct label_table *table, struct tex
     struct label_table *colours = labels_new(job);
     struct attempt silent = job_try(job); /* nobody hears of a number that is there twice */
     label_text_parse(job, colours, &label_format_colours, text, &(struct label_use){0});
-    labels_hush(job, &silent);
+    attempt_end(job, &silent, ATTEMPT_SILENT);
     for (size_t i = 0; job_ok(job) && i < table->count; i++) {
         const struct label *colour = label_table_find(colours, table->entries[i].number);
         if (colour) {
@@ -58,7 +58,7 @@ bool label_file_colours(struct job *job, struct label_table *table, const char *
     if (!job_has_file(job, path)) {
         return false;
     }
-    struct bytes bytes = label_file_bytes(job, path, 0);
+    struct bytes bytes = label_file_bytes(job, path);
     struct text text = text_from_bytes(bytes.data, bytes.size);
     bool is_lut = label_is_lut(bytes.data, bytes.size);
     bool has_colours = is_lut || label_format_of(text) == &label_format_colours;
@@ -125,7 +125,7 @@ void label_file_read(struct job *job, struct label_table *out, const char **form
     struct label_table *table = labels_new(job);
     const char *name = NULL;
     const char *path = label_path_split(job, use.columns, text);
-    struct bytes bytes = label_file_bytes(job, path, use.max_memory);
+    struct bytes bytes = label_file_bytes(job, path);
     const struct file_kind *kind = job_ok(job) ? foreign_kind(path, &bytes) : NULL;
     use.path = path;
     size_t place = job_in(job, path, JOB_ALONE);

@@ -400,7 +400,7 @@ static bool may_be_mesh(struct job *job, const char *path)
     struct attempt attempt = job_try(job); /* another reader says what is wrong */
     bool may_be = JOB_CALL(job, file_read_head(&head, path, HDF5_HEAD)) && hdf5_is(head.data, head.size) &&
                   !text_mentions((struct text){(const char *)head.data, head.size}, "minc-2.0");
-    (void)job_tried(job, &attempt);
+    (void)attempt_end(job, &attempt, ATTEMPT_TRY);
     bytes_finish(&head);
     return may_be;
 }

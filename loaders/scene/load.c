@@ -199,8 +199,8 @@ static void load_cifti(struct load *load, const char *path)
     if (labels) {
         job_fail(job, CONUS_ERROR_ARGUMENT, "--labels %s: %s names its labels itself", labels, path);
     }
-    (void)JOB_CALL(job, cifti_file_open(&file, path, load->options->max_memory, &job->notes));
-    plan_cifti(job, &manifest, &file, load->options->max_memory);
+    (void)JOB_CALL(job, cifti_file_open(&file, path, job->max_memory, &job->notes));
+    plan_cifti(job, &manifest, &file);
     const char *name = job_format(job, "%s", file.path ? file.path : "");
     cifti_file_finish(&file); /* before the surfaces need memory */
     manifest_load_made(load, &manifest, name, "the label table in it");
@@ -214,7 +214,7 @@ static const char atlas_needed[] =
 
 static void report_only_file(struct load *load, const char *path)
 {
-    load->total = 1;
+    load->job.total = 1;
     load_report(load, path, 1);
 }
 
@@ -311,7 +311,7 @@ static bool is_probabilistic(struct job *job, const struct open_file *file)
     (void)JOB_CALL(job, file_read_open(&bytes, file, SIZE_MAX, FSL_ATLAS_LIMIT, ""));
     const struct fsl_atlas *atlas = fsl_atlas_parse(job, text_from_bytes(bytes.data, bytes.size));
     const bool is = job_ok(job) && !atlas->is_label;
-    (void)job_dropped(job, &attempt);
+    (void)attempt_end(job, &attempt, ATTEMPT_DROP);
     bytes_finish(&bytes);
     return is;
 }

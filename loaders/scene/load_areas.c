@@ -61,7 +61,7 @@ static void hand_out_parts(struct surfaces *surfaces, const struct labelled_surf
 
 static void cut_labelled(struct surfaces *surfaces, struct labelled_surface *labelled)
 {
-    const struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->plan->max_memory};
+    const struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->load->job.max_memory};
     struct vertex_labels *labels = &labelled->labels;
     struct mesh mesh = {0};
     struct mesh_parts parts = {0};
@@ -92,7 +92,8 @@ static void cut_labelled(struct surfaces *surfaces, struct labelled_surface *lab
 static void read_foreign(struct surfaces *surfaces, bool placed)
 {
     struct planned_area *areas = surfaces->plan->areas.at;
-    const struct mesh_foreign_options options = {placed ? MESH_SPACE_RAS : surfaces->space, surfaces->plan->max_memory};
+    const struct mesh_foreign_options options = {placed ? MESH_SPACE_RAS : surfaces->space,
+                                                 surfaces->load->job.max_memory};
     struct mesh *received = job_zeroed(surfaces->job, surfaces->count, sizeof *received);
     const char **paths = job_zeroed(surfaces->job, surfaces->count, sizeof *paths);
     size_t n = 0;
@@ -120,7 +121,7 @@ static void read_foreign(struct surfaces *surfaces, bool placed)
 static void read_own(struct surfaces *surfaces, size_t i)
 {
     struct planned_area *area = &surfaces->plan->areas.at[i];
-    const struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->plan->max_memory};
+    const struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->load->job.max_memory};
     struct label said = {0};
     const size_t mark = job_in(surfaces->job, "areas", area->entry);
     load_report(surfaces->load, area->path, 1);

@@ -77,11 +77,11 @@ void context_load(struct job *job, conus_atlas *atlas, const char *path, const c
     volume_file_finish(&file);
 }
 
-bool context_is_plain(struct job *job, const conus_atlas *atlas, const char *path, uint64_t max_memory)
+bool context_is_plain(struct job *job, const conus_atlas *atlas, const char *path)
 {
     conus_volume_info info;
     struct notes notes = {0};
-    if (JOB_CALL(job, volume_file_grid(&info, path, max_memory, &notes))) {
+    if (JOB_CALL(job, volume_file_grid(&info, path, job->max_memory, &notes))) {
         const struct fit_box grid = fit_box_of_grid(&info);
         (void)JOB_CALL(job, fit_note_context(&notes, atlas, path, &grid));
     }

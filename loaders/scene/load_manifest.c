@@ -184,15 +184,15 @@ static void place_ccf(const struct scene *scene, const struct area_plan *plan)
 static void load_areas(const struct scene *scene)
 {
     struct load *load = scene->load;
-    struct area_plan plan = {.max_memory = load->options->max_memory};
+    struct area_plan plan = {0};
     const struct job_mark mark = job_mark(scene->job);
     area_plan_make(scene->job, &plan, scene->manifest, scene->path);
     const size_t planned = area_plan_files(&plan);
-    load->total = manifest_file_count(scene->manifest) + planned;
-    struct load_aside aside = load_put_aside(load);
+    load->job.total = manifest_file_count(scene->manifest) + planned;
+    struct deferred_notes deferred = load_defer_notes(load);
     create_atlas(scene, &plan);
-    load_put_back(load, &aside);
-    load->total -= planned - area_plan_files(&plan); /* the parcellation may have them */
+    load_release_notes(load, &deferred);
+    load->job.total -= planned - area_plan_files(&plan); /* the parcellation may have them */
     place_ccf(scene, &plan);
     if (scene->file && path_base(scene->path)[0]) {
         (void)JOB_CALL(scene->job, atlas_add_file(load->atlas, scene->path, scene->file));
@@ -258,7 +258,7 @@ static struct fsl_maps open_fsl(const struct scene *scene, const struct manifest
         load_at(load, maps.image->path);
         (void)JOB_CALL(scene->job, notes_move(&scene->job->notes, maps.notes));
         atlas_take(scene->job, load->atlas);
-        load->total += maps.labels->count - 1; /* it counted as one so far */
+        load->job.total += maps.labels->count - 1; /* it counted as one so far */
     }
     return maps;
 }
@@ -454,8 +454,7 @@ static bool is_left_out(const struct scene *scene, const struct manifest_context
     const char *file = path_of(scene, entry->source.file);
     return job_ok(scene->job) && options->without_context && !(entry->blocks > 0) &&
            !scene->manifest->transforms.count && scene->load->atlas->volume_count && !mesh_file_is(path) &&
-           ((!file_exists(file) && !file_is_folder(file)) ||
-            context_is_plain(scene->job, scene->load->atlas, path, options->max_memory));
+           ((!file_exists(file) && !file_is_folder(file)) || context_is_plain(scene->job, scene->load->atlas, path));
 }
 
 static void set_context(struct scene *scene, size_t i)
@@ -508,7 +507,7 @@ static void load_scene(struct scene *scene)
         return;
     }
     scene->job = &load->job;
-    struct load_aside aside = load_put_aside(load);
+    struct deferred_notes deferred = load_defer_notes(load);
     const size_t place = scene->maps ? load->job.depth : job_in(&load->job, scene->path, JOB_ALONE);
     load_areas(scene);
     add_entries(scene, "probabilities", manifest->maps.count, true, add_areas);
@@ -521,7 +520,7 @@ static void load_scene(struct scene *scene)
         load->atlas->brain = manifest->brain;
     }
     job_out(&load->job, place);
-    load_put_back(load, &aside);
+    load_release_notes(load, &deferred);
 }
 
 void manifest_load(struct load *load, const char *path, const struct bytes *file)
@@ -572,7 +571,7 @@ static void warn_of_table(struct load *load)
     const struct label_volume volume = {.info = &load->atlas->volumes[0].info};
     const struct attempt attempt = job_try(job);
     label_table_of_volume(job, table, &source, &volume, NULL);
-    (void)job_dropped(job, &attempt);
+    (void)attempt_end(job, &attempt, ATTEMPT_DROP);
     if (job_ok(job) && table->count) {
         job_note(job, "%s: its values are stated to be probabilities, so %s, which names %zu labels, is not used",
                  path_base(volume.info->path), source, table->count);

@@ -111,8 +111,8 @@ static bool is_used(const struct manifest_draft *draft, const char *name)
  * XML has taken the volume. The log says why it is not the XML. */
 static const char *choose_file(struct job *job, const struct manifest_draft *draft, const char *xml)
 {
-    struct job trial = {0}; /* what does not load says so when it is tried */
-    const conus_load_options options = {.max_memory = draft->options->max_memory};
+    struct job trial = {.max_memory = job->max_memory}; /* what does not load says so when it is tried */
+    const conus_load_options options = {.max_memory = job->max_memory};
     const char *chosen = xml;
     struct parcellation *parts = job_new(&trial, struct parcellation);
     parcellation_read(&trial, parts, job_beside(&trial, draft->folder, xml), &options, "an atlas XML");
@@ -294,8 +294,8 @@ static void take_volumes(struct job *job, const struct manifest_draft *draft, co
 /* Whether the table beside the file and its values make it an atlas of probabilities by itself. */
 static bool is_probable(struct job *job, const struct manifest_draft *draft, const char *name)
 {
-    const conus_load_options options = {.max_memory = draft->options->max_memory};
-    struct job trial = {0};
+    const conus_load_options options = {.max_memory = job->max_memory};
+    struct job trial = {.max_memory = job->max_memory};
     struct probe probe = {0};
     const char *path = job_beside(&trial, draft->folder, name);
     (void)JOB_CALL(&trial, probe_open(&probe, path));
@@ -374,8 +374,8 @@ static const char *guess_role(struct job *job, struct volume_guess *out, const s
                               const char *name)
 {
     struct attempt attempt = job_try(job);
-    volume_guess_make(job, out, job_beside(job, draft->folder, name), draft->options->max_memory);
-    return job_tried(job, &attempt);
+    volume_guess_make(job, out, job_beside(job, draft->folder, name));
+    return attempt_end(job, &attempt, ATTEMPT_TRY);
 }
 
 static void look_at_volume(struct job *job, struct manifest_draft *draft, const char *name)
@@ -427,12 +427,12 @@ static void take_labelled(struct job *job, struct manifest_draft *draft, const s
 /* Takes voxels and surfaces from a .dlabel.nii: whether it could be read. */
 static bool take_cifti(struct job *job, struct manifest_draft *draft, const char *name)
 {
-    struct job trial = {0};
+    struct job trial = {.max_memory = job->max_memory};
     struct cifti_file file = {0};
     struct manifest manifest = {0};
-    uint64_t max_memory = draft->options->max_memory;
-    (void)JOB_CALL(&trial, cifti_file_open(&file, job_beside(&trial, draft->folder, name), max_memory, &trial.notes));
-    plan_cifti(&trial, &manifest, &file, max_memory);
+    const char *path = job_beside(&trial, draft->folder, name);
+    (void)JOB_CALL(&trial, cifti_file_open(&file, path, trial.max_memory, &trial.notes));
+    plan_cifti(&trial, &manifest, &file);
     const char *why = find_fault(job, &trial);
     if (why) {
         manifest_draft_leave_out(job, draft, name, why);
@@ -617,13 +617,14 @@ static void write_manifest(struct job *job, const char *path, const char *folder
 
 conus_status conus_manifest_write(const char *path, const conus_manifest_options *options)
 {
-    struct job job = {0};
     if (!path || !path[0]) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_manifest_write: a path is needed");
     }
+    options = options_of(conus_manifest_options, options);
+    struct job job = {.max_memory = options->max_memory};
     char *folder = path_folder(path);
     if (job_need(&job, folder)) {
-        write_manifest(&job, path, folder, options_of(conus_manifest_options, options));
+        write_manifest(&job, path, folder, options);
     }
     memory_free(folder);
     return job_close(&job, NULL, NULL);
