@@ -161,7 +161,8 @@ static uint8_t *move_window(struct reader *r, size_t left, size_t count)
     bool moves = source->capacity < count || is_first_full || BLOCKS_MOVE;
     size_t capacity = moves ? count + (source->window ? BLOCK : FIRST) : source->capacity;
     uint8_t *window = moves ? memory_raw(capacity, 1) : source->window;
-    if (!job_need(r->job, window)) {
+    if (!window) {
+        job_need(r->job, window);
         return NULL;
     }
     if (left) {

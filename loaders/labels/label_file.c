@@ -3,8 +3,8 @@
 #include "loaders/labels/label_file.h"
 
 #include "base/files/folder.h"
-#include "loaders/formats/formats.h"
 #include "loaders/labels/label_format.h"
+#include "sources/source.h"
 
 #include <string.h>
 
@@ -98,23 +98,20 @@ char *label_path_split(struct job *job, struct text columns[2], const char *text
     return job_copy(job, (struct text){text, found ? (size_t)(at - text) : strlen(text)});
 }
 
-/* The kind of a file that is certainly no table, else NULL: then the parser of tables says more. */
-static const struct file_kind *foreign_kind(const char *path, const struct bytes *bytes)
+/* The format of a file that is certainly no table, else NULL: then the parser of tables says more. */
+static const struct format *find_foreign(struct job *job, const char *path, const struct bytes *bytes)
 {
-    bool table = label_is_lut(bytes->data, bytes->size) || label_format_of(text_from_bytes(bytes->data, bytes->size));
-    static const struct file_kind packed_table = {.words = "a label table packed with gzip", .way = "unpack it"};
-    struct bytes head = {bytes->data, bytes->size < FILE_KIND_HEAD ? bytes->size : FILE_KIND_HEAD};
-    struct bytes unpacked = {0};
-    if (!table && format_unpack_head(&unpacked, bytes)) {
-        head = unpacked;
+    static const struct format packed_table = {.words = "a label table packed with gzip", .way = "unpack it"};
+    struct source source = {0};
+    if (!bytes->size || label_is_lut(bytes->data, bytes->size) ||
+        label_format_of(text_from_bytes(bytes->data, bytes->size)) || !JOB_CALL(job, source_of(&source, path, bytes))) {
+        return NULL;
     }
-    const struct file_kind *kind = table || !bytes->size ? NULL : format_find(path, &head);
-    if (unpacked.size && kind && kind->certainty != KIND_CERTAIN &&
-        label_format_of(text_from_bytes(unpacked.data, unpacked.size))) {
-        kind = &packed_table;
-    }
-    bytes_finish(&unpacked);
-    return kind && kind->certainty != KIND_VAGUE ? kind : NULL;
+    const struct format *format = format_find(&source.head, 0);
+    const bool is_table = source.unpacked.size && format && format->certainty != KIND_CERTAIN &&
+                          label_format_of(text_from_bytes(source.unpacked.data, source.unpacked.size));
+    source_close(&source);
+    return is_table ? &packed_table : format && format->certainty != KIND_VAGUE ? format : NULL;
 }
 
 void label_file_read(struct job *job, struct label_table *out, const char **format, const char *text,
@@ -126,11 +123,11 @@ void label_file_read(struct job *job, struct label_table *out, const char **form
     const char *name = NULL;
     const char *path = label_path_split(job, use.columns, text);
     struct bytes bytes = label_file_bytes(job, path);
-    const struct file_kind *kind = job_ok(job) ? foreign_kind(path, &bytes) : NULL;
+    const struct format *foreign = find_foreign(job, path, &bytes);
     use.path = path;
     size_t place = job_in(job, path, JOB_ALONE);
-    if (kind) {
-        (void)JOB_CALL(job, format_fail(kind, &bytes, "a label table"));
+    if (foreign) {
+        (void)JOB_CALL(job, format_refuse(foreign, &bytes, "a label table"));
     } else {
         label_bytes_parse(job, table, &name, bytes.data, bytes.size, &use);
     }

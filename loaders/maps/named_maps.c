@@ -56,7 +56,7 @@ static struct named_maps name_one(struct job *job, const struct volume_selector 
     return (struct named_maps){job_ok(job) ? table : &no_table, "the file's name", NULL, selector->chosen, true};
 }
 
-struct named_maps named_maps_find(struct job *job, const struct probe *probe, const char *path,
+struct named_maps named_maps_find(struct job *job, const struct source *source, const char *path,
                                   const conus_load_options *options)
 {
     struct named_maps maps = {.table = &no_table};
@@ -65,8 +65,8 @@ struct named_maps named_maps_find(struct job *job, const struct probe *probe, co
     struct attempt attempt = job_try(job); /* its reader says what is wrong with it */
     bool is_volume = JOB_CALL(job, volume_selector_parse(&selector, path)) &&
                      !options->labels_anyway && /* each volume is one of labels */
-                     probe->reader == READER_VOLUME && probe->first != '<';
-    bool has_header = is_volume && probe->is_open && JOB_CALL(job, volume_bytes_header(&info, path, &probe->stored));
+                     source_scene(source) == FORMAT_OTHER && source_first(source) != '<';
+    bool has_header = is_volume && source->is_open && JOB_CALL(job, volume_bytes_header(&info, path, &source->stored));
     (void)attempt_end(job, &attempt, ATTEMPT_TRY);
     bool stated = is_volume && (options->probability > 0 || named_maps_is_probseg(selector.path));
     if (!selector.chosen && has_header && info.volume_count > 1) {

@@ -8,6 +8,7 @@
 #include "loaders/scene/area_plan.h"
 #include "loaders/scene/parcellations.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
+#include "sources/source.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -66,7 +67,7 @@ static void cut_labelled(struct surfaces *surfaces, struct labelled_surface *lab
     struct mesh mesh = {0};
     struct mesh_parts parts = {0};
     load_report(surfaces->load, labelled->path, 1);
-    if (!mesh_file_keeps_vertices(labelled->path)) {
+    if (!mesh_format_keeps_vertices(source_format(surfaces->job, labelled->path, ROLE_SURFACE))) {
         job_refuse(surfaces->job, "vertex_labels: %s: a surface that numbers its vertices is needed, any but STL",
                    path_base(labelled->path));
     }
@@ -140,7 +141,8 @@ static void read_all(struct surfaces *surfaces)
     }
     for (size_t i = 0; i < surfaces->count; i++) {
         const struct planned_area *area = &plan->areas.at[i];
-        surfaces->is_foreign[i] = !area->surface && mesh_file_is_foreign(area->path);
+        surfaces->is_foreign[i] =
+            !area->surface && mesh_format_is_foreign(source_format(surfaces->job, area->path, ROLE_SURFACE));
     }
     const size_t mark = job_in(surfaces->job, "areas", JOB_ALONE);
     read_foreign(surfaces, true);

@@ -17,6 +17,7 @@
 #include "loaders/scene/load_streamlines.h"
 #include "loaders/scene/load_transform.h"
 #include "loaders/scene/parcellations.h"
+#include "sources/source.h"
 
 #include <string.h>
 
@@ -421,7 +422,7 @@ static void add_bundles(struct scene *scene, size_t i)
 /* What keeps the file `path` from being the context that the entry describes; NULL = nothing. */
 static const char *refuse_context(const struct scene *scene, const struct manifest_context *entry, const char *path)
 {
-    if (mesh_file_is(path)) {
+    if (source_format(scene->job, path, ROLE_SURFACE)) {
         return entry->transfer     ? "transfer: is for volumes, this is a surface"
                : entry->blocks > 0 ? "blocks: only voxels of a volume do, this is a surface"
                : entry->moves      ? "moves: a surface is where poses are"
@@ -453,7 +454,8 @@ static bool is_left_out(const struct scene *scene, const struct manifest_context
     const conus_load_options *options = scene->load->options;
     const char *file = path_of(scene, entry->source.file);
     return job_ok(scene->job) && options->without_context && !(entry->blocks > 0) &&
-           !scene->manifest->transforms.count && scene->load->atlas->volume_count && !mesh_file_is(path) &&
+           !scene->manifest->transforms.count && scene->load->atlas->volume_count &&
+           !source_format(scene->job, path, ROLE_SURFACE) &&
            ((!file_exists(file) && !file_is_folder(file)) || context_is_plain(scene->job, scene->load->atlas, path));
 }
 
@@ -471,7 +473,7 @@ static void set_context(struct scene *scene, size_t i)
     }
     const char *path = source_path(scene, &entry->source);
     load_report(load, path, 1);
-    const bool is_image = job_ok(scene->job) && !mesh_file_is(path);
+    const bool is_image = job_ok(scene->job) && !source_format(scene->job, path, ROLE_SURFACE);
     const char *wrong = job_ok(scene->job) ? refuse_context(scene, entry, path) : NULL;
     if (wrong) {
         job_bad(scene->job, "%s", wrong);

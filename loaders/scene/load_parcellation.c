@@ -8,11 +8,11 @@
 #include "base/memory.h"
 #include "base/tolerance.h"
 #include "loaders/cifti/cifti_file.h"
-#include "loaders/file_kind.h"
 #include "loaders/labels/fsl_find.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/label_search.h"
 #include "loaders/labels/labels_on_job.h"
+#include "loaders/refuse.h"
 #include "loaders/volumes/grey.h"
 #include "loaders/volumes/volume_table.h"
 #include "loaders/volumes/volume_values.h"
@@ -182,7 +182,7 @@ static void read_markup(struct job *job, struct parcellation *part, const struct
     const struct text text = text_from_bytes(bytes.data, bytes.size);
     if (!text_equal(xml_root(text), "atlas")) {
         const size_t mark = job_in(job, path, JOB_ALONE);
-        (void)JOB_CALL(job, file_kind_fail(path, &bytes, needed));
+        (void)JOB_CALL(job, file_refuse(path, &bytes, needed));
         job_out(job, mark);
     }
     read_fsl(job, part, path, text);
@@ -219,17 +219,16 @@ void parcellation_check_grey(struct job *job, const struct volume_file *file, co
     }
 }
 
-static void read_volume(struct job *job, struct parcellation *out, const struct probe *probe, const char *path,
+static void read_volume(struct job *job, struct parcellation *out, const struct source *source, const char *path,
                         const conus_load_options *options, const char *needed)
 {
-    (void)JOB_CALL(
-        job, volume_file_open_labels(&out->file, &out->labels, path, probe_file(probe), options, needed, &job->notes));
+    (void)JOB_CALL(job, volume_file_open_labels(&out->file, &out->labels, path, source->is_open ? &source->file : NULL,
+                                                options, needed, &job->notes));
     (void)JOB_CALL(job, file_sums_move(&job->files, &out->file.read));
     if (!options->labels) {
-        char *source = NULL;
-        (void)JOB_CALL(job,
-                       volume_label_table(out->table, &source, &out->file, &out->labels, &job->files, &job->notes));
-        out->source = job_adopt(job, source);
+        char *words = NULL;
+        (void)JOB_CALL(job, volume_label_table(out->table, &words, &out->file, &out->labels, &job->files, &job->notes));
+        out->source = job_adopt(job, words);
     }
 }
 
@@ -241,19 +240,19 @@ static void end_parcellation(void *thing)
     label_map_finish(&part->voxels);
 }
 
-void parcellation_read_opened(struct job *job, struct parcellation *out, const struct probe *probe, const char *path,
+void parcellation_read_opened(struct job *job, struct parcellation *out, const struct source *source, const char *path,
                               const conus_load_options *options, const char *needed)
 {
-    const bool is_cifti = probe->reader == READER_CIFTI;
-    const bool is_markup = probe->first == '<';
+    const bool is_cifti = source_scene(source) == FORMAT_CIFTI;
+    const bool is_markup = source_first(source) == '<';
     job_own(job, end_parcellation, out);
     out->table = labels_new(job);
     if (is_cifti) {
         read_cifti(job, out, path);
     } else if (is_markup) { /* which names its labels */
-        read_markup(job, out, &probe->file, needed);
+        read_markup(job, out, &source->file, needed);
     } else {
-        read_volume(job, out, probe, path, options, needed);
+        read_volume(job, out, source, path, options, needed);
     }
     out->file.info.role = CONUS_ROLE_PARCELLATION;
     if (options->labels) {
@@ -267,9 +266,9 @@ void parcellation_read_opened(struct job *job, struct parcellation *out, const s
 void parcellation_read(struct job *job, struct parcellation *out, const char *path, const conus_load_options *options,
                        const char *needed)
 {
-    struct probe probe = {0};
-    if (JOB_CALL(job, probe_open(&probe, path))) {
-        parcellation_read_opened(job, out, &probe, path, options, needed);
+    struct source source = {0};
+    if (JOB_CALL(job, source_open_atlas(&source, path))) {
+        parcellation_read_opened(job, out, &source, path, options, needed);
     }
-    probe_close(&probe);
+    source_close(&source);
 }

@@ -296,11 +296,11 @@ static bool is_probable(struct job *job, const struct manifest_draft *draft, con
 {
     const conus_load_options options = {.max_memory = job->max_memory};
     struct job trial = {.max_memory = job->max_memory};
-    struct probe probe = {0};
+    struct source source = {0};
     const char *path = job_beside(&trial, draft->folder, name);
-    (void)JOB_CALL(&trial, probe_open(&probe, path));
-    const struct named_maps maps = named_maps_find(&trial, &probe, path, &options);
-    probe_close(&probe);
+    (void)JOB_CALL(&trial, source_open_atlas(&source, path));
+    const struct named_maps maps = named_maps_find(&trial, &source, path, &options);
+    source_close(&source);
     struct volume_file *file = volume_file_new(&trial);
     bool named = maps.table->count && JOB_CALL(&trial, volume_file_open_series(file, path, &options, &trial.notes)) &&
                  maps.table->count == file->info.volume_count; /* none is the background's */
@@ -456,9 +456,9 @@ static bool take_cifti(struct job *job, struct manifest_draft *draft, const char
 
 static bool is_cifti(struct job *job, const char *path)
 {
-    struct probe probe = {0};
-    bool is = JOB_CALL(job, probe_open(&probe, path)) && probe.reader == READER_CIFTI;
-    probe_close(&probe);
+    struct source source = {0};
+    bool is = JOB_CALL(job, source_open_atlas(&source, path)) && source_scene(&source) == FORMAT_CIFTI;
+    source_close(&source);
     return is;
 }
 
