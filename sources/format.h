@@ -90,13 +90,19 @@ struct format {
     const char *mentions; /**< Words in it. */
     bool (*has)(const uint8_t *data, size_t size);
     bool (*is)(const struct file_head *head);
-    const char *ending; /**< Of the name, perhaps with .gz behind it; several have '/' between them. */
+    const char
+        *endings;  /**< Of names of such files, with '/' between them, perhaps with .gz behind; NULL = not known. */
+    bool is_named; /**< They are a mark, too: the name must end in one. */
 };
 
 /** The first row that has one of @p roles and whose marks hold; NULL if there is none. @p roles 0: of all rows but
  * hidden ones, which says what the file is. Label tables are KIND_VAGUE there, but for an atlas XML: format_nearest()
  * of the loaders knows them. */
 const struct format *format_find(const struct file_head *head, unsigned roles);
+
+/** Length of the first @p length bytes of @p name without ".gz" and, before it, one of the endings that the rows with
+ * one of @p roles have. */
+size_t format_stem_length(const char *name, size_t length, unsigned roles);
 
 /** The id of that row for a file that begins with @p bytes, whatever its name. */
 enum format_id format_id_of(const struct bytes *bytes, unsigned roles);

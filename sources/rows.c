@@ -91,20 +91,23 @@ static bool has_trx_header(const struct file_head *head)
     return has_file(head->path, "header.json");
 }
 
-/* Whether the name ends in one of the endings, with '/' between them, perhaps with .gz behind it. */
-static bool ends_with(const char *path, const char *endings)
+/* Length of the first of the endings in which the name of `length` bytes ends, 0 = none. */
+static size_t ending_length(const char *name, size_t length, const char *endings)
 {
     struct text rest = text_from(endings);
     struct text ending;
-    size_t length = strlen(path);
-    bool ends = false;
-    if (length > 3 && strcasecmp(path + length - 3, ".gz") == 0) {
-        length -= 3;
+    for (bool more = true; text_field(&rest, '/', &more, &ending);) {
+        if (length > ending.size && strncasecmp(name + length - ending.size, ending.data, ending.size) == 0) {
+            return ending.size;
+        }
     }
-    for (bool more = true; !ends && text_field(&rest, '/', &more, &ending);) {
-        ends = length > ending.size && strncasecmp(path + length - ending.size, ending.data, ending.size) == 0;
-    }
-    return ends;
+    return 0;
+}
+
+static bool ends_with(const char *path, const char *endings)
+{
+    const size_t length = strlen(path);
+    return ending_length(path, length - ending_length(path, length, ".gz"), endings) > 0;
 }
 
 /* MZ3, whose mark is also that of programs for Windows. */
@@ -123,222 +126,147 @@ static bool is_no_text(const struct file_head *head)
     return !head->readable;
 }
 
+#define MAGIC(text) .magic = {(text), sizeof(text) - 1}
+#define NAMED(text) .endings = (text), .is_named = true
+/* A format that is only told of; that is read; and that is hidden from who asks without a role. */
+#define TOLD(words_, way_, ...)                                                                                        \
+    {                                                                                                                  \
+        .words = words_, .way = way_, __VA_ARGS__                                                                      \
+    }
+#define KNOWN(id_, roles_, words_, way_, ...)                                                                          \
+    {                                                                                                                  \
+        .id = FORMAT_##id_, .roles = roles_, .words = words_, .way = way_, __VA_ARGS__                                 \
+    }
+#define HIDDEN(id_, roles_, ...)                                                                                       \
+    {                                                                                                                  \
+        .id = FORMAT_##id_, .roles = roles_, .is_hidden = true, __VA_ARGS__                                            \
+    }
+
 /* In the order in which they are asked. */
 static const struct format formats[] = {
-#define BYTES(text)                                                                                                    \
-    {                                                                                                                  \
-        (text), sizeof(text) - 1                                                                                       \
-    }
-    {.magic = BYTES("conus pack\0"),
-     .words = "a pack",
-     .way = "give it as ATLAS with the ending .conus; conus pack packs an atlas and what is added to it"},
-    {.id = FORMAT_TRK,
-     .roles = ROLE_TRACTS,
-     .is_hidden = true,
-     .magic = BYTES("TRACK")}, /* also where a byte is wrong */
-    {.magic = BYTES("TRACK\0"), .words = "a TrackVis tractogram", .way = STREAMLINES},
-    {.id = FORMAT_TCK, .roles = ROLE_TRACTS, .is_hidden = true, .has = tck_is},
-    {.magic = BYTES("mrtrix tracks"), .words = "an MRtrix tractogram", .way = STREAMLINES},
-    {.magic = BYTES("mrtrix image"), .words = "an MRtrix image", .way = FOREIGN " (mrconvert)"},
-    {.magic = BYTES("CDF\1"), .words = "a MINC-1 volume", .way = "convert it to MINC 2 (mincconvert -2)"},
-    {.magic = BYTES("CDF\2"), .words = "a MINC-1 volume", .way = "convert it to MINC 2 (mincconvert -2)"},
-    {.id = FORMAT_MATLAB, .roles = ROLE_POSES, .is_hidden = true, .is = is_matlab},
-    {.magic = BYTES("MATLAB 7.3"), .words = "a MATLAB file of version 7.3", .way = FOREIGN},
-    {.id = FORMAT_ZARR, .roles = ROLE_VOLUME, .is_hidden = true, .is_folder = true, .is = is_zarr},
-    {.id = FORMAT_HDF5,
-     .roles = ROLE_VOLUME | ROLE_TRANSFORM | ROLE_REGION | ROLE_POSES,
-     .has = hdf5_is,
-     .words = "an HDF5 file (a MINC-2 volume, say)",
-     .way = "give a volume as ATLAS, --pathway or --context"},
-    {.id = FORMAT_TT, .roles = ROLE_TRACTS, .is_hidden = true, .has = tt_is},
-    {.id = FORMAT_TRX, .roles = ROLE_TRACTS, .is_hidden = true, .is_folder = true, .is = has_trx_header},
-    {.id = FORMAT_TRX, .roles = ROLE_TRACTS, .is_hidden = true, .has = zip_is}, /* other archives, too */
-    {.id = FORMAT_MZ3, .roles = ROLE_SURFACE, .is_hidden = true, .magic = BYTES("MZ"), .is = is_no_program},
-    {.magic = BYTES("MZ"), .words = "an MZ3 surface", .way = "give it as ATLAS with the ending .mz3"},
-    {.id = FORMAT_VTK,
-     .roles = ROLE_SURFACE | ROLE_TRACTS,
-     .magic = BYTES("# vtk DataFile"),
-     .words = "a VTK file",
-     .way = "give it as ATLAS, or its lines as --streamlines"},
-    {.id = FORMAT_PLY,
-     .roles = ROLE_SURFACE,
-     .magic = BYTES("ply\n"),
-     .words = "a PLY surface",
-     .way = "give it as ATLAS"},
-    {.id = FORMAT_PLY,
-     .roles = ROLE_SURFACE,
-     .magic = BYTES("ply\r"),
-     .words = "a PLY surface",
-     .way = "give it as ATLAS"},
-    {.magic = BYTES("solid "), .words = "an STL surface", .way = "give it as ATLAS with the ending .stl"},
-    {.id = FORMAT_FREESURFER_LABEL,
-     .roles = ROLE_VERTEX_LABELS,
-     .magic = BYTES("#!ascii label"),
-     .words = "a FreeSurfer label of vertices",
-     .way = "give it as --labels, and its surface as ATLAS"},
-    {.magic = BYTES("/NumWaves"), .words = "a design matrix of FSL's statistics"},
-    {.magic = BYTES("/ContrastName"), .words = "contrasts of FSL's statistics"},
-    {.magic = BYTES("#!ascii version"), .words = "a FreeSurfer surface as text", .way = "convert it (mris_convert)"},
-    {.magic = BYTES("OFF"), .words = "an OFF surface", .way = "give it as ATLAS with the ending .off"},
-    {.magic = BYTES("# OFF"), .words = "an OFF surface", .way = "give it as ATLAS with the ending .off"},
-    {.magic = BYTES("\x89PNG\r\n\x1a\n"), .words = "a PNG picture"},
-    {.magic = BYTES("\xff\xd8\xff"), .words = "a JPEG picture"},
-    {.magic = BYTES("\x76\x2f\x31\x01"), .words = "an OpenEXR picture"},
-    {.id = FORMAT_TIFF, .roles = ROLE_VOLUME, .magic = BYTES("II*\0"), .words = TIFF, .way = VOLUME},
-    {.id = FORMAT_TIFF, .roles = ROLE_VOLUME, .magic = BYTES("MM\0*"), .words = TIFF, .way = VOLUME},
-    {.id = FORMAT_TIFF, .roles = ROLE_VOLUME, .magic = BYTES("II+\0"), .words = TIFF, .way = VOLUME},
-    {.id = FORMAT_TIFF, .roles = ROLE_VOLUME, .magic = BYTES("MM\0+"), .words = TIFF, .way = VOLUME},
-    {.magic = BYTES("GIF8"), .words = "a GIF picture"},
-    {.magic = BYTES("%PDF-"), .words = "a PDF document"},
-    {.magic = BYTES("PK\3\4"), .ending = ".trx", .words = "a TRX tractogram", .way = STREAMLINES},
-    {.magic = BYTES("PK\3\4"),
-     .mentions = "[Content_Types].xml",
-     .words = "a document of Office (an Excel workbook, say)",
-     .way = "save its table as CSV"},
-    {.magic = BYTES("PK\3\4"),
-     .words = "a ZIP archive",
-     .way = "unpack it, or give it as --streamlines if it is a TRX tractogram"},
-    {.magic = BYTES("Rar!"), .words = "a RAR archive", .way = "unpack it"},
-    {.magic = BYTES("7z\xbc\xaf\x27\x1c"), .words = "a 7z archive", .way = "unpack it"},
-    {.magic = BYTES("BZh"), .words = "a file packed with bzip2", .way = "unpack it, or pack it with gzip"},
-    {.magic = BYTES("\xfd\x37zXZ"), .words = "a file packed with xz", .way = "unpack it, or pack it with gzip"},
-    {.magic = BYTES("\x28\xb5\x2f\xfd"), .words = "a file packed with zstd", .way = "unpack it, or pack it with gzip"},
-    {.magic = BYTES("MATLAB 5.0"), .words = "a MATLAB file", .way = FOREIGN},
-    {.magic = BYTES("\x93NUMPY"), .words = "a NumPy array", .way = FOREIGN " (nibabel)"},
-    {.magic = BYTES("\x7f"
-                    "ELF"),
-     .words = "a program"},
-    {.magic = BYTES("version https://git-lfs"),
-     .words = "a Git LFS pointer, not the file itself",
-     .way = "fetch it (git lfs pull)"},
-    {.has = is_dicom, .words = "a DICOM file", .way = "convert its series to NIfTI (dcm2niix)"},
-    {.has = mgh_is_of_vertices, .words = "values of the vertices of a surface"},
-    {.id = FORMAT_CIFTI,
-     .roles = ROLE_VERTEX_LABELS | ROLE_SCENE,
-     .intent = NIFTI_DENSE_LABELS,
-     .is = is_first_cifti,
-     .words = "a CIFTI-1 file",
-     .way = CIFTI_1},
-    {.is = is_first_cifti, .words = "a CIFTI-1 file", .way = CIFTI_1},
-    {.intent = 3000, .words = "a CIFTI matrix without a kind (a .plabel.nii, say)", .way = PARCELS},
-    {.intent = 3001, .words = "a CIFTI matrix of connections (.dconn.nii)", .way = "conus has no use for connections"},
-    {.intent = 3002, .words = "a CIFTI matrix of time series (.dtseries.nii)", .way = SEPARATE},
-    {.intent = 3003, .words = "a CIFTI matrix of connections of parcels (.pconn.nii)", .way = PARCELS},
-    {.intent = 3004, .words = "a CIFTI matrix of time series of parcels (.ptseries.nii)", .way = PARCELS},
-    {.intent = 3006, .words = "a CIFTI matrix of values (.dscalar.nii)", .way = SEPARATE},
-    {.id = FORMAT_CIFTI,
-     .roles = ROLE_VERTEX_LABELS | ROLE_SCENE,
-     .intent = NIFTI_DENSE_LABELS,
-     .words = "a CIFTI matrix of labels (.dlabel.nii)",
-     .way = "give it as ATLAS, as --labels of a surface, or in a manifest as parcellation or vertex_labels"},
-    {.intent = 3008, .words = "a CIFTI matrix of values of parcels (.pscalar.nii)", .way = PARCELS},
-    {.intent = 3009, .words = "a CIFTI matrix of connections of parcels (.pdconn.nii)", .way = PARCELS},
-    {.intent = 3010, .words = "a CIFTI matrix of connections of parcels (.dpconn.nii)", .way = PARCELS},
-    {.intent = 3011, .words = "a CIFTI matrix of connections of parcels (.pconnseries.nii)", .way = PARCELS},
-    {.intent = 3012, .words = "a CIFTI matrix of connections of parcels (.pconnscalar.nii)", .way = PARCELS},
-    {.is = is_matrix, .words = "a CIFTI matrix of an unknown kind", .way = PARCELS},
-    {.id = FORMAT_NIFTI, .roles = ROLE_VOLUME, .has = nifti_has_magic, .words = "a volume", .way = VOLUME},
-    {.id = FORMAT_NIFTI,
-     .roles = ROLE_VOLUME,
-     .is_hidden = true,
-     .has = nifti_is}, /* ANALYZE has no more than a size */
-    {.id = FORMAT_MGH, .roles = ROLE_VOLUME, .has = mgh_is, .words = "a volume", .way = VOLUME},
-    {.id = FORMAT_NRRD, .roles = ROLE_VOLUME, .has = nrrd_is, .words = "a volume", .way = VOLUME},
-    {.id = FORMAT_METAIMAGE, .roles = ROLE_VOLUME, .has = metaimage_is, .words = "a volume", .way = VOLUME},
-    {.id = FORMAT_AFNI, .roles = ROLE_VOLUME, .has = afni_is, .words = "a volume", .way = VOLUME},
-    {.id = FORMAT_FREESURFER,
-     .roles = ROLE_SURFACE | ROLE_VERTEX_LABELS,
-     .has = freesurfer_is_curvature,
-     .words = "values of the vertices of a surface"},
-    {.id = FORMAT_FREESURFER,
-     .roles = ROLE_SURFACE | ROLE_VERTEX_LABELS,
-     .has = freesurfer_is_surface,
-     .words = "a surface",
-     .way = "give it as ATLAS"},
-    {.id = FORMAT_GIFTI,
-     .roles = ROLE_SURFACE | ROLE_VERTEX_LABELS,
-     .root = "GIFTI",
-     .mentions = "NIFTI_INTENT_POINTSET",
-     .words = "a surface",
-     .way = "give it as ATLAS"},
-    {.id = FORMAT_GIFTI,
-     .roles = ROLE_SURFACE | ROLE_VERTEX_LABELS,
-     .root = "GIFTI",
-     .mentions = "NIFTI_INTENT_LABEL",
-     .words = "labels of the vertices of a surface",
-     .way = "give it as --labels, and the surface as ATLAS"},
-    {.id = FORMAT_GIFTI,
-     .roles = ROLE_SURFACE | ROLE_VERTEX_LABELS,
-     .root = "GIFTI",
-     .words = "values of the vertices of a surface"},
-    {.id = FORMAT_VTP, .roles = ROLE_SURFACE | ROLE_TRACTS, .is_hidden = true, .root = "VTKFile"},
-    {.root = "VTKFile", .is = has_lines_only, .words = "a VTK file of lines", .way = STREAMLINES},
-    {.root = "VTKFile", .is = is_text, .words = "a surface", .way = "give it as ATLAS"},
-    {.id = FORMAT_ATLAS_XML,
-     .roles = ROLE_SCENE,
-     .root = "atlas",
-     .mentions = "<index>",
-     .words = "an SPM or CAT12 atlas XML",
-     .way = "give it as ATLAS or --labels"},
-    {.id = FORMAT_ATLAS_XML,
-     .roles = ROLE_SCENE,
-     .root = "atlas",
-     .mentions = ">Label</type>",
-     .words = "an FSL atlas XML of type Label",
-     .way = "give it as ATLAS or --labels"},
-    {.id = FORMAT_ATLAS_XML,
-     .roles = ROLE_SCENE,
-     .root = "atlas",
-     .words = "an FSL atlas XML",
-     .way = "'conus manifest FOLDER' makes pathways of its volumes"},
-    {.is = is_web_page, .words = "a web page"},
-    {.begins = "<", .is = is_text, .words = "XML of another kind", .certainty = KIND_VAGUE},
-    {.id = FORMAT_MANIFEST, .roles = ROLE_SCENE, .is_hidden = true, .begins = "{"},
-    {.id = FORMAT_MANIFEST,
-     .begins = "{",
-     .mentions = "\"conus_atlas\"",
-     .is = is_text,
-     .words = "a manifest",
-     .way = "give it as ATLAS"},
-    {.begins = "{[", .is = is_text, .words = "JSON of another kind", .certainty = KIND_VAGUE},
-    {.ending = ".annot",
-     .is = is_no_text,
-     .words = "a FreeSurfer annotation",
-     .way = "give it as --labels, and the surface as ATLAS",
-     .certainty = KIND_BY_NAME},
-    {.ending = ".BRIK",
-     .is = is_no_text,
-     .words = "the voxels of an AFNI data set",
-     .way = "give its .HEAD as ATLAS, --pathway or --context",
-     .certainty = KIND_BY_NAME},
-    {.ending = ".dcm",
-     .is = is_no_text,
-     .words = "a DICOM file",
-     .way = "convert its series to NIfTI (dcm2niix)",
-     .certainty = KIND_BY_NAME},
-    {.ending = ".trk", .is = is_no_text, .words = "a tractogram", .way = STREAMLINES, .certainty = KIND_BY_NAME},
-    {.ending = ".tck", .is = is_no_text, .words = "a tractogram", .way = STREAMLINES, .certainty = KIND_BY_NAME},
-    {.ending = ".tt", .is = is_no_text, .words = "a tractogram", .way = STREAMLINES, .certainty = KIND_BY_NAME},
-    {.ending = ".stl",
-     .is = is_no_text,
-     .words = "an STL surface",
-     .way = "give it as ATLAS",
-     .certainty = KIND_BY_NAME},
-    {.ending = ".obj", .words = "an OBJ surface", .way = "give it as ATLAS", .certainty = KIND_BY_NAME},
-    {.id = FORMAT_STL, .roles = ROLE_SURFACE | ROLE_VERTEX_LABELS, .is_hidden = true, .ending = ".stl"},
-    {.id = FORMAT_OFF, .roles = ROLE_SURFACE | ROLE_VERTEX_LABELS, .is_hidden = true, .ending = ".off"},
-    {.id = FORMAT_OBJ, .roles = ROLE_SURFACE | ROLE_VERTEX_LABELS, .is_hidden = true, .ending = ".obj"},
-    {.roles = ROLE_SURFACE | ROLE_VERTEX_LABELS,
-     .is_hidden = true,
-     .ending = ".vtk/.vtp/.ply/.mz3"}, /* whose reader says what it is */
-    {.ending = ".lut",
-     .is = is_no_text,
-     .words = "a table of colours",
-     .way = "put it beside the volume as X.lut",
-     .certainty = KIND_BY_NAME},
-    {.is = is_vertex_values, .words = "values of the vertices of a surface, as text"},
-    {.is = is_text, .words = "plain text", .certainty = KIND_VAGUE},
-#undef BYTES
+    TOLD("a pack", "give it as ATLAS with the ending .conus; conus pack packs an atlas and what is added to it",
+         MAGIC("conus pack\0")),
+    HIDDEN(TRK, ROLE_TRACTS, .endings = ".trk", MAGIC("TRACK")), /* also where a byte is wrong */
+    TOLD("a TrackVis tractogram", STREAMLINES, MAGIC("TRACK\0")),
+    HIDDEN(TCK, ROLE_TRACTS, .endings = ".tck", .has = tck_is),
+    TOLD("an MRtrix tractogram", STREAMLINES, MAGIC("mrtrix tracks")),
+    TOLD("an MRtrix image", FOREIGN " (mrconvert)", MAGIC("mrtrix image")),
+    TOLD("a MINC-1 volume", "convert it to MINC 2 (mincconvert -2)", MAGIC("CDF\1")),
+    TOLD("a MINC-1 volume", "convert it to MINC 2 (mincconvert -2)", MAGIC("CDF\2")),
+    HIDDEN(MATLAB, ROLE_POSES, .is = is_matlab),
+    TOLD("a MATLAB file of version 7.3", FOREIGN, MAGIC("MATLAB 7.3")),
+    HIDDEN(ZARR, ROLE_VOLUME, .is_folder = true, .is = is_zarr),
+    KNOWN(HDF5, ROLE_VOLUME | ROLE_TRANSFORM | ROLE_REGION | ROLE_POSES, "an HDF5 file (a MINC-2 volume, say)",
+          "give a volume as ATLAS, --pathway or --context", .has = hdf5_is),
+    HIDDEN(TT, ROLE_TRACTS, .endings = ".tt", .has = tt_is),
+    HIDDEN(TRX, ROLE_TRACTS, .is_folder = true, .is = has_trx_header),
+    HIDDEN(TRX, ROLE_TRACTS, .endings = ".trx", .has = zip_is), /* other archives, too */
+    HIDDEN(MZ3, ROLE_SURFACE, MAGIC("MZ"), .is = is_no_program),
+    TOLD("an MZ3 surface", "give it as ATLAS with the ending .mz3", MAGIC("MZ")),
+    KNOWN(VTK, ROLE_SURFACE | ROLE_TRACTS, "a VTK file", "give it as ATLAS, or its lines as --streamlines",
+          .endings = ".vtk", MAGIC("# vtk DataFile")),
+    KNOWN(PLY, ROLE_SURFACE, "a PLY surface", "give it as ATLAS", MAGIC("ply\n")),
+    KNOWN(PLY, ROLE_SURFACE, "a PLY surface", "give it as ATLAS", MAGIC("ply\r")),
+    TOLD("an STL surface", "give it as ATLAS with the ending .stl", MAGIC("solid ")),
+    KNOWN(FREESURFER_LABEL, ROLE_VERTEX_LABELS, "a FreeSurfer label of vertices",
+          "give it as --labels, and its surface as ATLAS", MAGIC("#!ascii label")),
+    TOLD("a design matrix of FSL's statistics", NULL, MAGIC("/NumWaves")),
+    TOLD("contrasts of FSL's statistics", NULL, MAGIC("/ContrastName")),
+    TOLD("a FreeSurfer surface as text", "convert it (mris_convert)", MAGIC("#!ascii version")),
+    TOLD("an OFF surface", "give it as ATLAS with the ending .off", MAGIC("OFF")),
+    TOLD("an OFF surface", "give it as ATLAS with the ending .off", MAGIC("# OFF")),
+    TOLD("a PNG picture", NULL, MAGIC("\x89PNG\r\n\x1a\n")),
+    TOLD("a JPEG picture", NULL, MAGIC("\xff\xd8\xff")),
+    TOLD("an OpenEXR picture", NULL, MAGIC("\x76\x2f\x31\x01")),
+    KNOWN(TIFF, ROLE_VOLUME, TIFF, VOLUME, MAGIC("II*\0")),
+    KNOWN(TIFF, ROLE_VOLUME, TIFF, VOLUME, MAGIC("MM\0*")),
+    KNOWN(TIFF, ROLE_VOLUME, TIFF, VOLUME, MAGIC("II+\0")),
+    KNOWN(TIFF, ROLE_VOLUME, TIFF, VOLUME, MAGIC("MM\0+")),
+    TOLD("a GIF picture", NULL, MAGIC("GIF8")),
+    TOLD("a PDF document", NULL, MAGIC("%PDF-")),
+    TOLD("a TRX tractogram", STREAMLINES, MAGIC("PK\3\4"), NAMED(".trx")),
+    TOLD("a document of Office (an Excel workbook, say)", "save its table as CSV", MAGIC("PK\3\4"),
+         .mentions = "[Content_Types].xml"),
+    TOLD("a ZIP archive", "unpack it, or give it as --streamlines if it is a TRX tractogram", MAGIC("PK\3\4")),
+    TOLD("a RAR archive", "unpack it", MAGIC("Rar!")),
+    TOLD("a 7z archive", "unpack it", MAGIC("7z\xbc\xaf\x27\x1c")),
+    TOLD("a file packed with bzip2", "unpack it, or pack it with gzip", MAGIC("BZh")),
+    TOLD("a file packed with xz", "unpack it, or pack it with gzip", MAGIC("\xfd\x37zXZ")),
+    TOLD("a file packed with zstd", "unpack it, or pack it with gzip", MAGIC("\x28\xb5\x2f\xfd")),
+    TOLD("a MATLAB file", FOREIGN, MAGIC("MATLAB 5.0")),
+    TOLD("a NumPy array", FOREIGN " (nibabel)", MAGIC("\x93NUMPY")),
+    TOLD("a program", NULL,
+         MAGIC("\x7f"
+               "ELF")),
+    TOLD("a Git LFS pointer, not the file itself", "fetch it (git lfs pull)", MAGIC("version https://git-lfs")),
+    TOLD("a DICOM file", "convert its series to NIfTI (dcm2niix)", .has = is_dicom),
+    TOLD("values of the vertices of a surface", NULL, .has = mgh_is_of_vertices),
+    KNOWN(CIFTI, ROLE_VERTEX_LABELS | ROLE_SCENE, "a CIFTI-1 file", CIFTI_1, .intent = NIFTI_DENSE_LABELS,
+          .is = is_first_cifti),
+    TOLD("a CIFTI-1 file", CIFTI_1, .is = is_first_cifti),
+    TOLD("a CIFTI matrix without a kind (a .plabel.nii, say)", PARCELS, .intent = 3000),
+    TOLD("a CIFTI matrix of connections (.dconn.nii)", "conus has no use for connections", .intent = 3001),
+    TOLD("a CIFTI matrix of time series (.dtseries.nii)", SEPARATE, .intent = 3002),
+    TOLD("a CIFTI matrix of connections of parcels (.pconn.nii)", PARCELS, .intent = 3003),
+    TOLD("a CIFTI matrix of time series of parcels (.ptseries.nii)", PARCELS, .intent = 3004),
+    TOLD("a CIFTI matrix of values (.dscalar.nii)", SEPARATE, .intent = 3006),
+    KNOWN(CIFTI, ROLE_VERTEX_LABELS | ROLE_SCENE, "a CIFTI matrix of labels (.dlabel.nii)",
+          "give it as ATLAS, as --labels of a surface, or in a manifest as parcellation or vertex_labels",
+          .intent = NIFTI_DENSE_LABELS),
+    TOLD("a CIFTI matrix of values of parcels (.pscalar.nii)", PARCELS, .intent = 3008),
+    TOLD("a CIFTI matrix of connections of parcels (.pdconn.nii)", PARCELS, .intent = 3009),
+    TOLD("a CIFTI matrix of connections of parcels (.dpconn.nii)", PARCELS, .intent = 3010),
+    TOLD("a CIFTI matrix of connections of parcels (.pconnseries.nii)", PARCELS, .intent = 3011),
+    TOLD("a CIFTI matrix of connections of parcels (.pconnscalar.nii)", PARCELS, .intent = 3012),
+    TOLD("a CIFTI matrix of an unknown kind", PARCELS, .is = is_matrix),
+    KNOWN(NIFTI, ROLE_VOLUME, "a volume", VOLUME, .has = nifti_has_magic),
+    HIDDEN(NIFTI, ROLE_VOLUME, .has = nifti_is), /* ANALYZE has no more than a size */
+    KNOWN(MGH, ROLE_VOLUME, "a volume", VOLUME, .has = mgh_is),
+    KNOWN(NRRD, ROLE_VOLUME, "a volume", VOLUME, .has = nrrd_is),
+    KNOWN(METAIMAGE, ROLE_VOLUME, "a volume", VOLUME, .has = metaimage_is),
+    KNOWN(AFNI, ROLE_VOLUME, "a volume", VOLUME, .has = afni_is),
+    KNOWN(FREESURFER, ROLE_SURFACE | ROLE_VERTEX_LABELS, "values of the vertices of a surface", NULL,
+          .has = freesurfer_is_curvature),
+    KNOWN(FREESURFER, ROLE_SURFACE | ROLE_VERTEX_LABELS, "a surface", "give it as ATLAS", .has = freesurfer_is_surface),
+    KNOWN(GIFTI, ROLE_SURFACE | ROLE_VERTEX_LABELS, "a surface", "give it as ATLAS", .root = "GIFTI",
+          .mentions = "NIFTI_INTENT_POINTSET"),
+    KNOWN(GIFTI, ROLE_SURFACE | ROLE_VERTEX_LABELS, "labels of the vertices of a surface",
+          "give it as --labels, and the surface as ATLAS", .root = "GIFTI", .mentions = "NIFTI_INTENT_LABEL"),
+    KNOWN(GIFTI, ROLE_SURFACE | ROLE_VERTEX_LABELS, "values of the vertices of a surface", NULL, .endings = ".gii",
+          .root = "GIFTI"),
+    HIDDEN(VTP, ROLE_SURFACE | ROLE_TRACTS, .endings = ".vtp", .root = "VTKFile"),
+    TOLD("a VTK file of lines", STREAMLINES, .root = "VTKFile", .is = has_lines_only),
+    TOLD("a surface", "give it as ATLAS", .root = "VTKFile", .is = is_text),
+    KNOWN(ATLAS_XML, ROLE_SCENE, "an SPM or CAT12 atlas XML", "give it as ATLAS or --labels", .root = "atlas",
+          .mentions = "<index>"),
+    KNOWN(ATLAS_XML, ROLE_SCENE, "an FSL atlas XML of type Label", "give it as ATLAS or --labels", .root = "atlas",
+          .mentions = ">Label</type>"),
+    KNOWN(ATLAS_XML, ROLE_SCENE, "an FSL atlas XML", "'conus manifest FOLDER' makes pathways of its volumes",
+          .root = "atlas"),
+    TOLD("a web page", NULL, .is = is_web_page),
+    TOLD("XML of another kind", NULL, .begins = "<", .is = is_text, .certainty = KIND_VAGUE),
+    HIDDEN(MANIFEST, ROLE_SCENE, .begins = "{"),
+    TOLD("a manifest", "give it as ATLAS", .begins = "{", .mentions = "\"conus_atlas\"", .is = is_text),
+    TOLD("JSON of another kind", NULL, .begins = "{[", .is = is_text, .certainty = KIND_VAGUE),
+    TOLD("a FreeSurfer annotation", "give it as --labels, and the surface as ATLAS", NAMED(".annot"), .is = is_no_text,
+         .certainty = KIND_BY_NAME),
+    TOLD("the voxels of an AFNI data set", "give its .HEAD as ATLAS, --pathway or --context", NAMED(".BRIK"),
+         .is = is_no_text, .certainty = KIND_BY_NAME),
+    TOLD("a DICOM file", "convert its series to NIfTI (dcm2niix)", NAMED(".dcm"), .is = is_no_text,
+         .certainty = KIND_BY_NAME),
+    TOLD("a tractogram", STREAMLINES, NAMED(".trk"), .is = is_no_text, .certainty = KIND_BY_NAME),
+    TOLD("a tractogram", STREAMLINES, NAMED(".tck"), .is = is_no_text, .certainty = KIND_BY_NAME),
+    TOLD("a tractogram", STREAMLINES, NAMED(".tt"), .is = is_no_text, .certainty = KIND_BY_NAME),
+    TOLD("an STL surface", "give it as ATLAS", NAMED(".stl"), .is = is_no_text, .certainty = KIND_BY_NAME),
+    TOLD("an OBJ surface", "give it as ATLAS", NAMED(".obj"), .certainty = KIND_BY_NAME),
+    HIDDEN(STL, ROLE_SURFACE | ROLE_VERTEX_LABELS, NAMED(".stl")),
+    HIDDEN(OFF, ROLE_SURFACE | ROLE_VERTEX_LABELS, NAMED(".off")),
+    HIDDEN(OBJ, ROLE_SURFACE | ROLE_VERTEX_LABELS, NAMED(".obj")),
+    HIDDEN(OTHER, ROLE_SURFACE | ROLE_VERTEX_LABELS, NAMED(".vtk/.vtp/.ply/.mz3")), /* whose reader says what it is */
+    TOLD("a table of colours", "put it beside the volume as X.lut", NAMED(".lut"), .is = is_no_text,
+         .certainty = KIND_BY_NAME),
+    TOLD("values of the vertices of a surface, as text", NULL, .is = is_vertex_values),
+    TOLD("plain text", NULL, .is = is_text, .certainty = KIND_VAGUE),
 };
 
 static bool matches(const struct format *row, const struct file_head *head)
@@ -351,7 +279,7 @@ static bool matches(const struct format *row, const struct file_head *head)
            (!row->begins || (head->start.size && head->start.data[0] && strchr(row->begins, head->start.data[0]))) &&
            (!row->mentions || text_mentions(head->start, row->mentions)) &&
            (!row->has || row->has((const uint8_t *)bytes.data, bytes.size)) && (!row->is || row->is(head)) &&
-           (!row->ending || (head->path && ends_with(head->path, row->ending)));
+           (!row->is_named || (head->path && ends_with(head->path, row->endings)));
 }
 
 const struct format *format_find(const struct file_head *head, unsigned roles)
@@ -363,6 +291,16 @@ const struct format *format_find(const struct file_head *head, unsigned roles)
         }
     }
     return NULL;
+}
+
+size_t format_stem_length(const char *name, size_t length, unsigned roles)
+{
+    size_t ending = 0;
+    length -= ending_length(name, length, ".gz");
+    for (size_t i = 0; !ending && i < sizeof formats / sizeof formats[0]; i++) {
+        ending = formats[i].endings && (formats[i].roles & roles) ? ending_length(name, length, formats[i].endings) : 0;
+    }
+    return length - ending;
 }
 
 static struct file_head describe_head(const char *path, const struct bytes *bytes)

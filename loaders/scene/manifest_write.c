@@ -149,7 +149,7 @@ static void look_at_no_volume(struct job *job, const struct manifest_draft *draf
         look_for_transform(job, draft, name);
         return;
     }
-    size_t length = streamlines_stem_length(name);
+    size_t length = format_stem_length(name, strlen(name), ROLE_TRACTS);
     bool taken = has_entry_named(draft->streamlines, name, length) || has_entry_named(draft->pathways, name, length);
     json_t *entry = json_pack("{s:s,s:s#}", "file", name, "name", name, taken ? strlen(name) : length);
     if (manifest_draft_take(job, draft, draft->streamlines, "streamlines", entry, name)) {

@@ -121,16 +121,9 @@ bool mesh_format_keeps_vertices(const struct format *format)
 
 char *mesh_file_name(const char *path)
 {
-    static const char *const endings[] = {".gz",  ".gii", ".surf", ".vtk", ".vtp",
-                                          ".ply", ".stl", ".obj",  ".off", ".mz3"};
     const char *file = path_base(path);
-    size_t length = strlen(file);
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        size_t ending = strlen(endings[i]);
-        if (length > ending && strncasecmp(file + length - ending, endings[i], ending) == 0) {
-            length -= ending;
-        }
-    }
+    size_t length = format_stem_length(file, strlen(file), ROLE_SURFACE);
+    length -= length > 5 && strncasecmp(file + length - 5, ".surf", 5) == 0 ? 5 : 0;
     return memory_text(file, length);
 }
 
