@@ -15,7 +15,6 @@
 
 #define STREAMLINES "give it as --streamlines, or a volume of its density as --pathway"
 #define FOREIGN "convert it to NIfTI"
-#define TIFF "a stack of TIFF pages"
 #define VOLUME "give it as ATLAS, --pathway or --context"
 #define SEPARATE "'wb_command -cifti-separate' writes its voxels as a volume"
 #define CIFTI_1 "convert it to CIFTI-2: wb_command -file-convert -cifti-version-convert IN 2 OUT"
@@ -178,10 +177,7 @@ static const struct format formats[] = {
     TOLD("a PNG picture", NULL, MAGIC("\x89PNG\r\n\x1a\n")),
     TOLD("a JPEG picture", NULL, MAGIC("\xff\xd8\xff")),
     TOLD("an OpenEXR picture", NULL, MAGIC("\x76\x2f\x31\x01")),
-    KNOWN(TIFF, ROLE_VOLUME, TIFF, VOLUME, MAGIC("II*\0")),
-    KNOWN(TIFF, ROLE_VOLUME, TIFF, VOLUME, MAGIC("MM\0*")),
-    KNOWN(TIFF, ROLE_VOLUME, TIFF, VOLUME, MAGIC("II+\0")),
-    KNOWN(TIFF, ROLE_VOLUME, TIFF, VOLUME, MAGIC("MM\0+")),
+    KNOWN(TIFF, ROLE_VOLUME, "a stack of TIFF pages", VOLUME, .has = tiff_is),
     TOLD("a GIF picture", NULL, MAGIC("GIF8")),
     TOLD("a PDF document", NULL, MAGIC("%PDF-")),
     TOLD("a TRX tractogram", STREAMLINES, MAGIC("PK\3\4"), NAMED(".trx")),

@@ -117,6 +117,17 @@ bool afni_is(const uint8_t *data, size_t size)
     return text_word(&rest, &word) && text_equal(word, "type") && text_starts(text_trim(rest), "=");
 }
 
+bool tiff_is(const uint8_t *data, size_t size)
+{
+    static const char *const magics[] = {"II*\0", "MM\0*", "II+\0", "MM\0+"};
+    for (size_t i = 0; size >= 4 && i < sizeof magics / sizeof magics[0]; i++) {
+        if (memcmp(data, magics[i], 4) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 bool tck_is(const uint8_t *data, size_t size)
 {
     static const char magic[] = "mrtrix tracks";

@@ -40,6 +40,9 @@ bool metaimage_is(const uint8_t *data, size_t size);
 /** An AFNI data set's .HEAD. */
 bool afni_is(const uint8_t *data, size_t size);
 
+/** True where @p data begins like TIFF or BigTIFF of either byte order. */
+bool tiff_is(const uint8_t *data, size_t size);
+
 /** Streamlines of MRtrix: the words of its first line, with white space behind them. */
 bool tck_is(const uint8_t *data, size_t size);
 
