@@ -2,10 +2,9 @@
 /* Tells files of poses by how they begin. */
 #include "poses/pose_stream.h"
 
-#include "base/child/hdf5.h"
-#include "base/formats/matlab.h"
 #include "base/formats/table.h"
 #include "poses/programs/pose_programs.h"
+#include "sources/format.h"
 
 /* The format of a text whose first line of data this is. */
 static conus_pose_format format_of(struct text line)
@@ -23,10 +22,10 @@ conus_pose_format forms_find(struct text text, bool all, size_t *used)
     const char *begin = text.data;
     const char *end = text.data + text.size;
     struct text line;
-    bool is_hdf5 = hdf5_is((const uint8_t *)text.data, text.size);
-    if (matlab_is(text) || is_hdf5) { /* which program wrote it is known when all of it is read */
+    const enum format_id id = format_id_of(&(struct bytes){(uint8_t *)text.data, text.size}, ROLE_POSES);
+    if (id != FORMAT_OTHER) { /* which program wrote it is known when all of it is read */
         *used = 0;
-        return matlab_is(text) ? CONUS_POSE_FORMAT_SIMNIBS : CONUS_POSE_FORMAT_NWB;
+        return id == FORMAT_MATLAB ? CONUS_POSE_FORMAT_SIMNIBS : CONUS_POSE_FORMAT_NWB;
     }
     *used = text.size;
     while (text_line(&text, &line)) {

@@ -28,7 +28,7 @@ function calls(text, names) {
 }
 FNR == 1 {
     in_comment = 0
-    library = FILENAME ~ /^(base|atlas|poses|loaders|render|selection|pack)\//
+    library = FILENAME ~ /^(base|sources|atlas|poses|loaders|render|selection|pack)\//
 }
 {
     text = code($0)

@@ -71,6 +71,14 @@ static void tell_sink(struct job *job)
     }
 }
 
+void job_report(struct job *job, const char *path, size_t files)
+{
+    if (job_step(job) && job->progress && !job->progress(job->progress_user, path, job->done, job->total)) {
+        job_fail(job, CONUS_ERROR_CANCELLED, "%s: cancelled before it was read", path);
+    }
+    job->done += files;
+}
+
 bool job_took(struct job *job, conus_status status)
 {
     if (status) {
@@ -117,37 +125,59 @@ struct attempt job_try(struct job *job)
     return (struct attempt){job->notes.count, job->files.count, job->depth, !job_ok(job)};
 }
 
-void job_kept(struct job *job, const struct attempt *attempt)
+/* Forgets notes and files of the attempt. */
+static void cut_attempt(struct job *job, const struct attempt *attempt)
 {
-    (void)attempt;
-    job->attempts--;
-    tell_sink(job);
+    notes_cut(&job->notes, attempt->notes);
+    file_sums_cut(&job->files, attempt->files);
 }
 
-const char *job_dropped(struct job *job, const struct attempt *attempt)
+/* Forgets the attempt, whose places go, and its error, unless that stays. */
+static const char *drop_attempt(struct job *job, const struct attempt *attempt)
 {
     bool stays = (job->status == CONUS_ERROR_MEMORY && !job->is_limit) || job->status == CONUS_ERROR_CANCELLED;
-    job->attempts--;
     if (attempt->is_void || stays) {
         return "";
     }
-    bool had = job->status != CONUS_OK;
+    const bool had = job->status != CONUS_OK;
     size_t around = attempt->depth ? job->places[attempt->depth - 1].end : 0;
-    notes_cut(&job->notes, attempt->notes);
-    file_sums_cut(&job->files, attempt->files);
+    cut_attempt(job, attempt);
     job->depth = attempt->depth;
     job->status = CONUS_OK;
     job->is_limit = false;
     return had ? job_format(job, "%s", job->message + around) : "";
 }
 
-const char *job_tried(struct job *job, const struct attempt *attempt)
+const char *attempt_end(struct job *job, const struct attempt *attempt, enum attempt_end how)
 {
-    if (!job_ok(job)) {
-        return job_dropped(job, attempt);
+    job->attempts--;
+    if (how == ATTEMPT_DROP || (how == ATTEMPT_TRY && !job_ok(job))) {
+        return drop_attempt(job, attempt);
     }
-    job_kept(job, attempt);
+    if (how == ATTEMPT_SILENT) {
+        cut_attempt(job, attempt);
+    }
+    tell_sink(job);
     return NULL;
+}
+
+static void finish_notes(void *notes)
+{
+    notes_finish(notes);
+}
+
+struct notes *attempt_notes(struct job *job, const struct attempt *attempt)
+{
+    struct notes *aside = job_new(job, struct notes);
+    if (!aside) {
+        return NULL;
+    }
+    job_own(job, finish_notes, aside);
+    for (size_t i = attempt->notes; i < job->notes.count; i++) {
+        (void)JOB_CALL(job, notes_put(aside, job->notes.marks[i].severity, "%s", job->notes.lines[i]));
+    }
+    notes_cut(&job->notes, attempt->notes);
+    return job_ok(job) ? aside : NULL;
 }
 
 static void end_block(const struct job_block *block)
@@ -225,12 +255,9 @@ static bool multiply(struct job *job, size_t count, size_t size, size_t *bytes)
     return fits;
 }
 
-static void *allocate(struct job *job, size_t count, size_t size, bool zeroed)
+/* Out of the arena, or a block. */
+static void *take(struct job *job, size_t bytes, bool zeroed)
 {
-    size_t bytes;
-    if (!job_step(job) || !multiply(job, count, size, &bytes)) {
-        return NULL;
-    }
     if (bytes > SMALL || JOB_APART) {
         return add_block(job, bytes, zeroed);
     }
@@ -246,6 +273,12 @@ static void *allocate(struct job *job, size_t count, size_t size, bool zeroed)
         memset(data, 0, zeroed ? bytes : 0);
     }
     return data;
+}
+
+static void *allocate(struct job *job, size_t count, size_t size, bool zeroed)
+{
+    size_t bytes;
+    return job_step(job) && multiply(job, count, size, &bytes) ? take(job, bytes, zeroed) : NULL;
 }
 
 void *job_raw(struct job *job, size_t count, size_t size)
@@ -350,6 +383,12 @@ char *job_copy(struct job *job, struct text text)
     return copy;
 }
 
+struct text job_text(struct job *job, struct text text)
+{
+    const char *copy = job_copy(job, text);
+    return (struct text){copy, job_ok(job) ? text.size : 0};
+}
+
 char *job_name(struct job *job, struct text text)
 {
     text = text_trim(text);
@@ -363,11 +402,22 @@ char *job_name(struct job *job, struct text text)
     return job_ok(job) ? name : NULL;
 }
 
+void *job_spare(struct job *job, size_t size)
+{
+    assert(!job_ok(job) && size <= sizeof job->reserve);
+    void *data = take(job, size, true);
+    if (data) {
+        return data;
+    }
+    const size_t at = size > sizeof job->reserve - job->reserve_used ? 0 : job->reserve_used;
+    job->reserve_used = at + (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    return memset(job->reserve + at, 0, size);
+}
+
 void *list_add(struct job *job, void *array, size_t *count, size_t *capacity, size_t size)
 {
     enum { FIRST = 8 };
     uint8_t *data;
-    assert(size <= sizeof job->spare);
     memcpy(&data, array, sizeof data); /* a pointer of another type is not read as one of this */
     if (job_step(job) && *count == *capacity) {
         size_t wanted = *capacity ? 2 * *capacity : FIRST;
@@ -378,7 +428,7 @@ void *list_add(struct job *job, void *array, size_t *count, size_t *capacity, si
             data = larger;
         }
     }
-    return memset(job_ok(job) ? data + (*count)++ * size : job->spare, 0, size);
+    return job_ok(job) ? memset(data + (*count)++ * size, 0, size) : job_spare(job, size);
 }
 
 char *job_beside(struct job *job, const char *path, const char *name)

@@ -10,10 +10,10 @@
  *
  * A primitive is a function that takes a job, or a reader of one. After a failure every primitive does nothing: numbers
  * are 0, texts "", arrays NULL with a count of 0 that the same call sets, and LIST_ADD() gives a spare element that is
- * in no list. A list itself stays as it was. So a straight line of calls needs no question in between. Three things do:
- * a loop over a count from a file asks job_ok(); a value that was refused, or may be 0 after a failure, is no index,
- * length or divisor, so return before; and a pointer that a primitive gives is not followed unseen. One job is one
- * thread's. */
+ * in no list, and no other's. A list itself stays as it was. So a straight line of calls needs no question in between.
+ * Three things do: a loop over a count from a file asks job_ok(); a value that was refused, or may be 0 after a
+ * failure, is no index, length or divisor, so return before; and a pointer that a primitive gives is not followed
+ * unseen. One job is one thread's. */
 #ifndef CONUS_BASE_JOB_JOB_H
 #define CONUS_BASE_JOB_JOB_H
 
@@ -28,7 +28,7 @@
 
 #define JOB_ALONE SIZE_MAX /**< The index of a place that is no entry of a list. */
 
-enum { JOB_PLACES = 16, JOB_MESSAGE = 1024, JOB_SPARE = 512 };
+enum { JOB_PLACES = 16, JOB_MESSAGE = 1024, JOB_SPARE = 2048 };
 
 struct job_place {
     const char *word; /**< A key or a path; borrowed. */
@@ -57,8 +57,13 @@ struct job {
     size_t block_count, block_capacity;
     uint8_t *chunk; /**< The rest of the arena's last block. */
     size_t chunk_left;
-    char nothing[1];                       /**< "". */
-    _Alignas(16) uint8_t spare[JOB_SPARE]; /**< The element of no list. */
+    char nothing[1];     /**< "". */
+    uint64_t max_memory; /**< Bytes of a file, and of a volume that is held; 0 = 8 GiB. */
+    bool (*progress)(void *user, const char *path, size_t done, size_t total); /**< NULL = no callback. */
+    void *progress_user;
+    size_t done, total;                      /**< Files. */
+    _Alignas(16) uint8_t reserve[JOB_SPARE]; /**< For spare elements where there is no memory. */
+    size_t reserve_used;
 };
 
 /** Frees all that the job owns; it is all 0 then. */
@@ -75,6 +80,9 @@ static inline bool job_ok(const struct job *job)
 
 /** Begins a primitive: false where it is to do nothing. */
 bool job_step(struct job *job);
+
+/** @p path is read now, and with it @p files of the total: calls progress, and fails where that cancels. */
+void job_report(struct job *job, const char *path, size_t files);
 
 /** @name Errors
  * The first one stays. The message is one line: "PLACE: PLACE: what was found, what is allowed". @{ */
@@ -109,22 +117,29 @@ void job_put(struct job *job, conus_severity severity, const char *format, ...) 
 /** @} */
 
 /** @name Attempts
- * Between job_try() and one of the others, errors, notes, places and files are the attempt's. Memory is the job's. What
- * lies outside may be read, but is changed only after the attempt was kept. Both ends stand in one function. An attempt
- * that begins after a failure does nothing. @{ */
+ * Between job_try() and attempt_end(), errors, notes, places and files are the attempt's. Memory is the job's. What
+ * lies outside may be read, but is changed only after the attempt was kept. Both stand in one function. An attempt that
+ * begins after a failure does nothing. @{ */
 struct attempt {
     size_t notes, files, depth;
     bool is_void; /**< The job had failed before. */
 };
 struct attempt job_try(struct job *job);
-/** Notes, files and an error become those of what is around it. */
-void job_kept(struct job *job, const struct attempt *attempt);
-/** Forgets notes, files and the error, and gives the error's message, "" if there was none, without the places around
- * the attempt. An error of memory or of cancelling stays, but not that a file is
- * larger than job_read() may read. */
-const char *job_dropped(struct job *job, const struct attempt *attempt);
-/** Keeps the attempt unless it has failed: NULL then, else as job_dropped(). */
-const char *job_tried(struct job *job, const struct attempt *attempt);
+
+enum attempt_end {
+    ATTEMPT_KEEP,   /**< Notes, files and an error become those of what is around it. */
+    ATTEMPT_SILENT, /**< An error does; notes and files are forgotten. */
+    ATTEMPT_DROP,   /**< All is forgotten, but for an error of memory or of cancelling. That a file is larger than
+                       job_read() may read is none of memory. */
+    ATTEMPT_TRY     /**< Kept if all is well, else dropped. */
+};
+/** Ends it. NULL where it was kept; else the message of its error without the places around the attempt, "" where there
+ * was none, or where it stays. */
+const char *attempt_end(struct job *job, const struct attempt *attempt, enum attempt_end how);
+
+/** Takes the notes of an open attempt out of the job, which keeps them for notes_move(): nobody hears them before.
+ * After a failure NULL, and they stay. */
+struct notes *attempt_notes(struct job *job, const struct attempt *attempt);
 /** @} */
 
 /** @name Memory
@@ -155,6 +170,8 @@ void job_release(struct job *job, struct job_mark mark);
 /** Texts, never NULL. */
 char *job_format(struct job *job, const char *format, ...) __attribute__((format(printf, 2, 3)));
 char *job_copy(struct job *job, struct text text);
+/** The same with its size, which is 0 after a failure. */
+struct text job_text(struct job *job, struct text text);
 /** A name for results, trimmed, as text_to_utf8() makes it; NULL where nothing is left. */
 char *job_name(struct job *job, struct text text);
 /** @} */
@@ -166,12 +183,15 @@ char *job_name(struct job *job, struct text text);
         type *at;                                                                                                      \
         size_t count, capacity;                                                                                        \
     }
-/** A new element, all 0, at the end of the list; after a failure a spare one. Keep this pointer: after a failure there
+/** A new element, all 0, at the end of the list; after a failure job_spare(). Keep this pointer: after a failure there
  * is none at count - 1. It is valid until the next call. */
 #define LIST_ADD(job, list)                                                                                            \
     ((__typeof__((list)->at))list_add(job, &(list)->at, &(list)->count, &(list)->capacity, sizeof *(list)->at))
 /** @p array points to the pointer to the elements. */
 void *list_add(struct job *job, void *array, size_t *count, size_t *capacity, size_t size);
+/** @p size bytes, all 0, of a failed job: something to write to that is nothing else's. Of the reserve where there is
+ * no memory, which begins again when it is used up: at most JOB_SPARE. */
+void *job_spare(struct job *job, size_t size);
 /** @} */
 
 /** @name Files @{ */

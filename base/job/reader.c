@@ -9,9 +9,9 @@
 #include <zlib.h>
 
 #if defined(__SANITIZE_ADDRESS__)
-enum { BLOCK = 64, BLOCKS_MOVE = 1 };
+enum { BLOCK = 64, FIRST = 64, BLOCKS_MOVE = 1 };
 #else
-enum { BLOCK = 1 << 20, BLOCKS_MOVE = 0 };
+enum { BLOCK = 1 << 20, FIRST = 1 << 12, BLOCKS_MOVE = 0 }; /* many read a header only */
 #endif
 enum {
     MAGIC = 3, /* Bytes that gzip_is() looks at. */
@@ -23,9 +23,11 @@ enum {
 struct reader_source {
     struct open_file file;
     uint64_t file_at;      /* bytes of the file that were read */
+    bool is_own;           /* the file is to be closed */
     bool is_packed, ended; /* ended: there is no more */
     z_stream z;
-    uint8_t *packed; /* [BLOCK] bytes of the file that zlib works through */
+    uint8_t *packed; /* [BLOCK] bytes of the file that zlib works through; owned, as the window is, since memory of the
+                        job may be released between two reads */
     uint8_t *window; /* [capacity] the block at hand */
     size_t capacity;
 };
@@ -33,10 +35,14 @@ struct reader_source {
 static void close_source(void *user)
 {
     struct reader_source *source = user;
-    if (source->packed) {
+    if (source->is_packed) {
         (void)inflateEnd(&source->z);
     }
-    file_close(&source->file);
+    memory_free(source->packed);
+    memory_free(source->window);
+    if (source->is_own) {
+        file_close(&source->file);
+    }
 }
 
 /* The next bytes of the file as it is stored, at most `space`; 0 at its end. */
@@ -91,23 +97,21 @@ static size_t read_packed(struct job *job, struct reader_source *source, uint8_t
 static void begin_unpacking(struct job *job, struct reader_source *source)
 {
     enum { GZIP = 16 + MAX_WBITS };
-    uint8_t *packed = job_raw(job, BLOCK, 1);
-    if (packed && inflateInit2(&source->z, GZIP) != Z_OK) {
-        job_fail(job, CONUS_ERROR_MEMORY, "gzip: no memory to unpack");
+    source->packed = job_step(job) ? memory_raw(BLOCK, 1) : NULL;
+    if (!job_need(job, source->packed)) {
         return;
     }
-    source->is_packed = true;
-    source->packed = packed;
+    source->is_packed = inflateInit2(&source->z, GZIP) == Z_OK;
+    if (!source->is_packed) {
+        job_fail(job, CONUS_ERROR_MEMORY, "gzip: no memory to unpack");
+    }
 }
 
-struct reader reader_open(struct job *job, const char *path)
+/* A reader of the file that the source has open. */
+static struct reader begin_reading(struct job *job, struct reader_source *source)
 {
     struct reader r = {.job = job};
     uint8_t head[MAGIC];
-    struct reader_source *source = job_new(job, struct reader_source);
-    if (!source || !JOB_CALL(job, file_open_here(&source->file, path))) {
-        return r;
-    }
     job_own(job, close_source, source);
     size_t size = read_stored(job, source, head, MAGIC);
     source->file_at = 0;
@@ -116,6 +120,26 @@ struct reader reader_open(struct job *job, const char *path)
     }
     r.source = job_ok(job) ? source : NULL;
     return r;
+}
+
+struct reader reader_open(struct job *job, const char *path)
+{
+    struct reader_source *source = job_new(job, struct reader_source);
+    if (!source || !JOB_CALL(job, file_open_here(&source->file, path))) {
+        return (struct reader){.job = job};
+    }
+    source->is_own = true;
+    return begin_reading(job, source);
+}
+
+struct reader reader_on(struct job *job, const struct open_file *file)
+{
+    struct reader_source *source = job_new(job, struct reader_source);
+    if (!source) {
+        return (struct reader){.job = job};
+    }
+    source->file = *file;
+    return begin_reading(job, source);
 }
 
 struct reader reader_of(struct job *job, struct text text)
@@ -133,17 +157,19 @@ uint64_t reader_at(const struct reader *r)
 static uint8_t *move_window(struct reader *r, size_t left, size_t count)
 {
     struct reader_source *source = r->source;
-    bool grows = source->capacity < count;
-    size_t capacity = grows || BLOCKS_MOVE ? count + BLOCK : source->capacity;
-    uint8_t *window = grows || BLOCKS_MOVE ? job_raw(r->job, capacity, 1) : source->window;
+    bool is_first_full = source->window && source->capacity < BLOCK && r->end_offset >= source->capacity;
+    bool moves = source->capacity < count || is_first_full || BLOCKS_MOVE;
+    size_t capacity = moves ? count + (source->window ? BLOCK : FIRST) : source->capacity;
+    uint8_t *window = moves ? memory_raw(capacity, 1) : source->window;
     if (!window) {
+        job_need(r->job, window);
         return NULL;
     }
     if (left) {
         memmove(window, r->at, left);
     }
     if (window != source->window) {
-        memory_free(job_give(r->job, source->window, source->capacity));
+        memory_free(source->window);
     }
     source->window = window;
     source->capacity = capacity;
@@ -190,6 +216,12 @@ const uint8_t *reader_some(struct reader *r, uint64_t most, size_t each, size_t 
     *size = smaller_of((uint64_t)(r->end - r->at), most) / each * each;
     r->at += *size;
     return r->at - *size;
+}
+
+struct text reader_keep(struct reader *r, size_t count)
+{
+    const uint8_t *data = reader_take(r, count);
+    return job_text(r->job, (struct text){(const char *)data, data ? count : 0});
 }
 
 void reader_skip(struct reader *r, uint64_t count)

@@ -30,6 +30,9 @@ struct reader {
  * place, which the caller enters before. The job closes the file. */
 struct reader reader_open(struct job *job, const char *path);
 
+/** The same of a file that is open, and outlives the reader. */
+struct reader reader_on(struct job *job, const struct open_file *file);
+
 /** Reads @p text, which must outlive the reader. */
 struct reader reader_of(struct job *job, struct text text);
 
@@ -49,6 +52,9 @@ const uint8_t *reader_take(struct reader *r, size_t count);
 /** The next 1 to @p most bytes, as many as are at hand, in whole things of @p each bytes, and their *size; NULL where
  * no whole thing is left. */
 const uint8_t *reader_some(struct reader *r, uint64_t most, size_t each, size_t *size);
+
+/** A copy of the next @p count bytes in the job's memory; empty after a failure. */
+struct text reader_keep(struct reader *r, size_t count);
 
 /** Passes over @p count bytes; a failure where there are fewer. */
 void reader_skip(struct reader *r, uint64_t count);

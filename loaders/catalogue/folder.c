@@ -79,7 +79,7 @@ static void find_spacing(struct job *job, double out[3], const char *folder)
             out[axis] = atlas.metadata.resolution[2 - axis] / 1000; /* i is the last axis */
         }
     }
-    (void)job_tried(job, &attempt);
+    (void)attempt_end(job, &attempt, ATTEMPT_TRY);
     brainglobe_atlas_finish(&atlas);
     memory_free(root);
 }

@@ -86,7 +86,7 @@ void fsl_look(struct job *job, conus_catalogue *catalogue, const char *xml_path)
     job_out(job, place);
     struct text text = text_from_bytes(bytes.data, bytes.size);
     const struct fsl_atlas *atlas = text_equal(xml_root(text), "atlas") ? fsl_atlas_parse(job, text) : NULL;
-    if (!job_tried(job, &attempt) && atlas) {
+    if (!attempt_end(job, &attempt, ATTEMPT_TRY) && atlas) {
         take_atlas(job, catalogue, xml_path, atlas);
     }
 }

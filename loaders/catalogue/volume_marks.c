@@ -61,6 +61,6 @@ bool volume_marks_find(struct job *job, double spacing[3], const char *path, boo
         labels = known || header.intent_code == INTENT_LABEL || has_table || has_name || has_table_beside(job, path);
     }
     bytes_finish(&head);
-    (void)job_tried(job, &attempt);
+    (void)attempt_end(job, &attempt, ATTEMPT_TRY);
     return labels;
 }

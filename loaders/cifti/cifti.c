@@ -530,11 +530,6 @@ void cifti_finish(struct cifti *cifti)
     *cifti = (struct cifti){0};
 }
 
-bool cifti_is(const uint8_t *data, size_t size)
-{
-    return nifti_matrix_intent(data, size) == NIFTI_DENSE_LABELS;
-}
-
 /* Reads the header, and checks that the file holds what the header announces. */
 static conus_status cifti_read_header(struct volume_header *header, size_t shape[2], const uint8_t *data, size_t size,
                                       uint64_t max_memory)

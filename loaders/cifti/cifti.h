@@ -47,9 +47,6 @@ struct cifti {
 
 void cifti_finish(struct cifti *cifti);
 
-/** True where @p data begins like a .dlabel.nii. */
-bool cifti_is(const uint8_t *data, size_t size);
-
 /** Parses the whole file @p data, which must outlive @p out. No array has more than @p max_memory bytes. */
 conus_status cifti_parse(struct cifti *out, const uint8_t *data, size_t size, uint64_t max_memory);
 

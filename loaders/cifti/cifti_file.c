@@ -5,8 +5,8 @@
 #include "base/formats/gzip.h"
 #include "base/memory.h"
 #include "base/order.h"
-#include "loaders/formats/map_choice.h"
 #include "loaders/volumes/nifti.h"
+#include "sources/map_choice.h"
 
 #include <string.h>
 

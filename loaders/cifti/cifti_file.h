@@ -46,7 +46,7 @@ struct cifti_file {
     struct cifti_choice choice;
 };
 
-/** Opens @p path, a .dlabel.nii (probe.h: READER_CIFTI). @p max_memory 0 = 8 GiB. Notes and errors carry the path. */
+/** Opens @p path, a .dlabel.nii (FORMAT_CIFTI). @p max_memory 0 = 8 GiB. Notes and errors carry the path. */
 conus_status cifti_file_open(struct cifti_file *out, const char *path, uint64_t max_memory, struct notes *notes);
 void cifti_file_finish(struct cifti_file *file);
 

@@ -178,7 +178,7 @@ struct fsl_atlas *fsl_atlas_parse(struct job *job, struct text text)
 {
     struct fsl_atlas *atlas = job_new(job, struct fsl_atlas);
     if (!atlas) {
-        return memset(job->spare, 0, sizeof *atlas);
+        return job_spare(job, sizeof *atlas);
     }
     labels_own(job, &atlas->labels);
     struct parsing parsing = {.job = job, .atlas = atlas};

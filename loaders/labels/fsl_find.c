@@ -64,7 +64,7 @@ static void try_xml(struct job *job, const struct search *search, const char *pa
     struct bytes bytes = job_read(job, path, FSL_ATLAS_LIMIT, "");
     struct text text = text_from_bytes(bytes.data, bytes.size);
     struct fsl_atlas *atlas = text_equal(xml_root(text), "atlas") ? fsl_atlas_parse(job, text) : NULL;
-    bool is_atlas = !job_tried(job, &attempt) && atlas;
+    bool is_atlas = !attempt_end(job, &attempt, ATTEMPT_TRY) && atlas;
     if (is_atlas && (names_volume(atlas, search->use, relative) ||
                      (search->use == FSL_LABELS && is_beside(job, atlas, path, relative)))) {
         search->visit(job, search->user, atlas, path, &bytes);

@@ -51,7 +51,7 @@ size_t label_choose(struct job *job, size_t usual, label_trial *trial, void *use
         struct label_table *table = labels_new(job);
         struct text called = trial(job, table, user, i);
         size_t found = count_named(job, table, voxels);
-        (void)job_dropped(job, &attempt);
+        (void)attempt_end(job, &attempt, ATTEMPT_DROP);
         job_release(job, mark);
         names[0] = i == usual ? called : names[0];
         if (found > most) {
@@ -105,7 +105,7 @@ void label_colour(struct job *job, struct label *label, const struct text *cells
     } else {
         label_cell_colour(job, label->rgb, cells[0]);
     }
-    label->bad_rgb = job_tried(job, &attempt) != NULL;
+    label->bad_rgb = attempt_end(job, &attempt, ATTEMPT_TRY) != NULL;
     label->has_rgb = !label->bad_rgb;
 }
 

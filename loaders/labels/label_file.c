@@ -3,8 +3,8 @@
 #include "loaders/labels/label_file.h"
 
 #include "base/files/folder.h"
-#include "loaders/formats/formats.h"
 #include "loaders/labels/label_format.h"
+#include "sources/source.h"
 
 #include <string.h>
 
@@ -13,15 +13,15 @@ enum {
     LABEL_GROWTH = 64, /* bytes that a byte of a table may become */
 };
 
-uint64_t label_file_limit(uint64_t max_memory)
+uint64_t label_file_limit(const struct job *job)
 {
-    uint64_t allowed = max_memory / LABEL_GROWTH;
-    return max_memory && allowed < LABEL_FILE_LIMIT ? allowed : LABEL_FILE_LIMIT;
+    uint64_t allowed = job->max_memory / LABEL_GROWTH;
+    return job->max_memory && allowed < LABEL_FILE_LIMIT ? allowed : LABEL_FILE_LIMIT;
 }
 
-struct bytes label_file_bytes(struct job *job, const char *path, uint64_t max_memory)
+struct bytes label_file_bytes(struct job *job, const char *path)
 {
-    uint64_t limit = label_file_limit(max_memory);
+    uint64_t limit = label_file_limit(job);
     size_t place = job_in(job, path, JOB_ALONE);
     struct bytes bytes = job_read(job, path, limit, limit < LABEL_FILE_LIMIT ? FILE_MAX_MEMORY : "");
     job_out(job, place);
@@ -43,7 +43,7 @@ static void apply_colours(struct job *job, struct label_table *table, struct tex
     struct label_table *colours = labels_new(job);
     struct attempt silent = job_try(job); /* nobody hears of a number that is there twice */
     label_text_parse(job, colours, &label_format_colours, text, &(struct label_use){0});
-    labels_hush(job, &silent);
+    attempt_end(job, &silent, ATTEMPT_SILENT);
     for (size_t i = 0; job_ok(job) && i < table->count; i++) {
         const struct label *colour = label_table_find(colours, table->entries[i].number);
         if (colour) {
@@ -58,7 +58,7 @@ bool label_file_colours(struct job *job, struct label_table *table, const char *
     if (!job_has_file(job, path)) {
         return false;
     }
-    struct bytes bytes = label_file_bytes(job, path, 0);
+    struct bytes bytes = label_file_bytes(job, path);
     struct text text = text_from_bytes(bytes.data, bytes.size);
     bool is_lut = label_is_lut(bytes.data, bytes.size);
     bool has_colours = is_lut || label_format_of(text) == &label_format_colours;
@@ -98,23 +98,20 @@ char *label_path_split(struct job *job, struct text columns[2], const char *text
     return job_copy(job, (struct text){text, found ? (size_t)(at - text) : strlen(text)});
 }
 
-/* The kind of a file that is certainly no table, else NULL: then the parser of tables says more. */
-static const struct file_kind *foreign_kind(const char *path, const struct bytes *bytes)
+/* The format of a file that is certainly no table, else NULL: then the parser of tables says more. */
+static const struct format *find_foreign(struct job *job, const char *path, const struct bytes *bytes)
 {
-    bool table = label_is_lut(bytes->data, bytes->size) || label_format_of(text_from_bytes(bytes->data, bytes->size));
-    static const struct file_kind packed_table = {.words = "a label table packed with gzip", .way = "unpack it"};
-    struct bytes head = {bytes->data, bytes->size < FILE_KIND_HEAD ? bytes->size : FILE_KIND_HEAD};
-    struct bytes unpacked = {0};
-    if (!table && format_unpack_head(&unpacked, bytes)) {
-        head = unpacked;
+    static const struct format packed_table = {.words = "a label table packed with gzip", .way = "unpack it"};
+    struct source source = {0};
+    if (!bytes->size || label_is_lut(bytes->data, bytes->size) ||
+        label_format_of(text_from_bytes(bytes->data, bytes->size)) || !JOB_CALL(job, source_of(&source, path, bytes))) {
+        return NULL;
     }
-    const struct file_kind *kind = table || !bytes->size ? NULL : format_find(path, &head);
-    if (unpacked.size && kind && kind->certainty != KIND_CERTAIN &&
-        label_format_of(text_from_bytes(unpacked.data, unpacked.size))) {
-        kind = &packed_table;
-    }
-    bytes_finish(&unpacked);
-    return kind && kind->certainty != KIND_VAGUE ? kind : NULL;
+    const struct format *format = format_find(&source.head, 0);
+    const bool is_table = source.unpacked.size && format && format->certainty != KIND_CERTAIN &&
+                          label_format_of(text_from_bytes(source.unpacked.data, source.unpacked.size));
+    source_close(&source);
+    return is_table ? &packed_table : format && format->certainty != KIND_VAGUE ? format : NULL;
 }
 
 void label_file_read(struct job *job, struct label_table *out, const char **format, const char *text,
@@ -125,12 +122,12 @@ void label_file_read(struct job *job, struct label_table *out, const char **form
     struct label_table *table = labels_new(job);
     const char *name = NULL;
     const char *path = label_path_split(job, use.columns, text);
-    struct bytes bytes = label_file_bytes(job, path, use.max_memory);
-    const struct file_kind *kind = job_ok(job) ? foreign_kind(path, &bytes) : NULL;
+    struct bytes bytes = label_file_bytes(job, path);
+    const struct format *foreign = find_foreign(job, path, &bytes);
     use.path = path;
     size_t place = job_in(job, path, JOB_ALONE);
-    if (kind) {
-        (void)JOB_CALL(job, format_fail(kind, &bytes, "a label table"));
+    if (foreign) {
+        (void)JOB_CALL(job, format_refuse(foreign, &bytes, "a label table"));
     } else {
         label_bytes_parse(job, table, &name, bytes.data, bytes.size, &use);
     }

@@ -16,11 +16,11 @@ char *label_path_split(struct job *job, struct text columns[2], const char *text
 void label_file_read(struct job *job, struct label_table *out, const char **format, const char *path,
                      const struct label_use *use);
 
-/** Bytes that a file may have so that its table takes no more than @p max_memory; 0 = the default. */
-uint64_t label_file_limit(uint64_t max_memory);
+/** Bytes that a file may have so that its table takes no more than the job's max_memory. */
+uint64_t label_file_limit(const struct job *job);
 
 /** The bytes of a file, at most label_file_limit(). */
-struct bytes label_file_bytes(struct job *job, const char *path, uint64_t max_memory);
+struct bytes label_file_bytes(struct job *job, const char *path);
 
 bool label_table_has_colours(const struct label_table *table);
 

@@ -349,33 +349,33 @@ static bool is_of_another(const struct folder *folder, const struct label_words 
 }
 
 /* Whether the file may be a table of a known format, as is one that cannot be read. */
-static bool may_be_table(struct job *job, const char *path, uint64_t max_memory)
+static bool may_be_table(struct job *job, const char *path)
 {
     const struct job_mark mark = job_mark(job);
     struct attempt attempt = job_try(job);
-    struct bytes bytes = label_file_bytes(job, path, max_memory);
+    struct bytes bytes = label_file_bytes(job, path);
     bool may = !job_ok(job) || label_format_of(text_from_bytes(bytes.data, bytes.size));
-    (void)job_dropped(job, &attempt);
+    (void)attempt_end(job, &attempt, ATTEMPT_DROP);
     job_release(job, mark);
     return may;
 }
 
 /* Whether no other file in the folder is a table of a known format. */
-static bool is_only_table(struct job *job, const struct folder *folder, const char *table, uint64_t max_memory)
+static bool is_only_table(struct job *job, const struct folder *folder, const char *table)
 {
     bool only = true;
     for (size_t i = 0; only && i < folder->names.count; i++) {
         const char *name = folder->names.names[i];
         if (name[0] != '.' && table_stem(folder, name).size && strcmp(name, table) != 0) {
             const char *path = job_beside(job, folder->path, name);
-            only = !job_has_file(job, path) || !may_be_table(job, path, max_memory);
+            only = !job_has_file(job, path) || !may_be_table(job, path);
         }
     }
     return only;
 }
 
 /* Whether the table's name has no word that the volume's lacks, and it cannot belong to another volume there. */
-static bool is_similar(struct job *job, const struct folder *folder, const char *name, uint64_t max_memory)
+static bool is_similar(struct job *job, const struct folder *folder, const char *name)
 {
     struct text stem = table_stem(folder, name);
     struct label_words words;
@@ -384,7 +384,7 @@ static bool is_similar(struct job *job, const struct folder *folder, const char 
         !label_words_contain(&folder->words, &words) || is_of_another(folder, &words)) {
         return false;
     }
-    return words.count || is_only_table(job, folder, name, max_memory);
+    return words.count || is_only_table(job, folder, name);
 }
 
 /* Tries the tables in the folder with similar names, whose numbers must fit. A note says what was taken, or why not. */
@@ -399,7 +399,7 @@ static void search_alike(struct job *job, struct label_search *search, const cha
     }
     /* of NAMES_LIMIT names one that is not listed could be another volume */
     for (size_t i = 0; folder.names.count < NAMES_LIMIT && tries < TABLE_LIMIT && i < folder.names.count; i++) {
-        if (is_similar(job, &folder, folder.names.names[i], search->use.max_memory)) {
+        if (is_similar(job, &folder, folder.names.names[i])) {
             search_judged(job, search, job_beside(job, path, folder.names.names[i]), judge_similar);
             tries++;
         }
@@ -553,11 +553,10 @@ static void search_all(struct job *job, struct label_search *search)
 void label_table_of_volume(struct job *job, struct label_table *out, const char **source,
                            const struct label_volume *volume, const struct label_voxels *voxels)
 {
-    struct label_search search = {
-        .volume = volume,
-        .use = {.info = volume->info, .voxels = voxels, .max_memory = volume->max_memory, .header = volume->header},
-        .table = labels_new(job),
-        .files = job->files.count};
+    struct label_search search = {.volume = volume,
+                                  .use = {.info = volume->info, .voxels = voxels, .header = volume->header},
+                                  .table = labels_new(job),
+                                  .files = job->files.count};
     struct attempt attempt = job_try(job); /* so that a table's notes are heard only where it is used */
     bool before = inputs_search(true);
     search_all(job, &search);
@@ -566,7 +565,7 @@ void label_table_of_volume(struct job *job, struct label_table *out, const char 
         colour_beside(job, &search);
     }
     inputs_search(before);
-    job_kept(job, &attempt);
+    attempt_end(job, &attempt, ATTEMPT_KEEP);
     if (job_ok(job)) {
         *source = search.source;
     }

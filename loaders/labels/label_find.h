@@ -9,7 +9,6 @@
 /** A volume whose table is wanted, and what its file says of labels by itself. All of it is borrowed. */
 struct label_volume {
     const conus_volume_info *info;
-    uint64_t max_memory;
     struct label_table *segments; /**< 3D Slicer's segments, sorted, which are taken out of it; NULL = none. */
     const struct text *texts;     /**< [count] Tables, perhaps, inside the file: the best first. */
     size_t count;

@@ -246,7 +246,7 @@ void label_search_text(struct job *job, struct label_search *search, const char 
     label_text_parse(job, offer.table, format, text, &use);
     job_out(job, place);
     offer.notes = label_notes_swap(job, outside);
-    const char *why = job_tried(job, &attempt);
+    const char *why = attempt_end(job, &attempt, ATTEMPT_TRY);
     if (why) {
         pass_over(job, search, why);
     } else if (!offer.table->count && !search->source) {
@@ -261,7 +261,7 @@ void label_search_text(struct job *job, struct label_search *search, const char 
 void label_search_file(struct job *job, struct label_search *search, const char *path)
 {
     struct system_stat info;
-    uint64_t limit = label_file_limit(search->use.max_memory);
+    uint64_t limit = label_file_limit(job);
     if (!job_has_file(job, path)) {
         return;
     }
@@ -271,8 +271,8 @@ void label_search_file(struct job *job, struct label_search *search, const char 
         return;
     }
     struct attempt attempt = job_try(job);
-    struct bytes bytes = label_file_bytes(job, path, search->use.max_memory);
-    const char *why = job_tried(job, &attempt);
+    struct bytes bytes = label_file_bytes(job, path);
+    const char *why = attempt_end(job, &attempt, ATTEMPT_TRY);
     if (why) {
         pass_over(job, search, why);
     } else if (!label_is_lut(bytes.data, bytes.size)) {

@@ -7,8 +7,6 @@
 #include "base/text.h"
 #include "conus/atlas_info.h"
 
-#include <stdint.h>
-
 /** Reads the header of the volume @p path: volume_file_header(). */
 typedef conus_status label_header_read(conus_volume_info *out, const char *path);
 
@@ -18,7 +16,6 @@ struct label_use {
     const struct label_voxels *voxels; /**< Its labels as they were read, i fastest; NULL if not known. */
     label_header_read *header; /**< For the image that an FSL atlas XML counts its voxels in; NULL: it is not read. */
     const char *path;          /**< The table's file, or NULL. */
-    uint64_t max_memory;       /**< For the table's file and what it becomes; 0 = 8 GiB. */
     struct text columns[2];    /**< A header row's names for number and name; empty: the usual words. */
 };
 

@@ -71,7 +71,7 @@ static bool read_names(struct job *job, struct label_table *out, const struct by
     struct attempt silent = job_try(job); /* it counts from 0 or not: that is asked here */
     label_text_parse(job, out, format, text, &use);
     bool twice = job->notes.count > silent.notes + (out->zero && !label_is_background(text_from(out->zero)));
-    labels_hush(job, &silent);
+    attempt_end(job, &silent, ATTEMPT_SILENT);
     if (twice && job_ok(job)) { /* a number */
         label_table_finish(out);
     }
@@ -82,10 +82,10 @@ static bool read_names(struct job *job, struct label_table *out, const struct by
 static bool settle(struct job *job, const struct attempt *attempt, const char *path, bool given)
 {
     if (given) {
-        job_kept(job, attempt);
+        attempt_end(job, attempt, ATTEMPT_KEEP);
         return job_ok(job);
     }
-    const char *why = job_tried(job, attempt);
+    const char *why = attempt_end(job, attempt, ATTEMPT_TRY);
     if (why) {
         job_note(job, "%s: passed over: %s", path_base(path), why);
     }
@@ -99,7 +99,7 @@ static void take_names(struct job *job, struct label_table *out, const char *pat
     const size_t count = use->info->volume_count;
     struct label_table *table = labels_new(job);
     struct attempt attempt = job_try(job);
-    struct bytes bytes = label_file_bytes(job, path, use->max_memory);
+    struct bytes bytes = label_file_bytes(job, path);
     size_t place = job_in(job, path, JOB_ALONE);
     job_out(job, given ? place + 1 : place); /* the note about one that was found has its name */
     struct text text = text_from_bytes(bytes.data, bytes.size);

@@ -6,7 +6,7 @@
 #include "loaders/labels/label_use.h"
 #include "loaders/labels/labels_on_job.h"
 
-/** Fills the empty @p out with the labels of all volumes of the file in @p use (info, max_memory), numbered by the
+/** Fills the empty @p out with the labels of all volumes of the file in @p use (info), numbered by the
  * volumes from 1, all with names. The names come from the table @p path or, where that is NULL, from the table beside
  * the file. It stays empty, with a note, where no table says for certain which volume each name belongs to. Gives the
  * table's file without its folder, NULL where there is none; the job's files get it. A damaged table that was given is

@@ -20,7 +20,7 @@ struct label_table *labels_new(struct job *job)
 {
     struct label_table *table = job_new(job, struct label_table);
     if (!table) {
-        return memset(job->spare, 0, sizeof *table);
+        return job_spare(job, sizeof *table);
     }
     labels_own(job, table);
     return table;
@@ -29,7 +29,7 @@ struct label_table *labels_new(struct job *job)
 struct label *labels_add(struct job *job, struct label_table *table, uint32_t number)
 {
     struct label *label = job_step(job) ? label_table_add(table, number) : NULL;
-    return job_need(job, label) ? label : memset(job->spare, 0, sizeof *label);
+    return job_need(job, label) ? label : job_spare(job, sizeof *label);
 }
 
 void labels_set(struct job *job, char **field, struct text text)
@@ -47,15 +47,6 @@ void labels_move(struct job *job, struct label_table *out, struct label_table *t
     if (job_ok(job)) {
         *out = *table;
         *table = (struct label_table){0};
-    }
-}
-
-void labels_hush(struct job *job, const struct attempt *attempt)
-{
-    if (job_ok(job)) {
-        (void)job_dropped(job, attempt);
-    } else {
-        job_kept(job, attempt);
     }
 }
 

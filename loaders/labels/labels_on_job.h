@@ -25,9 +25,6 @@ void labels_sort(struct job *job, struct label_table *table);
 /** Gives all that @p table has to the empty @p out, unless the job has failed. */
 void labels_move(struct job *job, struct label_table *out, struct label_table *table);
 
-/** Ends an attempt whose notes nobody hears: its error stays. */
-void labels_hush(struct job *job, const struct attempt *attempt);
-
 /** encoding_decode() of @p text into the job's memory. */
 void labels_decode(struct job *job, struct text *text);
 

@@ -81,7 +81,7 @@ const char *manifest_draft_try(struct job *job, const struct manifest_draft *dra
     struct text text = write_json(job, root, 0);
     struct attempt attempt = job_try(job);
     (void)JOB_CALL(job, draft->load(draft, text));
-    return job_tried(job, &attempt);
+    return attempt_end(job, &attempt, ATTEMPT_TRY);
 }
 
 bool manifest_draft_take(struct job *job, const struct manifest_draft *draft, json_t *list, const char *key,

@@ -66,9 +66,9 @@ static void judge_volume(struct job *job, struct volume_guess *out, struct volum
     }
     label_voxels_finish(&labels);
     if (job->status == CONUS_ERROR_DATA) {
-        (void)job_dropped(job, &attempt); /* fractions, or a damaged table */
+        (void)attempt_end(job, &attempt, ATTEMPT_DROP); /* fractions, or a damaged table */
     } else {
-        job_kept(job, &attempt);
+        attempt_end(job, &attempt, ATTEMPT_KEEP);
     }
 }
 
@@ -80,7 +80,7 @@ static void finish_file(void *file)
 /* A job of its own: a folder has many volumes, and no note of theirs is wanted. */
 static conus_status guess_alone(struct volume_guess *out, const char *path, uint64_t max_memory)
 {
-    struct job job = {0};
+    struct job job = {.max_memory = max_memory};
     struct volume_file file = {0};
     job_own(&job, finish_file, &file);
     path = job_format(&job, "%s,volume=0", path); /* a 4-D file is refused without a choice: 0 stands for all */
@@ -93,9 +93,9 @@ static conus_status guess_alone(struct volume_guess *out, const char *path, uint
     return job_close(&job, NULL, NULL);
 }
 
-void volume_guess_make(struct job *job, struct volume_guess *out, const char *path, uint64_t max_memory)
+void volume_guess_make(struct job *job, struct volume_guess *out, const char *path)
 {
-    (void)JOB_CALL(job, guess_alone(out, path, max_memory));
+    (void)JOB_CALL(job, guess_alone(out, path, job->max_memory));
 }
 
 bool volume_names_are_halves(struct job *job, const char *left, const char *right)

@@ -17,7 +17,7 @@ struct volume_guess {
 /** Reads the volume @p path and guesses its role. Several volumes are pathways. Values that grey_judge_file() takes for
  * labels are labels, if a table names them or several values lie in pieces. Of other volumes those that are mostly zero
  * are pathways, all others the context. All values 0 are CONUS_ERROR_DATA. */
-void volume_guess_make(struct job *job, struct volume_guess *out, const char *path, uint64_t max_memory);
+void volume_guess_make(struct job *job, struct volume_guess *out, const char *path);
 
 /** Whether the names of volumes @p left and @p right differ only in the word for their side: x_LH.nii.gz and
  * x_RH.nii.gz, lh.x.mgz and rh.x.mgz. */

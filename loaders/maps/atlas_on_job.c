@@ -41,29 +41,3 @@ struct volume_file *volume_file_new(struct job *job)
     }
     return job_ok(job) ? file : NULL;
 }
-
-static void finish_notes(void *notes)
-{
-    notes_finish(notes);
-}
-
-struct notes *notes_set_aside(struct job *job, const struct attempt *attempt)
-{
-    struct notes *aside = job_new(job, struct notes);
-    if (!aside) {
-        return NULL;
-    }
-    job_own(job, finish_notes, aside);
-    for (size_t i = attempt->notes; i < job->notes.count; i++) {
-        (void)JOB_CALL(job, notes_put(aside, job->notes.marks[i].severity, "%s", job->notes.lines[i]));
-    }
-    notes_cut(&job->notes, attempt->notes);
-    return job_ok(job) ? aside : NULL;
-}
-
-void job_hushed(struct job *job, const struct attempt *attempt)
-{
-    notes_cut(&job->notes, attempt->notes);
-    file_sums_cut(&job->files, attempt->files);
-    job_kept(job, attempt);
-}

@@ -23,11 +23,4 @@ conus_status atlas_close(struct job *job, conus_atlas *atlas, struct atlas_mark 
 /** A volume file, all 0, which the job finishes; NULL after a failure. */
 struct volume_file *volume_file_new(struct job *job);
 
-/** Takes the notes of an open @p attempt out of the job, which keeps them for notes_move(): nobody hears them before.
- * After a failure NULL, and they stay. */
-struct notes *notes_set_aside(struct job *job, const struct attempt *attempt);
-
-/** Ends @p attempt as job_kept(), but without its notes and files. */
-void job_hushed(struct job *job, const struct attempt *attempt);
-
 #endif

@@ -22,8 +22,8 @@ static void take_if_finer(struct job *job, struct fsl_maps *maps, const char *pa
     struct volume_file *file = volume_file_new(job);
     struct attempt attempt = job_try(job); /* its notes wait */
     bool opened = JOB_CALL(job, volume_file_open_series(file, path, options, &job->notes));
-    struct notes *notes = notes_set_aside(job, &attempt);
-    job_kept(job, &attempt);
+    struct notes *notes = attempt_notes(job, &attempt);
+    attempt_end(job, &attempt, ATTEMPT_KEEP);
     if (opened && (!maps->image || voxel_mm3(file) < voxel_mm3(maps->image))) {
         struct volume_file *coarser = maps->image;
         maps->image = file;
@@ -79,20 +79,19 @@ static void compare_xml(struct job *job, void *user, struct fsl_atlas *atlas, co
     struct attempt attempt = job_try(job);
     (void)file;
     labels_sort(job, &atlas->labels);
-    job_hushed(job, &attempt);
+    attempt_end(job, &attempt, ATTEMPT_SILENT);
     label_tables_note(job, rival->labels, rival->xml, &atlas->labels, path_base(path));
 }
 
 /* Other XMLs, and a table beside the image, may call its volumes otherwise. */
-static void compare_names(struct job *job, const struct rival *rival, const struct volume_file *image,
-                          uint64_t max_memory)
+static void compare_names(struct job *job, const struct rival *rival, const struct volume_file *image)
 {
-    const struct label_use use = {.info = &image->info, .max_memory = max_memory};
+    const struct label_use use = {.info = &image->info};
     struct label_table *table = labels_new(job);
     fsl_atlas_each(job, image->path, FSL_VOLUMES, compare_xml, (void *)rival);
     struct attempt attempt = job_try(job);
     const char *from = label_volume_table(job, table, NULL, &use);
-    job_hushed(job, &attempt);
+    attempt_end(job, &attempt, ATTEMPT_SILENT);
     if (from) {
         label_tables_note(job, rival->labels, rival->xml, table, from);
     }
@@ -121,7 +120,7 @@ struct fsl_maps fsl_maps_open(struct job *job, conus_atlas *atlas, const char *x
         job_bad(job, "fsl: %s has %zu labels, %s has %zu volumes", path_base(xml), labels, path_base(maps.image->path),
                 maps.image->info.volume_count);
     }
-    compare_names(job, &(struct rival){&found->labels, path_base(xml)}, maps.image, options->max_memory);
+    compare_names(job, &(struct rival){&found->labels, path_base(xml)}, maps.image);
     atlas_take(job, atlas);
     maps.labels = job_ok(job) ? &found->labels : maps.labels;
     return maps;

@@ -17,6 +17,7 @@
 #include "loaders/labels/label_volumes.h"
 #include "loaders/maps/simnibs.h"
 #include "loaders/volumes/volume_values.h"
+#include "sources/source.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -396,12 +397,12 @@ static void destroy_hdf5(void *hdf5)
  * program that reads HDF5 is started only once. */
 static bool may_be_mesh(struct job *job, const char *path)
 {
-    struct bytes head = {0};
+    struct source source = {0};
     struct attempt attempt = job_try(job); /* another reader says what is wrong */
-    bool may_be = JOB_CALL(job, file_read_head(&head, path, HDF5_HEAD)) && hdf5_is(head.data, head.size) &&
-                  !text_mentions((struct text){(const char *)head.data, head.size}, "minc-2.0");
-    (void)job_tried(job, &attempt);
-    bytes_finish(&head);
+    bool may_be = JOB_CALL(job, source_open(&source, path)) && format_find(&source.head, ROLE_REGION) &&
+                  !text_mentions(source.head.bytes, "minc-2.0");
+    (void)attempt_end(job, &attempt, ATTEMPT_TRY);
+    source_close(&source);
     return may_be;
 }
 

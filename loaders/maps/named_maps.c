@@ -25,7 +25,7 @@ static struct named_maps find_names(struct job *job, const conus_volume_info *in
     struct named_maps out = {.table = &no_table};
     struct label_table *table = labels_new(job);
     const char *labels = options->labels;
-    const struct label_use use = {.info = info, .max_memory = options->max_memory};
+    const struct label_use use = {.info = info};
     struct attempt attempt = job_try(job); /* what is noted is the atlas's, if it gets these names */
     const char *from = label_volume_table(job, table, labels, &use);
     if (labels && !from) {
@@ -38,10 +38,10 @@ static struct named_maps find_names(struct job *job, const conus_volume_info *in
     if (job_ok(job) && table->count) {
         out.table = table;
         out.source = job_format(job, "names of the volumes in %s", from);
-        out.notes = notes_set_aside(job, &attempt);
-        job_kept(job, &attempt);
+        out.notes = attempt_notes(job, &attempt);
+        attempt_end(job, &attempt, ATTEMPT_KEEP);
     } else {
-        job_hushed(job, &attempt);
+        attempt_end(job, &attempt, ATTEMPT_SILENT);
     }
     return out;
 }
@@ -56,7 +56,7 @@ static struct named_maps name_one(struct job *job, const struct volume_selector 
     return (struct named_maps){job_ok(job) ? table : &no_table, "the file's name", NULL, selector->chosen, true};
 }
 
-struct named_maps named_maps_find(struct job *job, const struct probe *probe, const char *path,
+struct named_maps named_maps_find(struct job *job, const struct source *source, const char *path,
                                   const conus_load_options *options)
 {
     struct named_maps maps = {.table = &no_table};
@@ -65,9 +65,9 @@ struct named_maps named_maps_find(struct job *job, const struct probe *probe, co
     struct attempt attempt = job_try(job); /* its reader says what is wrong with it */
     bool is_volume = JOB_CALL(job, volume_selector_parse(&selector, path)) &&
                      !options->labels_anyway && /* each volume is one of labels */
-                     probe->reader == READER_VOLUME && probe->first != '<';
-    bool has_header = is_volume && probe->is_open && JOB_CALL(job, volume_bytes_header(&info, path, &probe->stored));
-    (void)job_tried(job, &attempt);
+                     source_scene(source) == FORMAT_OTHER && source_first(source) != '<';
+    bool has_header = is_volume && source->is_open && JOB_CALL(job, volume_bytes_header(&info, path, &source->stored));
+    (void)attempt_end(job, &attempt, ATTEMPT_TRY);
     bool stated = is_volume && (options->probability > 0 || named_maps_is_probseg(selector.path));
     if (!selector.chosen && has_header && info.volume_count > 1) {
         info.path = selector.path;

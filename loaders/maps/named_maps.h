@@ -5,8 +5,8 @@
 #define CONUS_LOADERS_MAPS_NAMED_MAPS_H
 
 #include "loaders/labels/labels_on_job.h"
-#include "loaders/probe.h"
 #include "loaders/volumes/volume_file.h"
+#include "sources/source.h"
 
 /** What it has is the job's. */
 struct named_maps {
@@ -18,13 +18,13 @@ struct named_maps {
     bool is_one; /**< There is one volume, which the file or the user states to be of probabilities. */
 };
 
-/** Finds out whether all volumes of @p path, which @p probe has open, are named: the file has several, ",volume=K"
+/** Finds out whether all volumes of @p path, which @p source has open, are named: the file has several, ",volume=K"
  * chooses none, and the table of @p options, or one beside the file, says for certain which volume each name belongs
  * to; the job's result is made of that table then. Where a probability of @p options or the name
  * (named_maps_is_probseg()) states that they are probabilities, one volume, or the chosen one, has its file's name.
  * Otherwise, and with labels_anyway, the table is empty. CONUS_ERROR_ARGUMENT where the table of @p options does not
  * name the volumes, or nothing names stated ones. */
-struct named_maps named_maps_find(struct job *job, const struct probe *probe, const char *path,
+struct named_maps named_maps_find(struct job *job, const struct source *source, const char *path,
                                   const conus_load_options *options);
 
 /** Refuses @p file, opened as a series, where its values may be labels, or images of one thing, and neither its name

@@ -85,10 +85,9 @@ static void plan_file(const struct planning *p)
 
 static struct label_table *read_table(const struct planning *p, const char *path)
 {
-    const struct label_use use = {.max_memory = p->plan->max_memory};
     struct label_table *table = labels_new(p->job);
     const char *format;
-    label_file_read(p->job, table, &format, path, &use);
+    label_file_read(p->job, table, &format, path, NULL);
     return table;
 }
 
@@ -162,7 +161,7 @@ static struct labelled_surface *read_labelled(const struct planning *p)
 {
     struct labelled_surface *surface = &p->plan->labelled[p->plan->labelled_count];
     struct notes again = {0};
-    struct mesh_file_options options = {.max_memory = p->plan->max_memory,
+    struct mesh_file_options options = {.max_memory = p->job->max_memory,
                                         .read = &p->job->files,
                                         .surface = job_beside(p->job, p->path, p->area->file),
                                         .hemisphere = p->area->label.hemisphere};

@@ -33,7 +33,6 @@ struct area_plan {
     struct labelled_surface *labelled; /**< [labelled_count] */
     size_t labelled_count;
     LIST(struct planned_area) areas; /**< Sorted by label, no two with the same. */
-    uint64_t max_memory;             /**< For each file; 0 = the default. */
     bool has_ccf;                    /**< Surfaces are of the Allen CCF, whose corner is the world's origin, */
     bool ccf_from_right;             /**< and whose ML counts from the right. */
     struct label_table *groups;      /**< Nodes of the area tree without a surface of their own; sorted. */

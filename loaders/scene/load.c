@@ -9,11 +9,11 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "loaders/brainglobe/brainglobe_atlas.h"
-#include "loaders/file_kind.h"
 #include "loaders/labels/fsl_atlas.h"
 #include "loaders/manifest/manifest.h"
 #include "loaders/manifest/manifest_surfaces.h"
 #include "loaders/maps/atlas_on_job.h"
+#include "loaders/refuse.h"
 #include "loaders/scene/load_manifest.h"
 #include "loaders/scene/load_parcellation.h"
 #include "loaders/scene/load_progress.h"
@@ -169,10 +169,11 @@ static void load_surface(struct load *load, const char *path, const struct state
         return;
     }
     job_own(job, end_surface, surface);
-    if (options->labels && !mesh_file_keeps_vertices(path)) {
+    const struct format *format = source_format(job, path, ROLE_SURFACE);
+    if (options->labels && !mesh_format_keeps_vertices(format)) {
         job_refuse(job, "%s: labels of vertices need a surface that numbers its vertices, as all formats but STL do",
                    path);
-    } else if (!options->labels && mesh_file_is_foreign(path)) {
+    } else if (!options->labels && mesh_format_is_foreign(format)) {
         read_objects(job, surface, path, stated, options);
     } else {
         read_surface(job, surface, path, stated, options);
@@ -199,8 +200,8 @@ static void load_cifti(struct load *load, const char *path)
     if (labels) {
         job_fail(job, CONUS_ERROR_ARGUMENT, "--labels %s: %s names its labels itself", labels, path);
     }
-    (void)JOB_CALL(job, cifti_file_open(&file, path, load->options->max_memory, &job->notes));
-    plan_cifti(job, &manifest, &file, load->options->max_memory);
+    (void)JOB_CALL(job, cifti_file_open(&file, path, job->max_memory, &job->notes));
+    plan_cifti(job, &manifest, &file);
     const char *name = job_format(job, "%s", file.path ? file.path : "");
     cifti_file_finish(&file); /* before the surfaces need memory */
     manifest_load_made(load, &manifest, name, "the label table in it");
@@ -214,21 +215,21 @@ static const char atlas_needed[] =
 
 static void report_only_file(struct load *load, const char *path)
 {
-    load->total = 1;
+    load->job.total = 1;
     load_report(load, path, 1);
 }
 
 /* Loads one volume of labels, or several of probabilities. */
-static void load_volumes(struct load *load, const struct probe *probe, const char *path)
+static void load_volumes(struct load *load, const struct source *source, const char *path)
 {
     struct job *job = &load->job;
-    const struct named_maps maps = named_maps_find(job, probe, path, load->options);
+    const struct named_maps maps = named_maps_find(job, source, path, load->options);
     struct parcellation *part = job_new(job, struct parcellation);
     if (part && maps.table->count) {
         named_maps_load(load, path, &maps);
     } else if (part) {
         report_only_file(load, path);
-        parcellation_read_opened(job, part, probe, path, load->options, atlas_needed);
+        parcellation_read_opened(job, part, source, path, load->options, atlas_needed);
         parcellations_atlas(load, part, 1, part->table, part->source);
     }
 }
@@ -244,7 +245,7 @@ static void load_json(struct load *load, const struct open_file *file)
         manifest_load(load, file->path, &bytes);
     } else {
         const size_t mark = job_in(job, file->path, JOB_ALONE);
-        (void)JOB_CALL(job, file_kind_fail(file->path, &bytes, atlas_needed));
+        (void)JOB_CALL(job, file_refuse(file->path, &bytes, atlas_needed));
         job_out(job, mark);
     }
     bytes_finish(&bytes);
@@ -311,24 +312,25 @@ static bool is_probabilistic(struct job *job, const struct open_file *file)
     (void)JOB_CALL(job, file_read_open(&bytes, file, SIZE_MAX, FSL_ATLAS_LIMIT, ""));
     const struct fsl_atlas *atlas = fsl_atlas_parse(job, text_from_bytes(bytes.data, bytes.size));
     const bool is = job_ok(job) && !atlas->is_label;
-    (void)job_dropped(job, &attempt);
+    (void)attempt_end(job, &attempt, ATTEMPT_DROP);
     bytes_finish(&bytes);
     return is;
 }
 
-static void load_file(struct load *load, const struct probe *probe, const char *path, const struct statement *stated)
+static void load_file(struct load *load, const struct source *source, const char *path, const struct statement *stated)
 {
-    if (stated->space && (probe->reader == READER_MANIFEST || (probe->is_open && !mesh_file_is(path)))) {
+    const enum format_id scene = source_scene(source);
+    const bool is_surface = source->is_open && format_find(&source->head, ROLE_SURFACE);
+    if (stated->space && (scene == FORMAT_MANIFEST || (source->is_open && !is_surface))) {
         job_fail(&load->job, CONUS_ERROR_ARGUMENT, "%s: space= is for surfaces, and this is none", path);
-    } else if (probe->reader == READER_MANIFEST) {
-        load_json(load, &probe->file);
-    } else if (probe->reader == READER_CIFTI) {
+    } else if (scene == FORMAT_MANIFEST) {
+        load_json(load, &source->file);
+    } else if (scene == FORMAT_CIFTI) {
         load_cifti(load, path);
-    } else if (probe->reader == READER_ATLAS_XML && is_probabilistic(&load->job, &probe->file)) {
+    } else if (scene == FORMAT_ATLAS_XML && is_probabilistic(&load->job, &source->file)) {
         probabilities_load(load, path);
-    } else if (probe->reader == READER_ATLAS_XML ||
-               (probe->reader == READER_VOLUME && (!probe->is_open || !mesh_foreign_is(path)))) {
-        load_volumes(load, probe, path);
+    } else if (scene == FORMAT_ATLAS_XML || !is_surface) {
+        load_volumes(load, source, path);
     } else {
         report_only_file(load, path);
         load_surface(load, path, stated);
@@ -338,20 +340,25 @@ static void load_file(struct load *load, const struct probe *probe, const char *
 static void load_path(struct load *load, const char *path)
 {
     struct job *job = &load->job;
-    struct probe probe = {0};
+    struct source source = {0};
     struct statement stated = {0};
     path = take_statement(job, &stated, path);
-    const bool is_folder = file_is_folder(path) && !volume_zarr_is(path);
+    const struct format *zarr = NULL;
+    bool is_folder = file_is_folder(path);
+    if (is_folder) {
+        (void)JOB_CALL(job, source_find(&zarr, path, ROLE_VOLUME));
+        is_folder = !zarr;
+    }
     const bool may_be_brainglobe = is_folder || strcmp(path_base(path), "manifest.json") == 0;
     const char *brainglobe = may_be_brainglobe ? find_brainglobe(job, path) : NULL;
     if (brainglobe) {
         load_brainglobe(load, brainglobe);
     } else if (is_folder) {
         load_folder(load, path);
-    } else if (JOB_CALL(job, probe_open(&probe, path))) {
-        load_file(load, &probe, path, &stated);
+    } else if (JOB_CALL(job, source_open_atlas(&source, path))) {
+        load_file(load, &source, path, &stated);
     }
-    probe_close(&probe);
+    source_close(&source);
 }
 
 /* Warns of surfaces whose coordinates cannot be mm of a brain. */

@@ -8,6 +8,7 @@
 #include "loaders/scene/area_plan.h"
 #include "loaders/scene/parcellations.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
+#include "sources/source.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -61,12 +62,12 @@ static void hand_out_parts(struct surfaces *surfaces, const struct labelled_surf
 
 static void cut_labelled(struct surfaces *surfaces, struct labelled_surface *labelled)
 {
-    const struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->plan->max_memory};
+    const struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->load->job.max_memory};
     struct vertex_labels *labels = &labelled->labels;
     struct mesh mesh = {0};
     struct mesh_parts parts = {0};
     load_report(surfaces->load, labelled->path, 1);
-    if (!mesh_file_keeps_vertices(labelled->path)) {
+    if (!mesh_format_keeps_vertices(source_format(surfaces->job, labelled->path, ROLE_SURFACE))) {
         job_refuse(surfaces->job, "vertex_labels: %s: a surface that numbers its vertices is needed, any but STL",
                    path_base(labelled->path));
     }
@@ -92,7 +93,8 @@ static void cut_labelled(struct surfaces *surfaces, struct labelled_surface *lab
 static void read_foreign(struct surfaces *surfaces, bool placed)
 {
     struct planned_area *areas = surfaces->plan->areas.at;
-    const struct mesh_foreign_options options = {placed ? MESH_SPACE_RAS : surfaces->space, surfaces->plan->max_memory};
+    const struct mesh_foreign_options options = {placed ? MESH_SPACE_RAS : surfaces->space,
+                                                 surfaces->load->job.max_memory};
     struct mesh *received = job_zeroed(surfaces->job, surfaces->count, sizeof *received);
     const char **paths = job_zeroed(surfaces->job, surfaces->count, sizeof *paths);
     size_t n = 0;
@@ -120,7 +122,7 @@ static void read_foreign(struct surfaces *surfaces, bool placed)
 static void read_own(struct surfaces *surfaces, size_t i)
 {
     struct planned_area *area = &surfaces->plan->areas.at[i];
-    const struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->plan->max_memory};
+    const struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->load->job.max_memory};
     struct label said = {0};
     const size_t mark = job_in(surfaces->job, "areas", area->entry);
     load_report(surfaces->load, area->path, 1);
@@ -139,7 +141,8 @@ static void read_all(struct surfaces *surfaces)
     }
     for (size_t i = 0; i < surfaces->count; i++) {
         const struct planned_area *area = &plan->areas.at[i];
-        surfaces->is_foreign[i] = !area->surface && mesh_file_is_foreign(area->path);
+        surfaces->is_foreign[i] =
+            !area->surface && mesh_format_is_foreign(source_format(surfaces->job, area->path, ROLE_SURFACE));
     }
     const size_t mark = job_in(surfaces->job, "areas", JOB_ALONE);
     read_foreign(surfaces, true);

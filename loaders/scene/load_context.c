@@ -11,6 +11,7 @@
 #include "loaders/maps/load_scalar.h"
 #include "loaders/surfaces/mesh_file.h"
 #include "loaders/surfaces/vertex_map.h"
+#include "sources/source.h"
 
 #include <math.h>
 #include <string.h>
@@ -60,7 +61,8 @@ static void add_context(struct job *job, conus_atlas *atlas, const char *path, c
 
 bool conus_context_is_surface(const char *path)
 {
-    return mesh_file_is(path);
+    const struct format *format;
+    return source_find(&format, path, ROLE_SURFACE) || format; /* without memory its reader says so */
 }
 
 void context_load(struct job *job, conus_atlas *atlas, const char *path, const conus_context_options *options)
@@ -69,7 +71,7 @@ void context_load(struct job *job, conus_atlas *atlas, const char *path, const c
     if (!job_ok(job)) {
         return; /* there may be no atlas */
     }
-    if (mesh_file_is(path)) {
+    if (source_format(job, path, ROLE_SURFACE)) {
         add_context(job, atlas, path, options);
     } else if (JOB_CALL(job, volume_file_open(&file, path, options->max_memory, &job->notes))) {
         context_set(job, atlas, &file, options);
@@ -77,11 +79,11 @@ void context_load(struct job *job, conus_atlas *atlas, const char *path, const c
     volume_file_finish(&file);
 }
 
-bool context_is_plain(struct job *job, const conus_atlas *atlas, const char *path, uint64_t max_memory)
+bool context_is_plain(struct job *job, const conus_atlas *atlas, const char *path)
 {
     conus_volume_info info;
     struct notes notes = {0};
-    if (JOB_CALL(job, volume_file_grid(&info, path, max_memory, &notes))) {
+    if (JOB_CALL(job, volume_file_grid(&info, path, job->max_memory, &notes))) {
         const struct fit_box grid = fit_box_of_grid(&info);
         (void)JOB_CALL(job, fit_note_context(&notes, atlas, path, &grid));
     }
@@ -111,7 +113,8 @@ static struct context_surface *find_surface(struct job *job, conus_atlas *atlas,
     const struct context_surface *other = NULL; /* of another number of vertices */
     for (size_t i = 0; i < atlas->context_surface_count; i++) {
         struct context_surface *surface = &atlas->context_surfaces[i];
-        bool fits = surface->mesh.vertex_count == map->count && mesh_file_keeps_vertices(surface->mesh.path) &&
+        bool fits = surface->mesh.vertex_count == map->count &&
+                    mesh_format_keeps_vertices(source_format(job, surface->mesh.path, ROLE_SURFACE)) &&
                     (!surface->hemisphere || !map->hemisphere || surface->hemisphere == map->hemisphere);
         fitting = fits ? surface : fitting;
         found += fits;

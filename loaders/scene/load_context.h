@@ -10,6 +10,6 @@
 void context_load(struct job *job, conus_atlas *atlas, const char *path, const conus_context_options *options);
 
 /** Whether context_load() would have nothing to note about the volume @p path, but of its voxels: by its header. */
-bool context_is_plain(struct job *job, const conus_atlas *atlas, const char *path, uint64_t max_memory);
+bool context_is_plain(struct job *job, const conus_atlas *atlas, const char *path);
 
 #endif

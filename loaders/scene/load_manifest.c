@@ -18,6 +18,7 @@
 #include "loaders/scene/load_streamlines.h"
 #include "loaders/scene/load_transform.h"
 #include "loaders/scene/parcellations.h"
+#include "sources/source.h"
 
 #include <math.h>
 #include <string.h>
@@ -186,15 +187,15 @@ static void place_ccf(const struct scene *scene, const struct area_plan *plan)
 static void load_areas(const struct scene *scene)
 {
     struct load *load = scene->load;
-    struct area_plan plan = {.max_memory = load->options->max_memory};
+    struct area_plan plan = {0};
     const struct job_mark mark = job_mark(scene->job);
     area_plan_make(scene->job, &plan, scene->manifest, scene->path);
     const size_t planned = area_plan_files(&plan);
-    load->total = manifest_file_count(scene->manifest) + planned;
-    struct load_aside aside = load_put_aside(load);
+    load->job.total = manifest_file_count(scene->manifest) + planned;
+    struct deferred_notes deferred = load_defer_notes(load);
     create_atlas(scene, &plan);
-    load_put_back(load, &aside);
-    load->total -= planned - area_plan_files(&plan); /* the parcellation may have them */
+    load_release_notes(load, &deferred);
+    load->job.total -= planned - area_plan_files(&plan); /* the parcellation may have them */
     place_ccf(scene, &plan);
     if (scene->file && path_base(scene->path)[0]) {
         (void)JOB_CALL(scene->job, atlas_add_file(load->atlas, scene->path, scene->file));
@@ -260,7 +261,7 @@ static struct fsl_maps open_fsl(const struct scene *scene, const struct manifest
         load_at(load, maps.image->path);
         (void)JOB_CALL(scene->job, notes_move(&scene->job->notes, maps.notes));
         atlas_take(scene->job, load->atlas);
-        load->total += maps.labels->count - 1; /* it counted as one so far */
+        load->job.total += maps.labels->count - 1; /* it counted as one so far */
     }
     return maps;
 }
@@ -423,7 +424,7 @@ static void add_bundles(struct scene *scene, size_t i)
 /* What keeps the file `path` from being the context that the entry describes; NULL = nothing. */
 static const char *refuse_context(const struct scene *scene, const struct manifest_context *entry, const char *path)
 {
-    if (mesh_file_is(path)) {
+    if (source_format(scene->job, path, ROLE_SURFACE)) {
         return entry->transfer     ? "transfer: is for volumes, this is a surface"
                : entry->blocks > 0 ? "blocks: only voxels of a volume do, this is a surface"
                : entry->moves      ? "moves: a surface is where poses are"
@@ -455,9 +456,9 @@ static bool is_left_out(const struct scene *scene, const struct manifest_context
     const conus_load_options *options = scene->load->options;
     const char *file = path_of(scene, entry->source.file);
     return job_ok(scene->job) && options->without_context && !(entry->blocks > 0) &&
-           !scene->manifest->transforms.count && scene->load->atlas->volume_count && !mesh_file_is(path) &&
-           ((!file_exists(file) && !file_is_folder(file)) ||
-            context_is_plain(scene->job, scene->load->atlas, path, options->max_memory));
+           !scene->manifest->transforms.count && scene->load->atlas->volume_count &&
+           !source_format(scene->job, path, ROLE_SURFACE) &&
+           ((!file_exists(file) && !file_is_folder(file)) || context_is_plain(scene->job, scene->load->atlas, path));
 }
 
 static void set_context(struct scene *scene, size_t i)
@@ -474,7 +475,7 @@ static void set_context(struct scene *scene, size_t i)
     }
     const char *path = source_path(scene, &entry->source);
     load_report(load, path, 1);
-    const bool is_image = job_ok(scene->job) && !mesh_file_is(path);
+    const bool is_image = job_ok(scene->job) && !source_format(scene->job, path, ROLE_SURFACE);
     const char *wrong = job_ok(scene->job) ? refuse_context(scene, entry, path) : NULL;
     if (wrong) {
         job_bad(scene->job, "%s", wrong);
@@ -510,7 +511,7 @@ static void load_scene(struct scene *scene)
         return;
     }
     scene->job = &load->job;
-    struct load_aside aside = load_put_aside(load);
+    struct deferred_notes deferred = load_defer_notes(load);
     const size_t place = scene->maps ? load->job.depth : job_in(&load->job, scene->path, JOB_ALONE);
     load_areas(scene);
     add_entries(scene, "probabilities", manifest->maps.count, true, add_areas);
@@ -523,7 +524,7 @@ static void load_scene(struct scene *scene)
         load->atlas->brain = manifest->brain;
     }
     job_out(&load->job, place);
-    load_put_back(load, &aside);
+    load_release_notes(load, &deferred);
 }
 
 void manifest_load(struct load *load, const char *path, const struct bytes *file)
@@ -585,7 +586,7 @@ static void doubt_by_table(struct load *load)
     const struct label_volume volume = {.info = &load->atlas->volumes[0].info};
     const struct attempt attempt = job_try(job);
     label_table_of_volume(job, table, &source, &volume, NULL);
-    (void)job_dropped(job, &attempt);
+    (void)attempt_end(job, &attempt, ATTEMPT_DROP);
     const char *name = path_base(volume.info->path);
     if (!job_ok(job) || !table->count) {
         return;

@@ -8,11 +8,11 @@
 #include "base/memory.h"
 #include "base/tolerance.h"
 #include "loaders/cifti/cifti_file.h"
-#include "loaders/file_kind.h"
 #include "loaders/labels/fsl_find.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/label_search.h"
 #include "loaders/labels/labels_on_job.h"
+#include "loaders/refuse.h"
 #include "loaders/volumes/grey.h"
 #include "loaders/volumes/volume_table.h"
 #include "loaders/volumes/volume_values.h"
@@ -34,13 +34,13 @@ static void set_range(conus_volume_info *info, const uint32_t *labels, size_t co
 }
 
 /* Describes the volume of the file as a file without voxels. */
-static void describe_cifti(struct job *job, struct volume_file *out, const struct cifti_file *file, uint64_t max_memory)
+static void describe_cifti(struct job *job, struct volume_file *out, const struct cifti_file *file)
 {
     const struct cifti *cifti = &file->choice.cifti;
     conus_volume_info *info = &out->info;
     out->path = job_give(job, file->path, strlen(file->path) + 1);
     out->datatype = cifti->datatype;
-    out->max_memory = max_memory;
+    out->max_memory = job->max_memory;
     *info = (conus_volume_info){
         .path = out->path, .volume = file->choice.map, .volume_count = cifti->map_count, .slope = 1};
     snprintf(info->format, sizeof info->format, "CIFTI-2");
@@ -51,7 +51,7 @@ static void describe_cifti(struct job *job, struct volume_file *out, const struc
 }
 
 /* Takes voxels and table of the map that the file has chosen. CONUS_ERROR_DATA where the file has no voxels. */
-static void take_cifti(struct job *job, struct parcellation *out, const struct cifti_file *file, uint64_t max_memory)
+static void take_cifti(struct job *job, struct parcellation *out, const struct cifti_file *file)
 {
     const struct cifti_choice *choice = &file->choice;
     const size_t *dim = choice->cifti.dim;
@@ -63,7 +63,7 @@ static void take_cifti(struct job *job, struct parcellation *out, const struct c
                 "them",
                 file->path);
     }
-    describe_cifti(job, &out->file, file, max_memory);
+    describe_cifti(job, &out->file, file);
     if (!JOB_CALL(job, cifti_choice_voxels(&labels, out->table, choice))) {
         return;
     }
@@ -76,11 +76,11 @@ static void take_cifti(struct job *job, struct parcellation *out, const struct c
     out->source = job_format(job, "label table in %s", file->path);
 }
 
-static void read_cifti(struct job *job, struct parcellation *out, const char *path, uint64_t max_memory)
+static void read_cifti(struct job *job, struct parcellation *out, const char *path)
 {
     struct cifti_file file = {0};
-    if (JOB_CALL(job, cifti_file_open(&file, path, max_memory, &job->notes))) {
-        take_cifti(job, out, &file, max_memory);
+    if (JOB_CALL(job, cifti_file_open(&file, path, job->max_memory, &job->notes))) {
+        take_cifti(job, out, &file);
     }
     cifti_file_finish(&file);
 }
@@ -88,18 +88,14 @@ static void read_cifti(struct job *job, struct parcellation *out, const char *pa
 static void read_override(struct job *job, struct parcellation *part, const char *path)
 {
     const char *format = "";
-    const struct label_use use = {.info = &part->file.info,
-                                  .voxels = &part->labels,
-                                  .header = volume_file_header,
-                                  .max_memory = part->file.max_memory};
+    const struct label_use use = {.info = &part->file.info, .voxels = &part->labels, .header = volume_file_header};
     part->table = labels_new(job);
     label_file_read(job, part->table, &format, path, &use);
     part->source = job_format(job, "%s in %s", format, path);
 }
 
 /* Opens `image` of the atlas and keeps it if its voxels are smaller than those of the image kept so far. */
-static void consider_image(struct job *job, struct parcellation *part, const char *xml_path, const char *image,
-                           uint64_t max_memory)
+static void consider_image(struct job *job, struct parcellation *part, const char *xml_path, const char *image)
 {
     const char *path = fsl_image_find(job, xml_path, image);
     if (!path) {
@@ -108,24 +104,23 @@ static void consider_image(struct job *job, struct parcellation *part, const cha
     }
     struct volume_file file = {0};
     const struct attempt attempt = job_try(job);
-    (void)JOB_CALL(job, volume_file_open(&file, path, max_memory, &job->notes));
+    (void)JOB_CALL(job, volume_file_open(&file, path, job->max_memory, &job->notes));
     if (job_ok(job) && part->file.path && space_voxel_mm3(&file.info) >= space_voxel_mm3(&part->file.info)) {
-        (void)job_dropped(job, &attempt); /* with what was noted about it */
+        (void)attempt_end(job, &attempt, ATTEMPT_DROP); /* with what was noted about it */
     } else {
         const struct volume_file other = part->file;
         part->file = file;
         file = other;
-        job_kept(job, &attempt);
+        attempt_end(job, &attempt, ATTEMPT_KEEP);
     }
     volume_file_finish(&file);
 }
 
-static void open_finest(struct job *job, struct parcellation *part, const struct fsl_atlas *atlas, const char *path,
-                        uint64_t max_memory)
+static void open_finest(struct job *job, struct parcellation *part, const struct fsl_atlas *atlas, const char *path)
 {
     for (size_t i = 0; i < atlas->image_count && job_ok(job); i++) {
         if (atlas->images[i].image) {
-            consider_image(job, part, path, atlas->images[i].image, max_memory);
+            consider_image(job, part, path, atlas->images[i].image);
         }
     }
     if (!part->file.path) {
@@ -145,7 +140,7 @@ static void compare_with_volume(struct job *job, struct parcellation *part)
     char *source = NULL;
     const struct attempt attempt = job_try(job);
     (void)JOB_CALL(job, volume_label_table(table, &source, &part->file, &part->labels, NULL, &job->notes));
-    const char *why = job_dropped(job, &attempt);
+    const char *why = attempt_end(job, &attempt, ATTEMPT_DROP);
     job_adopt(job, source);
     if (why[0]) {
         job_note(job, "%s", why);
@@ -154,8 +149,7 @@ static void compare_with_volume(struct job *job, struct parcellation *part)
     }
 }
 
-static void read_fsl(struct job *job, struct parcellation *part, const char *path, struct text text,
-                     uint64_t max_memory)
+static void read_fsl(struct job *job, struct parcellation *part, const char *path, struct text text)
 {
     const size_t mark = job_in(job, path, JOB_ALONE);
     struct fsl_atlas *atlas = fsl_atlas_parse(job, text);
@@ -166,13 +160,10 @@ static void read_fsl(struct job *job, struct parcellation *part, const char *pat
                    "ATLAS itself",
                    path, atlas->type);
     }
-    open_finest(job, part, atlas, path, max_memory);
+    open_finest(job, part, atlas, path);
     (void)JOB_CALL(job, volume_file_take_labels(&part->labels, &part->file));
-    const struct label_use use = {.info = &part->file.info,
-                                  .voxels = &part->labels,
-                                  .header = volume_file_header,
-                                  .path = path,
-                                  .max_memory = max_memory};
+    const struct label_use use = {
+        .info = &part->file.info, .voxels = &part->labels, .header = volume_file_header, .path = path};
     fsl_atlas_number(job, atlas, &use);
     part->source = job_format(job, "%s in %s", atlas->is_spm ? "SPM atlas XML" : "FSL atlas XML", path_base(path));
     if (job_ok(job)) {
@@ -181,8 +172,7 @@ static void read_fsl(struct job *job, struct parcellation *part, const char *pat
     }
 }
 
-static void read_markup(struct job *job, struct parcellation *part, const struct open_file *file, uint64_t max_memory,
-                        const char *needed)
+static void read_markup(struct job *job, struct parcellation *part, const struct open_file *file, const char *needed)
 {
     const char *path = file->path;
     struct bytes bytes = {0};
@@ -192,10 +182,10 @@ static void read_markup(struct job *job, struct parcellation *part, const struct
     const struct text text = text_from_bytes(bytes.data, bytes.size);
     if (!text_equal(xml_root(text), "atlas")) {
         const size_t mark = job_in(job, path, JOB_ALONE);
-        (void)JOB_CALL(job, file_kind_fail(path, &bytes, needed));
+        (void)JOB_CALL(job, file_refuse(path, &bytes, needed));
         job_out(job, mark);
     }
-    read_fsl(job, part, path, text, max_memory);
+    read_fsl(job, part, path, text);
     job_made_of(job, path, &bytes);
     (void)JOB_CALL(job, file_sums_move(&job->files, &part->file.read));
     bytes_finish(&bytes);
@@ -229,17 +219,16 @@ void parcellation_check_grey(struct job *job, const struct volume_file *file, co
     }
 }
 
-static void read_volume(struct job *job, struct parcellation *out, const struct probe *probe, const char *path,
+static void read_volume(struct job *job, struct parcellation *out, const struct source *source, const char *path,
                         const conus_load_options *options, const char *needed)
 {
-    (void)JOB_CALL(
-        job, volume_file_open_labels(&out->file, &out->labels, path, probe_file(probe), options, needed, &job->notes));
+    (void)JOB_CALL(job, volume_file_open_labels(&out->file, &out->labels, path, source->is_open ? &source->file : NULL,
+                                                options, needed, &job->notes));
     (void)JOB_CALL(job, file_sums_move(&job->files, &out->file.read));
     if (!options->labels) {
-        char *source = NULL;
-        (void)JOB_CALL(job,
-                       volume_label_table(out->table, &source, &out->file, &out->labels, &job->files, &job->notes));
-        out->source = job_adopt(job, source);
+        char *words = NULL;
+        (void)JOB_CALL(job, volume_label_table(out->table, &words, &out->file, &out->labels, &job->files, &job->notes));
+        out->source = job_adopt(job, words);
     }
 }
 
@@ -251,19 +240,19 @@ static void end_parcellation(void *thing)
     label_map_finish(&part->voxels);
 }
 
-void parcellation_read_opened(struct job *job, struct parcellation *out, const struct probe *probe, const char *path,
+void parcellation_read_opened(struct job *job, struct parcellation *out, const struct source *source, const char *path,
                               const conus_load_options *options, const char *needed)
 {
-    const bool is_cifti = probe->reader == READER_CIFTI;
-    const bool is_markup = probe->first == '<';
+    const bool is_cifti = source_scene(source) == FORMAT_CIFTI;
+    const bool is_markup = source_first(source) == '<';
     job_own(job, end_parcellation, out);
     out->table = labels_new(job);
     if (is_cifti) {
-        read_cifti(job, out, path, options->max_memory);
+        read_cifti(job, out, path);
     } else if (is_markup) { /* which names its labels */
-        read_markup(job, out, &probe->file, options->max_memory, needed);
+        read_markup(job, out, &source->file, needed);
     } else {
-        read_volume(job, out, probe, path, options, needed);
+        read_volume(job, out, source, path, options, needed);
     }
     out->file.info.role = CONUS_ROLE_PARCELLATION;
     if (options->labels) {
@@ -277,9 +266,9 @@ void parcellation_read_opened(struct job *job, struct parcellation *out, const s
 void parcellation_read(struct job *job, struct parcellation *out, const char *path, const conus_load_options *options,
                        const char *needed)
 {
-    struct probe probe = {0};
-    if (JOB_CALL(job, probe_open(&probe, path))) {
-        parcellation_read_opened(job, out, &probe, path, options, needed);
+    struct source source = {0};
+    if (JOB_CALL(job, source_open_atlas(&source, path))) {
+        parcellation_read_opened(job, out, &source, path, options, needed);
     }
-    probe_close(&probe);
+    source_close(&source);
 }

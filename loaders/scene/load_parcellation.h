@@ -6,8 +6,8 @@
 #include "atlas/labels/label_voxels.h"
 #include "atlas/labels/labels.h"
 #include "base/job/job.h"
-#include "loaders/probe.h"
 #include "loaders/volumes/volume_file.h"
+#include "sources/source.h"
 
 /** All of it is the job's. */
 struct parcellation {
@@ -21,9 +21,9 @@ struct parcellation {
     const char *source;      /**< Where the names come from, in words. */
 };
 
-/** Reads the labelled volume, FSL atlas XML or CIFTI file @p path, which @p probe has open, into @p out (zeroed); @p
+/** Reads the labelled volume, FSL atlas XML or CIFTI file @p path, which @p source has open, into @p out (zeroed); @p
  * needed says in words what may stand here. Files that were read besides the volume are the job's. */
-void parcellation_read_opened(struct job *job, struct parcellation *out, const struct probe *probe, const char *path,
+void parcellation_read_opened(struct job *job, struct parcellation *out, const struct source *source, const char *path,
                               const conus_load_options *options, const char *needed);
 
 /** Opens the file @p path and reads it as above. */

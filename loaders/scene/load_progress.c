@@ -12,6 +12,9 @@ void load_begin(struct load *out, const char *path, const conus_load_options *op
 {
     *out = (struct load){.options = options, .sink = {options->log, options->log_user, path}};
     out->job.sink = &out->sink;
+    out->job.max_memory = options->max_memory;
+    out->job.progress = options->progress;
+    out->job.progress_user = options->progress_user;
 }
 
 conus_status load_end(conus_atlas **out, struct load *load)
@@ -39,13 +42,7 @@ void load_at(struct load *load, const char *path)
 
 void load_report(struct load *load, const char *path, size_t files)
 {
-    struct job *job = &load->job;
-    const conus_load_options *options = load->options;
-    if (job_step(job) && options->progress &&
-        !options->progress(options->progress_user, path, load->done, load->total)) {
-        job_fail(job, CONUS_ERROR_CANCELLED, "%s: cancelled before it was read", path);
-    }
-    load->done += files;
+    job_report(&load->job, path, files);
     load_at(load, path);
 }
 
@@ -72,21 +69,21 @@ char *mesh_name(struct job *job, const char *path)
     return job_adopt(job, name);
 }
 
-struct load_aside load_put_aside(struct load *load)
+struct deferred_notes load_defer_notes(struct load *load)
 {
-    const struct load_aside aside = {load->job.notes, load->job.files};
+    const struct deferred_notes deferred = {load->job.notes, load->job.files};
     load->job.notes = (struct notes){0};
     load->job.files = (struct file_sums){0};
-    return aside;
+    return deferred;
 }
 
-void load_put_back(struct load *load, struct load_aside *aside)
+void load_release_notes(struct load *load, struct deferred_notes *deferred)
 {
     struct job *job = &load->job;
-    (void)JOB_CALL(job, notes_move(&aside->notes, &job->notes));
-    (void)JOB_CALL(job, file_sums_move(&aside->files, &job->files));
+    (void)JOB_CALL(job, notes_move(&deferred->notes, &job->notes));
+    (void)JOB_CALL(job, file_sums_move(&deferred->files, &job->files));
     notes_finish(&job->notes); /* what a failure left */
     file_sums_finish(&job->files);
-    job->notes = aside->notes;
-    job->files = aside->files;
+    job->notes = deferred->notes;
+    job->files = deferred->files;
 }

@@ -10,7 +10,6 @@ struct load {
     struct job job; /**< Its notes and files wait there for atlas_take(). */
     const conus_load_options *options;
     conus_atlas *atlas;    /**< NULL until load_create(). */
-    size_t done, total;    /**< Files. */
     struct note_sink sink; /**< It gives notes to options->log, with the path of the file that is read. */
     char *path;            /**< That path, unless it is the caller's. */
 };
@@ -24,8 +23,7 @@ conus_status load_end(conus_atlas **out, struct load *load);
 /** Notes from here on are about the file @p path, which is copied. */
 void load_at(struct load *load, const char *path);
 
-/** The same, and calls options->progress, unless it is NULL: @p path is read now, and with it @p files of the total.
- * Fails where the callback cancels. */
+/** The same, and job_report(). */
 void load_report(struct load *load, const char *path, size_t files);
 
 /** Makes the atlas of @p count volumes, as atlas_create_of() does, with the notes so far; of none an empty one. */
@@ -36,14 +34,14 @@ void load_create(struct load *load, struct labelled_volume *volumes, size_t coun
 char *mesh_name(struct job *job, const char *path);
 
 /** Notes and files of a load that its atlas gets later: */
-struct load_aside {
+struct deferred_notes {
     struct notes notes;
     struct file_sums files;
 };
 
 /** puts those of the job aside, and then back, in front of those that it has got since. Both calls are made in one
  * function, also after a failure. */
-struct load_aside load_put_aside(struct load *load);
-void load_put_back(struct load *load, struct load_aside *aside);
+struct deferred_notes load_defer_notes(struct load *load);
+void load_release_notes(struct load *load, struct deferred_notes *deferred);
 
 #endif

@@ -9,22 +9,9 @@
 #include "base/text_number.h"
 #include "loaders/maps/atlas_on_job.h"
 #include "loaders/tracts/tract_file.h"
+#include "sources/format.h"
 
 #include <string.h>
-#include <strings.h>
-
-/* Length of a name without ".gz", and without the ending of a tractogram before it. */
-static size_t stem_length(const char *name, size_t length)
-{
-    static const char *const endings[] = {".gz", ".tck", ".trk", ".trx", ".vtk", ".vtp", ".tt"};
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        size_t size = strlen(endings[i]);
-        if (length > size && strncasecmp(name + length - size, endings[i], size) == 0) {
-            length -= size;
-        }
-    }
-    return length;
-}
 
 /* The name that is wanted, else that of the file or folder without its endings. */
 static const char *name_bundle(struct job *job, const char *wanted, const char *path)
@@ -34,12 +21,7 @@ static const char *name_bundle(struct job *job, const char *wanted, const char *
     }
     const size_t length = path_plain_length(path, strlen(path));
     const size_t above = path_length_above(path, length);
-    return job_format(job, "%.*s", (int)stem_length(path + above, length - above), path + above);
-}
-
-size_t streamlines_stem_length(const char *name)
-{
-    return stem_length(name, strlen(name));
+    return job_format(job, "%.*s", (int)format_stem_length(path + above, length - above, ROLE_TRACTS), path + above);
 }
 
 double streamlines_radius(struct job *job, double wanted, const char *path)

@@ -7,9 +7,6 @@
 #include "base/job/job.h"
 #include "conus/streamlines.h"
 
-/** Length of a file's name without ".gz", and without the ending of a tractogram before it. */
-size_t streamlines_stem_length(const char *name);
-
 /** The radius that is wanted, mm, for the tractogram @p path. CONUS_ERROR_ARGUMENT. */
 double streamlines_radius(struct job *job, double wanted, const char *path);
 

@@ -15,6 +15,7 @@
 #include "loaders/transform/transform_file.h"
 #include "loaders/transform/transform_name.h"
 #include "loaders/volumes/volume_file.h"
+#include "sources/source.h"
 
 #include <string.h>
 
@@ -183,7 +184,7 @@ void transform_load(struct job *job, conus_atlas *atlas, const char *path, const
 {
     conus_volume_info grid;
     bool is_field = false;
-    bool is_chain = false;
+    const struct format *chain_format = NULL;
     if (!job_ok(job)) {
         return; /* there may be no atlas */
     }
@@ -193,8 +194,9 @@ void transform_load(struct job *job, conus_atlas *atlas, const char *path, const
         (void)JOB_CALL(job, volume_file_header(&grid, options->grid));
     }
     if (JOB_CALL(job, field_file_is(&is_field, path)) && !is_field) {
-        (void)JOB_CALL(job, chain_file_is(&is_chain, path));
+        (void)JOB_CALL(job, source_find(&chain_format, path, ROLE_TRANSFORM));
     }
+    const bool is_chain = chain_format != NULL;
     if (options->transform && (is_field || is_chain)) {
         job_fail(job, CONUS_ERROR_ARGUMENT, "%s: transform is for lists in ITK's text, and this is none", path);
     }

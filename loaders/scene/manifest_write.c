@@ -111,8 +111,8 @@ static bool is_used(const struct manifest_draft *draft, const char *name)
  * XML has taken the volume. The log says why it is not the XML. */
 static const char *choose_file(struct job *job, const struct manifest_draft *draft, const char *xml)
 {
-    struct job trial = {0}; /* what does not load says so when it is tried */
-    const conus_load_options options = {.max_memory = draft->options->max_memory};
+    struct job trial = {.max_memory = job->max_memory}; /* what does not load says so when it is tried */
+    const conus_load_options options = {.max_memory = job->max_memory};
     const char *chosen = xml;
     struct parcellation *parts = job_new(&trial, struct parcellation);
     parcellation_read(&trial, parts, job_beside(&trial, draft->folder, xml), &options, "an atlas XML");
@@ -149,7 +149,7 @@ static void look_at_no_volume(struct job *job, const struct manifest_draft *draf
         look_for_transform(job, draft, name);
         return;
     }
-    size_t length = streamlines_stem_length(name);
+    size_t length = format_stem_length(name, strlen(name), ROLE_TRACTS);
     bool taken = has_entry_named(draft->streamlines, name, length) || has_entry_named(draft->pathways, name, length);
     json_t *entry = json_pack("{s:s,s:s#}", "file", name, "name", name, taken ? strlen(name) : length);
     if (manifest_draft_take(job, draft, draft->streamlines, "streamlines", entry, name)) {
@@ -294,13 +294,13 @@ static void take_volumes(struct job *job, const struct manifest_draft *draft, co
 /* Whether the table beside the file and its values make it an atlas of probabilities by itself. */
 static bool is_probable(struct job *job, const struct manifest_draft *draft, const char *name)
 {
-    const conus_load_options options = {.max_memory = draft->options->max_memory};
-    struct job trial = {0};
-    struct probe probe = {0};
+    const conus_load_options options = {.max_memory = job->max_memory};
+    struct job trial = {.max_memory = job->max_memory};
+    struct source source = {0};
     const char *path = job_beside(&trial, draft->folder, name);
-    (void)JOB_CALL(&trial, probe_open(&probe, path));
-    const struct named_maps maps = named_maps_find(&trial, &probe, path, &options);
-    probe_close(&probe);
+    (void)JOB_CALL(&trial, source_open_atlas(&source, path));
+    const struct named_maps maps = named_maps_find(&trial, &source, path, &options);
+    source_close(&source);
     struct volume_file *file = volume_file_new(&trial);
     bool named = maps.table->count && JOB_CALL(&trial, volume_file_open_series(file, path, &options, &trial.notes)) &&
                  maps.table->count == file->info.volume_count; /* none is the background's */
@@ -374,8 +374,8 @@ static const char *guess_role(struct job *job, struct volume_guess *out, const s
                               const char *name)
 {
     struct attempt attempt = job_try(job);
-    volume_guess_make(job, out, job_beside(job, draft->folder, name), draft->options->max_memory);
-    return job_tried(job, &attempt);
+    volume_guess_make(job, out, job_beside(job, draft->folder, name));
+    return attempt_end(job, &attempt, ATTEMPT_TRY);
 }
 
 static void look_at_volume(struct job *job, struct manifest_draft *draft, const char *name)
@@ -427,12 +427,12 @@ static void take_labelled(struct job *job, struct manifest_draft *draft, const s
 /* Takes voxels and surfaces from a .dlabel.nii: whether it could be read. */
 static bool take_cifti(struct job *job, struct manifest_draft *draft, const char *name)
 {
-    struct job trial = {0};
+    struct job trial = {.max_memory = job->max_memory};
     struct cifti_file file = {0};
     struct manifest manifest = {0};
-    uint64_t max_memory = draft->options->max_memory;
-    (void)JOB_CALL(&trial, cifti_file_open(&file, job_beside(&trial, draft->folder, name), max_memory, &trial.notes));
-    plan_cifti(&trial, &manifest, &file, max_memory);
+    const char *path = job_beside(&trial, draft->folder, name);
+    (void)JOB_CALL(&trial, cifti_file_open(&file, path, trial.max_memory, &trial.notes));
+    plan_cifti(&trial, &manifest, &file);
     const char *why = find_fault(job, &trial);
     if (why) {
         manifest_draft_leave_out(job, draft, name, why);
@@ -456,9 +456,9 @@ static bool take_cifti(struct job *job, struct manifest_draft *draft, const char
 
 static bool is_cifti(struct job *job, const char *path)
 {
-    struct probe probe = {0};
-    bool is = JOB_CALL(job, probe_open(&probe, path)) && probe.reader == READER_CIFTI;
-    probe_close(&probe);
+    struct source source = {0};
+    bool is = JOB_CALL(job, source_open_atlas(&source, path)) && source_scene(&source) == FORMAT_CIFTI;
+    source_close(&source);
     return is;
 }
 
@@ -617,13 +617,14 @@ static void write_manifest(struct job *job, const char *path, const char *folder
 
 conus_status conus_manifest_write(const char *path, const conus_manifest_options *options)
 {
-    struct job job = {0};
     if (!path || !path[0]) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_manifest_write: a path is needed");
     }
+    options = options_of(conus_manifest_options, options);
+    struct job job = {.max_memory = options->max_memory};
     char *folder = path_folder(path);
     if (job_need(&job, folder)) {
-        write_manifest(&job, path, folder, options_of(conus_manifest_options, options));
+        write_manifest(&job, path, folder, options);
     }
     memory_free(folder);
     return job_close(&job, NULL, NULL);

@@ -14,7 +14,7 @@
 uint64_t *map_at(struct job *job, struct label_map *map, uint32_t label)
 {
     uint64_t *value = job_step(job) ? label_map_at(map, label) : NULL;
-    return job_need(job, value) ? value : memset(job->spare, 0, sizeof *value);
+    return job_need(job, value) ? value : job_spare(job, sizeof *value);
 }
 
 uint32_t label_raise(struct job *job, uint32_t label, uint32_t offset)

@@ -80,7 +80,7 @@ static void plan_template(struct job *job, struct manifest *out, const struct br
     const char *path = job_format(job, "%s%s/%s", root, atlas->template, templates);
     const struct attempt attempt = job_try(job);
     const bool is_there = has_array(job, path, &atlas->metadata);
-    const char *why = job_tried(job, &attempt);
+    const char *why = attempt_end(job, &attempt, ATTEMPT_TRY);
     if (why) {
         job_note(job, "the template is left out: %s", why);
     } else if (!is_there) {

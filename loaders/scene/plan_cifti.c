@@ -110,7 +110,7 @@ static void plan_model(struct planning *planning, const struct cifti_model *mode
     }
 }
 
-void plan_cifti(struct job *job, struct manifest *out, const struct cifti_file *file, uint64_t max_memory)
+void plan_cifti(struct job *job, struct manifest *out, const struct cifti_file *file)
 {
     const struct cifti_choice *choice = &file->choice;
     const struct cifti *cifti = &choice->cifti;
@@ -120,7 +120,7 @@ void plan_cifti(struct job *job, struct manifest *out, const struct cifti_file *
     }
     const int folder = (int)(path_base(file->path) - file->path);
     const char *where = folder ? job_format(job, "%.*s", folder, file->path) : "./";
-    (void)JOB_CALL(job, surface_list_make(&planning.surfaces, where, max_memory));
+    (void)JOB_CALL(job, surface_list_make(&planning.surfaces, where, job->max_memory));
     if (cifti_choice_has_voxels(choice)) {
         plan_model(&planning, NULL);
     }

@@ -12,6 +12,6 @@
  * left out. A surface that shares labels with the voxels or with a surface before it gets a label_offset. Names in the
  * manifest are relative to the file's folder. Notes say which surfaces were taken. Errors carry the path. What @p out
  * (zeroed) has is the job's. */
-void plan_cifti(struct job *job, struct manifest *out, const struct cifti_file *file, uint64_t max_memory);
+void plan_cifti(struct job *job, struct manifest *out, const struct cifti_file *file);
 
 #endif

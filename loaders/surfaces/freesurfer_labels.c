@@ -272,14 +272,7 @@ conus_status freesurfer_annot_parse(uint32_t **labels, size_t *count, struct lab
     return CONUS_OK;
 }
 
-static const char magic[] = "#!ascii label";
-
 enum { VERTEX_LIMIT = 1 << 24 }; /* more than any cortex has; each takes 4 bytes */
-
-bool freesurfer_label_is(struct text text)
-{
-    return text_starts(text, magic);
-}
 
 /* The vertex that the next line names: a number that is followed by four. */
 static conus_status next_vertex(uint64_t *out, struct text *rest, size_t line)

@@ -16,9 +16,6 @@
 conus_status freesurfer_annot_parse(uint32_t **labels, size_t *count, struct label_table *table, const uint8_t *data,
                                     size_t size, struct notes *notes);
 
-/** Whether @p text begins as FreeSurfer's labels do. */
-bool freesurfer_label_is(struct text text);
-
 /** Parses a label: *labels has 1 for each vertex of the list and 0 for the others up to the last of it; the caller's to
  * memory_free(). CONUS_ERROR_DATA where the file is cut off, or lists voxels. */
 conus_status freesurfer_label_parse(uint32_t **labels, size_t *count, struct text text);

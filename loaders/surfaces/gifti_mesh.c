@@ -7,8 +7,8 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/tolerance.h"
-#include "loaders/formats/map_choice.h"
 #include "loaders/surfaces/freesurfer_surface.h"
+#include "sources/map_choice.h"
 
 enum { SPACE_UNKNOWN = 0, GEOMETRY_WHOLE = (1 << 12) - 1 };
 

@@ -6,21 +6,20 @@
 #include "base/files/file.h"
 #include "base/files/folder.h"
 #include "base/formats/gzip.h"
-#include "base/formats/xml.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/system/system.h"
 #include "base/text.h"
 #include "loaders/cifti/cifti.h"
 #include "loaders/cifti/cifti_file.h"
-#include "loaders/file_kind.h"
-#include "loaders/formats/map_choice.h"
-#include "loaders/formats/signatures.h"
+#include "loaders/refuse.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 #include "loaders/surfaces/freesurfer_labels.h"
 #include "loaders/surfaces/freesurfer_surface.h"
 #include "loaders/surfaces/gifti.h"
 #include "loaders/surfaces/surface_find.h"
+#include "sources/map_choice.h"
+#include "sources/source.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -105,58 +104,26 @@ static conus_status cifti_vertices_read(struct vertex_labels *out, const struct 
 
 static const struct mesh_file_options defaults;
 
-static bool is_gifti(const struct bytes *bytes)
+static bool is_own(enum format_id id)
 {
-    return text_equal(xml_root(text_from_bytes(bytes->data, bytes->size)), "GIFTI");
+    return id == FORMAT_GIFTI || id == FORMAT_FREESURFER;
 }
 
-/* Decides by the first bytes; `unknown` where there is no memory for them, as whoever reads the file then says. */
-static bool begins_as_own(const char *path, bool unknown)
+bool mesh_format_is_foreign(const struct format *format)
 {
-    enum { HEAD = 4096 };
-    uint8_t head[HEAD];
-    FILE *file = file_exists(path) ? system_stream(path, "rb") : NULL;
-    struct bytes start = {head, file ? fread(head, 1, sizeof head, file) : 0};
-    struct bytes unpacked = {0};
-    if (file) {
-        fclose(file);
-    }
-    conus_status status =
-        gzip_is(start.data, start.size) ? gzip_head(&unpacked, start.data, start.size, HEAD) : CONUS_OK;
-    start = unpacked.data ? unpacked : start;
-    bool own =
-        status == CONUS_ERROR_MEMORY ? unknown : is_gifti(&start) || freesurfer_is_surface(start.data, start.size);
-    bytes_finish(&unpacked);
-    return own;
+    return format && !is_own(format->id);
 }
 
-bool mesh_file_is_foreign(const char *path)
+bool mesh_format_keeps_vertices(const struct format *format)
 {
-    return mesh_foreign_is(path) && file_exists(path) && !begins_as_own(path, false);
-}
-
-bool mesh_file_keeps_vertices(const char *path)
-{
-    return begins_as_own(path, true) || (mesh_foreign_is(path) && mesh_foreign_keeps_vertices(path));
-}
-
-bool mesh_file_is(const char *path)
-{
-    return begins_as_own(path, false) || mesh_file_is_foreign(path);
+    return format && format->id != FORMAT_STL && format->id != FORMAT_OTHER;
 }
 
 char *mesh_file_name(const char *path)
 {
-    static const char *const endings[] = {".gz",  ".gii", ".surf", ".vtk", ".vtp",
-                                          ".ply", ".stl", ".obj",  ".off", ".mz3"};
     const char *file = path_base(path);
-    size_t length = strlen(file);
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        size_t ending = strlen(endings[i]);
-        if (length > ending && strncasecmp(file + length - ending, endings[i], ending) == 0) {
-            length -= ending;
-        }
-    }
+    size_t length = format_stem_length(file, strlen(file), ROLE_SURFACE);
+    length -= length > 5 && strncasecmp(file + length - 5, ".surf", 5) == 0 ? 5 : 0;
     return memory_text(file, length);
 }
 
@@ -192,12 +159,13 @@ static conus_status read_own(struct mesh *out, struct label *about, const struct
     struct label said = {0};
     struct notes own = {0};
     bool as_stored = options->space != MESH_SPACE_UNSTATED;
+    const enum format_id id = format_id_of(bytes, ROLE_SURFACE);
     conus_status status =
-        is_gifti(bytes) ? take_gifti(&mesh, &said, bytes, path, options, &own)
-        : freesurfer_is_surface(bytes->data, bytes->size)
+        id == FORMAT_GIFTI ? take_gifti(&mesh, &said, bytes, path, options, &own)
+        : id == FORMAT_FREESURFER
             ? freesurfer_surface_parse(&mesh, bytes->data, bytes->size, as_stored, &own)
-            : file_kind_fail(path, bytes,
-                             "a surface (GIFTI, FreeSurfer, or named as VTK, VTP, PLY, STL, OBJ, OFF or MZ3)");
+            : file_refuse(path, bytes,
+                          "a surface (GIFTI, FreeSurfer, or named as VTK, VTP, PLY, STL, OBJ, OFF or MZ3)");
     conus_status moved = notes_move_in(notes, &own, path); /* also where it failed; parsers do not know the path */
     status = status ? fail_in(status, path) : moved;
     if (!status && options->space == MESH_SPACE_LPS) {
@@ -226,11 +194,13 @@ conus_status mesh_file_read(struct mesh *out, struct label *about, const char *p
 {
     struct bytes bytes = {0};
     options = options ? options : &defaults;
-    if (mesh_file_is_foreign(path)) {
+    const struct format *format = NULL;
+    conus_status status = source_find(&format, path, ROLE_SURFACE);
+    if (mesh_format_is_foreign(format)) {
         const struct mesh_foreign_options foreign = {options->space, options->max_memory};
         return mesh_foreign_read(out, &path, 1, &foreign, notes);
     }
-    conus_status status = gzip_read(&bytes, path, memory_limit(options->max_memory), options->read);
+    status = status ? status : gzip_read(&bytes, path, memory_limit(options->max_memory), options->read);
     status = status ? status : read_own(out, about, &bytes, path, options, notes);
     bytes_finish(&bytes);
     return status;
@@ -322,28 +292,31 @@ conus_status vertex_labels_extend(struct vertex_labels *labels, size_t count)
 static conus_status take_labels(struct vertex_labels *out, const struct bytes *bytes, const char *path, struct text map,
                                 const struct mesh_file_options *options, struct notes *notes)
 {
-    if (is_gifti(bytes)) {
+    const struct file_head head = head_of(path, bytes);
+    const struct format *format = format_find(&head, ROLE_VERTEX_LABELS);
+    const enum format_id id = format ? format->id : FORMAT_OTHER;
+    if (id == FORMAT_GIFTI) {
         return take_gifti_labels(out, bytes, path, map, options, notes);
     }
-    if (cifti_is(bytes->data, bytes->size)) {
+    if (id == FORMAT_CIFTI) {
         return cifti_vertices_read(out, bytes, map, options, notes);
     }
     if (map.size) {
         return fail(CONUS_ERROR_ARGUMENT, "map: found \"%.*s\", only GIFTI and CIFTI labels have several",
                     TEXT_SHOW(map, 60));
     }
-    if (freesurfer_is_surface(bytes->data, bytes->size) || mesh_foreign_is(path)) {
-        return CONUS_OK;
+    if (id == FORMAT_FREESURFER_LABEL) {
+        return take_freesurfer_label(out, (struct text){(const char *)bytes->data, bytes->size}, path);
     }
-    const struct text text = {(const char *)bytes->data, bytes->size};
-    if (freesurfer_label_is(text)) {
-        return take_freesurfer_label(out, text, path);
+    if (format) { /* a surface */
+        return CONUS_OK;
     }
     conus_status status =
         freesurfer_annot_parse(&out->labels, &out->count, &out->table, bytes->data, bytes->size, notes);
-    if (status == CONUS_ERROR_DATA && file_kind_of(NULL, bytes)) { /* an annotation has no mark of its own */
-        return file_kind_fail(NULL, bytes,
-                              "labels of vertices (GIFTI or CIFTI labels, or a FreeSurfer annotation or label)");
+    const struct file_head nameless = head_of(NULL, bytes);
+    if (status == CONUS_ERROR_DATA && format_nearest(&nameless)) { /* an annotation has no mark of its own */
+        return file_refuse(NULL, bytes,
+                           "labels of vertices (GIFTI or CIFTI labels, or a FreeSurfer annotation or label)");
     }
     return status == CONUS_ERROR_DATA ? fail_in(status, "not GIFTI, and as a FreeSurfer annotation") : status;
 }

@@ -7,6 +7,7 @@
 #include "atlas/surface/mesh.h"
 #include "atlas/surface/mesh_space.h"
 #include "base/files/file_sums.h"
+#include "sources/format.h"
 
 /** Zero is the default of each. */
 struct mesh_file_options {
@@ -58,14 +59,12 @@ void vertex_labels_finish(struct vertex_labels *labels);
 conus_status vertex_labels_read(struct vertex_labels *out, const char *path, const struct mesh_file_options *options,
                                 struct notes *notes);
 
-/** True where @p path begins like a surface that mesh_file_read() reads; false also where it cannot be read. */
-bool mesh_file_is(const char *path);
+/** Whether mesh_foreign_read() reads a surface of @p format, of ROLE_SURFACE: GIFTI and FreeSurfer are others. NULL is
+ * none. */
+bool mesh_format_is_foreign(const struct format *format);
 
-/** True where mesh_foreign_read() reads @p path: it is there, is named so, and is no GIFTI or FreeSurfer surface. */
-bool mesh_file_is_foreign(const char *path);
-
-/** True where mesh_file_read() keeps the file's own vertices in their order, so that labels can be matched with them:
+/** Whether mesh_file_read() keeps the vertices of such a file in their order, so that labels can be matched with them:
  * all but STL, which does not number its vertices. */
-bool mesh_file_keeps_vertices(const char *path);
+bool mesh_format_keeps_vertices(const struct format *format);
 
 #endif

@@ -11,13 +11,13 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/version.h"
-#include "loaders/file_kind.h"
-#include "loaders/formats/map_choice.h"
+#include "loaders/refuse.h"
 #include "loaders/surfaces/gifti.h"
 #include "loaders/surfaces/mesh_file.h"
 #include "loaders/surfaces/mesh_format.h"
 #include "loaders/surfaces/surface_find.h"
 #include "loaders/volumes/nifti_write.h"
+#include "sources/map_choice.h"
 
 #include <libdeflate.h>
 #include <math.h>
@@ -100,7 +100,7 @@ conus_status vertex_map_read(struct vertex_map *out, const char *path, const cha
     }
     status = text_equal(xml_root(text_from_bytes(bytes.data, bytes.size)), "GIFTI")
                  ? gifti_parse(&gifti, bytes.data, bytes.size, &options, notes)
-                 : file_kind_fail(path, &bytes, "numbers of vertices (GIFTI, .func.gii or .shape.gii)");
+                 : file_refuse(path, &bytes, "numbers of vertices (GIFTI, .func.gii or .shape.gii)");
     status = status ? status : take_array(out, &gifti, name, notes);
     gifti_finish(&gifti);
     bytes_finish(&bytes);

@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "base/threads.h"
 #include "loaders/tiff/tiff_lzw.h"
+#include "sources/signatures.h"
 
 #include <libdeflate.h>
 #include <stdio.h>
@@ -404,17 +405,6 @@ static conus_status tiff_chunk_unpack(struct tiff_unpacker *unpacker, const stru
         undo_differences(page, chunk, swapped);
     }
     return status;
-}
-
-bool tiff_is(const uint8_t *data, size_t size)
-{
-    static const char *const magics[] = {"II*\0", "MM\0*", "II+\0", "MM\0+"};
-    for (size_t i = 0; size >= 4 && i < sizeof magics / sizeof magics[0]; i++) {
-        if (memcmp(data, magics[i], 4) == 0) {
-            return true;
-        }
-    }
-    return false;
 }
 
 void tiff_finish(struct tiff *tiff)

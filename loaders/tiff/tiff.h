@@ -53,9 +53,6 @@ struct tiff {
     uint64_t start;
 };
 
-/** True where @p data begins like TIFF or BigTIFF of either byte order. */
-bool tiff_is(const uint8_t *data, size_t size);
-
 /** Reads the directories of @p data, a whole file that must outlive @p out; end it with tiff_finish(). Errors name page
  * and field. A stack that its file could not possibly hold is CONUS_ERROR_DATA. */
 conus_status tiff_parse(struct tiff *out, const uint8_t *data, size_t size);

@@ -14,8 +14,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char magic[] = "mrtrix tracks";
-
 struct tck {
     struct byte_stream *stream;
     struct tract_build build;
@@ -26,14 +24,6 @@ struct tck {
     uint64_t offset, stated;
     bool ended; /* the end's marker was read */
 };
-
-bool tck_is(const struct bytes *head, const char *path)
-{
-    const struct text text = {(const char *)head->data, head->size};
-    (void)path;
-    return text_starts(text, magic) &&
-           (text.size == sizeof magic - 1 || memchr(" \t\r\n", text.data[sizeof magic - 1], 4));
-}
 
 /* Keeps the values of the keys that are used, in the lines between the first and END; @p end: how many bytes they take.
  * A line without a colon goes on with the value before it, and is not kept. */

@@ -2,60 +2,45 @@
 /* The table of formats of tractograms. */
 #include "loaders/tracts/tract_file.h"
 
-#include "base/formats/gzip.h"
 #include "base/memory.h"
-#include "loaders/file_kind.h"
+#include "loaders/refuse.h"
 #include "loaders/tracts/tract_formats.h"
+#include "sources/source.h"
 
-/* A format reads a stream of bytes (`read`), or opens its file or folder itself (`open`). `head` has the first bytes,
- * unpacked; none for a folder. Messages of `read` lack the path, those of `open` have it. `has_lines`, unless NULL,
- * checks further whether the file is a tractogram. `states_mm`: points are always world mm. `space`: the axes in which
- * the format has its numbers; those that a header places come out in RAS, and nobody may say otherwise. */
+/* A format reads a stream of bytes (`read`), or opens its file or folder itself (`open`). Messages of `read` lack the
+ * path, those of `open` have it. `has_lines`, unless NULL, checks further whether the file is a tractogram.
+ * `states_mm`: points are always world mm. `space`: the axes in which the format has its numbers; those that a header
+ * places come out in RAS, and nobody may say otherwise. */
 static const struct tract_format {
-    bool (*is)(const struct bytes *head, const char *path);
+    enum format_id id;
     tract_reader *read;
     conus_status (*open)(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes);
     bool (*has_lines)(const char *path);
     bool states_mm;
     enum { SPACE_OF_FILE, SPACE_RAS, SPACE_PLACED } space;
 } formats[] = {
-    {trk_is, trk_read, NULL, NULL, false, SPACE_PLACED}, /* where it has a matrix */
-    {tck_is, tck_read, NULL, NULL, true, SPACE_RAS},
-    {tt_is, tt_read, NULL, NULL, true, SPACE_PLACED},
-    {trx_is, NULL, trx_read, trx_is_named, true, SPACE_RAS},
-    {vtk_lines_is, NULL, vtk_lines_read, vtk_lines_are_in, false, SPACE_OF_FILE},
+    {FORMAT_TRK, trk_read, NULL, NULL, false, SPACE_PLACED}, /* where it has a matrix */
+    {FORMAT_TCK, tck_read, NULL, NULL, true, SPACE_RAS},
+    {FORMAT_TT, tt_read, NULL, NULL, true, SPACE_PLACED},
+    {FORMAT_TRX, NULL, trx_read, trx_is_named, true, SPACE_RAS},
+    {FORMAT_VTK, NULL, vtk_lines_read, vtk_lines_are_in, false, SPACE_OF_FILE},
+    {FORMAT_VTP, NULL, vtk_lines_read, vtk_lines_are_in, false, SPACE_OF_FILE},
 };
 
-static const struct tract_format *format_of(const struct bytes *head, const char *path)
+static const struct tract_format *reader_of(const struct format *format)
 {
-    for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
-        if (formats[i].is(head, path)) {
+    for (size_t i = 0; format && i < sizeof formats / sizeof formats[0]; i++) {
+        if (formats[i].id == format->id) {
             return &formats[i];
         }
     }
     return NULL;
 }
 
-/* The first bytes, unpacked; none for a folder or damaged gzip. */
-static conus_status read_head(struct bytes *out, const char *path)
-{
-    struct bytes stored = {0};
-    conus_status status = file_is_folder(path) ? CONUS_OK : file_read_head(&stored, path, FILE_KIND_HEAD);
-    *out = stored;
-    if (!status && gzip_is(stored.data, stored.size)) {
-        *out = (struct bytes){0};
-        status = gzip_head(out, stored.data, stored.size, FILE_KIND_HEAD);
-        status = status == CONUS_ERROR_DATA ? CONUS_OK : status;
-        bytes_finish(&stored);
-    }
-    return status;
-}
-
 bool tract_file_is(const char *path)
 {
-    struct bytes head = {0};
-    const struct tract_format *format = read_head(&head, path) ? NULL : format_of(&head, path);
-    bytes_finish(&head);
+    const struct format *found;
+    const struct tract_format *format = source_find(&found, path, ROLE_TRACTS) ? NULL : reader_of(found);
     return format && (!format->has_lines || format->has_lines(path));
 }
 
@@ -141,23 +126,19 @@ static conus_status read_format(struct tractogram *out, const struct tract_forma
 conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t max_memory, conus_file_space space,
                              struct notes *notes)
 {
-    struct bytes head = {0};
-    conus_status status = read_head(&head, path);
-    const struct tract_format *format = status ? NULL : format_of(&head, path);
-    bytes_finish(&head);
-    if (status) {
-        return status;
+    struct source source;
+    const struct format *found;
+    conus_status status = source_find(&found, path, ROLE_TRACTS);
+    if (status || found) {
+        return status ? status : read_format(out, reader_of(found), path, max_memory, space, notes);
     }
-    if (format) {
-        return read_format(out, format, path, max_memory, space, notes);
-    }
-    struct bytes stored = {0};
-    status = file_read_head(&stored, path, FILE_KIND_HEAD);
-    if (!status) { /* says what the file is instead; its name does not count, which may well be that of a tractogram */
+    status = source_open(&source, path);
+    if (!status) { /* says what it is instead; its name does not count, which may well be a tractogram's */
         status = fail_in(
-            file_kind_fail(NULL, &stored, "a tractogram: TrackVis, MRtrix, DSI Studio, TRX or polylines of VTK"), path);
+            file_refuse(NULL, &source.stored, "a tractogram: TrackVis, MRtrix, DSI Studio, TRX or polylines of VTK"),
+            path);
     }
-    bytes_finish(&stored);
+    source_close(&source);
     return status;
 }
 
@@ -167,9 +148,9 @@ conus_status tract_file_parse(struct tractogram *out, const uint8_t *data, size_
     struct tractogram tractogram = {0};
     struct byte_stream stream = {0};
     conus_status status = byte_stream_of(&stream, data, size);
-    status = status ? status : byte_stream_need(&stream, size < FILE_KIND_HEAD ? size : FILE_KIND_HEAD);
-    const struct bytes head = {(uint8_t *)stream.data, stream.size};
-    const struct tract_format *format = status ? NULL : format_of(&head, NULL);
+    status = status ? status : byte_stream_need(&stream, size < HEAD_SIZE ? size : HEAD_SIZE);
+    const struct file_head head = head_of(NULL, &(struct bytes){(uint8_t *)stream.data, stream.size});
+    const struct tract_format *format = status ? NULL : reader_of(format_find(&head, ROLE_TRACTS));
     if (!status && !(format && format->read)) {
         status = fail(CONUS_ERROR_DATA, "content: no tractogram");
     }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The formats of tract_file_read(). Each has two functions. One says whether a file whose first unpacked bytes are @p
- * head has this format (@p path may be NULL); the other reads the file. */
+ * The readers of tract_file_read(). */
 #ifndef CONUS_LOADERS_TRACTS_TRACT_FORMATS_H
 #define CONUS_LOADERS_TRACTS_TRACT_FORMATS_H
 
@@ -17,28 +16,21 @@ typedef conus_status tract_reader(struct tractogram *out, struct byte_stream *st
 /* TrackVis (.trk), version 1 and 2: a header of 1000 bytes, then each streamline as the number of its points, the
  * points with their scalars, and its properties. Points are in mm from the outer corner of the first voxel, along the
  * axes that voxel_order names; docs/spaces.md says how they come into the world. */
-bool trk_is(const struct bytes *head, const char *path);
 tract_reader trk_read;
 
 /* MRtrix (.tck): lines "key: value" up to END, then points of three floats or doubles in world mm. A point of
  * three NaN ends a streamline, a point of three infinities the file. */
-bool tck_is(const struct bytes *head, const char *path);
 tract_reader tck_read;
 
 /* DSI Studio (.tt.gz): a MAT-file of level 4 with the variables dimension, trans_to_mni, track and others. For
  * each streamline, track has the number of its coordinates, its first point in 1/32 of a voxel, and the steps to the
  * next points as bytes. trans_to_mni maps voxels, counted from the centre of the first one, to the world. */
-bool tt_is(const struct bytes *head, const char *path);
 tract_reader tt_read;
 
 /* TRX (github.com/tee-ar-ex/trx-spec): a folder, or a zip archive, of header.json and arrays whose names say what they
  * are. Positions are world mm (RAS) already; those in half precision stay so. */
 
-/** True for a zip archive with any content, by its first bytes @p head, and for a folder @p path with header.json.
- * @p path may be NULL. */
-bool trx_is(const struct bytes *head, const char *path);
-
-/** True for a folder and for a name that ends in .trx. trx_is() cannot tell TRX from other zip archives. */
+/** True for a folder and for a name that ends in .trx. The head of a file cannot tell TRX from other zip archives. */
 bool trx_is_named(const char *path);
 
 /** Reads the archive or folder @p path: format, sum, points or halves, first, scalars and groups, which are to be
@@ -51,9 +43,6 @@ conus_status trx_read(struct tractogram *out, const char *path, uint64_t max_mem
 conus_status trx_parse(struct tractogram *out, struct bytes *archive, uint64_t max_memory, struct notes *notes);
 
 /* Polylines in VTK's legacy format (.vtk) and in its XML format (.vtp), which loaders/surfaces/foreign parses. */
-
-/** True where the first bytes of a file, @p head, unpacked, have one of these formats; also true for a surface. */
-bool vtk_lines_is(const struct bytes *head, const char *path);
 
 /** Reads the file @p path, which has one of these formats; true if it has lines and no polygons. */
 bool vtk_lines_are_in(const char *path);

@@ -292,13 +292,6 @@ struct trk {
     size_t stride; /* bytes of a point with its scalars */
 };
 
-bool trk_is(const struct bytes *head, const char *path)
-{
-    static const char magic[] = "TRACK";
-    (void)path;
-    return head->size >= sizeof magic && memcmp(head->data, magic, sizeof magic - 1) == 0;
-}
-
 /* A name ends with its first NUL; one of several numbers has their count behind it, as "name\0003". */
 static conus_status split_name(struct text *name, uint64_t *count, const uint8_t *field, const char *what)
 {

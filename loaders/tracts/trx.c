@@ -11,7 +11,6 @@
 #include "base/formats/zip.h"
 #include "base/memory.h"
 #include "base/order.h"
-#include "loaders/file_kind.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -592,18 +591,6 @@ conus_status trx_parse(struct tractogram *out, struct bytes *archive, uint64_t m
     return finish_reading(out, &trx, status);
 }
 
-bool trx_is(const struct bytes *head, const char *path)
-{
-    struct buffer header = {0};
-    if (zip_is(head->data, head->size) || !path || !file_is_folder(path)) {
-        return zip_is(head->data, head->size);
-    }
-    buffer_format(&header, "%s/header.json", path);
-    bool is = !buffer_status(&header) && file_exists(header.data);
-    buffer_finish(&header);
-    return is;
-}
-
 bool trx_is_named(const char *path)
 {
     return file_is_folder(path) || path_ends_in(path, ".trx");
@@ -620,19 +607,12 @@ conus_status trx_read(struct tractogram *out, const char *path, uint64_t max_mem
         status = finish_reading(out, &trx, status);
         return status ? fail_in(status, path) : CONUS_OK;
     }
-    struct bytes head = {0};
-    conus_status status = file_read_head(&head, path, FILE_KIND_HEAD);
-    if (!status &&
-        gzip_is(head.data, head.size)) { /* a zip has its table at the end, behind all that gzip would unpack */
-        status = fail(CONUS_ERROR_UNSUPPORTED, "%s: a TRX inside gzip: a TRX is packed itself; unpack the gzip", path);
-    }
-    bytes_finish(&head);
-    if (status) {
-        return status;
-    }
     struct bytes archive = {0};
     char sum[sizeof out->sha256];
-    status = file_read_allowed(&archive, path, max_memory);
+    conus_status status = file_read_allowed(&archive, path, max_memory);
+    if (!status && gzip_is(archive.data, archive.size)) { /* a zip has its table at the end, behind all of that */
+        status = fail(CONUS_ERROR_UNSUPPORTED, "%s: a TRX inside gzip: a TRX is packed itself; unpack the gzip", path);
+    }
     if (!status) {
         file_sha256(sum, &archive);
         status = trx_parse(out, &archive, max_memory, notes);

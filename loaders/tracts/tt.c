@@ -31,15 +31,6 @@ struct tt {
     unsigned tracks; /* variables that had streamlines */
 };
 
-bool tt_is(const struct bytes *head, const char *path)
-{
-    static const char first[] = "dimension";
-    (void)path;
-    return head->size >= HEADER_SIZE + sizeof first && order_u32(head->data, is_swapped) <= 50 &&
-           order_u32(head->data + 16, is_swapped) == sizeof first &&
-           memcmp(head->data + HEADER_SIZE, first, sizeof first) == 0;
-}
-
 static conus_status tt_need(struct tt *tt, size_t size, const char *what)
 {
     conus_status status = byte_stream_need(tt->stream, size);

@@ -4,18 +4,11 @@
 
 #include "base/formats/gzip.h"
 #include "base/memory.h"
-#include "loaders/file_kind.h"
 #include "loaders/surfaces/foreign/foreign_mesh.h"
+#include "sources/format.h"
 
 #include <stdio.h>
 #include <string.h>
-
-bool vtk_lines_is(const struct bytes *head, const char *path)
-{
-    const struct text text = {(const char *)head->data, head->size};
-    enum foreign_format format = head->size ? foreign_format_of(path ? path : "", text) : FOREIGN_NONE;
-    return format == FOREIGN_VTK || format == FOREIGN_VTP;
-}
 
 bool vtk_lines_are_in(const char *path)
 {
@@ -137,7 +130,7 @@ conus_status vtk_lines_parse(struct tractogram *out, const struct bytes *bytes, 
     struct tractogram built = {0};
     struct foreign_lines lines = {.max_memory = max_memory};
     struct foreign_mesh mesh = {.lines = &lines};
-    bool legacy = foreign_format_of("", (struct text){(const char *)bytes->data, bytes->size}) == FOREIGN_VTK;
+    bool legacy = format_id_of(bytes, ROLE_TRACTS) == FORMAT_VTK;
     conus_status status =
         legacy ? vtk_parse(&mesh, bytes->data, bytes->size) : vtp_parse(&mesh, bytes->data, bytes->size, max_memory);
     status = status ? status : lines_build(&built, &mesh, &lines, max_memory, notes);

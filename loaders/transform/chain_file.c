@@ -2,17 +2,6 @@
 /* Reads HDF5 files of transforms. */
 #include "loaders/transform/chain_file.h"
 
-enum { HEAD_READ = 1 << 16 };
-
-conus_status chain_file_is(bool *out, const char *path)
-{
-    struct bytes head = {0};
-    conus_status status = file_read_head(&head, path, HEAD_READ);
-    *out = !status && hdf5_is(head.data, head.size);
-    bytes_finish(&head);
-    return status;
-}
-
 static conus_status parse(struct transform_chain *out, const struct hdf5 *hdf5, uint64_t max_memory,
                           struct buffer *words)
 {

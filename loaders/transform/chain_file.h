@@ -7,9 +7,6 @@
 #include "base/notes.h"
 #include "loaders/transform/transform_chain.h"
 
-/** Whether @p path is an HDF5 file. */
-conus_status chain_file_is(bool *out, const char *path);
-
 /** Reads the chain in @p path, of points from where poses are. Errors and @p read as of transform_file_read(). What a
  * careful user should know goes into @p notes, with the path. @p max_memory: bytes of all fields; 0 = 8 GiB. */
 conus_status chain_file_read(struct transform_chain *out, const char *path, uint64_t max_memory, struct file_sums *read,

@@ -10,6 +10,7 @@
 #include "loaders/volumes/nifti.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_values.h"
+#include "sources/source.h"
 
 #include <string.h>
 
@@ -226,36 +227,26 @@ static conus_status read_foreign(struct field_header *out, bool *found, struct t
     return CONUS_OK;
 }
 
-enum { HEAD_READ = 1 << 16, LATTICE = 64 }; /* LATTICE: nodes along an axis that show what vectors are */
+enum { LATTICE = 64 }; /* nodes along an axis that show what vectors are */
 
 #define NEAR 0.01 /* mm by which the field's grid and FSL's image may differ */
 
 /* The header of a field: of a NIfTI file what it says of vectors; *found: it is one, or another that has vectors. */
 static conus_status read_header(struct field_header *out, bool *found, const char *path)
 {
-    struct bytes stored = {0};
-    struct bytes head = {0};
+    struct source source;
     *found = false;
-    conus_status status = file_read_head(&stored, path, HEAD_READ);
+    conus_status status = source_open(&source, path);
+    const struct text head = source.head.bytes;
     if (status) {
-        return status;
-    }
-    if (gzip_is(stored.data, stored.size)) {
-        status = gzip_head(&head, stored.data, stored.size, FIELD_HEADER_SIZE);
-    } else {
-        head = stored;
-        stored = (struct bytes){0};
-    }
-    if (status) {
-        status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* a damaged header is of no known kind */
-    } else if (nifti_has_magic(head.data, head.size)) {
+        /* it cannot be read */
+    } else if (nifti_has_magic((const uint8_t *)head.data, head.size)) {
         *found = true;
-        status = field_header_parse(out, head.data, head.size);
+        status = field_header_parse(out, (const uint8_t *)head.data, head.size);
     } else {
-        status = read_foreign(out, found, (struct text){(const char *)head.data, head.size}, path);
+        status = read_foreign(out, found, head, path);
     }
-    bytes_finish(&stored);
-    bytes_finish(&head);
+    source_close(&source);
     return status;
 }
 

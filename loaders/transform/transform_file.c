@@ -4,7 +4,7 @@
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "loaders/file_kind.h"
+#include "loaders/refuse.h"
 #include "loaders/transform/transform_formats.h"
 #include "loaders/volumes/nifti.h"
 #include "loaders/volumes/volume_file.h"
@@ -472,7 +472,7 @@ static conus_status fail_kind(const char *path, const struct bytes *file)
             return fail(CONUS_ERROR_UNSUPPORTED, "%s", kinds[i].words);
         }
     }
-    return file_kind_fail(path, file, transform_needed);
+    return file_refuse(path, file, transform_needed);
 }
 
 static conus_status parse_kind(struct transform_chain *out, enum kind kind, const struct bytes *file, const char *path,

@@ -5,8 +5,8 @@
 #define CONUS_LOADERS_VOLUMES_MGH_H
 
 #include "base/notes.h"
-#include "loaders/formats/signatures.h"
 #include "loaders/volumes/volume_header.h"
+#include "sources/signatures.h"
 
 /** Reads the header. The datatype is translated into NIfTI's code. */
 conus_status mgh_header_parse(struct volume_header *out, const uint8_t *data, size_t size, struct notes *notes);

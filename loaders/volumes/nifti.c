@@ -8,7 +8,7 @@
 #include "base/memory.h"
 #include "base/notes.h"
 #include "base/tolerance.h"
-#include "loaders/formats/formats.h"
+#include "sources/format.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -350,7 +350,8 @@ conus_status nifti_header_parse(struct volume_header *out, const uint8_t *data, 
     }
     const int matrix = nifti_matrix_intent(data, size);
     if (matrix) {
-        const struct file_kind *kind = format_find_matrix(matrix, &(struct bytes){(uint8_t *)data, size});
+        const struct file_head head = {.bytes = {(const char *)data, size}, .intent = matrix};
+        const struct format *kind = format_find(&head, 0);
         return fail(CONUS_ERROR_UNSUPPORTED, "intent_code: found %d, %s, allowed are volumes; %s", f.intent_code,
                     kind->words, kind->way);
     }

@@ -7,10 +7,10 @@
 
 #include "base/files/file.h"
 #include "base/notes.h"
-#include "loaders/file_kind.h"
-#include "loaders/formats/signatures.h"
+#include "loaders/refuse.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_header.h"
+#include "sources/signatures.h"
 
 /** Reads the fixed part of the header of a CIFTI-2 file, which has no grid and no place: @p shape becomes dim[5] and
  * dim[6], the faster index first, info.volume_count their product. */

@@ -8,8 +8,7 @@
 #include "base/formats/gzip.h"
 #include "base/memory.h"
 #include "loaders/brainglobe/brainglobe_metadata.h"
-#include "loaders/file_kind.h"
-#include "loaders/formats/signatures.h"
+#include "loaders/refuse.h"
 #include "loaders/tiff/tiff.h"
 #include "loaders/volumes/mgh.h"
 #include "loaders/volumes/minc.h"
@@ -20,6 +19,8 @@
 #include "loaders/volumes/volume_text.h"
 #include "loaders/volumes/volume_values.h"
 #include "loaders/volumes/volume_zarr.h"
+#include "sources/signatures.h"
+#include "sources/source.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -186,17 +187,22 @@ static conus_status parse_head(struct volume_header *out, const struct stored *s
     if (status) {
         return status;
     }
-    status = nifti_is(head.data, head.size) ? nifti_header_parse(out, head.data, head.size, notes)
-             : mgh_is(head.data, head.size) ? mgh_header_parse(out, head.data, head.size, notes)
-             : volume_text_is(&head)        ? volume_text_parse_stored(out, stored, notes)
-             : stored->packed && tiff_is(head.data, head.size)
-                 ? fail(CONUS_ERROR_UNSUPPORTED, "content: TIFF packed with gzip: unpack it")
-             : stored->packed && hdf5_is(head.data, head.size)
-                 ? fail(CONUS_ERROR_UNSUPPORTED, "content: HDF5 packed with gzip: unpack it")
-             : head.size || !stored->packed
-                 ? file_kind_fail(stored->path, &stored->bytes, needed)
-                 : fail(CONUS_ERROR_DATA, "content: the file unpacks to nothing: it is empty or cut off; needed is %s",
-                        needed);
+    const enum format_id format = format_id_of(&head, ROLE_VOLUME);
+    if (format == FORMAT_NIFTI) {
+        status = nifti_header_parse(out, head.data, head.size, notes);
+    } else if (format == FORMAT_MGH) {
+        status = mgh_header_parse(out, head.data, head.size, notes);
+    } else if (format == FORMAT_NRRD || format == FORMAT_METAIMAGE || format == FORMAT_AFNI) {
+        status = volume_text_parse_stored(out, format, stored, notes);
+    } else if (stored->packed && (format == FORMAT_TIFF || format == FORMAT_HDF5)) {
+        status = fail(CONUS_ERROR_UNSUPPORTED, "content: %s packed with gzip: unpack it",
+                      format == FORMAT_TIFF ? "TIFF" : "HDF5");
+    } else if (head.size || !stored->packed) {
+        status = file_refuse(stored->path, &stored->bytes, needed);
+    } else {
+        status = fail(CONUS_ERROR_DATA, "content: the file unpacks to nothing: it is empty or cut off; needed is %s",
+                      needed);
+    }
     bytes_finish(&head);
     return status;
 }
@@ -306,7 +312,7 @@ static conus_status open_tiff(struct opening *o)
 
 static bool has_fixed_header(const uint8_t *data, size_t size)
 {
-    return nifti_has_magic(data, size) || mgh_is(data, size);
+    return nifti_has_magic(data, size) || mgh_is(data, size); /* of an ANALYZE pair the file is no run of voxels */
 }
 
 /* Opens the files of the volume and reads its header. */
@@ -315,12 +321,14 @@ static conus_status open_and_read_header(struct opening *o, const char *path)
     bool image = false;
     size_t at = 0;
     char *head = NULL;
-    if (volume_zarr_is(path)) {
+    const struct format *folder = NULL;
+    conus_status status = file_is_folder(path) ? source_find(&folder, path, ROLE_VOLUME) : CONUS_OK;
+    if (folder) {
         o->voxels.path = memory_text(path, strlen(path));
         return o->voxels.path ? volume_zarr_open(&o->zarr, &o->header, path, &o->selector, &o->read)
                               : CONUS_ERROR_MEMORY;
     }
-    conus_status status = volume_text_head_path(&head, path);
+    status = status ? status : volume_text_head_path(&head, path);
     if (status) {
         return status;
     }
@@ -335,14 +343,15 @@ static conus_status open_and_read_header(struct opening *o, const char *path)
     if (status) {
         return status;
     }
-    if (tiff_is(o->voxels.bytes.data, o->voxels.bytes.size)) {
+    const enum format_id format = format_id_of(&o->voxels.bytes, ROLE_VOLUME);
+    if (format == FORMAT_TIFF) {
         return open_tiff(o);
     }
     if ((status = volume_selector_refuse_place(&o->selector, path)) ||
         (status = is_image_half(&image, &at, &o->voxels))) {
         return status;
     }
-    if (hdf5_is(o->voxels.bytes.data, o->voxels.bytes.size)) {
+    if (format == FORMAT_HDF5) {
         status = volume_selector_refuse_level(&o->selector, path);
         status = status ? status : minc_open(&o->minc, &o->header, &o->voxels.bytes, o->limit);
         return status ? fail_in(status, path) : CONUS_OK;
@@ -657,10 +666,10 @@ static conus_status peek_bytes(struct volume_header *out, struct bytes *head, co
 
 conus_status volume_file_peek(struct volume_header *out, struct bytes *head, const char *path)
 {
-    struct bytes start = {0};
-    conus_status status = file_read_head(&start, path, HEADER_READ);
-    status = status ? status : peek_bytes(out, head, path, &start);
-    bytes_finish(&start);
+    struct source source;
+    conus_status status = source_open(&source, path);
+    status = status ? status : peek_bytes(out, head, path, &source.stored);
+    source_close(&source);
     return status;
 }
 
@@ -691,20 +700,12 @@ static conus_status header_of_all(conus_volume_info *out, const char *path)
 
 conus_status volume_file_header(conus_volume_info *out, const char *path)
 {
-    struct volume_header header;
-    struct bytes head = {0};
-    conus_status status = file_read_head(&head, path, HEADER_READ);
-    bool is_hdf5 = !status && hdf5_is(head.data, head.size);
-    bytes_finish(&head);
-    if (is_hdf5) {
-        return header_of_all(out, path);
-    }
-    status = status ? status : volume_file_peek(&header, &head, path);
-    bytes_finish(&head);
-    if (!status) {
-        *out = header.info;
-    }
-    return status;
+    struct source source;
+    conus_status status = source_open(&source, path);
+    const bool is_hdf5 = !status && format_id_of(&source.stored, ROLE_VOLUME) == FORMAT_HDF5;
+    status = status || is_hdf5 ? status : volume_bytes_header(out, path, &source.stored);
+    source_close(&source);
+    return is_hdf5 ? header_of_all(out, path) : status;
 }
 
 /* Opens `path`, which may end in a selector such as ",volume=K"; a series begins with its first volume all the same. */

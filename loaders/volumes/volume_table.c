@@ -45,9 +45,9 @@ static struct label_table *find_segments(struct job *job, const struct volume_fi
         (void)JOB_CALL(job, text_volume_labels(segments, file->text, file->info.volume, &job->notes));
     }
     if (job_ok(job) && !segments->count) {
-        (void)job_dropped(job, &attempt);
+        (void)attempt_end(job, &attempt, ATTEMPT_DROP);
     } else {
-        job_kept(job, &attempt);
+        attempt_end(job, &attempt, ATTEMPT_KEEP);
     }
     return segments;
 }
@@ -56,12 +56,11 @@ static struct label_table *find_segments(struct job *job, const struct volume_fi
 conus_status volume_label_table(struct label_table *out, char **source, const struct volume_file *file,
                                 const struct label_voxels *voxels, struct file_sums *read, struct notes *notes)
 {
-    struct job job = {0};
+    struct job job = {.max_memory = file->max_memory};
     const char *words = "";
     struct label_table *table = labels_new(&job); /* after a failure a spare one, which is empty */
     struct text *texts = job_zeroed(&job, KEPT * file->extension_count + 1, sizeof *texts);
     const struct label_volume volume = {.info = &file->info,
-                                        .max_memory = file->max_memory,
                                         .segments = find_segments(&job, file),
                                         .texts = texts,
                                         .count = find_texts(texts, file),

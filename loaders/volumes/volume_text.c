@@ -9,7 +9,6 @@
 #include "base/formats/gzip.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "loaders/formats/signatures.h"
 #include "loaders/volumes/text/header_text.h"
 #include "loaders/volumes/text/text_volume.h"
 
@@ -51,7 +50,8 @@ static conus_status describe_text(struct volume_header *out, const struct text_v
 }
 
 /* Bridge: the headers of text are read on a job, which lives on in out->text. */
-conus_status volume_text_parse(struct volume_header *out, const struct bytes *head, struct notes *notes)
+conus_status volume_text_parse(struct volume_header *out, enum format_id format, const struct bytes *head,
+                               struct notes *notes)
 {
     struct parsed *parsed = memory_zeroed(1, sizeof *parsed);
     if (!parsed) {
@@ -59,10 +59,9 @@ conus_status volume_text_parse(struct volume_header *out, const struct bytes *he
     }
     struct volume_header header = {.text = &parsed->volume};
     struct job *job = &parsed->job;
-    (nrrd_is(head->data, head->size) ? nrrd_parse
-     : afni_is(head->data, head->size)
-         ? afni_parse
-         : metaimage_parse)(job, header.text, (struct text){(const char *)head->data, head->size});
+    (format == FORMAT_NRRD   ? nrrd_parse
+     : format == FORMAT_AFNI ? afni_parse
+                             : metaimage_parse)(job, header.text, (struct text){(const char *)head->data, head->size});
     (void)JOB_CALL(job, describe_text(&header, header.text));
     if (job->notes.count) {
         (void)JOB_CALL(job, notes_move(notes, &job->notes));
@@ -77,12 +76,12 @@ conus_status volume_text_parse(struct volume_header *out, const struct bytes *he
 }
 
 /* Reads the header in the first `limit` bytes of what must be unpacked, or read, for it. */
-static conus_status parse_text_of(struct volume_header *out, const struct stored *stored, size_t limit,
-                                  struct notes *notes)
+static conus_status parse_text_of(struct volume_header *out, enum format_id format, const struct stored *stored,
+                                  size_t limit, struct notes *notes)
 {
     struct bytes head = {0};
     conus_status status = stored_head(&head, stored, limit);
-    status = status ? status : volume_text_parse(out, &head, notes);
+    status = status ? status : volume_text_parse(out, format, &head, notes);
     if (!status && limit < VOLUME_TEXT_HEAD && head.size == limit && out->text->header_size == limit) {
         volume_text_finish(&out->text); /* there may be more of it */
         status = CONUS_ERROR_DATA;
@@ -91,21 +90,22 @@ static conus_status parse_text_of(struct volume_header *out, const struct stored
     return status;
 }
 
-conus_status volume_text_parse_stored(struct volume_header *out, const struct stored *stored, struct notes *notes)
+conus_status volume_text_parse_stored(struct volume_header *out, enum format_id format, const struct stored *stored,
+                                      struct notes *notes)
 {
     enum { MOST = 1 << 16 }; /* headers are smaller */
     struct notes found = {0};
     if (!stored->packed) {
-        return volume_text_parse(out, &stored->bytes, notes);
+        return volume_text_parse(out, format, &stored->bytes, notes);
     }
-    conus_status status = parse_text_of(out, stored, MOST, &found);
+    conus_status status = parse_text_of(out, format, stored, MOST, &found);
     if (!status) {
         status = notes_move(notes, &found);
         notes_finish(&found);
         return status;
     }
     notes_finish(&found);
-    return status == CONUS_ERROR_MEMORY ? status : parse_text_of(out, stored, VOLUME_TEXT_HEAD, notes);
+    return status == CONUS_ERROR_MEMORY ? status : parse_text_of(out, format, stored, VOLUME_TEXT_HEAD, notes);
 }
 
 /* Length of `path` without the ending "HEAD", or "BRIK" perhaps with ".gz"; 0 if it has another. */

@@ -9,16 +9,20 @@
 #include "loaders/volumes/text/text_volume.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_header.h"
+#include "sources/format.h"
 
 enum {
     VOLUME_TEXT_HEAD = HEADER_TEXT_LIMIT
 }; /**< Bytes that volume_text_parse() wants to see, if there are as many. */
 
-/** Reads the header at the start of @p head. out->text is the caller's to finish. */
-conus_status volume_text_parse(struct volume_header *out, const struct bytes *head, struct notes *notes);
+/** Reads the header of @p format (FORMAT_NRRD, FORMAT_METAIMAGE, FORMAT_AFNI) at the start of @p head. out->text is the
+ * caller's to finish. */
+conus_status volume_text_parse(struct volume_header *out, enum format_id format, const struct bytes *head,
+                               struct notes *notes);
 
 /** The same of a file, packed or not. */
-conus_status volume_text_parse_stored(struct volume_header *out, const struct stored *stored, struct notes *notes);
+conus_status volume_text_parse_stored(struct volume_header *out, enum format_id format, const struct stored *stored,
+                                      struct notes *notes);
 
 /** Finishes and frees *text, which may be NULL. */
 void volume_text_finish(struct text_volume **text);

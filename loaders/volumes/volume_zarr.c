@@ -47,19 +47,6 @@ static conus_status read_metadata(struct bytes *out, const char *folder, const c
 static const char *const array_files[2] = {"zarr.json", ".zarray"};
 static const char *const group_files[2] = {"zarr.json", ".zattrs"};
 
-static bool has_file(const char *folder, const char *name)
-{
-    char path[4096];
-    int size = snprintf(path, sizeof path, "%s/%s", folder, name);
-    return size < (int)sizeof path && file_exists(path);
-}
-
-bool volume_zarr_is(const char *path)
-{
-    return file_is_folder(path) &&
-           (has_file(path, "zarr.json") || has_file(path, ".zarray") || has_file(path, ".zattrs"));
-}
-
 static bool is_array(const struct bytes *bytes)
 {
     const struct text text = {(const char *)bytes->data, bytes->size};

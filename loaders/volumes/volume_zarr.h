@@ -15,9 +15,6 @@ struct volume_zarr {
     struct bytes labels; /**< The group's metadata, if they have colours and names of labels; else empty. */
 };
 
-/** Whether @p path is the folder of a group or an array of Zarr. */
-bool volume_zarr_is(const char *path);
-
 /** Finds the array of the folder @p path, an image of OME-Zarr or a level of one, that @p selector means, and its
  * header. The files of metadata join @p read. Errors carry the path. */
 conus_status volume_zarr_open(struct volume_zarr *out, struct volume_header *header, const char *path,

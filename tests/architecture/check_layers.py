@@ -74,32 +74,33 @@ LIBRARY = {
     "atlas/phantom": "base base/geometry atlas/labels atlas/surface atlas",
     "poses/rows": "base base/files base/formats base/geometry base/system",
     "poses/programs": "base base/files base/child base/geometry base/formats poses/rows",
-    "poses": "base base/child base/geometry base/formats base/system poses/rows poses/programs",
-    "loaders/formats": "base base/files base/formats base/child",
-    # file_kind.c asks the table of formats, and the readers of label tables.
-    "loaders": "base loaders/labels loaders/formats base/formats",
-    "loaders/tiff": "base base/files",
+    "poses": "base base/child base/geometry base/formats base/system sources poses/rows poses/programs",
+    # What a file is, for every room that reads files. It knows none of their readers.
+    "sources": "base base/files base/formats base/child base/job",
+    # refuse.c asks the table of formats, and the readers of label tables.
+    "loaders": "loaders/labels sources",
+    "loaders/tiff": "base base/files sources",
     "loaders/zarr": "base base/formats base/system",
     "loaders/brainglobe": "base base/files base/geometry base/formats base/system",
-    "loaders/tracts": "base base/files base/geometry base/formats atlas/tracts loaders loaders/surfaces/foreign",
+    "loaders/tracts": "base base/files base/geometry base/formats atlas/tracts loaders loaders/surfaces/foreign sources",
     "loaders/volumes/text": "base base/job base/geometry atlas/labels atlas",
     "loaders/volumes/stored": "base base/formats base/system",
     "loaders/volumes": "base base/files base/child base/geometry base/formats atlas/labels atlas loaders/volumes/stored"
-    " loaders loaders/tiff loaders/zarr loaders/brainglobe loaders/volumes/text loaders/formats loaders/labels",
+    " loaders loaders/tiff loaders/zarr loaders/brainglobe loaders/volumes/text sources loaders/labels",
     "loaders/cifti": "base base/files base/geometry base/formats loaders/volumes loaders/labels atlas/labels"
-    " loaders/formats",
-    "loaders/labels": "base base/system base/job base/files base/geometry base/formats atlas/labels loaders/formats",
+    " sources",
+    "loaders/labels": "base base/system base/job base/files base/geometry base/formats atlas/labels sources",
     "loaders/child": "base base/child base/system atlas/surface atlas",
     "loaders/surfaces/foreign": "base base/files base/geometry base/formats atlas/labels atlas/surface loaders",
     "loaders/surfaces": "base base/files base/geometry base/formats base/system atlas/labels atlas/surface atlas loaders"
-    " loaders/labels loaders/cifti loaders/child loaders/surfaces/foreign loaders/formats loaders/volumes",
+    " loaders/labels loaders/cifti loaders/child loaders/surfaces/foreign sources loaders/volumes",
     "loaders/phantom": "base base/files base/geometry atlas/labels atlas atlas/phantom loaders/volumes loaders/surfaces",
     "loaders/manifest": "base base/files base/formats base/job atlas/labels atlas/surface atlas/areas loaders/volumes loaders/labels",
-    "loaders/transform": "base base/files base/geometry base/formats base/child atlas/deformation atlas loaders loaders/volumes",
-    "loaders/maps": "base base/job base/files base/child base/geometry atlas atlas/fit loaders/volumes loaders/labels loaders",
+    "loaders/transform": "base base/files base/geometry base/formats base/child atlas/deformation atlas loaders loaders/volumes sources",
+    "loaders/maps": "base base/job base/files base/child base/geometry atlas atlas/fit loaders/volumes loaders/labels sources",
     "loaders/scene": "base base/files base/geometry base/formats base/job atlas/labels atlas/surface atlas atlas/areas atlas/fit"
     " atlas/warp loaders/maps loaders loaders/volumes loaders/labels loaders/cifti loaders/surfaces/foreign loaders/surfaces"
-    " loaders/manifest loaders/transform loaders/tracts loaders/brainglobe",
+    " loaders/manifest loaders/transform loaders/tracts loaders/brainglobe sources",
     "loaders/catalogue": "base base/system base/files base/formats base/job loaders/brainglobe loaders/volumes loaders/labels",
     "loaders/arrays": "base atlas atlas/areas loaders/maps loaders/volumes loaders/scene",
     "render/gl": "base base/geometry base/system",

@@ -13,7 +13,7 @@ import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-ROOMS = "base atlas poses loaders render selection pack include apps".split()
+ROOMS = "base sources atlas poses loaders render selection pack include apps".split()
 
 ISO_C = """assert ctype errno fenv float inttypes limits locale math setjmp stdalign stdarg stdatomic stdbool stddef stdint
     stdio stdlib string time"""

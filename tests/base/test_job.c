@@ -101,7 +101,7 @@ static void a_dropped_attempt_leaves_only_memory(void **state)
     job_warn(&job, "inside");
     job_made_of(&job, "table.tsv", &content);
     job_bad(&job, "no table");
-    const char *why = job_dropped(&job, &attempt);
+    const char *why = attempt_end(&job, &attempt, ATTEMPT_DROP);
     assert_string_equal(why, "table.tsv: no table");
     assert_true(job_ok(&job));
     assert_string_equal(name, "kept");
@@ -111,6 +111,85 @@ static void a_dropped_attempt_leaves_only_memory(void **state)
     job_bad(&job, "after");
     assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_DATA);
     assert_string_equal(conus_message(), "after");
+}
+
+static void hear(void *user, const conus_note *note)
+{
+    char *heard = user;
+    size_t used = strlen(heard);
+    snprintf(heard + used, 100 - used, "%s:%s;", note->path, note->line);
+}
+
+/* An element with a list of its own, as rows of files have. */
+struct row {
+    LIST(struct row) rows;
+    int number;
+};
+
+static void what_is_refused_has_a_place_of_its_own(void **state)
+{
+    (void)state;
+    struct job job = {0};
+    LIST(struct row) rows = {0};
+    struct attempt attempt = job_try(&job);
+    job_bad(&job, "no row");
+    struct row *outer = LIST_ADD(&job, &rows);
+    struct row *inner = LIST_ADD(&job, &outer->rows);
+    inner->number = -1; /* which is no part of the outer one, nor of its list */
+    inner->rows.at = inner;
+    assert_null(outer->rows.at);
+    assert_int_equal(outer->number, 0);
+    assert_int_equal(outer->rows.count + rows.count, 0);
+    assert_string_equal(attempt_end(&job, &attempt, ATTEMPT_TRY), "no row");
+    outer = LIST_ADD(&job, &rows);
+    job_bad(&job, "again");
+    assert_int_equal(LIST_ADD(&job, &rows)->number, 0);
+    assert_int_equal(inner->number, -1); /* what was given stays */
+    assert_int_equal(rows.count, 1);
+    job_end(&job);
+}
+
+static void a_silent_attempt_leaves_its_error_only(void **state)
+{
+    (void)state;
+    for (int fails = 0; fails < 2; fails++) {
+        char heard[100] = "";
+        struct note_sink sink = {hear, heard, "p"};
+        struct job job = {.sink = &sink};
+        const struct bytes content = {(uint8_t *)"abc", 3};
+        struct attempt attempt = job_try(&job);
+        job_note(&job, "inside");
+        job_made_of(&job, "a", &content);
+        if (fails) {
+            job_bad(&job, "wrong");
+        }
+        assert_null(attempt_end(&job, &attempt, ATTEMPT_SILENT));
+        assert_int_equal(job.notes.count + job.files.count, 0);
+        assert_string_equal(heard, "");
+        assert_int_equal(job_close(&job, NULL, NULL), fails ? CONUS_ERROR_DATA : CONUS_OK);
+    }
+}
+
+static bool count_files(void *user, const char *path, size_t done, size_t total)
+{
+    snprintf(user, 100, "%s %zu/%zu", path, done, total);
+    return done < 2;
+}
+
+static void a_job_reports_and_is_cancelled(void **state)
+{
+    (void)state;
+    char said[100] = "";
+    struct job job = {.progress = count_files, .progress_user = said, .total = 3};
+    job_report(&job, "a", 2);
+    assert_string_equal(said, "a 0/3");
+    assert_true(job_ok(&job));
+    job_report(&job, "b", 1);
+    assert_string_equal(said, "b 2/3");
+    job_report(&job, "c", 1); /* nobody hears of it */
+    assert_string_equal(said, "b 2/3");
+    assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_CANCELLED);
+    assert_string_equal(conus_message(), "b: cancelled before it was read");
 }
 
 static void a_kept_attempt_is_a_part_of_what_is_around(void **state)
@@ -123,10 +202,10 @@ static void a_kept_attempt_is_a_part_of_what_is_around(void **state)
     struct attempt attempt = job_try(&job);
     job_note(&job, "inside");
     job_made_of(&job, "a", &content);
-    assert_null(job_tried(&job, &attempt));
+    assert_null(attempt_end(&job, &attempt, ATTEMPT_TRY));
     attempt = job_try(&job);
     job_note(&job, "gone");
-    assert_string_equal(job_dropped(&job, &attempt), ""); /* without an error, too */
+    assert_string_equal(attempt_end(&job, &attempt, ATTEMPT_DROP), ""); /* without an error, too */
     assert_ok(job_close(&job, &notes, &files));
     assert_int_equal(notes.count, 1);
     assert_string_equal(notes.lines[0], "inside");
@@ -146,10 +225,10 @@ static void errors_of_memory_and_cancelling_end_attempts_too(void **state)
         struct attempt outer = job_try(&job);
         struct attempt inner = job_try(&job);
         job_fail(&job, kinds[i], "no more");
-        assert_string_equal(job_dropped(&job, &inner), "");
-        assert_string_equal(job_tried(&job, &outer), "");
+        assert_string_equal(attempt_end(&job, &inner, ATTEMPT_DROP), "");
+        assert_string_equal(attempt_end(&job, &outer, ATTEMPT_TRY), "");
         struct attempt late = job_try(&job);
-        assert_string_equal(job_dropped(&job, &late), "");
+        assert_string_equal(attempt_end(&job, &late, ATTEMPT_DROP), "");
         assert_fails(job_close(&job, NULL, NULL), kinds[i]);
     }
 }
@@ -163,19 +242,12 @@ static void a_file_above_a_limit_is_no_want_of_memory(void **state)
     struct attempt attempt = job_try(&job);
     assert_null(job_read(&job, path, 9, "").data);
     assert_int_equal(job.status, CONUS_ERROR_MEMORY);
-    assert_string_equal(job_tried(&job, &attempt), "file of 10 bytes, allowed are 9");
+    assert_string_equal(attempt_end(&job, &attempt, ATTEMPT_TRY), "file of 10 bytes, allowed are 9");
     assert_true(job_ok(&job));
     attempt = job_try(&job);
     job_fail(&job, CONUS_ERROR_MEMORY, "no more");
-    (void)job_dropped(&job, &attempt);
+    (void)attempt_end(&job, &attempt, ATTEMPT_DROP);
     assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_MEMORY);
-}
-
-static void hear(void *user, const conus_note *note)
-{
-    char *heard = user;
-    size_t used = strlen(heard);
-    snprintf(heard + used, 100 - used, "%s:%s;", note->path, note->line);
 }
 
 static void the_sink_hears_what_was_kept_in_order(void **state)
@@ -191,10 +263,10 @@ static void the_sink_hears_what_was_kept_in_order(void **state)
     job_note(&job, "b");
     struct attempt inner = job_try(&job);
     job_note(&job, "c");
-    (void)job_dropped(&job, &inner);
+    (void)attempt_end(&job, &inner, ATTEMPT_DROP);
     job_note(&job, "d");
     assert_string_equal(heard, "p:a;");
-    job_kept(&job, &outer);
+    attempt_end(&job, &outer, ATTEMPT_KEEP);
     assert_string_equal(heard, "p:a;p:b;p:d;");
     (void)JOB_CALL(&job, notes_add(&job.notes, "e")); /* a function that reports a status */
     assert_string_equal(heard, "p:a;p:b;p:d;p:e;");
@@ -308,9 +380,12 @@ static conus_status work(void *data)
     struct attempt attempt = job_try(&job);
     size_t count = 70000;
     uint8_t *array = job_array(&job, &count, 1);
-    memset(array ? array : job.spare, 1, array ? count : 1);
+    memset(array ? array : job.reserve, 1, array ? count : 1);
     job_note(&job, "%s", job_name(&job, text_from("a name")) ? "named" : "not");
-    const char *why = job_tried(&job, &attempt);
+    (void)attempt_notes(&job, &attempt);
+    *LIST_ADD(&job, &list) = 2;
+    *LIST_ADD(&job, &list) = 3;
+    const char *why = attempt_end(&job, &attempt, ATTEMPT_TRY);
     if (why) {
         job_warn(&job, "%s: passed over", why);
     }
@@ -342,6 +417,9 @@ TEST_GROUP(job)
         cmocka_unit_test(an_early_return_is_healed_by_the_mark),
         cmocka_unit_test(after_a_failure_nothing_happens),
         cmocka_unit_test(a_list_keeps_its_elements_while_it_grows),
+        cmocka_unit_test(what_is_refused_has_a_place_of_its_own),
+        cmocka_unit_test(a_silent_attempt_leaves_its_error_only),
+        cmocka_unit_test(a_job_reports_and_is_cancelled),
         cmocka_unit_test(a_dropped_attempt_leaves_only_memory),
         cmocka_unit_test(a_kept_attempt_is_a_part_of_what_is_around),
         cmocka_unit_test(errors_of_memory_and_cancelling_end_attempts_too),

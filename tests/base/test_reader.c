@@ -170,6 +170,41 @@ static void some_come_in_whole_things(void **state)
     job_end(&job);
 }
 
+static void an_open_file_outlives_its_readers_and_their_memory(void **state)
+{
+    (void)state;
+    struct buffer plain = {0};
+    struct buffer packed = {0};
+    struct open_file file;
+    append_words(&plain);
+    append_packed(&packed, plain.data, plain.size);
+    assert_ok(file_open(&file, write_scratch("open", &packed)));
+    for (int i = 0; i < 2; i++) { /* each from the beginning */
+        struct job job = {0};
+        struct reader r = reader_on(&job, &file);
+        const struct text first = reader_keep(&r, 5);
+        struct job_mark mark = job_mark(&job);
+        uint64_t at = first.size;
+        size_t size = 1;
+        assert_memory_equal(first.data, plain.data, 5);
+        for (; job_ok(&job) && at < plain.size; at += size) { /* its window is not the job's */
+            job_raw(&job, 100, 1);
+            const uint8_t *some = reader_some(&r, 1000, 1, &size);
+            assert_non_null(some);
+            assert_memory_equal(some, plain.data + at, size);
+            job_release(&job, mark);
+        }
+        assert_int_equal(at, plain.size);
+        const struct text none = reader_keep(&r, 1);
+        assert_int_equal(none.size, 0);
+        assert_string_equal(none.data, "");
+        assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_DATA);
+    }
+    file_close(&file);
+    buffer_finish(&plain);
+    buffer_finish(&packed);
+}
+
 /* Reads a packed file in each way. */
 static conus_status read_all(void *data)
 {
@@ -182,6 +217,7 @@ static conus_status read_all(void *data)
     (void)reader_word(&r, &text);
     (void)reader_u32(&r);
     (void)reader_f32s(&r, &count);
+    (void)reader_keep(&r, 3);
     while (reader_some(&r, 50, 1, &size)) {
     }
     return job_close(&job, NULL, NULL);
@@ -211,6 +247,7 @@ TEST_GROUP(reader)
         cmocka_unit_test(words_and_lines_cross_blocks_and_members),
         cmocka_unit_test(every_prefix_of_a_packed_file_is_cut_off),
         cmocka_unit_test(some_come_in_whole_things),
+        cmocka_unit_test(an_open_file_outlives_its_readers_and_their_memory),
         cmocka_unit_test(every_failing_primitive_and_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -24,7 +24,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
     notes_finish(&notes);
     const struct text text = {(const char *)data, size};
-    if (freesurfer_label_is(text) && !freesurfer_label_parse(&labels, &count, text)) {
+    if (text_starts(text, "#!ascii label") && !freesurfer_label_parse(&labels, &count, text)) {
         if (!count || labels[count - 1] != 1) { /* the last one is in the list */
             abort();
         }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Any bytes as a file of unknown kind: its description must be one line. */
 #include "base/memory.h"
-#include "loaders/file_kind.h"
+#include "loaders/refuse.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -14,12 +14,20 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     uint8_t *copy = memory_copy(data, size, 1);
     const struct bytes bytes = {copy, size};
     for (size_t i = 0; copy && i < sizeof names / sizeof names[0]; i++) {
-        const struct file_kind *kind = file_kind_of(names[i], &bytes);
-        if (!file_kind_fail(names[i], &bytes, "another") || strchr(conus_message(), '\n') || (kind && !kind->words)) {
+        const struct file_head head = head_of(names[i], &bytes);
+        const struct format *format = format_nearest(&head);
+        for (unsigned role = ROLE_VOLUME; role <= ROLE_POSES; role <<= 1) {
+            const struct format *found = format_find(&head, role);
+            if (found && !(found->roles & role)) {
+                abort();
+            }
+        }
+        if (!file_refuse(names[i], &bytes, "another") || strchr(conus_message(), '\n') || (format && !format->words)) {
             abort();
         }
     }
-    if (copy && format_is_lines(&bytes) && file_kind_of(NULL, &bytes) == NULL) {
+    const struct file_head nameless = head_of(NULL, &bytes);
+    if (copy && format_is_lines(&bytes) && format_nearest(&nameless) == NULL) {
         abort();
     }
     memory_free(copy);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* FreeSurfer surfaces. */
-#include "loaders/formats/signatures.h"
 #include "loaders/surfaces/freesurfer_surface.h"
+#include "sources/signatures.h"
 
 #include <stdlib.h>
 

@@ -41,13 +41,13 @@ static inline void fuzz_text_voxels(const struct volume_header *header, const ui
 }
 
 /** Reads @p data as the file of a header, and the labels that it has. */
-static inline void fuzz_text_file(const uint8_t *data, size_t size)
+static inline void fuzz_text_file(const uint8_t *data, size_t size, enum format_id format)
 {
     struct volume_header header;
     struct notes notes = {0};
     struct label_table table = {0};
     const struct bytes head = {(uint8_t *)data, size};
-    if (!volume_text_parse(&header, &head, &notes)) {
+    if (!volume_text_parse(&header, format, &head, &notes)) {
         fuzz_check_header(&header);
         fuzz_text_voxels(&header, data, size);
         if (!text_volume_labels(&table, header.text, 0, &notes)) {

@@ -5,6 +5,7 @@
 #include "base/geometry/math3.h"
 #include "loaders/transform/chain_file.h"
 #include "loaders/transform/transform_file.h"
+#include "sources/source.h"
 
 #include <stdio.h>
 
@@ -12,9 +13,9 @@ static conus_status read_file(struct transform_chain *chain, const char *path)
 {
     struct file_sums read = {0};
     struct notes notes = {0};
-    bool is_chain = false;
-    conus_status status = chain_file_is(&is_chain, path);
-    if (!status && is_chain) {
+    const struct format *format = NULL;
+    conus_status status = source_find(&format, path, ROLE_TRANSFORM);
+    if (!status && format) {
         status = chain_file_read(chain, path, 0, &read, &notes);
     } else if (!status) {
         status = transform_file_read(chain, path, &(conus_transform_options){0}, &read);

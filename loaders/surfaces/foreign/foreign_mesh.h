@@ -96,21 +96,6 @@ conus_status foreign_lines_array(struct foreign_array **out, struct foreign_line
 /** Makes place for @p more values of @p array, one of @p lines. CONUS_ERROR_MEMORY above max_memory. */
 conus_status foreign_array_reserve(struct foreign_lines *lines, struct foreign_array *array, size_t more);
 
-enum foreign_format {
-    FOREIGN_NONE,
-    FOREIGN_OBJ,
-    FOREIGN_PLY,
-    FOREIGN_STL,
-    FOREIGN_OFF,
-    FOREIGN_MZ3,
-    FOREIGN_VTK,
-    FOREIGN_VTP
-};
-
-/** The format of the file @p path, of which @p head has the first bytes, unpacked. The content decides where a format
- * has a signature, the name for STL, OBJ and OFF. */
-enum foreign_format foreign_format_of(const char *path, struct text head);
-
 /** The value behind "SPACE" in @p text: 3D Slicer writes "SPACE=RAS" or "SPACE=LPS". */
 enum mesh_space foreign_space_in(struct text text);
 

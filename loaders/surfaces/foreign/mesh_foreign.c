@@ -7,40 +7,11 @@
 #include "base/formats/gzip.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "loaders/file_kind.h"
+#include "loaders/refuse.h"
 #include "loaders/surfaces/foreign/foreign_mesh.h"
 
 #include <stdio.h>
 #include <string.h>
-
-/* Whether `path` ends in `ending`, or in that and ".gz". */
-static bool foreign_is_named(const char *path, const char *ending)
-{
-    char packed[16];
-    snprintf(packed, sizeof packed, "%s.gz", ending);
-    return path_ends_in(path, ending) || path_ends_in(path, packed);
-}
-
-enum foreign_format foreign_format_of(const char *path, struct text head)
-{
-    if (text_starts(head, "# vtk DataFile")) {
-        return FOREIGN_VTK;
-    }
-    if (text_starts(head, "ply\n") || text_starts(head, "ply\r")) {
-        return FOREIGN_PLY;
-    }
-    if (text_starts(head, "MZ") && !foreign_is_named(path, ".obj") && !foreign_is_named(path, ".stl")) {
-        return FOREIGN_MZ3;
-    }
-    if (text_starts(text_trim(text_from_bytes((const uint8_t *)head.data, head.size)), "<") &&
-        text_mentions(head, "<VTKFile")) {
-        return FOREIGN_VTP;
-    }
-    return foreign_is_named(path, ".stl")   ? FOREIGN_STL
-           : foreign_is_named(path, ".off") ? FOREIGN_OFF
-           : foreign_is_named(path, ".obj") ? FOREIGN_OBJ
-                                            : FOREIGN_NONE;
-}
 
 static const struct mesh_foreign_options defaults;
 
@@ -51,52 +22,30 @@ struct reading {
     struct notes *notes;
 };
 
-bool mesh_foreign_is(const char *path)
-{
-    static const char endings[] = ".vtk/.vtp/.ply/.stl/.obj/.off/.mz3/"
-                                  ".vtk.gz/.vtp.gz/.ply.gz/.stl.gz/.obj.gz/.off.gz/.mz3.gz";
-    return path_ending_length(path, endings) > 0;
-}
-
-bool mesh_foreign_keeps_vertices(const char *path)
-{
-    enum { HEAD = 4096 };
-    struct bytes stored = {0};
-    struct bytes unpacked = {0};
-    if (file_read_head(&stored, path, HEAD)) {
-        return false;
-    }
-    bool packed = gzip_is(stored.data, stored.size) && !gzip_head(&unpacked, stored.data, stored.size, HEAD);
-    const struct bytes *head = packed ? &unpacked : &stored;
-    enum foreign_format format = foreign_format_of(path, (struct text){(const char *)head->data, head->size});
-    bytes_finish(&stored);
-    bytes_finish(&unpacked);
-    return format != FOREIGN_NONE && format != FOREIGN_STL;
-}
-
 static conus_status parse(struct foreign_mesh *out, struct obj_objects *objects, const char *path,
                           const struct bytes *bytes, uint64_t limit)
 {
-    struct text text = {(const char *)bytes->data, bytes->size};
-    switch (bytes->size ? foreign_format_of(path, text) : FOREIGN_NONE) {
-    case FOREIGN_OBJ:
+    const struct file_head head = head_of(path, bytes);
+    const struct format *format = bytes->size ? format_find(&head, ROLE_SURFACE) : NULL;
+    switch (format ? format->id : FORMAT_OTHER) {
+    case FORMAT_OBJ:
         return obj_parse(out, objects, bytes->data, bytes->size);
-    case FOREIGN_PLY:
+    case FORMAT_PLY:
         return ply_parse(out, bytes->data, bytes->size);
-    case FOREIGN_STL:
+    case FORMAT_STL:
         return stl_parse(out, bytes->data, bytes->size);
-    case FOREIGN_OFF:
+    case FORMAT_OFF:
         return off_parse(out, bytes->data, bytes->size);
-    case FOREIGN_MZ3:
+    case FORMAT_MZ3:
         return mz3_parse(out, bytes->data, bytes->size);
-    case FOREIGN_VTK:
+    case FORMAT_VTK:
         return vtk_parse(out, bytes->data, bytes->size);
-    case FOREIGN_VTP:
+    case FORMAT_VTP:
         return vtp_parse(out, bytes->data, bytes->size, limit);
-    case FOREIGN_NONE:
+    default:
         break;
     }
-    return file_kind_fail(path, bytes, "a surface (VTK, VTP, PLY, MZ3, or named as STL, OBJ or OFF)");
+    return file_refuse(path, bytes, "a surface (VTK, VTP, PLY, MZ3, or named as STL, OBJ or OFF)");
 }
 
 /* Lines (streamlines) come in files of VTK's, too, and leave no triangle. */

@@ -12,13 +12,6 @@ struct mesh_foreign_options {
     uint64_t max_memory;   /**< Bytes, for each file, packed and unpacked, and each array in it; 0 = 8 GiB. */
 };
 
-/** Whether the name @p path ends like a file that mesh_foreign_read() reads. */
-bool mesh_foreign_is(const char *path);
-
-/** Whether mesh_foreign_read() keeps the vertices of the file @p path in their order: all formats that number their
- * vertices, hence not STL. */
-bool mesh_foreign_keeps_vertices(const char *path);
-
 /** Reads @p count files into @p out[count], in world mm, checked by mesh_check(), path set: all of them, or none.
  * Polygons and strips become triangles; LPS coordinates, RAS. @p notes gets what mesh_check() finds, and how many files
  * do not state their space, which is then RAS. An error names the file. */

@@ -65,7 +65,7 @@ static struct text read_assignment(struct reader *r, const char *name, size_t *l
     }
     tail = text_trim(tail);
     tail = text_trim((struct text){tail.data + 1, tail.size - 1});
-    return (struct text){job_copy(r->job, tail), tail.size};
+    return job_text(r->job, tail);
 }
 
 static void skip_space(struct reader *r)
@@ -79,13 +79,12 @@ static void skip_space(struct reader *r)
 static void read_string(struct reader *r, struct value *out, size_t count, struct text name)
 {
     skip_space(r);
-    bool there = reader_has(r, 1 + count) && *r->at == '\'';
-    const uint8_t *data = there ? reader_take(r, 1 + count) : NULL;
-    if (!data) {
+    if (!reader_has(r, 1 + count) || *r->at != '\'') {
         job_bad(r->job, "%.*s: found no string of %zu characters", HEADER_SHOW(name), count);
         return;
     }
-    out->text = (struct text){job_copy(r->job, (struct text){(const char *)data + 1, count}), count};
+    reader_skip(r, 1);
+    out->text = reader_keep(r, count);
 }
 
 /* `count` numbers, over several lines. */
@@ -268,7 +267,7 @@ static void afni_place(struct job *job, struct text_volume *out, const struct he
     if (has_plumb) {
         struct attempt attempt = job_try(job);
         read_plumb(job, plumb, header);
-        const char *why = job_tried(job, &attempt);
+        const char *why = attempt_end(job, &attempt, ATTEMPT_TRY);
         has_plumb = !why;
         if (why) {
             job_note(job, "IJK_TO_DICOM_REAL was used; %s", why);

@@ -62,7 +62,7 @@ struct text_volume {
 conus_status text_volume_labels(struct label_table *out, const struct text_volume *volume, size_t index,
                                 struct notes *notes);
 
-/* The parsers of the formats, which loaders/formats/signatures.h tells apart. Errors name the field. */
+/* The parsers of the formats, which sources/signatures.h tells apart. Errors name the field. */
 
 /** NRRD, attached (.nrrd) and detached (.nhdr), versions 1 to 5 (teem, "Definition of NRRD File Format"), with the
  * segments that 3D Slicer writes into them (.seg.nrrd). */

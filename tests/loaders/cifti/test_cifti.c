@@ -5,14 +5,20 @@
 
 #include "builders/cifti_builder.h"
 #include "builders/nifti_builder.h"
-#include "loaders/file_kind.h"
-#include "loaders/probe.h"
+#include "loaders/refuse.h"
 #include "loaders/surfaces/mesh_file.h"
 #include "loaders/volumes/nifti.h"
+#include "sources/source.h"
 #include "test.h"
 
 #include <stdio.h>
 #include <string.h>
+
+static const char *nearest_words(const struct bytes *bytes)
+{
+    const struct file_head head = head_of(NULL, bytes);
+    return format_nearest(&head)->words;
+}
 
 static const uint64_t MEMORY = 1 << 20;
 
@@ -74,11 +80,11 @@ static void files_are_plain_or_packed(void **state)
     for (int packed = 0; packed < 2; packed++) {
         struct cifti_file file = {0};
         struct notes notes = {0};
-        struct probe probe;
+        struct source source;
         snprintf(path, sizeof path, "%s,map=two", (packed ? write_packed : write_bytes)("x.dlabel.nii", &bytes));
-        assert_ok(probe_open(&probe, path));
-        assert_int_equal(probe.reader, READER_CIFTI);
-        probe_close(&probe);
+        assert_ok(source_open_atlas(&source, path));
+        assert_int_equal(source_scene(&source), FORMAT_CIFTI);
+        source_close(&source);
         assert_ok(cifti_file_open(&file, path, 0, &notes));
         assert_int_equal(file.choice.map, 1);
         assert_int_equal(strlen(file.sha256), 64);
@@ -87,13 +93,13 @@ static void files_are_plain_or_packed(void **state)
         cifti_file_finish(&file);
         notes_finish(&notes);
     }
-    struct probe probe;
+    struct source source;
     struct cifti_file file = {0};
     struct notes notes = {0};
-    assert_ok(probe_open(&probe, "absent.dlabel.nii"));
-    assert_false(probe.is_open);
-    assert_int_equal(probe.reader, READER_VOLUME);
-    probe_close(&probe);
+    assert_ok(source_open_atlas(&source, "absent.dlabel.nii"));
+    assert_false(source.is_open);
+    assert_int_equal(source_scene(&source), FORMAT_OTHER);
+    source_close(&source);
     snprintf(path, sizeof path, "%s,map=", test_scratch("x.dlabel.nii"));
     assert_fails(cifti_file_open(&file, path, 0, &notes), CONUS_ERROR_ARGUMENT);
     assert_non_null(strstr(conus_message(), "map: a number from 0 or a name is needed"));
@@ -114,7 +120,7 @@ static void the_first_version_is_named(void **state)
         .field = "intent_code", .value = 3001, .find = "Version=\"2\"", .replace = "Version=\"1.0\""};
     cifti_build(&bytes, &spec);
     const struct bytes head = {(uint8_t *)bytes.data, bytes.size};
-    assert_string_equal(file_kind_of(NULL, &head)->words, "a CIFTI-1 file");
+    assert_string_equal(nearest_words(&head), "a CIFTI-1 file");
     assert_fails(volume_file_open(&file, write_bytes("x.nii", &bytes), 0, &notes), CONUS_ERROR_UNSUPPORTED);
     assert_non_null(strstr(conus_message(), "a CIFTI-1 file, allowed are volumes; convert it to CIFTI-2: wb_command "));
     buffer_finish(&bytes);
@@ -152,7 +158,7 @@ static void other_matrices_are_named(void **state)
                                         .big = i % 2};
         cifti_build(&bytes, &spec);
         const struct bytes head = {(uint8_t *)bytes.data, bytes.size};
-        assert_non_null(strstr(file_kind_of(NULL, &head)->words, cases[i].words));
+        assert_non_null(strstr(nearest_words(&head), cases[i].words));
         assert_int_equal(nifti_matrix_intent(head.data, head.size), cases[i].found);
         assert_fails(volume_file_open(&file, write_bytes("x.nii", &bytes), 0, &notes), CONUS_ERROR_UNSUPPORTED);
         assert_non_null(strstr(conus_message(), cases[i].words));

@@ -59,8 +59,8 @@ static int write_files(void **state)
 
 static conus_status guess_of(struct volume_guess *out, const char *path, uint64_t max_memory)
 {
-    struct job job = {0};
-    volume_guess_make(&job, out, path, max_memory);
+    struct job job = {.max_memory = max_memory};
+    volume_guess_make(&job, out, path);
     return job_close(&job, NULL, NULL);
 }
 

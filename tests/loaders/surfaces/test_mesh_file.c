@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "builders/gifti_builder.h"
 #include "builders/nifti_builder.h"
+#include "sources/source.h"
 #include "test.h"
 
 #include <stdio.h>
@@ -13,6 +14,18 @@
 #define NAMED                                                                                                          \
     "<MetaData><MD><Name>Name</Name><Value>V1</Value></MD>"                                                            \
     "<MD><Name>AnatomicalStructurePrimary</Name><Value>CortexLeft</Value></MD></MetaData>"
+
+static const struct format *format_of(const char *path)
+{
+    const struct format *format;
+    assert_ok(source_find(&format, path, ROLE_SURFACE));
+    return format;
+}
+
+static bool is_surface(const char *path)
+{
+    return format_of(path) != NULL;
+}
 
 static void make_gifti(struct buffer *out)
 {
@@ -76,15 +89,15 @@ static void other_formats_by_name(void **state)
     struct mesh mesh = {0};
     struct label about = {0};
     struct notes notes = {0};
-    assert_true(mesh_file_is(path));
+    assert_true(is_surface(path));
     assert_ok(mesh_file_read(&mesh, &about, path, &options, &notes));
     assert_int_equal(mesh.vertex_count, 4);
     assert_int_equal(mesh.triangle_count, 4);
     assert_near(mesh.positions[3], -10, 0); /* the second vertex of the file, turned */
     assert_near(mesh.positions[11], 10, 0);
-    assert_true(mesh_file_keeps_vertices(path));
-    assert_true(mesh_file_is_foreign(path));
-    assert_false(mesh_file_keeps_vertices(write_bytes("any.stl", &bytes)));
+    assert_true(mesh_format_keeps_vertices(format_of(path)));
+    assert_true(mesh_format_is_foreign(format_of(path)));
+    assert_false(mesh_format_keeps_vertices(format_of(write_bytes("any.stl", &bytes))));
     assert_null(about.name);
     assert_string_equal(mesh.path, path);
     assert_int_equal(notes.count, 0);
@@ -97,12 +110,12 @@ static void what_is_a_surface(void **state)
     struct buffer bytes = {0};
     const struct buffer text = {.data = (char *)"hello", .size = 5};
     make_gifti(&bytes);
-    assert_true(mesh_file_is(write_bytes("any", &bytes)));
-    assert_true(mesh_file_is(write_packed("any", &bytes)));
-    assert_true(mesh_file_keeps_vertices(write_packed("any.obj", &bytes)));
-    assert_false(mesh_file_is(write_bytes("any", &text)));
-    assert_false(mesh_file_is("absent.obj"));
-    assert_false(mesh_file_is("."));
+    assert_true(is_surface(write_bytes("any", &bytes)));
+    assert_true(is_surface(write_packed("any", &bytes)));
+    assert_true(mesh_format_keeps_vertices(format_of(write_packed("any.obj", &bytes))));
+    assert_false(is_surface(write_bytes("any", &text)));
+    assert_false(is_surface("absent.obj"));
+    assert_false(is_surface("."));
     buffer_finish(&bytes);
 }
 

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "builders/zip_builder.h"
 #include "loaders/tracts/tract_file.h"
+#include "sources/source.h"
 #include "test.h"
 
 #include <math.h>
@@ -154,7 +155,7 @@ static void an_archive(void **state)
         struct notes notes = {0};
         build(&archive, standard, FILES, packed);
         const struct bytes head = {(uint8_t *)archive.data, 4};
-        assert_true(trx_is(&head, NULL));
+        assert_int_equal(format_id_of(&head, ROLE_TRACTS), FORMAT_TRX);
         assert_ok(parse(&tractogram, &archive, 1 << 20, &notes));
         assert_standard(&tractogram, &notes);
         assert_string_equal(tractogram.format, packed ? "TRX, packed zip, float32" : "TRX, zip, float32");
@@ -212,12 +213,13 @@ static void a_folder(void **state)
     (void)state;
     struct tractogram tractogram;
     struct notes notes = {0};
-    const struct bytes none = {0};
+    const struct format *format;
     write_folder("folder.trx");
-    assert_true(trx_is(&none, test_scratch("folder.trx")));
+    assert_ok(source_find(&format, test_scratch("folder.trx"), ROLE_TRACTS));
+    assert_int_equal(format->id, FORMAT_TRX);
     assert_true(tract_file_is(test_scratch("folder.trx")));
-    assert_false(trx_is(&none, test_in("dps")));
-    assert_false(trx_is(&none, NULL));
+    assert_ok(source_find(&format, test_in("dps"), ROLE_TRACTS));
+    assert_null(format);
     assert_ok(trx_read(&tractogram, test_scratch("folder.trx"), 1 << 20, &notes));
     assert_standard(&tractogram, &notes);
     assert_string_equal(tractogram.format, "TRX, folder, float32");

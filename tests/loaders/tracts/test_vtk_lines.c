@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "loaders/tracts/tract_file.h"
+#include "sources/source.h"
 #include "test.h"
 
 #include <math.h>
@@ -164,7 +165,8 @@ static void assert_reads(const char *data, size_t size, const char *format)
     struct tractogram tractogram;
     struct notes notes = {0};
     const struct bytes head = {(uint8_t *)data, size};
-    assert_true(vtk_lines_is(&head, NULL));
+    const enum format_id id = format_id_of(&head, ROLE_TRACTS);
+    assert_true(id == FORMAT_VTK || id == FORMAT_VTP);
     assert_ok(parse(&tractogram, data, size, 1 << 20, &notes));
     assert_lines(&tractogram, 1);
     assert_string_equal(tractogram.format, format);
@@ -182,8 +184,8 @@ static void texts(void **state)
     assert_reads(vtp_pieces, sizeof vtp_pieces - 1, "VTP");
     const struct bytes none = {0};
     const struct bytes mesh = {(uint8_t *)"ply\nformat", 10};
-    assert_false(vtk_lines_is(&none, NULL));
-    assert_false(vtk_lines_is(&mesh, "a.vtk"));
+    assert_int_equal(format_id_of(&none, ROLE_TRACTS), FORMAT_OTHER);
+    assert_int_equal(format_id_of(&mesh, ROLE_TRACTS), FORMAT_OTHER);
 }
 
 static void binaries(void **state)

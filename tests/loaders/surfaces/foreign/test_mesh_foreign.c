@@ -6,6 +6,7 @@
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 #include "loaders/surfaces/mesh_file.h"
 #include "loaders/surfaces/mesh_format.h"
+#include "sources/source.h"
 #include "test.h"
 
 #include <stdio.h>
@@ -197,18 +198,44 @@ static void every_failing_allocation(void **state)
     test_every_allocation(attempt, path);
 }
 
-static void names_tell_what_is_foreign(void **state)
+/* FORMAT_OTHER where only the name says that it is a surface, -1 where nothing does. */
+static int id_of(const char *path, const char *text)
+{
+    const struct bytes bytes = {(uint8_t *)text, strlen(text)};
+    const struct file_head head = head_of(path, &bytes);
+    const struct format *format = format_find(&head, ROLE_SURFACE);
+    return format ? (int)format->id : -1;
+}
+
+static void bytes_come_before_names(void **state)
 {
     (void)state;
-    assert_true(mesh_foreign_is("a.vtk"));
-    assert_true(mesh_foreign_is("folder/a.PLY"));
-    assert_true(mesh_foreign_is("a.off"));
-    assert_true(mesh_foreign_is("a.mz3"));
-    assert_true(mesh_foreign_is("folder/a.OBJ.gz"));
-    assert_false(mesh_foreign_is("a.nii.gz"));
-    assert_false(mesh_foreign_is("a.gii"));
-    assert_false(mesh_foreign_is(".obj"));
-    assert_false(mesh_foreign_is(""));
+    static const struct {
+        const char *path, *text;
+        int id;
+    } files[] = {
+        {"a.vtk", "hello", FORMAT_OTHER},
+        {"folder/a.PLY", "hello", FORMAT_OTHER},
+        {"a.off", "hello", FORMAT_OFF},
+        {"a.stl", "hello", FORMAT_STL},
+        {"a.stl", "ply\n", FORMAT_PLY},
+        {"a.mz3", "hello", FORMAT_OTHER},
+        {"a.mz3", "MZ", FORMAT_MZ3},
+        {"a.obj", "MZ", FORMAT_OBJ},
+        {"a", "MZ", -1}, /* a program */
+        {"a", "ply\r\n", FORMAT_PLY},
+        {"a", "# vtk DataFile Version 3.0\n", FORMAT_VTK},
+        {"a", "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\">", FORMAT_VTP},
+        {"a.obj", "<GIFTI>", FORMAT_GIFTI},
+        {"folder/a.OBJ.gz", "v 0 0 0", FORMAT_OBJ},
+        {"a.nii.gz", "hello", -1},
+        {"a.gii", "hello", -1},
+        {".obj", "hello", -1},
+        {"", "hello", -1},
+    };
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        assert_int_equal(id_of(files[i].path, files[i].text), files[i].id);
+    }
 }
 
 TEST_GROUP(mesh_foreign)
@@ -221,7 +248,7 @@ TEST_GROUP(mesh_foreign)
         cmocka_unit_test(one_bad_file_among_many_is_named),
         cmocka_unit_test(real_files_are_read),
         cmocka_unit_test(every_failing_allocation),
-        cmocka_unit_test(names_tell_what_is_foreign),
+        cmocka_unit_test(bytes_come_before_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Chooses one of the maps of a file by number or name. */
-#include "loaders/formats/map_choice.h"
+#include "sources/map_choice.h"
 
 #include "base/buffer.h"
 #include "base/files/file.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tells apart the formats that need more than a few fixed bytes. */
-#include "loaders/formats/signatures.h"
+#include "sources/signatures.h"
 
 #include "base/byte_order.h"
 #include "base/text.h"
@@ -117,9 +117,31 @@ bool afni_is(const uint8_t *data, size_t size)
     return text_word(&rest, &word) && text_equal(word, "type") && text_starts(text_trim(rest), "=");
 }
 
-bool volume_text_is(const struct bytes *head)
+bool tiff_is(const uint8_t *data, size_t size)
 {
-    return nrrd_is(head->data, head->size) || metaimage_is(head->data, head->size) || afni_is(head->data, head->size);
+    static const char *const magics[] = {"II*\0", "MM\0*", "II+\0", "MM\0+"};
+    for (size_t i = 0; size >= 4 && i < sizeof magics / sizeof magics[0]; i++) {
+        if (memcmp(data, magics[i], 4) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool tck_is(const uint8_t *data, size_t size)
+{
+    static const char magic[] = "mrtrix tracks";
+    return text_starts((struct text){(const char *)data, size}, magic) &&
+           (size == sizeof magic - 1 || memchr(" \t\r\n", data[sizeof magic - 1], 4));
+}
+
+bool tt_is(const uint8_t *data, size_t size)
+{
+    enum { HEADER_SIZE = 20 };
+    static const char first[] = "dimension";
+    const bool is_swapped = !BIG_ENDIAN_IS_SWAPPED; /* it writes little-endian */
+    return size >= HEADER_SIZE + sizeof first && order_u32(data, is_swapped) <= 50 &&
+           order_u32(data + 16, is_swapped) == sizeof first && memcmp(data + HEADER_SIZE, first, sizeof first) == 0;
 }
 
 bool freesurfer_is_surface(const uint8_t *data, size_t size)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file The marks by which readers know their formats: each function looks at the first bytes of a file, unpacked. */
-#ifndef CONUS_LOADERS_FORMATS_SIGNATURES_H
-#define CONUS_LOADERS_FORMATS_SIGNATURES_H
+#ifndef CONUS_SOURCES_SIGNATURES_H
+#define CONUS_SOURCES_SIGNATURES_H
 
 #include "base/files/file.h"
 
@@ -40,8 +40,14 @@ bool metaimage_is(const uint8_t *data, size_t size);
 /** An AFNI data set's .HEAD. */
 bool afni_is(const uint8_t *data, size_t size);
 
-/** A volume whose header is text: one of these three. */
-bool volume_text_is(const struct bytes *head);
+/** True where @p data begins like TIFF or BigTIFF of either byte order. */
+bool tiff_is(const uint8_t *data, size_t size);
+
+/** Streamlines of MRtrix: the words of its first line, with white space behind them. */
+bool tck_is(const uint8_t *data, size_t size);
+
+/** Streamlines of DSI Studio: a MAT-file of level 4 whose first variable is the dimension. */
+bool tt_is(const uint8_t *data, size_t size);
 
 /** True where @p data begins like a surface of FreeSurfer's, of triangles or of quadrangles. */
 bool freesurfer_is_surface(const uint8_t *data, size_t size);

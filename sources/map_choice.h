@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file One map of a file with several: FILE,map=K and FILE,map=NAME. */
-#ifndef CONUS_LOADERS_FORMATS_MAP_CHOICE_H
-#define CONUS_LOADERS_FORMATS_MAP_CHOICE_H
+#ifndef CONUS_SOURCES_MAP_CHOICE_H
+#define CONUS_SOURCES_MAP_CHOICE_H
 
 #include "base/notes.h"
 #include "base/text.h"

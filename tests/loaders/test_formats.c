@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests of file_kind_of(), which names a file's kind for messages. Each sample begins as the format's specification or
- * its usual writer has it. */
+/* Tests of format_nearest(), which names a file's format for messages. Each sample begins as the format's specification
+ * or its usual writer has it. */
 #include "builders/nifti_builder.h"
 #include "conus/atlas.h"
 #include "conus/file.h"
-#include "loaders/file_kind.h"
+#include "loaders/refuse.h"
 #include "test.h"
 
 #include <stdio.h>
@@ -84,14 +84,20 @@ static const struct {
     {"x.bin", BYTES("\1\2\3\4"), NULL, NULL},
 };
 
+static const struct format *nearest(const char *path, const struct bytes *bytes)
+{
+    const struct file_head head = head_of(path, bytes);
+    return format_nearest(&head);
+}
+
 /* The kind found in the first `size` bytes of sample `i`. They are copied, so that reading past them is noticed. */
-static const struct file_kind *kind_of_sample(size_t i, size_t size)
+static const struct format *kind_of_sample(size_t i, size_t size)
 {
     uint8_t *exact = malloc(size ? size : 1);
     assert_non_null(exact);
     memcpy(exact, samples[i].data, size);
     const struct bytes head = {exact, size};
-    const struct file_kind *kind = file_kind_of(samples[i].name, &head);
+    const struct format *kind = nearest(samples[i].name, &head);
     free(exact);
     return kind;
 }
@@ -100,7 +106,7 @@ static void a_kind_is_detected_from_content_and_ending(void **state)
 {
     (void)state;
     for (size_t i = 0; i < sizeof samples / sizeof samples[0]; i++) {
-        const struct file_kind *kind = kind_of_sample(i, samples[i].size);
+        const struct format *kind = kind_of_sample(i, samples[i].size);
         if (!kind != !samples[i].words || (kind && strcmp(kind->words, samples[i].words) != 0)) {
             fail_msg("%s: %s, not %s", samples[i].name, kind ? kind->words : "?", samples[i].words);
         }
@@ -118,9 +124,9 @@ static void a_dicom_file_has_its_mark_behind_128_bytes(void **state)
     (void)state;
     uint8_t data[132] = {0};
     const struct bytes head = {data, sizeof data};
-    assert_null(file_kind_of("IM0001", &head));
+    assert_null(nearest("IM0001", &head));
     memcpy(data + 128, "DICM", 4);
-    assert_string_equal(file_kind_of("IM0001", &head)->words, "a DICOM file");
+    assert_string_equal(nearest("IM0001", &head)->words, "a DICOM file");
 }
 
 static void lines_are_told_from_surfaces(void **state)
@@ -250,7 +256,7 @@ static void rows_of_vertices_are_no_volumes(void **state)
     conus_atlas_destroy(atlas);
 }
 
-TEST_GROUP(file_kind)
+TEST_GROUP(formats)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_kind_is_detected_from_content_and_ending),

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What a message says of a file that is not what is needed. */
+#ifndef CONUS_LOADERS_REFUSE_H
+#define CONUS_LOADERS_REFUSE_H
+
+#include "sources/format.h"
+
+/** format_find() of all rows, and label tables of all formats. */
+const struct format *format_nearest(const struct file_head *head);
+
+/** Fails with CONUS_ERROR_DATA and one line without the path: what the file is, what is needed, the way on. @p stored
+ * has its first bytes, packed or not. */
+conus_status file_refuse(const char *path, const struct bytes *stored, const char *needed);
+
+#endif

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A file that is opened once and known by its first bytes. */
+#ifndef CONUS_SOURCES_SOURCE_H
+#define CONUS_SOURCES_SOURCE_H
+
+#include "base/job/job.h"
+#include "sources/format.h"
+
+struct source {
+    char *path; /**< Owned, of source_open_atlas(); else NULL. */
+    struct open_file file;
+    bool is_open;
+    bool is_packed;        /**< By gzip, as a whole. */
+    struct bytes stored;   /**< Its first bytes, HEAD_SIZE or all. */
+    struct bytes unpacked; /**< Of one that is packed: what these give; none where they are damaged. */
+    struct file_head head; /**< Of `unpacked` or else `stored`. */
+};
+
+/** Opens the regular file @p path, which must outlive @p out, and looks how it begins. CONUS_ERROR_IO with the path,
+ * CONUS_ERROR_MEMORY. @p out is the caller's to close, also on failure. */
+conus_status source_open(struct source *out, const char *path);
+void source_close(struct source *source);
+
+/** The same of the whole file @p stored, or of its first bytes, which is borrowed. */
+conus_status source_of(struct source *out, const char *path, const struct bytes *stored);
+
+/** The same of a file that is given as an atlas, which may end in ",map=K" if it is one of CIFTI labels. One that
+ * cannot be read is no error: who wants to read it says why. CONUS_ERROR_MEMORY. */
+conus_status source_open_atlas(struct source *out, const char *path);
+
+/** FORMAT_MANIFEST, FORMAT_ATLAS_XML or FORMAT_CIFTI, which name other files or have several parts; else FORMAT_OTHER.
+ * All that begins with '{' is FORMAT_MANIFEST, whose parser says what is wrong with it. */
+enum format_id source_scene(const struct source *source);
+
+/** Its first character that is not white space, unless it is packed; else 0. XML and JSON are read unpacked only. */
+char source_first(const struct source *source);
+
+/** The row of the file or folder @p path, as of format_find(); NULL if it has none or cannot be read.
+ * CONUS_ERROR_MEMORY. */
+conus_status source_find(const struct format **out, const char *path, unsigned roles);
+const struct format *source_format(struct job *job, const char *path, unsigned roles); /**< Likewise, on a job. */
+
+#endif
