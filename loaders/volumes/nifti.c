@@ -354,8 +354,12 @@ conus_status nifti_header_parse(struct volume_header *out, const uint8_t *data, 
         return fail(CONUS_ERROR_UNSUPPORTED, "intent_code: found %d, %s, allowed are volumes; %s", f.intent_code,
                     kind->words, kind->way);
     }
+    for (int i = 4; !status && i <= f.dim[0] && i < 8; i++) { /* niftilib takes them for 1 */
+        status = f.dim[i] ? CONUS_OK : notes_add(notes, "dim[%d]: found 0, which was read as 1", i);
+        f.dim[i] = f.dim[i] ? f.dim[i] : 1;
+    }
     struct volume_header header;
-    status = begin_header(&header, &f);
+    status = status ? status : begin_header(&header, &f);
     if (status) {
         return status;
     }
