@@ -10,7 +10,7 @@
 #define KNOWN                                                                                                          \
     "MRIcron text, AAL text, ITK-SNAP, FreeSurfer, FSLeyes, MRtrix and Slicer colour tables, BIDS dseg.tsv and other " \
     "tables with a header, atlas XML of FSL and SPM, Workbench and AFNI label tables, BrainGlobe structures.json, "    \
-    "NiiVue JSON, MRIcron .lut"
+    "NiiVue JSON, nnU-Net dataset.json, neuroglancer segment properties, MRIcron .lut"
 
 const struct label_format *const *label_formats(void)
 {

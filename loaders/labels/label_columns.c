@@ -481,6 +481,30 @@ static void choose_column(struct job *job, struct header *header, const struct f
     }
 }
 
+/* Opacities, which say nothing about an area; BIDS's class of tissue; what other columns say, too. */
+static const char passed_over[] = "Color_A/alpha/a/opacity/mapping/root_identifier_path/ROIoname";
+
+/* Notes the columns of the header row of which nothing is known. */
+static void note_unused(struct job *job, const struct header *header, const struct fields *fields)
+{
+    struct fields unused = {.count = 0};
+    for (int i = 0; i < header->count; i++) {
+        bool is_used = !fields->at[i].size || text_is_one_of(fields->at[i], passed_over, false);
+        for (int column = 0; column < COLUMN_COUNT; column++) {
+            is_used = is_used || header->at[column] == i;
+        }
+        for (size_t k = 0; k < sizeof header->indices / sizeof header->indices[0]; k++) {
+            is_used = is_used || (header->indices[k].name.size && header->indices[k].at == i);
+        }
+        if (!is_used) {
+            unused.at[unused.count++] = fields->at[i];
+        }
+    }
+    if (unused.count) {
+        job_note(job, "label table: columns passed over: %s", list_columns(job, &unused));
+    }
+}
+
 static void parse_table(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     const bool is_chosen = use->columns[0].size || use->columns[1].size;
@@ -500,6 +524,7 @@ static void parse_table(struct job *job, struct label_table *out, struct text te
         job_bad(job, "two columns are called %s", header.twice);
     }
     job_out(job, place);
+    note_unused(job, &header, &fields);
     if (job_ok(job) && use->voxels && !use->columns[INDEX].size && !header.by_side) {
         choose_index(job, &header, rows, use->voxels);
     }
@@ -545,6 +570,9 @@ static void parse_bare(struct job *job, struct label_table *out, struct text tex
     struct rows rows = {.rest = text};
     (void)use;
     if (next_row(&rows, NULL) && assume_header(&header, &fields, rows.line)) {
+        if (header.count > 2) {
+            job_note(job, "label table: no header: columns behind number and name are passed over");
+        }
         parse_below(job, out, &header, (struct rows){.rest = text});
     }
 }

@@ -21,9 +21,9 @@
 #include <string.h>
 
 /* Volumes of the whole brain, whose labels include pairs of the anatomical segmentation, and of small structures, whose
- * labels are all from FINE on. Neither ever has label 1. */
+ * labels are all from FINE on, but for the accumbens in sclimbic. Neither ever has label 1. */
 enum kind { FOREIGN, WHOLE, PARTS };
-enum { FINE = 170, COARSE = 100, PAIRS_NEEDED = 2 };
+enum { FINE = 170, COARSE = 100, PAIRS_NEEDED = 2, LEFT_ACCUMBENS = 26, RIGHT_ACCUMBENS = 58 };
 
 static struct text stem_of(const char *path)
 {
@@ -48,9 +48,17 @@ static enum kind kind_of_volume(const struct label_search *search)
     static const char whole[] = "aseg/aseg.auto/aseg.auto_noCCseg/aseg.presurf/aseg.presurf.hypos/aparc+aseg/"
                                 "aparc.a2009s+aseg/aparc.DKTatlas+aseg/aparc.DKTatlas+aseg.deep/"
                                 "aparc.DKTatlas40+aseg/wmparc/ribbon";
-    static const char *const parts[] = {"brainstemSsLabels",        "ThalamicNuclei",   "lh.hippoAmygLabels",
-                                        "rh.hippoAmygLabels",       "lh.hippoSfLabels", "rh.hippoSfLabels",
-                                        "hypothalamic_subunits_seg"};
+    static const char *const parts[] = {"brainstemSsLabels",
+                                        "ThalamicNuclei",
+                                        "lh.hippoAmygLabels",
+                                        "rh.hippoAmygLabels",
+                                        "lh.hippoSfLabels",
+                                        "rh.hippoSfLabels",
+                                        "hypothalamic_subunits_seg",
+                                        "arousalNetworkLabels",
+                                        "sclimbic",
+                                        "vsinus",
+                                        "mca-dura"};
     if (text_is_one_of(stem, whole, true)) {
         return WHOLE;
     }
@@ -67,7 +75,7 @@ static enum kind kind_of_volume(const struct label_search *search)
 struct census {
     size_t count[COARSE];
     double right[COARSE];
-    uint32_t lowest; /* label but 0; 0 if there is none */
+    uint32_t lowest; /* label but 0 and the accumbens's; 0 if there is none */
 };
 
 static void count_labels(struct census *out, const struct label_use *use)
@@ -77,7 +85,8 @@ static void count_labels(struct census *out, const struct label_use *use)
     *out = (struct census){.lowest = 0};
     for (size_t at = 0; at < count; at++) {
         uint32_t label = label_voxels_at(use->voxels, at);
-        out->lowest = label && (!out->lowest || label < out->lowest) ? label : out->lowest;
+        bool counts = label && label != LEFT_ACCUMBENS && label != RIGHT_ACCUMBENS;
+        out->lowest = counts && (!out->lowest || label < out->lowest) ? label : out->lowest;
         if (label && label < COARSE) {
             size_t row = at / info->dim[0];
             size_t plane = row / info->dim[1];
@@ -182,7 +191,7 @@ static void search_freesurfer(struct job *job, struct label_search *search, cons
         labels_sort(job, offer.table);
     }
     if (offer.table->count) {
-        offer.source = "FreeSurfer 7's names, which conus has";
+        offer.source = "FreeSurfer's names, which conus has";
         label_search_offer(job, search, &offer);
         (void)take_freesurfer(job, search, offer.table, offer.source);
     } else if (agree && path) {

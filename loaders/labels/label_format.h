@@ -46,6 +46,8 @@ struct label_format {
     ROW(label_format_bids)                                                                                             \
     ROW(label_format_ome)                                                                                              \
     ROW(label_format_structures)                                                                                       \
+    ROW(label_format_data_set)                                                                                         \
+    ROW(label_format_segments)                                                                                         \
     ROW(label_format_niivue)                                                                                           \
     ROW(label_format_map)                                                                                              \
     ROW(label_format_objects)                                                                                          \

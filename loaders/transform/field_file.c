@@ -207,9 +207,9 @@ static conus_status read_foreign(struct field_header *out, bool *found, struct t
 {
     conus_volume_info info;
     conus_status status = has_vectors(head) ? volume_file_header(&info, path) : CONUS_ERROR_DATA;
-    *found = !status && info.volume_count == 3;
-    if (!*found) {
-        return status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* a damaged header is of no known kind */
+    *found = has_vectors(head) && (status || info.volume_count == 3);
+    if (status || !*found) {
+        return *found || status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
     }
     if (text_mentions(head, "displacement field type:=modeling")) {
         return fail(CONUS_ERROR_UNSUPPORTED, "displacement field type: found modeling, which moves points the other "
