@@ -490,6 +490,22 @@ static void search_beside(struct job *job, struct label_search *search)
     }
 }
 
+/* What a file of the volume's format is looked through for; NULL: nothing. */
+static const char *tables_inside(const char *format)
+{
+    static const char *const known[][2] = {
+        {"NIfTI", "the tables of Workbench and AFNI in its extensions, and text before the voxels"},
+        {"NRRD", "the segments of 3D Slicer"},
+        {"AFNI", "VALUE_LABEL_DTABLE and ATLAS_LABEL_TABLE"},
+        {"Zarr", "OME's image-label"}};
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
+        if (text_starts(text_from(format), known[i][0])) {
+            return known[i][1];
+        }
+    }
+    return NULL;
+}
+
 /* Notes what was passed over; fails where that was all, and damaged. */
 static void settle_search(struct job *job, struct label_search *search)
 {
@@ -499,6 +515,7 @@ static void settle_search(struct job *job, struct label_search *search)
         job_bad(job, "%s", search->why);
     } else if (!search->source) {
         const char *name = path_base(search->volume->info->path);
+        const char *inside = tables_inside(search->volume->info->format);
         struct text rest = text_from(list_endings(job));
         const char *endings = "";
         struct text ending;
@@ -507,11 +524,13 @@ static void settle_search(struct job *job, struct label_search *search)
                 endings = job_format(job, "%s%s%.*s", endings, endings[0] ? ", " : "", (int)ending.size, ending.data);
             }
         }
+        const char *where =
+            inside ? job_format(job, "inside %s for %s; beside it", name, inside) : job_format(job, "beside %s", name);
         job_note(job,
-                 "no label table found: areas are called by their numbers (looked inside %s; beside it for %.*s%s; in "
-                 "its folder for an inherited dseg.tsv, an atlas XML of FSL or SPM, a table with a similar name, "
-                 "structures.json, FreeSurferColorLUT.txt)",
-                 name, (int)volume_stem_length(name), name, endings);
+                 "no label table found: areas are called by their numbers (looked %s for %.*s%s; in its folder for an "
+                 "inherited dseg.tsv, an atlas XML of FSL or SPM, a table with a similar name, structures.json, "
+                 "FreeSurferColorLUT.txt)",
+                 where, (int)volume_stem_length(name), name, endings);
     }
 }
 

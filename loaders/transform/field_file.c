@@ -399,8 +399,10 @@ static conus_status note_looks(bool positions, bool look, struct notes *notes)
                                           look ? "displacements" : "positions", look ? "positions" : "displacements");
 }
 
-/* Decides between ITK's and SPM's: a field whose header does not say must not look like the other kind. */
-static conus_status set_vectors(struct deformation *field, enum field_kind kind, struct notes *notes)
+/* Decides between ITK's and SPM's: a field whose header does not say must not look like the other kind. Nor must one of
+ * intent 1006, which ITK and 3D Slicer write for displacements, and others (VISTASOFT) for positions; @p is_stated: the
+ * caller says which. */
+static conus_status set_vectors(struct deformation *field, enum field_kind kind, bool is_stated, struct notes *notes)
 {
     static const double flip[16] = {-1, [5] = -1, [10] = 1, [15] = 1};
     double lps[16];
@@ -410,6 +412,12 @@ static conus_status set_vectors(struct deformation *field, enum field_kind kind,
         return fail(CONUS_ERROR_ARGUMENT,
                     "the vectors look like positions, and the header does not say so: ',absolute' states positions in "
                     "RAS, as SPM has them, ',relative' displacements in LPS, as ITK has them");
+    }
+    if (kind == FIELD_RAS && positions && !is_stated) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "the header says displacements (intent_code 1006, or NiftyReg's name), and the "
+                    "vectors look like positions: ',relative' or ',absolute' states which they "
+                    "are, both in RAS");
     }
     bool absolute = kind == FIELD_SPM || kind == FIELD_LPS;
     conus_status status = note_looks(absolute, positions, notes);
@@ -525,7 +533,7 @@ conus_status field_file_read(struct deformation *out, const char *path, const co
     status = read_vectors(&field, &file, options->max_memory);
     status = status     ? status
              : is_flirt ? set_flirt(&field, kind, &file.info, options, &found)
-                        : set_vectors(&field, kind, &found);
+                        : set_vectors(&field, kind, options->vectors, &found);
     status = status ? status : deformation_measure(&field);
     status = status ? fail_in(status, path) : file_sums_put(read, file.info.path, file.info.sha256);
     status = status ? status : notes_move_in(notes, &found, path);
