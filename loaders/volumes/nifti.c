@@ -132,9 +132,10 @@ static conus_status nifti_place(conus_volume_info *info, const struct nifti_plac
     } else {
         snprintf(words, sizeof words, "none: voxel sizes only, grid centred on the origin, i towards the left");
         status = place_sizes(world, info, p->pixdim);
-        status = status ? status
-                        : notes_warn(notes, "neither sform nor qform is set: left and right, and the origin, are a "
-                                            "guess (i towards the left, grid centred on the origin)");
+        status =
+            status ? status
+                   : notes_warn(notes, "neither sform nor qform is set: left and right, and the origin, are a "
+                                       "guess (i towards the left, grid centred on the origin); an sform states them");
     }
     if (!status && mm != 1) {
         status = notes_add(notes, "xyzt_units says %s: positions were multiplied by %g to get millimetres",

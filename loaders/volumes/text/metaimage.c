@@ -81,7 +81,8 @@ static void metaimage_read_matrix(struct job *job, void *header, struct text val
         for (size_t i = 0; i < axes; i++) {
             matrix[i * axes + i] = 1;
         }
-        job_warn(job, "TransformMatrix is missing: ITK's default was used, i to the left, j to the back, k up");
+        job_warn(job, "TransformMatrix is missing: ITK's default was used, i to the left, j to the back, k up; the "
+                      "header may state another");
         return;
     }
     header_numbers(job, matrix, axes * axes, value, "TransformMatrix");
@@ -98,7 +99,8 @@ static void read_offset(struct job *job, void *header, struct text value)
     if (value.data) {
         header_numbers(job, meta->offset, (size_t)meta->dimensions, value, "Offset");
     } else {
-        job_warn(job, "Offset is missing: ITK's default was used, the first voxel at the origin");
+        job_warn(job, "Offset is missing: ITK's default was used, the first voxel at the origin; the header may state "
+                      "another");
     }
 }
 
