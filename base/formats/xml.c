@@ -56,7 +56,7 @@ static void xml_on_start(void *user, const char *name, const char **attributes)
     const struct xml_handler *handler = parsing->handler;
     if (handler->known && !parsing->is_strange && !text_is_one_of(text_from(name), handler->known, true)) {
         parsing->is_strange = true;
-        stop_parser(parsing, notes_add(handler->strange, "line %zu: <%.40s> is not known, and was passed over",
+        stop_parser(parsing, notes_add(handler->strange, "XML, line %zu: <%.40s> is not known, and was passed over",
                                        event.line, name));
     }
     stop_parser(parsing, handler->start(handler->user, &event));

@@ -244,6 +244,7 @@ void label_search_text(struct job *job, struct label_search *search, const char 
     struct notes outside = label_notes_swap(job, (struct notes){0});
     size_t place = job_in(job, name, JOB_ALONE);
     label_text_parse(job, offer.table, format, text, &use);
+    label_check_zero(job, offer.table, search->judge || !file ? NULL : use.voxels);
     job_out(job, place);
     offer.notes = label_notes_swap(job, outside);
     const char *why = job_tried(job, &attempt);

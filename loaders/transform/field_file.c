@@ -16,7 +16,11 @@
 enum { NAME_SIZE = 16 };
 
 /* nifti1.h: a vector at each voxel. */
-enum { INTENT_DISPLACEMENT = 1006, INTENT_VECTOR = 1007 };
+enum {
+    INTENT_NONE = -1,
+    INTENT_DISPLACEMENT = 1006,
+    INTENT_VECTOR = 1007
+}; /* INTENT_NONE: of NRRD in another space than LPS */
 
 /* FSL's own. */
 enum { FNIRT_FIELD = 2006, CUBIC_SPLINES = 2007, COSINES = 2008, QUADRATIC_SPLINES = 2009 };
@@ -140,10 +144,14 @@ static conus_status vectors_kind(enum field_kind *out, const struct field_header
                     "space: ',relative' (displacements) or ',absolute' (positions) is needed, too");
     }
     if (code != INTENT_VECTOR && code != INTENT_DISPLACEMENT && !vectors) {
-        return fail(CONUS_ERROR_DATA,
-                    "intent_code: found %d, fields have 1007 (vector) or 1006; ',relative' states displacements in "
-                    "LPS, as ITK has them, ',absolute' positions in RAS, as SPM has them",
-                    code);
+        return code == INTENT_NONE
+                   ? fail(CONUS_ERROR_ARGUMENT, "space: another than LPS, in which ITK has displacements: "
+                                                "',space=ras,relative' or ',space=lps,relative' states theirs")
+                   : fail(CONUS_ERROR_DATA,
+                          "intent_code: found %d, fields have 1007 (vector) or 1006; ',relative' states displacements "
+                          "in "
+                          "LPS, as ITK has them, ',absolute' positions in RAS, as SPM has them",
+                          code);
     }
     *out = vectors == CONUS_VECTORS_RELATIVE   ? (space == CONUS_FILE_SPACE_RAS ? FIELD_RAS : FIELD_ITK)
            : vectors == CONUS_VECTORS_ABSOLUTE ? (space == CONUS_FILE_SPACE_LPS ? FIELD_LPS : FIELD_SPM)
@@ -221,7 +229,7 @@ static conus_status read_foreign(struct field_header *out, bool *found, struct t
     }
     if (text_starts(head, "NRRD") && !text_mentions(head, "space: left-posterior-superior") &&
         !text_mentions(head, "space: LPS")) {
-        out->intent_code = 0; /* a space must be stated */
+        out->intent_code = INTENT_NONE; /* a space must be stated */
     }
     return CONUS_OK;
 }

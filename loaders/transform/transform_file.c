@@ -165,7 +165,9 @@ static conus_status lta_take_numbers(double *out, size_t count, struct text valu
 {
     struct text word;
     for (size_t i = 0; i < count; i++) {
-        if (!text_word(&values, &word) || !text_to_double(word, &out[i]) || !isfinite(out[i])) {
+        bool there = text_word(&values, &word);
+        word.size -= there && i + 1 < count && word.data[word.size - 1] == ','; /* FastSurfer's "256, 256, 256" */
+        if (!there || !text_to_double(word, &out[i]) || !isfinite(out[i])) {
             return fail(CONUS_ERROR_DATA, "%s: %zu finite numbers are needed", key, count);
         }
     }
