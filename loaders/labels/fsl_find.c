@@ -7,7 +7,7 @@
 #include "base/formats/xml.h"
 #include "base/path.h"
 #include "base/system/system.h"
-#include "loaders/labels/label_search.h"
+#include "loaders/labels/labels_on_job.h"
 
 #include <string.h>
 

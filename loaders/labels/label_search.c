@@ -149,13 +149,6 @@ bool label_tables_note(struct job *job, const struct label_table *used, const ch
     return note_difference(job, &comparison, source, other_source);
 }
 
-struct notes label_notes_swap(struct job *job, struct notes notes)
-{
-    struct notes before = job->notes;
-    job->notes = notes;
-    return before;
-}
-
 static void take_offer(struct job *job, struct label_search *search, struct label_offer *offer)
 {
     search->table = offer->table;

@@ -59,6 +59,13 @@ void labels_hush(struct job *job, const struct attempt *attempt)
     }
 }
 
+struct notes label_notes_swap(struct job *job, struct notes notes)
+{
+    struct notes before = job->notes;
+    job->notes = notes;
+    return before;
+}
+
 void labels_decode(struct job *job, struct text *text)
 {
     char *owned = NULL;

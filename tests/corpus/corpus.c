@@ -434,7 +434,7 @@ static size_t find_strange_place(const struct strange *strange, const char *file
     }
     for (int i = 0; i < strange->times; i++) {
         const char *end = memchr(data + at, strange->behind, bytes->size - at);
-        if (!end || memchr(data + at, 0, (size_t)(end - data) - at) || end[-1] == '/') {
+        if (!end || memchr(data + at, 0, (size_t)(end - data) - at) || (end > data && end[-1] == '/')) {
             return SIZE_MAX;
         }
         at = (size_t)(end - data) + 1;
@@ -495,7 +495,9 @@ static void check_strange(const struct entry *entry)
         } else {
             add_column(&text, &bytes);
         }
-        write_file(entry->file, &(struct bytes){(uint8_t *)text.data, text.size});
+        if (text.size) {
+            write_file(entry->file, &(struct bytes){(uint8_t *)text.data, text.size});
+        }
         ask(&answer, entry, -1);
         if (text.size && !answer.code && !has_unknown(answer.json)) {
             report(entry, "a part that is not known is passed over: %s",
