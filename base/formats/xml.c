@@ -17,6 +17,7 @@ struct parsing {
     XML_Parser parser;
     struct buffer text; /* characters behind the last tag */
     int depth;
+    bool is_strange; /* an element was not known */
     conus_status status;
 };
 
@@ -52,7 +53,13 @@ static void xml_on_start(void *user, const char *name, const char **attributes)
                     fail(CONUS_ERROR_DATA, "line %zu: elements nested deeper than %d", event.line, DEPTH_LIMIT));
         return;
     }
-    stop_parser(parsing, parsing->handler->start(parsing->handler->user, &event));
+    const struct xml_handler *handler = parsing->handler;
+    if (handler->known && !parsing->is_strange && !text_is_one_of(text_from(name), handler->known, true)) {
+        parsing->is_strange = true;
+        stop_parser(parsing, notes_add(handler->strange, "XML, line %zu: <%.40s> is not known, and was passed over",
+                                       event.line, name));
+    }
+    stop_parser(parsing, handler->start(handler->user, &event));
 }
 
 static void xml_on_end(void *user, const char *name)

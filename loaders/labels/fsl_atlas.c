@@ -182,7 +182,11 @@ struct fsl_atlas *fsl_atlas_parse(struct job *job, struct text text)
     }
     labels_own(job, &atlas->labels);
     struct parsing parsing = {.job = job, .atlas = atlas};
-    const struct xml_handler handler = {.start = start_element, .end = end_element, .user = &parsing};
+    static const char known[] = /* of SPM's and CAT12's, too */
+        "atlas/header/name/shortname/type/images/imagefile/summaryimagefile/statistic/units/precision/upper/lower/data/"
+        "label/version/description/url/licence/license/email/coordinate_system/index/short_name/RGBA/XYZmm";
+    const struct xml_handler handler = {
+        .start = start_element, .end = end_element, .user = &parsing, .known = known, .strange = &job->notes};
     (void)JOB_CALL(job, xml_parse(&handler, text));
     check_type(job, atlas);
     return atlas;

@@ -7,6 +7,7 @@
 #include "base/formats/xml.h"
 #include "base/path.h"
 #include "base/system/system.h"
+#include "loaders/labels/labels_on_job.h"
 
 #include <string.h>
 
@@ -60,15 +61,19 @@ static void try_xml(struct job *job, const struct search *search, const char *pa
     if (!job_has_file(job, path)) {
         return;
     }
+    struct notes outside = label_notes_swap(job, (struct notes){0}); /* those of another volume's are not heard */
     struct attempt attempt = job_try(job);
     struct bytes bytes = job_read(job, path, FSL_ATLAS_LIMIT, "");
     struct text text = text_from_bytes(bytes.data, bytes.size);
     struct fsl_atlas *atlas = text_equal(xml_root(text), "atlas") ? fsl_atlas_parse(job, text) : NULL;
     bool is_atlas = !attempt_end(job, &attempt, ATTEMPT_TRY) && atlas;
+    struct notes found = label_notes_swap(job, outside);
     if (is_atlas && (names_volume(atlas, search->use, relative) ||
                      (search->use == FSL_LABELS && is_beside(job, atlas, path, relative)))) {
+        (void)JOB_CALL(job, notes_move_in(&job->notes, &found, path_base(path)));
         search->visit(job, search->user, atlas, path, &bytes);
     }
+    notes_finish(&found);
 }
 
 /* Whether the volume's name begins with that of the XML: X.xml of X-2mm. */

@@ -166,12 +166,17 @@ static void parse_point(struct job *job, struct label_table *out, const struct t
 /* Reads the tables themselves: in an element of their own, or one after the other. */
 static void parse_tables(struct job *job, struct label_table *out, struct text text)
 {
+    static const char known[] = "AFNI_attributes/AFNI_atr/ATLAS_LABEL_TABLE/?xml/!--";
     struct tag tag;
+    bool is_strange = false;
     while (job_ok(job) && next_tag(&text, &tag)) {
         if (text_equal(tag.name, "VALUE_LABEL_DTABLE")) {
             parse_dtable(job, out, &text, &tag);
         } else if (text_equal(tag.name, "ATLAS_POINT")) {
             parse_point(job, out, &tag);
+        } else if (!is_strange && !text_starts(tag.name, "/") && !text_is_one_of(tag.name, known, true)) {
+            is_strange = true;
+            job_note(job, "label table: <%.*s> is not known, and was passed over", TEXT_SHOW(tag.name, 40));
         }
     }
 }

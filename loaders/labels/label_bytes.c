@@ -3,6 +3,7 @@
 #include "loaders/labels/label_format.h"
 
 #include "base/formats/xml.h"
+#include "loaders/labels/label_cells.h"
 #include "loaders/labels/label_rows.h"
 
 #include <string.h>
@@ -10,7 +11,7 @@
 #define KNOWN                                                                                                          \
     "MRIcron text, AAL text, ITK-SNAP, FreeSurfer, FSLeyes, MRtrix and Slicer colour tables, BIDS dseg.tsv and other " \
     "tables with a header, atlas XML of FSL and SPM, Workbench and AFNI label tables, BrainGlobe structures.json, "    \
-    "NiiVue JSON, MRIcron .lut"
+    "NiiVue JSON, nnU-Net dataset.json, neuroglancer segment properties, MRIcron .lut"
 
 const struct label_format *const *label_formats(void)
 {
@@ -141,6 +142,28 @@ const struct label_format *label_format_for(struct text text, const struct label
     return format || !are_names_of(text, use->voxels) ? format : &label_format_lines;
 }
 
+void label_check_zero(struct job *job, const struct label_table *table, const struct label_voxels *voxels)
+{
+    const char *zero = table->zero;
+    uint32_t unnamed = 0;
+    bool would = job_ok(job) && zero && table->count && !label_is_background(text_from(zero)) && voxels &&
+                 voxels->label_count > 1;
+    for (size_t i = 1; would && i < voxels->label_count; i++) { /* the first is 0 */
+        const uint32_t number = voxels->labels[i];
+        const struct label *own = label_table_find(table, number);
+        const struct label *before = number > 1 ? label_table_find(table, number - 1) : NULL;
+        unnamed = own && own->name ? unnamed : number;
+        would = number == 1 || (before && before->name);
+    }
+    if (would && unnamed) {
+        const struct label *first = label_table_find(table, 1);
+        job_bad(job,
+                "0 is called \"%s\", and label %u of the volume has no name: is label 1 \"%s\", or \"%s\", because the "
+                "table counts from 0? Leave out the row of 0, or add 1 to all numbers",
+                zero, unnamed, first && first->name ? first->name : "1", zero);
+    }
+}
+
 void label_text_parse(struct job *job, struct label_table *out, const struct label_format *format, struct text text,
                       const struct label_use *use)
 {
@@ -187,6 +210,7 @@ void label_bytes_parse(struct job *job, struct label_table *out, const char **fo
         label_lut_apply(table, data);
     } else if (found) {
         label_text_parse(job, table, found, text, use);
+        label_check_zero(job, table, found == &label_format_chosen || found->kind == LABEL_MARKUP ? NULL : use->voxels);
     }
     if (job_ok(job) && !table->count) {
         job_bad(job, "%s: no label but 0", found->name);

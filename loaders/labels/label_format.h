@@ -46,6 +46,8 @@ struct label_format {
     ROW(label_format_bids)                                                                                             \
     ROW(label_format_ome)                                                                                              \
     ROW(label_format_structures)                                                                                       \
+    ROW(label_format_data_set)                                                                                         \
+    ROW(label_format_segments)                                                                                         \
     ROW(label_format_niivue)                                                                                           \
     ROW(label_format_map)                                                                                              \
     ROW(label_format_objects)                                                                                          \
@@ -100,6 +102,10 @@ void label_lut_apply(struct label_table *table, const uint8_t *lut);
 /** Parses @p text as @p format into the empty @p out, sorted, which may stay empty. */
 void label_text_parse(struct job *job, struct label_table *out, const struct label_format *format, struct text text,
                       const struct label_use *use);
+
+/** Fails where the table calls 0 an area, does not name all labels of the voxels, and would if each number were one
+ * more: it counts from 0, or has another volume's names. Nothing where @p voxels is NULL. */
+void label_check_zero(struct job *job, const struct label_table *table, const struct label_voxels *voxels);
 
 /** Parses a label table of any known format for @p use into the empty @p out, sorted; *format is its name in words
  * ("ITK-SNAP labels"), static. CONUS_ERROR_DATA when the bytes are of no known format or damaged. Outputs are untouched

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Label tables in JSON: BrainGlobe's structures.json, a list of structures with their paths in the tree; NiiVue's
- * colour maps, an object of parallel lists; OME's image-label, a list of colours and one of properties; a map from
- * numbers to names; and objects with a number and a name, in a list or below each other. */
+ * colour maps, an object of parallel lists; OME's image-label, a list of colours and one of properties; neuroglancer's
+ * segment properties; nnU-Net's dataset.json; a map from numbers to names; and objects with a number and a name, in a
+ * list or below each other. */
 #include "loaders/labels/label_format.h"
 
 #include "base/formats/json_text.h"
@@ -22,6 +23,24 @@ static json_t *load_root(struct job *job, struct text text)
         job_own(job, drop_root, root);
     }
     return job_ok(job) ? root : NULL;
+}
+
+/* Notes the keys of the object that are not known, unless some were noted before. */
+static void note_unused(struct job *job, bool *noted, const json_t *object, const char *known)
+{
+    const char *list = "";
+    const char *key;
+    json_t *value;
+    json_object_foreach((json_t *)object, key, value)
+    {
+        if (!*noted && !text_is_one_of(text_from(key), known, true)) {
+            list = job_format(job, "%s%s\"%.40s\"", list, list[0] ? ", " : "", key);
+        }
+    }
+    if (list[0]) {
+        *noted = true;
+        job_note(job, "label table: keys passed over: %s", list);
+    }
 }
 
 static uint32_t read_number(struct job *job, const json_t *value, const char *field)
@@ -100,10 +119,14 @@ typedef void fill_row(struct job *job, struct label_row *row, const json_t *obje
 /* Fills a row for each object, with the one that it is below as its parent unless it says another. The list is the text
  * itself, Allen's "msg", or one object with "children". */
 static void parse_nodes(struct job *job, struct label_table *out, const json_t *root, const char *what, fill_row *fill,
-                        void *data)
+                        void *data, const char *known)
 {
     struct nodes nodes = {0};
+    bool noted = false;
     const json_t *answer = json_object_get(root, "msg");
+    if (answer) {
+        note_unused(job, &noted, root, "msg/success/id/start_row/num_rows/total_rows");
+    }
     if (json_is_object(root) && !answer) {
         *LIST_ADD(job, &nodes) = (struct node){.object = root};
     } else {
@@ -115,6 +138,7 @@ static void parse_nodes(struct job *job, struct label_table *out, const json_t *
         size_t place = job_in(job, what, i + 1);
         fill(job, &row, node.object, i + 1, data);
         job_out(job, place);
+        note_unused(job, &noted, node.object, known);
         if (node.parent && !row.label.has_parent) {
             row.label.has_parent = true;
             row.label.parent = node.parent;
@@ -140,7 +164,8 @@ static void fill_structure(struct job *job, struct label_row *row, const json_t 
 static void parse_structures(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     (void)use;
-    parse_nodes(job, out, load_root(job, text), "structure ", fill_structure, NULL);
+    parse_nodes(job, out, load_root(job, text), "structure ", fill_structure, NULL,
+                "id/name/acronym/rgb_triplet/color_hex_triplet/structure_id_path/parent_structure_id/children");
 }
 
 /* Entry i has R, G, B, and perhaps I, its number, which is i else. */
@@ -150,7 +175,9 @@ static void parse_lists(struct job *job, struct label_table *out, struct text te
     const json_t *root = load_root(job, text);
     const json_t *names = json_object_get(root, "labels");
     const json_t *lists[4];
+    bool noted = false;
     (void)use;
+    note_unused(job, &noted, root, "R/G/B/A/I/labels/min/max");
     for (int i = 0; i < 4; i++) {
         lists[i] = json_object_get(root, fields[i]);
         if (lists[i] && json_array_size(lists[i]) != json_array_size(names)) {
@@ -201,6 +228,8 @@ enum { NUMBER_FIELDS = 5, NAME_FIELDS = 4 };
 static const char *const number_fields[NUMBER_FIELDS] = {"index", "LabelValue", "id", "key", "label"};
 static const char *const name_fields[NAME_FIELDS] = {"name", "region", "structure", "label"};
 
+static const char object_keys[] = "index/LabelValue/id/key/label/name/region/structure/abbreviation/color/children";
+
 /* Which fields of the objects in a list are number and name. */
 struct fields {
     const char *number, *rival, *name; /* rival: another that could be the number, or NULL */
@@ -247,7 +276,7 @@ static struct text try_field(struct job *job, struct label_table *out, void *use
     const struct fields *fields = user;
     struct fields tried = {.number = number_fields[candidate], .name = fields->name};
     if (json_is_integer(json_object_get(fields->first, tried.number))) {
-        parse_nodes(job, out, fields->root, "object ", fill_object, &tried);
+        parse_nodes(job, out, fields->root, "object ", fill_object, &tried, object_keys);
     }
     return text_from(tried.number);
 }
@@ -268,7 +297,7 @@ static void parse_objects(struct job *job, struct label_table *out, struct text 
         fields.rival = best == usual ? fields.rival : NULL;
         fields.number = number_fields[best];
     }
-    parse_nodes(job, out, fields.root, "object ", fill_object, &fields);
+    parse_nodes(job, out, fields.root, "object ", fill_object, &fields, object_keys);
 }
 
 /* OME's lists of colours and of properties, one of which may be the name. */
@@ -276,9 +305,11 @@ static void parse_ome_list(struct job *job, struct label_table *out, const json_
 {
     static const char *const names[] = {"name", "class", "label"};
     const json_t *list = json_object_get(about, what);
+    bool noted = false;
     for (size_t i = 0; job_ok(job) && i < json_array_size(list); i++) {
         const json_t *object = json_array_get(list, i);
         struct label_row row = {0};
+        note_unused(job, &noted, object, "label-value/rgba/name/class/label");
         size_t place = job_in(job, what, i);
         row.label.number = read_number(job, json_object_get(object, "label-value"), "label-value");
         set_rgb(&row.label, json_object_get(object, "rgba"));
@@ -298,7 +329,9 @@ static void parse_ome(struct job *job, struct label_table *out, struct text text
     const json_t *attributes = json_object_get(json_object_get(root, "attributes"), "ome");
     const json_t *about = json_object_get(attributes ? attributes : root, "image-label");
     struct label_table *colours = labels_new(job);
+    bool noted = false;
     (void)use;
+    note_unused(job, &noted, about, "version/colors/properties/source");
     parse_ome_list(job, out, about, "properties");
     parse_ome_list(job, colours, about, "colors");
     size_t named = out->count;
@@ -309,6 +342,72 @@ static void parse_ome(struct job *job, struct label_table *out, struct text text
         label = label ? label : labels_add(job, out, colour->number);
         label->has_rgb = colour->has_rgb;
         memcpy(label->rgb, colour->rgb, sizeof colour->rgb);
+    }
+}
+
+/* nnU-Net's labels: of version 2 names with their numbers, of version 1 numbers with their names. */
+static void parse_data_set(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
+{
+    json_t *root = load_root(job, text);
+    const char *key;
+    json_t *value;
+    bool noted = false;
+    (void)use;
+    note_unused(job, &noted, root,
+                "labels/channel_names/modality/numTraining/numTest/file_ending/name/dataset_name/description/reference/"
+                "licence/license/release/converted_by/citation/tensorImageSize/training/test/"
+                "overwrite_image_reader_writer");
+    json_object_foreach(json_object_get(root, "labels"), key, value)
+    {
+        const bool is_name = json_is_integer(value);
+        size_t place = job_in(job, "labels", JOB_ALONE);
+        uint64_t number = 0;
+        struct label_row row = {.name = is_name ? text_from(key) : json_text_of(value)};
+        if (is_name && label_cell_whole(text_from(key), &number)) {
+            job_bad(job, "\"%.40s\": %lld: which of both is the number?", key, (long long)json_integer_value(value));
+        } else if (!is_name && !json_is_string(value)) {
+            job_bad(job, "\"%.40s\": a number or a name is needed; regions of several labels are not read", key);
+        }
+        row.label.number = is_name ? read_number(job, value, key) : label_cell_number(job, text_from(key));
+        job_out(job, place);
+        if (!job_ok(job)) {
+            return;
+        }
+        labels_keep(job, out, &row);
+    }
+}
+
+/* neuroglancer's segment properties: ids, and a property of the type label with as many values. */
+static void parse_segments(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
+{
+    const json_t *root = load_root(job, text);
+    const json_t *ids = json_object_get(json_object_get(root, "inline"), "ids");
+    const json_t *properties = json_object_get(json_object_get(root, "inline"), "properties");
+    const json_t *values = NULL;
+    bool noted = false;
+    (void)use;
+    note_unused(job, &noted, root, "@type/inline");
+    note_unused(job, &noted, json_object_get(root, "inline"), "ids/properties");
+    for (size_t i = 0; i < json_array_size(properties); i++) {
+        const json_t *property = json_array_get(properties, i);
+        struct text type = json_text_of(json_object_get(property, "type"));
+        struct text id = json_text_of(json_object_get(property, "id"));
+        if (text_equal(type, "label")) {
+            values = json_object_get(property, "values");
+        } else {
+            job_note(job, "label table: the property \"%.*s\" is passed over", TEXT_SHOW(id, 40));
+        }
+    }
+    if (!json_array_size(ids) || json_array_size(values) != json_array_size(ids)) {
+        job_bad(job, "found %zu ids, and %zu values of a property of the type label: they must be as many",
+                json_array_size(ids), json_array_size(values));
+    }
+    for (size_t i = 0; job_ok(job) && i < json_array_size(ids); i++) {
+        size_t place = job_in(job, "ids", i);
+        const struct label_row row = {.label = {.number = label_cell_number(job, json_text_of(json_array_get(ids, i)))},
+                                      .name = json_text_of(json_array_get(values, i))};
+        job_out(job, place);
+        labels_keep(job, out, &row);
     }
 }
 
@@ -380,6 +479,18 @@ static bool is_structures(const struct label_text *text)
            (text_mentions(text->text, "\"acronym\"") || text_mentions(text->text, "\"structure_id_path\""));
 }
 
+static bool is_data_set(const struct label_text *text)
+{
+    static const char *const names[] = {"labels"};
+    return text->text.data[0] == '{' && has_field(text->text, names, 1, "{") &&
+           (text_mentions(text->text, "\"channel_names\"") || text_mentions(text->text, "\"modality\""));
+}
+
+static bool is_segments(const struct label_text *text)
+{
+    return text->text.data[0] == '{' && text_mentions(text->text, "\"neuroglancer_segment_properties\"");
+}
+
 static bool is_lists(const struct label_text *text)
 {
     return text->text.data[0] == '{' && text_mentions(text->text, "\"labels\"") && text_mentions(text->text, "\"R\"");
@@ -395,3 +506,7 @@ const struct label_format label_format_map = {
     .name = "JSON map of names", .kind = LABEL_JSON, .is = is_map, .parse = parse_map};
 const struct label_format label_format_objects = {
     .name = "JSON list of labels", .kind = LABEL_JSON, .is = is_objects, .parse = parse_objects};
+const struct label_format label_format_data_set = {
+    .name = "nnU-Net dataset.json", .kind = LABEL_JSON, .is = is_data_set, .parse = parse_data_set};
+const struct label_format label_format_segments = {
+    .name = "neuroglancer segment properties", .kind = LABEL_JSON, .is = is_segments, .parse = parse_segments};

@@ -312,7 +312,7 @@ static void read_row(struct job *job, struct label_row *out, const struct row *r
     }
     read_numbers(job, out, cells, tail + rows->lead, rows);
     out->underscores = rows->underscores;
-    if (rows->two_names) {
+    if (rows->two_names && !text_starts(rest, "\"")) {
         out->abbreviation = take_word(&rest);
     } else if (rows->number_last) {
         struct text name = take_last_word(&rest);
@@ -322,8 +322,11 @@ static void read_row(struct job *job, struct label_row *out, const struct row *r
         take_last_word(&rest);
     }
     rest = text_trim(rest);
-    out->name = rows->quoted || rows->is_plain ? unquote(rest) : rest;
-    if (rows->quoted && out->name.size == rest.size) {
+    out->name = unquote(rest);
+    if (!rows->quoted && out->name.size == rest.size &&
+        text_starts(rest, "\"") != (rest.size && rest.data[rest.size - 1] == '"')) {
+        job_bad(job, "a quotation mark is not closed");
+    } else if (rows->quoted && out->name.size == rest.size) {
         job_bad(job, "no name in quotation marks after IDX R G B A VIS MSH");
     } else if (rows->is_plain && begins_as_colours(out->name)) {
         job_bad(job, "\"%.*s\": decimals are written with a point", TEXT_SHOW(out->name, 40));
@@ -333,6 +336,24 @@ static void read_row(struct job *job, struct label_row *out, const struct row *r
 /* In a short list, "1 Area 17 / 2 Crus 1", numbers may differ and yet belong to the names; of rows that end in their
  * own number, "113 Vermis_1_2 113" among "1 Precentral_L", three are enough. */
 enum { CODED_ROWS = 8, OWN_ROWS = 3 };
+
+/* Whether most names have three numbers or more between words: "Caudate 1 2 3 255 hidden", colours that end no row. */
+static bool have_numbers_inside(struct text text)
+{
+    size_t rows = 0;
+    size_t count = 0;
+    for (struct row row = {0}; next_row(&text, &row); rows++) {
+        struct text rest = row.rest;
+        size_t run = 0;
+        bool inside = false;
+        for (struct text word; text_word(&rest, &word);) {
+            inside = inside || (run >= 3 && !looks_numeric(word));
+            run = looks_numeric(word) ? run + 1 : 0;
+        }
+        count += inside;
+    }
+    return 2 * count > rows;
+}
 
 void label_rows_parse(struct job *job, struct label_table *out, struct text text, const struct label_rows *format)
 {
@@ -350,6 +371,10 @@ void label_rows_parse(struct job *job, struct label_table *out, struct text text
     rows.own = rows.is_plain && !rows.coded && census.own >= OWN_ROWS && census.own == census.coded &&
                words_differ(job, text, count, NAME);
     rows.two_names = rows.two_names && words_differ(job, text, count, FIRST_WORD);
+    if (rows.is_plain && count > 1 && have_numbers_inside(text)) {
+        job_bad(job, "names have three numbers or more before their last word: colours stand behind names, and "
+                     "nothing behind them");
+    }
     rows.further = tail == 4 && has_further_numbers(job, text, count);
     if (rows.own) {
         job_note(job, "label table: %zu of %zu rows have the label's number behind the name, too: it is left out",

@@ -149,13 +149,6 @@ bool label_tables_note(struct job *job, const struct label_table *used, const ch
     return note_difference(job, &comparison, source, other_source);
 }
 
-struct notes label_notes_swap(struct job *job, struct notes notes)
-{
-    struct notes before = job->notes;
-    job->notes = notes;
-    return before;
-}
-
 static void take_offer(struct job *job, struct label_search *search, struct label_offer *offer)
 {
     search->table = offer->table;
@@ -244,6 +237,7 @@ void label_search_text(struct job *job, struct label_search *search, const char 
     struct notes outside = label_notes_swap(job, (struct notes){0});
     size_t place = job_in(job, name, JOB_ALONE);
     label_text_parse(job, offer.table, format, text, &use);
+    label_check_zero(job, offer.table, search->judge || !file ? NULL : use.voxels);
     job_out(job, place);
     offer.notes = label_notes_swap(job, outside);
     const char *why = attempt_end(job, &attempt, ATTEMPT_TRY);

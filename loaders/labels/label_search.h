@@ -35,9 +35,6 @@ struct label_offer {
     const struct bytes *file; /**< Its bytes; NULL for a table inside the volume's file. */
 };
 
-/** Makes the job's notes @p notes and gives those of before: so a table is read with notes of its own. */
-struct notes label_notes_swap(struct job *job, struct notes notes);
-
 /** Uses the table of @p offer if it is the first, or if only its numbers are proved and names have others. One that
  * contradicts the table in use is CONUS_ERROR_DATA, one that differs a note. Finishes the notes of @p offer. */
 void label_search_offer(struct job *job, struct label_search *search, struct label_offer *offer);

@@ -51,7 +51,7 @@ static bool count_from_one(struct job *job, struct label_table *table, size_t co
 
 /* Reads the text of the file as a table into `out`; false if it is none. */
 static bool read_names(struct job *job, struct label_table *out, const struct bytes *bytes, struct text text,
-                       const struct label_use *wanted)
+                       const struct label_use *wanted, bool is_listed)
 {
     const struct label_use use = {.columns = {wanted->columns[0], wanted->columns[1]}};
     const bool is_chosen = use.columns[0].size || use.columns[1].size;
@@ -69,10 +69,14 @@ static bool read_names(struct job *job, struct label_table *out, const struct by
         return false;
     }
     struct attempt silent = job_try(job); /* it counts from 0 or not: that is asked here */
+    size_t warnings = 0;
     label_text_parse(job, out, format, text, &use);
-    bool twice = job->notes.count > silent.notes + (out->zero && !label_is_background(text_from(out->zero)));
-    attempt_end(job, &silent, ATTEMPT_SILENT);
-    if (twice && job_ok(job)) { /* a number */
+    for (size_t i = silent.notes; i < job->notes.count; i++) {
+        warnings += notes_severity(&job->notes, i) == CONUS_SEVERITY_WARNING;
+    }
+    const size_t expected = out->zero && !label_is_background(text_from(out->zero));
+    attempt_end(job, &silent, warnings || !is_listed ? ATTEMPT_SILENT : ATTEMPT_KEEP);
+    if (warnings > expected && job_ok(job)) { /* a number that stands twice */
         label_table_finish(out);
     }
     return job_ok(job);
@@ -108,7 +112,7 @@ static void take_names(struct job *job, struct label_table *out, const char *pat
     }
     bool is_table = settle(job, &attempt, path, given);
     attempt = job_try(job);
-    is_table = is_table && read_names(job, table, &bytes, text, use);
+    is_table = is_table && read_names(job, table, &bytes, text, use, is_listed);
     if (given && !is_table) {
         label_columns_refuse(job, text);
     }

@@ -51,7 +51,11 @@ static conus_status end_element(void *user, const struct xml_event *event)
 static void parse_workbench(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     struct workbench workbench = {.job = job, .out = out, .wanted = use->info ? use->info->volume : 0};
-    const struct xml_handler handler = {.start = start_element, .end = end_element, .user = &workbench};
+    static const char known[] =
+        "CaretExtension/CaretVolumeExtension/Date/VolumeInformation/VolumeType/LabelTable/Label/"
+        "StudyMetaDataLinkSet/StudyMetaDataLink/MetaData/MD/Name/Value/UnitString";
+    const struct xml_handler handler = {
+        .start = start_element, .end = end_element, .user = &workbench, .known = known, .strange = &job->notes};
     (void)JOB_CALL(job, xml_parse(&handler, text));
 }
 

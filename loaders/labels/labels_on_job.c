@@ -50,6 +50,13 @@ void labels_move(struct job *job, struct label_table *out, struct label_table *t
     }
 }
 
+struct notes label_notes_swap(struct job *job, struct notes notes)
+{
+    struct notes before = job->notes;
+    job->notes = notes;
+    return before;
+}
+
 void labels_decode(struct job *job, struct text *text)
 {
     char *owned = NULL;

@@ -28,4 +28,7 @@ void labels_move(struct job *job, struct label_table *out, struct label_table *t
 /** encoding_decode() of @p text into the job's memory. */
 void labels_decode(struct job *job, struct text *text);
 
+/** Makes the job's notes @p notes and gives those of before: so a table is read with notes of its own. */
+struct notes label_notes_swap(struct job *job, struct notes notes);
+
 #endif

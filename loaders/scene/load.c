@@ -140,13 +140,26 @@ static void add_area(struct load *load, const struct surface *surface, uint32_t 
     (void)JOB_CALL(&load->job, atlas_add_mesh(load->atlas, &area, mesh));
 }
 
-/* Notes the names without a triangle. They are no areas, since an area has a shape. */
+/* Notes labels of vertices without a name, and names without a triangle, which are no areas, since an area has a
+ * shape. */
 static void note_missing(struct job *job, const struct surface *surface)
 {
     enum { SHOWN = 4 };
     const struct label_table *table = &surface->labels.table;
     const char *names = "";
     size_t count = 0;
+    for (size_t i = 0; surface->labels.count && i < surface->parts.count; i++) {
+        const struct label *label = label_table_find(table, surface->parts.parts[i].label);
+        if (!(label && label->name) && count++ < SHOWN) {
+            names = job_format(job, "%s%s%u", names, count > 1 ? ", " : "", surface->parts.parts[i].label);
+        }
+    }
+    if (count) {
+        job_warn(job, "labels of vertices that their table does not name: %zu (%s%s)", count, names,
+                 count > SHOWN ? ", ..." : "");
+    }
+    names = "";
+    count = 0;
     for (size_t i = 0; i < table->count; i++) {
         const char *name = table->entries[i].name;
         if (name && !mesh_parts_find(&surface->parts, table->entries[i].number) && count++ < SHOWN) {

@@ -143,7 +143,8 @@ static conus_status place_in_world(struct mesh *mesh, struct cursor footer, stru
     }
     if (!geometry.valid) {
         return notes_warn(notes, "FreeSurfer surface without a valid volume geometry: c_ras is not known, surface "
-                                 "coordinates were taken as the world's");
+                                 "coordinates were taken as the world's; behind FILE ',space=ras' says that they are, "
+                                 "'mris_convert --to-scanner' makes them so");
     }
     if (!freesurfer_world_from_surface(world, geometry.axes, geometry.centre)) {
         return fail(CONUS_ERROR_DATA, "volume geometry: xras, yras and zras are no directions at right angles");

@@ -677,7 +677,9 @@ conus_status gifti_parse(struct gifti *out, const uint8_t *data, size_t size, co
                          struct notes *notes)
 {
     struct parsing parsing = {.options = options, .notes = notes};
-    struct xml_handler handler = {gifti_on_start, gifti_on_end, &parsing, true, notes};
+    static const char known[] = "GIFTI/MetaData/MD/Name/Value/LabelTable/Label/DataArray/Data/"
+                                "CoordinateSystemTransformMatrix/DataSpace/TransformedSpace/MatrixData";
+    struct xml_handler handler = {gifti_on_start, gifti_on_end, &parsing, true, notes, known, notes};
     conus_status status = xml_parse(&handler, text_from_bytes(data, size));
     status = status ? status : label_table_sort(&parsing.gifti.labels, notes);
     label_finish(&parsing.entry.label);

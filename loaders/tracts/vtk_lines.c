@@ -133,6 +133,7 @@ conus_status vtk_lines_parse(struct tractogram *out, const struct bytes *bytes, 
     bool legacy = format_id_of(bytes, ROLE_TRACTS) == FORMAT_VTK;
     conus_status status =
         legacy ? vtk_parse(&mesh, bytes->data, bytes->size) : vtp_parse(&mesh, bytes->data, bytes->size, max_memory);
+    status = status ? status : notes_move(notes, &mesh.notes);
     status = status ? status : lines_build(&built, &mesh, &lines, max_memory, notes);
     snprintf(built.format, sizeof built.format, legacy ? "VTK" : "VTP");
     foreign_mesh_finish(&mesh);

@@ -17,7 +17,11 @@
 enum { NAME_SIZE = 16 };
 
 /* nifti1.h: a vector at each voxel. */
-enum { INTENT_DISPLACEMENT = 1006, INTENT_VECTOR = 1007 };
+enum {
+    INTENT_NONE = -1,
+    INTENT_DISPLACEMENT = 1006,
+    INTENT_VECTOR = 1007
+}; /* INTENT_NONE: of NRRD in another space than LPS */
 
 /* FSL's own. */
 enum { FNIRT_FIELD = 2006, CUBIC_SPLINES = 2007, COSINES = 2008, QUADRATIC_SPLINES = 2009 };
@@ -141,10 +145,14 @@ static conus_status vectors_kind(enum field_kind *out, const struct field_header
                     "space: ',relative' (displacements) or ',absolute' (positions) is needed, too");
     }
     if (code != INTENT_VECTOR && code != INTENT_DISPLACEMENT && !vectors) {
-        return fail(CONUS_ERROR_DATA,
-                    "intent_code: found %d, fields have 1007 (vector) or 1006; ',relative' states displacements in "
-                    "LPS, as ITK has them, ',absolute' positions in RAS, as SPM has them",
-                    code);
+        return code == INTENT_NONE
+                   ? fail(CONUS_ERROR_ARGUMENT, "space: another than LPS, in which ITK has displacements: "
+                                                "',space=ras,relative' or ',space=lps,relative' states theirs")
+                   : fail(CONUS_ERROR_DATA,
+                          "intent_code: found %d, fields have 1007 (vector) or 1006; ',relative' states displacements "
+                          "in "
+                          "LPS, as ITK has them, ',absolute' positions in RAS, as SPM has them",
+                          code);
     }
     *out = vectors == CONUS_VECTORS_RELATIVE   ? (space == CONUS_FILE_SPACE_RAS ? FIELD_RAS : FIELD_ITK)
            : vectors == CONUS_VECTORS_ABSOLUTE ? (space == CONUS_FILE_SPACE_LPS ? FIELD_LPS : FIELD_SPM)
@@ -208,9 +216,9 @@ static conus_status read_foreign(struct field_header *out, bool *found, struct t
 {
     conus_volume_info info;
     conus_status status = has_vectors(head) ? volume_file_header(&info, path) : CONUS_ERROR_DATA;
-    *found = !status && info.volume_count == 3;
-    if (!*found) {
-        return status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* a damaged header is of no known kind */
+    *found = has_vectors(head) && (status || info.volume_count == 3);
+    if (status || !*found) {
+        return *found || status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
     }
     if (text_mentions(head, "displacement field type:=modeling")) {
         return fail(CONUS_ERROR_UNSUPPORTED, "displacement field type: found modeling, which moves points the other "
@@ -222,7 +230,7 @@ static conus_status read_foreign(struct field_header *out, bool *found, struct t
     }
     if (text_starts(head, "NRRD") && !text_mentions(head, "space: left-posterior-superior") &&
         !text_mentions(head, "space: LPS")) {
-        out->intent_code = 0; /* a space must be stated */
+        out->intent_code = INTENT_NONE; /* a space must be stated */
     }
     return CONUS_OK;
 }
@@ -390,8 +398,10 @@ static conus_status note_looks(bool positions, bool look, struct notes *notes)
                                           look ? "displacements" : "positions", look ? "positions" : "displacements");
 }
 
-/* Decides between ITK's and SPM's: a field whose header does not say must not look like the other kind. */
-static conus_status set_vectors(struct deformation *field, enum field_kind kind, struct notes *notes)
+/* Decides between ITK's and SPM's: a field whose header does not say must not look like the other kind. Nor must one of
+ * intent 1006, which ITK and 3D Slicer write for displacements, and others (VISTASOFT) for positions; @p is_stated: the
+ * caller says which. */
+static conus_status set_vectors(struct deformation *field, enum field_kind kind, bool is_stated, struct notes *notes)
 {
     static const double flip[16] = {-1, [5] = -1, [10] = 1, [15] = 1};
     double lps[16];
@@ -401,6 +411,12 @@ static conus_status set_vectors(struct deformation *field, enum field_kind kind,
         return fail(CONUS_ERROR_ARGUMENT,
                     "the vectors look like positions, and the header does not say so: ',absolute' states positions in "
                     "RAS, as SPM has them, ',relative' displacements in LPS, as ITK has them");
+    }
+    if (kind == FIELD_RAS && positions && !is_stated) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "the header says displacements (intent_code 1006, or NiftyReg's name), and the "
+                    "vectors look like positions: ',relative' or ',absolute' states which they "
+                    "are, both in RAS");
     }
     bool absolute = kind == FIELD_SPM || kind == FIELD_LPS;
     conus_status status = note_looks(absolute, positions, notes);
@@ -516,7 +532,7 @@ conus_status field_file_read(struct deformation *out, const char *path, const co
     status = read_vectors(&field, &file, options->max_memory);
     status = status     ? status
              : is_flirt ? set_flirt(&field, kind, &file.info, options, &found)
-                        : set_vectors(&field, kind, &found);
+                        : set_vectors(&field, kind, options->vectors, &found);
     status = status ? status : deformation_measure(&field);
     status = status ? fail_in(status, path) : file_sums_put(read, file.info.path, file.info.sha256);
     status = status ? status : notes_move_in(notes, &found, path);

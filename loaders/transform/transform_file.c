@@ -165,11 +165,24 @@ static conus_status lta_take_numbers(double *out, size_t count, struct text valu
 {
     struct text word;
     for (size_t i = 0; i < count; i++) {
-        if (!text_word(&values, &word) || !text_to_double(word, &out[i]) || !isfinite(out[i])) {
+        bool there = text_word(&values, &word);
+        word.size -= there && i + 1 < count && word.data[word.size - 1] == ','; /* FastSurfer's "256, 256, 256" */
+        if (!there || !text_to_double(word, &out[i]) || !isfinite(out[i])) {
             return fail(CONUS_ERROR_DATA, "%s: %zu finite numbers are needed", key, count);
         }
     }
     return text_word(&values, &word) ? fail(CONUS_ERROR_DATA, "%s: more than %zu numbers", key, count) : CONUS_OK;
+}
+
+/* Lines that say nothing of places. */
+static conus_status pass_line(struct text line)
+{
+    struct text word = {0};
+    struct text rest = line;
+    (void)text_word(&rest, &word);
+    return text_is_one_of(word, "filename/subject/fscale/mean/sigma", true)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "found the line \"%.*s\", which is not known", TEXT_SHOW(line, 40));
 }
 
 static conus_status take_volume_line(struct lta_volume *out, struct text line)
@@ -189,7 +202,7 @@ static conus_status take_volume_line(struct lta_volume *out, struct text line)
             return lta_take_numbers(keys[i].numbers, keys[i].count, values, keys[i].key);
         }
     }
-    return CONUS_OK; /* the image's name, and what later versions say */
+    return pass_line(line);
 }
 
 /* cras is the middle of the voxels: of 256 of them voxel 128's. */
@@ -230,6 +243,8 @@ static conus_status take_head(double *type, struct text *rest)
         } else if (line.data[0] >= '0' && line.data[0] <= '9') {
             status = lta_take_numbers(shape, 3, line, "shape of the matrix");
             break;
+        } else {
+            status = pass_line(line);
         }
     }
     if (!status && *type != VOXEL_TO_VOXEL && *type != RAS_TO_RAS) {
@@ -256,7 +271,7 @@ static conus_status lta_parse(double out[16], struct text text)
     while (next_line(&text, &line)) {
         if (text_starts(line, "src volume info") || text_starts(line, "dst volume info")) {
             at = &volumes[line.data[0] == 'd'];
-        } else if (at && (status = take_volume_line(at, line))) {
+        } else if ((status = at ? take_volume_line(at, line) : pass_line(line))) {
             return status;
         }
     }

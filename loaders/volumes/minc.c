@@ -218,6 +218,7 @@ static conus_status describe(struct volume_header *out, struct minc *minc)
     char kind = "fiu"[minc->image->class - HDF5_FLOAT];
     int datatype = minc->scales ? VOLUME_FLOAT64 : volume_datatype_of(kind, minc->image->size);
     header.swapped = !minc->scales && SWAPPED;
+    header.has_unit = !status && get_text(hdf5_find(minc->hdf5, DIMENSIONS "xspace"), "units").size;
     header.label_slack = minc->scales ? label_slack : 0;
     status = status ? status : volume_header_set_datatype(&header, datatype);
     status = status ? status : volume_header_set_dim(&header, dim);

@@ -132,9 +132,10 @@ static conus_status nifti_place(conus_volume_info *info, const struct nifti_plac
     } else {
         snprintf(words, sizeof words, "none: voxel sizes only, grid centred on the origin, i towards the left");
         status = place_sizes(world, info, p->pixdim);
-        status = status ? status
-                        : notes_warn(notes, "neither sform nor qform is set: left and right, and the origin, are a "
-                                            "guess (i towards the left, grid centred on the origin)");
+        status =
+            status ? status
+                   : notes_warn(notes, "neither sform nor qform is set: left and right, and the origin, are a "
+                                       "guess (i towards the left, grid centred on the origin); an sform states them");
     }
     if (!status && mm != 1) {
         status = notes_add(notes, "xyzt_units says %s: positions were multiplied by %g to get millimetres",
@@ -355,8 +356,12 @@ conus_status nifti_header_parse(struct volume_header *out, const uint8_t *data, 
         return fail(CONUS_ERROR_UNSUPPORTED, "intent_code: found %d, %s, allowed are volumes; %s", f.intent_code,
                     kind->words, kind->way);
     }
+    for (int i = 4; !status && i <= f.dim[0] && i < 8; i++) { /* niftilib takes them for 1 */
+        status = f.dim[i] ? CONUS_OK : notes_add(notes, "dim[%d]: found 0, which was read as 1", i);
+        f.dim[i] = f.dim[i] ? f.dim[i] : 1;
+    }
     struct volume_header header;
-    status = begin_header(&header, &f);
+    status = status ? status : begin_header(&header, &f);
     if (status) {
         return status;
     }

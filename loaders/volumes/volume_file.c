@@ -98,7 +98,7 @@ static conus_status tiff_volume_header(struct volume_header *out, const struct t
     const int64_t dim[7] = {(int64_t)page->width, (int64_t)page->length, (int64_t)tiff->depth, 1, 1, 1, 1};
     double world[16];
     struct volume_header header = {
-        .swapped = tiff->file.swapped, .footer = true, .offset = tiff->whole ? tiff->start : 0};
+        .swapped = tiff->file.swapped, .footer = true, .has_unit = true, .offset = tiff->whole ? tiff->start : 0};
     header.info.slope = 1;
     snprintf(header.info.format, sizeof header.info.format, tiff->file.big ? "BigTIFF" : "TIFF");
     int datatype = volume_datatype_of("uif"[page->format - TIFF_UNSIGNED], page -> bits / 8);
@@ -211,7 +211,6 @@ static conus_status parse_head(struct volume_header *out, const struct stored *s
 static conus_status volume_read_header(struct opening *o, const struct stored *stored)
 {
     conus_status status = parse_head(&o->header, stored, o->needed ? o->needed : default_needed, &o->notes);
-    status = status ? status : volume_header_settle(&o->header, &o->notes);
     return status ? fail_in(status, stored->path) : CONUS_OK;
 }
 
@@ -621,7 +620,8 @@ static conus_status open_files(struct volume_file *file, const char *path, struc
     if (status) {
         return status;
     }
-    status = choose_volume(o);
+    status = volume_header_settle(&o->header, &o->notes);
+    status = status ? status : choose_volume(o);
     if (!status && o->only_grid) {
         file->info = o->header.info;
         return CONUS_OK;

@@ -182,7 +182,7 @@ static conus_status make_header(struct volume_header *out, const struct zarr_arr
     size_t ahead = array->rank - SPACE;
     const uint64_t *shape = array->shape + ahead;
     int64_t dim[7] = {(int64_t)shape[2], (int64_t)shape[1], (int64_t)shape[0], 1, 1, 1, 1};
-    struct volume_header header = {.swapped = array->chain.swapped, .footer = true};
+    struct volume_header header = {.swapped = array->chain.swapped, .footer = true, .has_unit = true};
     const char *source = NULL;
     double world[16];
     header.info.slope = 1;

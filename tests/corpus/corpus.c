@@ -4,6 +4,8 @@
  * failing, and with every primitive of a job failing (base/job/job.h). */
 #include "atlas/atlas.h"
 #include "base/files/file.h"
+#include "base/path.h"
+#include "base/text.h"
 #include "cli/answers/info_json.h"
 #include "options/messages.h"
 #include "options/options.h"
@@ -12,6 +14,7 @@
 #include "test.h"
 
 #include <assert.h>
+#include <ctype.h>
 #include <fcntl.h>
 #include <ftw.h>
 #include <inttypes.h>
@@ -69,7 +72,7 @@ static size_t trials(const struct entry *entry, size_t child, size_t all)
 }
 
 static struct {
-    size_t entries, prefixes, failures, primitives, faults;
+    size_t entries, strange, prefixes, failures, primitives, faults;
     json_t *cut; /* Names and sums of files in folders whose prefixes were asked. */
 } total;
 
@@ -410,6 +413,126 @@ static void check_prefixes(const struct entry *entry, const struct answer *whole
     bytes_finish(&bytes);
 }
 
+/* Parts that no reader knows, of each kind of text file: they are refused, or a note names them. Each goes behind the
+ * character that is there so many times; 0: in front. A column goes behind each line. */
+#define UNKNOWN "unheard"
+/* Files in which anybody may put more (docs/formats.md#what-is-passed-over). */
+#define PASSED_OVER ".zattrs/.zarray/zarr.json/manifest.json/-04.json/-05.json"
+static const struct strange {
+    const char *begins, *endings; /* How such a file begins, and how its name ends, '/' between them; NULL: any. */
+    char behind;
+    int times;
+    const char *text; /* NULL: a column. */
+} stranges[] = {
+    {"NRRD000", NULL, '\n', 1, UNKNOWN ": 5\n"},
+    {NULL, ".mha/.mhd", '\n', 1, UNKNOWN " = 5\n"},
+    {"#Insight Transform", NULL, '\n', 2, UNKNOWN ": 5\n"},
+    {"MNI Transform", NULL, '\n', 1, UNKNOWN " = 5;\n"},
+    {"type", ".lta", '\n', 1, UNKNOWN " = 5\n"},
+    {"ply\n", NULL, '\n', 2, UNKNOWN " 5\n"},
+    {"# vtk DataFile", NULL, '\n', 4, UNKNOWN " 5\n"},
+    {NULL, ".obj", 0, 0, UNKNOWN " 5\n"},
+    {NULL, ".niml.lt", 0, 0, "<" UNKNOWN " a=\"5\" />\n"},
+    {"<", NULL, '>', 1, "<" UNKNOWN ">5</" UNKNOWN ">"},
+    {"{", NULL, '{', 1, "\"" UNKNOWN "\": 5, "},
+    {"[", NULL, '{', 1, "\"" UNKNOWN "\": 5, "},
+    {NULL, ".tsv/.csv", 0, 0, NULL},
+    {NULL, ".txt/.lut/.label/.ctbl", '\n', 2, UNKNOWN " x\n"},
+};
+
+/* Where the part goes in a file that begins so; SIZE_MAX if it is another, or no text up to there. */
+static size_t find_strange_place(const struct strange *strange, const char *file, const struct bytes *bytes)
+{
+    const char *data = (const char *)bytes->data;
+    const size_t length = strange->begins ? strlen(strange->begins) : 0;
+    size_t at = 0;
+    if (bytes->size <= length || memcmp(data, strange->begins ? strange->begins : "", length) != 0 ||
+        (strange->endings && !path_ending_length(file, strange->endings))) {
+        return SIZE_MAX;
+    }
+    while (strange->behind == '>' && at + 1 < bytes->size &&
+           !(data[at] == '<' && isalpha((unsigned char)data[at + 1]))) {
+        at++;
+    }
+    for (int i = 0; i < strange->times; i++) {
+        const char *end = memchr(data + at, strange->behind, bytes->size - at);
+        if (!end || memchr(data + at, 0, (size_t)(end - data) - at) || (end > data && end[-1] == '/')) {
+            return SIZE_MAX;
+        }
+        at = (size_t)(end - data) + 1;
+    }
+    return at;
+}
+
+/* A table without a header stays as it is. */
+static void add_column(struct buffer *out, const struct bytes *bytes)
+{
+    struct text rest = text_from_bytes(bytes->data, bytes->size);
+    struct text line;
+    const char *cell = UNKNOWN;
+    while (text_line(&rest, &line)) {
+        char separator = text_mentions(line, "\t") ? '\t' : text_mentions(line, ";") ? ';' : ',';
+        bool is_first = strcmp(cell, UNKNOWN) == 0;
+        bool is_comment = text_starts(line, "#") && is_first;
+        if (is_first && line.size && isdigit((unsigned char)line.data[0])) {
+            buffer_clear(out);
+            return;
+        }
+        buffer_format(out, is_comment ? "%.*s\n" : "%.*s%c%s\n", (int)line.size, line.data, separator, cell);
+        cell = is_comment ? cell : "5";
+    }
+}
+
+static bool has_unknown(const json_t *answer)
+{
+    json_t *note;
+    size_t i;
+    bool has = false;
+    json_array_foreach(json_object_get(answer, "notes"), i, note)
+    {
+        has = has || strstr(json_string_value(note), UNKNOWN);
+    }
+    return has;
+}
+
+/* Asks of the file with a part that is not known: the answer is a refusal or has a note, either of which names it. */
+static void check_strange(const struct entry *entry)
+{
+    struct bytes bytes = {0};
+    size_t place = SIZE_MAX;
+    size_t i = 0;
+    if (file_read(&bytes, entry->file, LARGEST)) {
+        return; /* a folder */
+    }
+    for (; i < sizeof stranges / sizeof stranges[0] && place == SIZE_MAX; i++) {
+        place = find_strange_place(&stranges[i], entry->file, &bytes);
+    }
+    if (place != SIZE_MAX && !path_ending_length(entry->file, PASSED_OVER)) {
+        struct buffer text = {0};
+        struct answer answer;
+        if (stranges[i - 1].text) {
+            buffer_append(&text, bytes.data, place);
+            buffer_format(&text, "%s", stranges[i - 1].text);
+            buffer_append(&text, bytes.data + place, bytes.size - place);
+        } else {
+            add_column(&text, &bytes);
+        }
+        if (text.size) {
+            write_file(entry->file, &(struct bytes){(uint8_t *)text.data, text.size});
+        }
+        ask(&answer, entry, -1);
+        if (text.size && !answer.code && !has_unknown(answer.json)) {
+            report(entry, "a part that is not known is passed over: %s",
+                   stranges[i - 1].text ? stranges[i - 1].text : "a column");
+        }
+        answer_finish(&answer);
+        write_file(entry->file, &bytes);
+        buffer_finish(&text);
+        total.strange++;
+    }
+    bytes_finish(&bytes);
+}
+
 /* Whether the answer is that of a program without faults. */
 static bool is_whole(const struct answer *answer, const struct answer *whole)
 {
@@ -520,6 +643,9 @@ static void check_entry(struct entry *entry)
     }
     ask(&whole, entry, -1);
     check_facts(entry, &whole);
+    if (total.faults == faults && !whole.code) {
+        check_strange(entry);
+    }
     if (total.faults == faults && test_takes(total.entries)) {
         drop_sums(whole.json);
         walked.entry = entry;
@@ -673,8 +799,9 @@ int main(int argc, char **argv)
     json_decref(all);
     json_decref(total.cut);
     free(folder);
-    printf("%zu entries, %zu prefixes, %zu failing allocations, %zu failing primitives, %.1f s; %zu faults\n",
-           total.entries, total.prefixes, total.failures, total.primitives, (double)clock() / CLOCKS_PER_SEC,
-           total.faults);
+    printf("%zu entries, %zu with unknown parts, %zu prefixes, %zu failing allocations, %zu failing primitives, %.1f "
+           "s; %zu faults\n",
+           total.entries, total.strange, total.prefixes, total.failures, total.primitives,
+           (double)clock() / CLOCKS_PER_SEC, total.faults);
     return total.entries && !total.faults ? EXIT_SUCCESS : EXIT_FAILURE;
 }

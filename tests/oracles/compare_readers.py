@@ -575,6 +575,12 @@ labels(
     **in_json("structure 2: id"))
 labels("NiiVue labels", b'{"R": [1, 2], "G": [3, 4], "B": [5, 6],\n"I": [1, @N], "labels": ["One", "@T"]}\n', "json",
        **{**in_json("labels[1]: I"), "minus": Never("entries below 0 are nothing, as documented")})
+labels("nnU-Net dataset.json", b'{"channel_names": {"0": "T1"},\n"labels": {"background": 0, "One": 1,\n"@T": @N}}\n',
+       "json", **in_json("gauche"))
+labels(
+    "neuroglancer segment properties",
+    b'{"@type": "neuroglancer_segment_properties", "inline": {"ids": ["1",\n"@N"],\n"properties": [{"id": "label",\n'
+    b'"type": "label", "values": ["One", "@T"]}]}}\n', "json")
 labels(
     "OME image-label",
     b'{"attributes": {"ome": {"image-label": {"colors": [{"label-value": 1, "rgba": [1, 2, 3, 255]}],\n'

@@ -186,6 +186,7 @@ void foreign_mesh_finish(struct foreign_mesh *mesh)
     memory_free(mesh->positions);
     memory_free(mesh->triangles);
     memory_free(mesh->face.indices);
+    notes_finish(&mesh->notes);
     *mesh = (struct foreign_mesh){0};
 }
 

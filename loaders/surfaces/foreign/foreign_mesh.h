@@ -7,6 +7,7 @@
 
 #include "atlas/surface/mesh.h"
 #include "atlas/surface/mesh_space.h"
+#include "base/notes.h"
 #include "base/text.h"
 
 enum {
@@ -52,6 +53,7 @@ struct foreign_mesh {
     size_t face_count;           /**< Faces and strips so far, of whatever size. */
     enum mesh_space space;       /**< The space that the file states. */
     struct foreign_lines *lines; /**< Lines of a VTK file, not owned; NULL: lines are skipped. */
+    struct notes notes;          /**< What was passed over. */
 };
 
 void foreign_mesh_finish(struct foreign_mesh *mesh);

@@ -115,6 +115,7 @@ static conus_status foreign_read_file(struct mesh *out, struct reading *work, co
         return status;
     }
     status = parse(&foreign, NULL, path, &bytes, memory_limit(work->options->max_memory));
+    status = status ? status : notes_move_in(work->notes, &foreign.notes, path);
     status = status ? status : foreign_take_whole(out, &foreign, work, path);
     status = explain_failure(status, &bytes);
     foreign_mesh_finish(&foreign);
@@ -265,6 +266,7 @@ static conus_status read_objects(struct mesh_parts *parts, struct label_table *n
         return status;
     }
     status = parse(&foreign, &objects, path, &bytes, memory_limit(work->options->max_memory));
+    status = status ? status : notes_move_in(work->notes, &foreign.notes, path);
     if (!status && objects.count > 1) {
         note_space(work, path, foreign.space);
         status = cut_objects(parts, names, &foreign, &objects, work, path);

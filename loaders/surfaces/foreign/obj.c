@@ -156,6 +156,12 @@ static conus_status take_object(struct obj *obj, struct text name)
     return CONUS_OK;
 }
 
+/* Statements of points, lines, curves and free surfaces, and of how faces look. */
+static const char passed_over[] =
+    "vt/vn/vp/p/l/g/s/mg/deg/bmat/step/cstype/curv/curv2/surf/parm/trim/hole/scrv/sp/end/con/"
+    "bevel/c_interp/d_interp/lod/usemtl/mtllib/usemap/maplib/shadow_obj/trace_obj/ctech/"
+    "stech/call/csh";
+
 static conus_status read_faces(struct obj *obj)
 {
     struct text word;
@@ -167,6 +173,9 @@ static conus_status read_faces(struct obj *obj)
             status = take_face(obj);
         } else if (text_equal(word, "o")) {
             status = take_object(obj, obj->line);
+        } else if (!obj->mesh->notes.count && !text_is_one_of(word, passed_over, true)) {
+            status = notes_add(&obj->mesh->notes, "line %zu: the statement \"%.*s\" is not known, and was passed over",
+                               obj->began, TEXT_SHOW(word, 40));
         }
     }
     return status;

@@ -824,7 +824,10 @@ conus_status vtp_parse(struct foreign_mesh *out, const uint8_t *data, size_t siz
 {
     struct vtp vtp = {.mesh = out, .max_memory = limit, .place = USE_NOTHING, .use = USE_NOTHING};
     struct buffer document = {0};
-    const struct xml_handler handler = {.start = vtp_on_start, .end = vtp_on_end, .user = &vtp};
+    static const char known[] = "VTKFile/PolyData/Piece/PointData/CellData/FieldData/Points/Verts/Lines/Strips/Polys/"
+                                "DataArray/Array/InformationKey/AppendedData";
+    const struct xml_handler handler = {
+        .start = vtp_on_start, .end = vtp_on_end, .user = &vtp, .known = known, .strange = &out->notes};
     conus_status status = split_appended(&document, &vtp, text_from_bytes(data, size));
     struct text text = {document.data, document.size};
     vtp.appended_raw = !status && vtp.appended.data && is_raw(text);

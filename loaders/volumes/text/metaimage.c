@@ -81,7 +81,8 @@ static void metaimage_read_matrix(struct job *job, void *header, struct text val
         for (size_t i = 0; i < axes; i++) {
             matrix[i * axes + i] = 1;
         }
-        job_warn(job, "TransformMatrix is missing: ITK's default was used, i to the left, j to the back, k up");
+        job_warn(job, "TransformMatrix is missing: ITK's default was used, i to the left, j to the back, k up; the "
+                      "header may state another");
         return;
     }
     header_numbers(job, matrix, axes * axes, value, "TransformMatrix");
@@ -98,7 +99,8 @@ static void read_offset(struct job *job, void *header, struct text value)
     if (value.data) {
         header_numbers(job, meta->offset, (size_t)meta->dimensions, value, "Offset");
     } else {
-        job_warn(job, "Offset is missing: ITK's default was used, the first voxel at the origin");
+        job_warn(job, "Offset is missing: ITK's default was used, the first voxel at the origin; the header may state "
+                      "another");
     }
 }
 
@@ -139,7 +141,7 @@ static const struct header_word types[] = {{"MET_CHAR", TYPE('i', 1)},
                                            {NULL, 0}};
 
 /* In the order in which they are read: a check may look at what stands above it. MetaIO has several names for the same;
- * keys that are not here (Comment, Modality, what a user added) say nothing about voxels. */
+ * keys of MetaIO that are not here say nothing about voxels. */
 #define AT(member) .place = offsetof(struct metaimage, member)
 static const struct header_row rows[] = {
     {"ObjectType", HEADER_WORD, AT(object_type), NULL, object_types, "allowed is Image", CONUS_ERROR_UNSUPPORTED},
@@ -166,6 +168,10 @@ static const struct header_row rows[] = {
     {"ElementDataFile", HEADER_UNUSED, .check = metaimage_read_file},
 };
 static const struct header_table table = {rows, sizeof rows / sizeof rows[0], .exact = true};
+static const char passed_over[] =
+    "Comment/ObjectSubType/TransformType/Name/ID/ParentID/Color/Modality/SequenceID/ElementMin/"
+    "ElementMax/ElementNBits/ElementComponent/AcquisitionDate/CompressionLevel/"
+    "CompressedElementSize/BinaryDataByteOrderMSB/FileFormatVersion";
 
 /* ITK's code of an axis says from where it comes, others write where it leads: only what fits neither is strange. */
 static void check_orientation(struct job *job, const struct metaimage *meta)
@@ -208,6 +214,7 @@ static void metaimage_read_lines(struct reader *r, struct header_values *values)
 {
     struct text line;
     size_t lines = 0;
+    const char *strange = "";
     while (!header_has(values, &table, "ElementDataFile") && header_line(r, &line, &lines)) {
         if (!text_trim(line).size) {
             continue;
@@ -219,10 +226,17 @@ static void metaimage_read_lines(struct reader *r, struct header_values *values)
             job_bad(r->job, "header: found the line \"%.*s\", allowed is \"key = value\"", HEADER_SHOW(line));
             return;
         }
-        header_keep(r->job, values, &table, name, text_trim((struct text){equals + 1, line.size - length - 1}));
+        struct text value = text_trim((struct text){equals + 1, line.size - length - 1});
+        if (!header_keep(r->job, values, &table, name, value) && !text_is_one_of(name, passed_over, true)) {
+            strange = strange[0] ? job_format(r->job, "%s, %.*s", strange, HEADER_SHOW(name))
+                                 : job_format(r->job, "%.*s", HEADER_SHOW(name));
+        }
     }
     if (!header_has(values, &table, "ElementDataFile")) {
         header_need(r->job, (struct text){0}, "ElementDataFile", "it ends the header");
+    }
+    if (strange[0]) {
+        job_note(r->job, "keys that are not known were passed over: %s", strange);
     }
 }
 

@@ -101,6 +101,8 @@ static void read_directions(struct job *job, void *header, struct text value)
                     HEADER_SHOW(value));
             return;
         }
+        const double *v = nrrd->directions[i];
+        none = none || (isnan(v[0]) && isnan(v[1]) && isnan(v[2])); /* as pynrrd once wrote it */
         nrrd->is_space[i] = !none;
         nrrd->list = none ? i : nrrd->list;
         spaces += !none;

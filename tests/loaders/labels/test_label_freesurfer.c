@@ -42,7 +42,7 @@ static void write_labels(const char *name, int step, const int *labels, size_t c
     write_labels(name, step, (const int[]){__VA_ARGS__}, sizeof((const int[]){__VA_ARGS__}) / sizeof(int))
 
 static const char source[] = "FreeSurfer colour table in FreeSurferColorLUT.txt";
-static const char own_source[] = "FreeSurfer 7's names, which conus has";
+static const char own_source[] = "FreeSurfer's names, which conus has";
 
 /* The folder is SUBJECTS/SUBJECT/mri/, and FreeSurfer elsewhere. */
 static void begin(const char *name)
@@ -81,7 +81,13 @@ static void the_table_may_lie_in_other_places(void **state)
     assert_int_equal(rename(test_in("home/FreeSurferColorLUT.txt"), test_in("home/luts/FreeSurferColorLUT.txt")), 0);
     assert_row_of("aseg.nii", "Left-Cortex", 3, source, "home/luts/FreeSurferColorLUT.txt");
     unsetenv("FREESURFER_HOME");
-    assert_row_of("aseg.nii", "Left-Cerebral-Cortex", 3, own_source, "FreeSurfer 7's names");
+    assert_row_of("aseg.nii", "Left-Cerebral-Cortex", 3, own_source, "FreeSurfer's names");
+    WRITE("sclimbic.nii", 1, 0, 26, 821, 58, 822); /* of FreeSurfer 8 */
+    assert_row_of("sclimbic.nii", "Left-Fornix", 821, own_source, "FreeSurfer's names");
+    WRITE("vsinus.nii", 1, 0, 6111, 6115);
+    assert_row_of("vsinus.nii", "Straight-Sinus", 6115, own_source, "FreeSurfer's names");
+    WRITE("vsinus.nii", 1, 0, 26, 58); /* the accumbens alone is nobody's mark */
+    assert_row_of("vsinus.nii", "26", 26, "none found", NULL);
     assert_int_equal(mkdir(test_in("subjects"), 0700), 0);
     assert_int_equal(mkdir(test_in("subjects/one"), 0700), 0);
     assert_int_equal(mkdir(test_in("subjects/one/mri"), 0700), 0);
@@ -170,7 +176,7 @@ static void names_without_a_table_are_those_of_the_real_one(void **state)
             }
         }
     }
-    assert_int_equal(named, 818); /* all but label 1, which no volume of FreeSurfer has */
+    assert_int_equal(named, 834); /* all but label 1, which no volume of FreeSurfer has */
     conus_atlas_destroy(atlases[0]);
     conus_atlas_destroy(atlases[1]);
     unsetenv("FREESURFER_HOME");

@@ -330,6 +330,32 @@ static void the_axes_of_vectors_are_stated(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Intent 1006 is displacements in RAS: +1.25 along x. Positions under that code are refused until the caller says so.
+ */
+static void displacements_that_look_like_positions_are_refused(void **state)
+{
+    (void)state;
+    enum { INTENT_CODE = 68, INTENT_NAME = 328 };
+    const struct file ras = {1, false, 16, false, -1.25, INFINITY}; /* +1.25 in the file */
+    for (int positions = 0; positions < 2; positions++) {
+        struct buffer bytes;
+        build(&bytes, positions ? &spm : &ras);
+        memcpy(bytes.data + INTENT_CODE, "\xee\x03", 2); /* 1006 */
+        memset(bytes.data + INTENT_NAME, 0, sizeof "Mapping");
+        const char *path = write_bytes("code.nii", &bytes);
+        const conus_transform_options stated = {.vectors = CONUS_VECTORS_ABSOLUTE};
+        conus_atlas *atlas = make_atlas();
+        if (positions) {
+            assert_fails(conus_atlas_transform(atlas, path, NULL), CONUS_ERROR_ARGUMENT);
+            assert_non_null(strstr(conus_message(), "look like positions: ',relative' or ',absolute'"));
+        }
+        assert_ok(conus_atlas_transform(atlas, path, positions ? &stated : NULL));
+        check_shifted(atlas);
+        conus_atlas_destroy(atlas);
+        buffer_finish(&bytes);
+    }
+}
+
 /* A field of nodes 2 or 3 mm apart that moves nothing, over an atlas of 1 mm whose label is 1 and the number along x:
  * on the nodes' own grid half of the labels or more would be gone. Parted, with nodes as centres of voxels still, from
  * -13 to 13 mm, each label keeps its 16 voxels where they were. */
@@ -650,6 +676,7 @@ TEST_GROUP(field)
         cmocka_unit_test(no_prefix_is_a_field),
         cmocka_unit_test(an_atlas_goes_where_the_field_has_it),
         cmocka_unit_test(the_axes_of_vectors_are_stated),
+        cmocka_unit_test(displacements_that_look_like_positions_are_refused),
         cmocka_unit_test(a_coarse_field_leaves_the_atlas_as_fine),
         cmocka_unit_test(several_fields_are_one_search),
         cmocka_unit_test(what_is_added_later_does_not_move_with_it),
