@@ -30,6 +30,10 @@ uint8_t *picture_emphasis(const conus_selection *selection, uint32_t chosen)
             emphasis[group_of(selection, selection->evidence.object[p])] = EMPHASIS_FULL;
         }
     }
+    for (size_t i = 0; emphasis && selection->region.shape == REGION_BALL && i < conus_selection_count(selection);
+         i++) {
+        emphasis[conus_selection_result(selection, i)->object] = EMPHASIS_FULL; /* it has no pixels */
+    }
     for (uint32_t object = 1; emphasis && object < count; object++) {
         emphasis[object] = emphasis[group_of(selection, object)];
     }

@@ -95,6 +95,7 @@ void viewer_finish(struct viewer *viewer)
     studier_destroy(viewer->study.studier);
     study_answer_destroy(viewer->study.answer);
     plan_state_finish(&viewer->plan);
+    points_finish(&viewer->points);
     finish_atlases(viewer, true);
     free(viewer->transfer);
     *viewer = (struct viewer){0};
@@ -110,6 +111,9 @@ double viewer_query(conus_selector_options *options, const struct viewer *viewer
     const struct cone_state *cone = &viewer->cone;
     *options = cone->options;
     options->level = cone->level[0] && !index ? cone->level : NULL;
+    if (viewer->tools[tool].is_point) { /* which has no depths */
+        options->range[0] = options->range[1] = 0;
+    }
     if (cone->one_ray) {
         options->resolution = 1;
         options->radius = 0;
@@ -121,7 +125,10 @@ double viewer_query(conus_selector_options *options, const struct viewer *viewer
 
 const char *viewer_shape(const struct viewer *viewer)
 {
-    return viewer->cone.one_ray ? "axis" : viewer->cone.options.radius > 0 ? "cylinder" : "cone";
+    return viewer->tools[FIRST_TOOL].is_point ? (viewer->cone.options.radius > 0 ? "ball" : "point")
+           : viewer->cone.one_ray             ? "axis"
+           : viewer->cone.options.radius > 0  ? "cylinder"
+                                              : "cone";
 }
 
 bool viewer_to_world(double world[3], struct viewer *viewer, const double given[3])
@@ -462,7 +469,7 @@ void cut_view(conus_cut_view *out, const struct viewer *viewer, enum plane plane
                             .no_outlines = viewer->display.no_outlines,
                             .window = {grey[0], grey[1]},
                             .selection = answer_selection(viewer_pictured(viewer)),
-                            .no_cone = !viewer_selection(viewer),
+                            .no_cone = !viewer_selection(viewer) || viewer->tools[FIRST_TOOL].is_point,
                             .chosen = viewer_full(viewer),
                             .own_colours = viewer->display.own_colours};
     memcpy(out->centre, viewer->centre, sizeof out->centre);

@@ -560,6 +560,9 @@ static void use_click(struct window *window)
     struct viewer *viewer = window->viewer;
     const struct hover *pressed = &window->frame.pressed;
     enum tool_number tool = tool_moved_by(viewer, POINT_BY_MOUSE);
+    if (!viewer->measure.on && pane_points_choose(window, window->frame.turned, NULL)) {
+        return;
+    }
     if (tool < TOOL_COUNT && viewer->tools[tool].has_pose && !viewer->measure.on) {
         tool_hold(viewer, tool);
         point_at(window, pressed); /* of one that was let go */
@@ -691,6 +694,7 @@ void pane_3d(struct window *window)
     ui_clip(*box);
     pane_chosen(window);
     draw_compass(window);
+    pane_points(window, PANE_3D, box, NULL);
     pane_cones(window);
     pane_cross(window);
     pane_chosen_names(window);

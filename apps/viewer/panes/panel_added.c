@@ -13,6 +13,7 @@ static const char *const keys[ADDITION_COUNT] = {
     "FILE: a volume, in place of another one, or a surface",
     "FILE,threshold=T,name=S,unit=S,volume=K or FILE,band=LOW:HIGH:NAME, as for --pathway",
     "FILE,radius=MM,name=S,space=lps,moves, as for --streamlines; without a radius it is 0.5 mm",
+    "FILE: a list of points or poses, in place of another one, as for --pose",
     "FILE, or the name of an installed atlas, in the same space: it gets the same questions, as for --atlas"};
 
 /* Draws a file's name and keys; the tip has the whole path. */

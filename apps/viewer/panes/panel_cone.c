@@ -19,7 +19,7 @@ static void show_replay(struct window *window)
     struct replay *replay = &window->inputs.replay;
     size_t count = replay->poses ? conus_pose_list_count(replay->poses) : 0;
     if (!count) {
-        ui_text("no poses: start with --poses FILE");
+        ui_text(window->viewer->points.count ? "a row of the list in Points" : "no list: --pose FILE, or --poses FILE");
         return;
     }
     uint32_t row = (uint32_t)replay->at + 1;
