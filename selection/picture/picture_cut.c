@@ -17,7 +17,7 @@ static conus_status grey_outlines(struct picture *picture)
 {
     const conus_atlas *atlas = picture->atlas;
     uint8_t(*own)[3] = picture->line_rgb;
-    picture->line_rgb = picture_rank_colours(NULL, atlas, LOOK_OUTLINE, NULL);
+    picture->line_rgb = picture_rank_colours(NULL, atlas, LOOK_OUTLINE, NULL, NULL);
     for (uint32_t n = 1; picture->line_rgb && n <= atlas->object_count; n++) {
         const struct mesh *mesh = atlas_object_mesh(atlas, n);
         const bool stands_out = picture->options.listed && picture->options.listed[n] && !picture->options.selection;

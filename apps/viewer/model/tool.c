@@ -74,8 +74,8 @@ void tool_changed(struct viewer *viewer, enum tool_number number)
     }
 }
 
-/* A number for which objects the first tool's answer has, in which order, and which of them only behind others: what
- * pictures show of it. */
+/* A number for which objects the first tool's answer has, in which order, how strong their colours are, and which of
+ * them are only behind others: what pictures show of it. */
 static uint64_t sum_answer(const struct viewer *viewer)
 {
     const conus_selection *selection = viewer_selection(viewer);
@@ -83,7 +83,8 @@ static uint64_t sum_answer(const struct viewer *viewer)
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         unsigned how = result->pixels ? 2 : result->pierced ? 1 : 0;
-        sum = (sum ^ ((uint64_t)result->object << 2 | how)) * 0x100000001B3;
+        unsigned weight = (unsigned)(1000 * conus_selection_weight(selection, result->object));
+        sum = (sum ^ ((uint64_t)result->object << 12 | weight << 2 | how)) * 0x100000001B3;
     }
     return selection ? sum : 0;
 }

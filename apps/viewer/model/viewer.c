@@ -66,6 +66,7 @@ conus_status viewer_create(struct viewer *out, const struct view_source *sources
     viewer.display.fill = 0.45;
     viewer.study.settings = study_defaults;
     viewer.cone.options.log = log;
+    viewer.cone.options.resolution = CONUS_RESOLUTION_DEFAULT;
     viewer.cone.start = START_BEFORE;
     viewer.magnification = 1;
     viewer.atlases = viewer.drawn = calloc(count, sizeof *viewer.atlases);
@@ -417,7 +418,7 @@ unsigned viewer_cut_version(const struct viewer *viewer)
 
 void viewer_rank_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object, size_t rank)
 {
-    static const uint8_t ranks[][3] = {LOOK_RANKS(BYTES)};
+    static const uint8_t ranks[][3] = {LOOK_RANKS(BYTES)}, grey[3] = {LOOK_RGB(LOOK_NOT_HIT)};
     const conus_object *info = conus_atlas_object(viewer->drawn->atlas, object);
     const bool by_rank = info && colours_by_rank(viewer, object);
     memcpy(rgb,
@@ -425,8 +426,12 @@ void viewer_rank_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t ob
            : !by_rank                            ? info->rgb
            : rank > sizeof ranks / sizeof *ranks ? (const uint8_t[]){LOOK_RGB(LOOK_RANK_MORE)}
            : rank                                ? ranks[rank - 1]
-                                                 : (const uint8_t[]){LOOK_RGB(LOOK_NOT_HIT)},
+                                                 : grey,
            3);
+    for (int c = 0; c < 3 && by_rank && rank; c++) {
+        const double weight = conus_selection_weight(viewer_selection(viewer), object);
+        rgb[c] = (uint8_t)(weight * rgb[c] + (1 - weight) * grey[c] + 0.5);
+    }
 }
 
 void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object)

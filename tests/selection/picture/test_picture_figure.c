@@ -2,6 +2,7 @@
 /* Pictures for papers: sides, backgrounds, letters, places of the legend, and sizes on paper. */
 #include "base/geometry/math3.h"
 #include "base/look.h"
+#include "base/memory.h"
 #include "picture_scene.h"
 #include "render/image/image.h"
 #include "selection/picture/picture.h"
@@ -665,6 +666,41 @@ static void points_alone_are_those_over_a_drawing(void **state)
     assert_null(none);
 }
 
+/* All of a colour shows with half of the cone, 0.4 of it with a fiftieth, between them in eight steps; and the picture
+ * has that colour, mixed with the grey of what is not hit. */
+static void colours_are_weighted_by_share(void **state)
+{
+    struct scene scene = need_scene(state);
+    static const uint8_t second[3] = {LOOK_RGB(LOOK_RANK_2)}, grey[3] = {LOOK_RGB(LOOK_NOT_HIT)};
+    conus_selection *selection = NULL;
+    conus_pose pose;
+    bool has_weak = false;
+    assert_ok(conus_pose_toward(&pose, (double[]){-30, -60, 0}, (double[]){-14, 0, 0}, NULL));
+    assert_ok(conus_select(&selection, scene.selector, &pose, radians_from_degrees(50)));
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        const double part = fmin(fmax((result->share - 0.02) / 0.48, 0), 1);
+        const double weight = conus_selection_weight(selection, result->object);
+        assert_true(!result->object || fabs(weight - (0.4 + 0.6 * part)) <= 0.6 / 16 + 1e-9);
+        assert_near(fabs(remainder((weight - 0.4) / 0.6, 0.125)), 0, 1e-9);
+        has_weak = has_weak || (conus_selection_rank(selection, result->object) == 2 && weight < 1);
+        if (conus_selection_rank(selection, result->object) == 2) {
+            uint8_t(*rgb)[3] = NULL;
+            uint32_t *ranks = picture_ranks(selection);
+            rgb = picture_rank_colours(ranks, scene.atlas, LOOK_NOT_HIT, NULL, selection);
+            for (int c = 0; c < 3; c++) {
+                assert_near(rgb[result->object][c], weight * second[c] + (1 - weight) * grey[c], 0.51);
+            }
+            memory_free(ranks);
+            memory_free(rgb);
+        }
+    }
+    assert_true(has_weak);
+    assert_near(conus_selection_weight(NULL, 1), 1, 0);
+    assert_near(conus_selection_weight(selection, 0), 1, 0);
+    conus_selection_destroy(selection);
+}
+
 /* A ball has neither a cone nor a legend: without these what it meets is coloured. */
 static void a_ball_colours_what_is_in_it(void **state)
 {
@@ -1069,6 +1105,7 @@ TEST_GROUP(picture_figure)
         cmocka_unit_test(probes_that_cannot_be_drawn_are_refused),
         cmocka_unit_test(points_that_cannot_be_drawn_are_refused),
         cmocka_unit_test(points_alone_are_those_over_a_drawing),
+        cmocka_unit_test(colours_are_weighted_by_share),
         cmocka_unit_test(a_ball_colours_what_is_in_it),
         cmocka_unit_test(groups_of_points_have_colours_and_rows),
         cmocka_unit_test(files_say_how_large_they_are),

@@ -456,7 +456,7 @@ static void what_is_hit_differs_in_a_palette(void **state)
         places[n + 1] = n % 2 ? (uint32_t)(SLABS - n + 1) / 2 : 0;
     }
     assert_in_range(colours, 2, SLABS / 2 - 1);
-    uint8_t(*rgb)[3] = picture_rank_colours(places, atlas, 0, NULL);
+    uint8_t(*rgb)[3] = picture_rank_colours(places, atlas, 0, NULL, NULL);
     assert_non_null(rgb);
     for (size_t n = 1; n <= SLABS; n++) {
         bool keeps = places[n] <= 1;
