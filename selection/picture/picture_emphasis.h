@@ -25,7 +25,7 @@ enum { PICTURE_RANKS = 6 };
  * = @p not_hit, 0xRRGGBB, but what is @p listed ([object count + 1]; NULL = nothing is) has its own colour, so that
  * nothing that is not hit has the colour of a hit. With a @p selection as much of it shows as conus_selection_weight()
  * says. NULL without memory. */
-uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, unsigned not_hit,
-                               const bool *listed, const conus_selection *selection))[3];
+uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, unsigned not_hit, const bool *listed,
+                               const conus_selection *selection))[3];
 
 #endif

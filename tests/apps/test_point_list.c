@@ -88,7 +88,7 @@ static void a_chosen_point_is_asked_about(void **state)
         double distance;
     } wanted[] = {{1, "Core", "at the point", 0},
                   {2, "Shell outer", "at the point", 0},
-                  {3, "Shell outer", "nearest to the point \u00b7 16.0 mm from it", 16}};
+                  {3, "Shell outer", "nearest to the point \u00b7\u00a016.0 mm from it", 16}};
     struct list_scene scene;
     (void)state;
     open_list(&scene);
@@ -142,6 +142,7 @@ static void a_chosen_pose_is_a_cone(void **state)
     points_choose(&scene.viewer, 1);
     assert_int_equal(use_list(&scene, poses_text), 0);
     assert_null(points_chosen(&scene.viewer));
+    assert_int_equal(scene.viewer.tools[FIRST_TOOL].pointer, POINT_BY_MOUSE);
     points_choose(&scene.viewer, 1);
     assert_true(tool_has_cone(&scene.viewer, FIRST_TOOL));
     assert_string_equal(best_of(&scene.viewer), "Shell outer");

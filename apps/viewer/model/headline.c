@@ -77,7 +77,8 @@ static void name_best(char out[HEADLINE_TEXT], const struct viewer *viewer, cons
     }
 }
 
-/* Where they begin, where a ray goes through them: " \u00b7 27.5 mm from the start", or " \u00b7 27.5 to 28.1 mm ..."
+/* Where they begin, where a ray goes through them: " \u00b7\u00a027.5 mm from the start", or " \u00b7\u00a027.5 to 28.1
+ * mm ..."
  */
 static void put_distance(char *out, size_t size, const struct viewer *viewer, const conus_selection *selection,
                          size_t count)
@@ -95,7 +96,7 @@ static void put_distance(char *out, size_t size, const struct viewer *viewer, co
         snprintf(texts[0], sizeof texts[0], "%.1f", ends[0]);
         snprintf(texts[1], sizeof texts[1], "%.1f", ends[1]);
         bool is_one = strcmp(texts[0], texts[1]) == 0;
-        snprintf(out, size, " \u00b7 %s%s%s mm from %s", texts[0], is_one ? "" : " to ", is_one ? "" : texts[1],
+        snprintf(out, size, " \u00b7\u00a0%s%s%s mm from %s", texts[0], is_one ? "" : " to ", is_one ? "" : texts[1],
                  viewer->tools[FIRST_TOOL].is_point ? "it" : "the start");
     }
 }
@@ -107,7 +108,7 @@ static const char *side_of(const struct view_atlas *view, const conus_selection 
     for (size_t i = 1; i < count; i++) {
         side = view_atlas_side(view, conus_selection_result(selection, i)->object) == side ? side : ' ';
     }
-    return side == 'L' ? " \u00b7 left" : side == 'R' ? " \u00b7 right" : "";
+    return side == 'L' ? " \u00b7\u00a0left" : side == 'R' ? " \u00b7\u00a0right" : "";
 }
 
 void headline_find(struct headline *out, struct viewer *viewer)

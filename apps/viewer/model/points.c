@@ -73,6 +73,9 @@ void points_use(struct viewer *viewer, struct point_list *list)
     points_finish(&viewer->points);
     viewer->points = *list;
     viewer->points.number = number + 1;
+    if (viewer->chosen_point) { /* of the list that goes */
+        viewer->tools[FIRST_TOOL].pointer = POINT_BY_MOUSE;
+    }
     viewer->chosen_point = 0;
     viewer->version++;
     *list = (struct point_list){0};

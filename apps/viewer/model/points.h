@@ -27,7 +27,8 @@ struct point_list {
 int points_load(struct point_list *out, const char *path, const struct atlases *atlases, const conus_frame *frame,
                 double radius, const struct common_settings *common, uint64_t max_memory);
 void points_finish(struct point_list *list);
-/** Puts @p list, which it takes over, in the place of the viewer's; what was chosen there is chosen no more. */
+/** Puts @p list, which it takes over, in the place of the viewer's; what was chosen there is chosen no more, and the
+ * mouse points again. */
 void points_use(struct viewer *viewer, struct point_list *list);
 /** The point of the chosen row; NULL = none. */
 const conus_drawn_point *points_chosen(const struct viewer *viewer);

@@ -275,7 +275,7 @@ static uint32_t find_seen(struct window *window, float x, float y)
     return place->object;
 }
 
-/* A name on another area that is hit, and so has a colour, would seem to be that area's. */
+/* A name on another area that is hit, and so has a colour, or is chosen would seem to be that area's. */
 static bool allows_name(void *user, const struct ui_box *box, uint32_t object)
 {
     struct window *window = user;
@@ -286,7 +286,8 @@ static bool allows_name(void *user, const struct ui_box *box, uint32_t object)
         float x = box->x + fminf((float)(column * SEEN_CELL), box->width);
         float y = box->y + (i % 2 ? 0.9F : 0.1F) * box->height;
         uint32_t other = find_seen(window, x, y);
-        does = !other || other == object || !viewer_rank(window->viewer, other);
+        does = !other || other == object ||
+               !(viewer_rank(window->viewer, other) || other == window->viewer->drawn->shown.chosen);
     }
     return does;
 }

@@ -12,31 +12,6 @@
 static const float reach = 9;       /* pixels at scale 1 that the mouse may be beside a ball's middle */
 static const double letters = 0.85; /* parts of the panels' lines */
 
-static uint8_t srgb_of(float light)
-{
-    double level = light <= 0.0031308F ? 12.92 * (double)light : 1.055 * pow((double)light, 1 / 2.4) - 0.055;
-    return (uint8_t)(255 * fmin(fmax(level, 0), 1) + 0.5);
-}
-
-/* sRGB that is not premultiplied; NULL without memory. */
-static uint8_t *bytes_of(const conus_image *image)
-{
-    static const char *const channels[] = {"R", "G", "B"};
-    const size_t pixels = (size_t)conus_image_width(image) * conus_image_height(image);
-    const float *alpha = conus_image_floats(image, "A");
-    uint8_t *rgba = calloc(pixels, 4);
-    for (size_t c = 0; rgba && c < 3; c++) {
-        const float *plane = conus_image_floats(image, channels[c]);
-        for (size_t p = 0; p < pixels; p++) {
-            if (alpha[p] > 0) { /* most are empty */
-                rgba[4 * p + c] = srgb_of(plane[p] / alpha[p]);
-                rgba[4 * p + 3] = (uint8_t)(255 * fminf(alpha[p], 1) + 0.5F);
-            }
-        }
-    }
-    return rgba;
-}
-
 /* What a layer is drawn for, as numbers. */
 static void find_key(double key[POINTS_KEY], const struct window *window, const struct ui_box *box,
                      const conus_cut_view *cut)
@@ -82,7 +57,7 @@ static void draw_anew(struct point_layer *layer, struct window *window, const st
         backdrop_set(&view, viewer->display.backdrop, theme_used() == THEME_DARK);
     }
     conus_status status = conus_points_image(&image, viewer->drawn->atlas, &view, cut);
-    uint8_t *rgba = status ? NULL : bytes_of(image);
+    uint8_t *rgba = status ? NULL : painted_bytes(image);
     if (status) {
         viewer_say(viewer, "%s", conus_message());
     }

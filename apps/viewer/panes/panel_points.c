@@ -12,11 +12,6 @@ void panel_points(struct window *window)
     struct viewer *viewer = window->viewer;
     const size_t count = conus_pose_list_count(viewer->points.poses);
     float widths[2];
-    if (!count) {
-        ui_text_wrapped(THEME_HINT,
-                        "no list of contacts, optodes or coils: drop one on the window, or add it (Ctrl+L)");
-        return;
-    }
     panel_widths(widths, window, columns, widest, 2);
     size_t shown = ui_list_fit(widths, 2, 1);
     if (!ui_table("points", columns, widths, shown, fmaxf(ui_room_below(), 4 * ui_list_line()))) {

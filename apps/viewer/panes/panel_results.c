@@ -230,6 +230,10 @@ static void draw_tabs(struct window *window)
     ui_separator();
     for (size_t i = 0; i < PANEL_TABS; i++) {
         char label[32];
+        if (tabs[i].draw == panel_points && !window->viewer->points.count) {
+            shown->shown = shown->shown == i ? 0 : shown->shown;
+            continue;
+        }
         unsigned number = tabs[i].number ? tabs[i].number(window->viewer) : 0;
         shown->shown = number && number != shown->numbers[i] ? i : shown->shown;
         shown->numbers[i] = number;
