@@ -485,6 +485,22 @@ size_t conus_selection_rank(const conus_selection *selection, uint32_t object)
     return rank;
 }
 
+double conus_selection_weight(const conus_selection *selection, uint32_t object)
+{
+    static const double least = 0.4, few = 0.02, most = 0.5; /* weight, and shares */
+    static const double steps = 8;                           /* small changes of a share change no picture */
+    const conus_result *result = conus_selection_result(selection, 0);
+    const bool is_known = selection && object && object <= selection->atlas->object_count;
+    const uint32_t shown = is_known && selection->group ? selection->group[object] : object;
+    size_t left = is_known ? conus_selection_count(selection) : 0;
+    while (left && result->object != shown) {
+        left--;
+        result++;
+    }
+    const double part = left && result->pixels ? fmin(fmax((result->share - few) / (most - few), 0), 1) : 1;
+    return least + (1 - least) * rint(steps * part) / steps;
+}
+
 const conus_step *conus_selection_step(const conus_selection *selection)
 {
     return selection && selection->is_step ? &selection->step : NULL;

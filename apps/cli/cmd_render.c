@@ -5,11 +5,11 @@
 #include "base/system/system.h"
 #include "base/text.h"
 #include "cli/commands.h"
-#include "cli/contacts.h"
 #include "cli/render_caption.h"
 #include "cli/render_cuts.h"
 #include "cli/render_turn.h"
 #include "conus/file.h"
+#include "figures/contacts.h"
 #include "figures/figure.h"
 #include "options/messages.h"
 #include "options/options.h"
@@ -1170,31 +1170,6 @@ static int draw_probes(struct picture *picture, const struct drawn_row *rows, si
     return code;
 }
 
-/* The ball of a row, with a line to what it points at, if that is something. */
-static conus_status place_point(conus_drawn_point *out, struct picture *picture, const conus_pose_row *row)
-{
-    const double *m = row->pose.world_from_device;
-    conus_segments *segments = NULL;
-    *out = (conus_drawn_point){.name = row->id,
-                               .group = row->kept ? row->kept[0] : NULL,
-                               .at = {m[12], m[13], m[14]},
-                               .end = {NAN, NAN, NAN},
-                               .radius = picture->settings->engine.radius};
-    if (row->is_point) {
-        return CONUS_OK;
-    }
-    conus_status status = conus_selector_set_range(picture->selector, row->range);
-    status = status ? status : conus_segments_create(&segments, picture->selector, &row->pose);
-    for (size_t i = 0; i < conus_segments_count(segments) && isnan(out->end[0]); i++) {
-        const conus_segment *segment = conus_segments_segment(segments, i);
-        if (segment->object) {
-            memcpy(out->end, segment->entry_at, sizeof out->end);
-        }
-    }
-    conus_segments_destroy(segments);
-    return status;
-}
-
 /* Of sorted coordinates, the one that is near most others; of several that nearest to the middle of all. */
 static double find_crowd(const double *sorted, size_t count)
 {
@@ -1252,7 +1227,9 @@ static int draw_points(struct picture *picture)
     int code = points ? EXIT_DONE : print_no_memory();
     for (size_t i = 0; points && i < rows->count && !code; i++) {
         const conus_pose_row *row = rows->items[i].row;
-        conus_status status = row->error ? CONUS_ERROR_DATA : place_point(&points[count], picture, row);
+        conus_status status =
+            row->error ? CONUS_ERROR_DATA
+                       : contacts_place(&points[count], row, picture->settings->engine.radius, picture->selector);
         if (status) {
             code = refuse_row(picture, row, row->error ? row->error : conus_message(), EXIT_DATA);
         } else {
@@ -1267,10 +1244,7 @@ static int draw_points(struct picture *picture)
                  rows->file, poses);
     }
     bool has_electrodes = false;
-    if (!code && !picture->settings->colour_by && !contacts_are_all(&has_electrodes, points, count)) {
-        code = print_no_memory();
-    }
-    if (has_electrodes && !contacts_group(points, count)) {
+    if (!code && !picture->settings->colour_by && !contacts_group(&has_electrodes, points, count)) {
         code = print_no_memory();
     }
     if (!code && !picture->has_cut_at && picture->settings->cuts.cuts && count) {

@@ -52,8 +52,8 @@ static void send_answer(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     const struct view_atlas *first = viewer->atlases;
-    if (window->inputs.update.clients && first->answers[FIRST_TOOL] && first->selector &&
-        window->frame.sent_answer != viewer->tools[FIRST_TOOL].answer_number) {
+    if (window->inputs.update.clients && tool_has_cone(viewer, FIRST_TOOL) && first->answers[FIRST_TOOL] &&
+        first->selector && window->frame.sent_answer != viewer->tools[FIRST_TOOL].answer_number) {
         station_send_selection(window->inputs.station, first->selector, first->atlas,
                                view_atlas_selection(first, FIRST_TOOL));
         window->frame.sent_answer = viewer->tools[FIRST_TOOL].answer_number;

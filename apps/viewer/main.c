@@ -138,8 +138,8 @@ static int start_sources(struct window *window, const struct view_settings *sett
     return code ? code : open_poses(window, settings, &frame);
 }
 
-/* Refuses constraints and candidates before there is a window. */
-static int check_plan(const char *poses, const struct arguments *arguments)
+/* Refuses constraints, candidates and a list before there is a window. */
+static int check_files(const char *pose, const char *poses, const struct arguments *arguments)
 {
     struct constraints constraints;
     conus_pose_stream *stream = NULL;
@@ -153,6 +153,8 @@ static int check_plan(const char *poses, const struct arguments *arguments)
     }
     if (!code && constraints.count && poses && strcmp(poses, "-") == 0) {
         code = print_usage_error("--poses -: the window reads candidates more than once, so they have to be a file");
+    } else if (!code && pose && strcmp(pose, "-") == 0) {
+        code = print_usage_error("--pose -: the window reads the list more than once, so it has to be a file");
     } else if (!code && constraints.count && poses) {
         status = conus_pose_stream_open(&stream, poses, NULL);
         conus_pose_stream_destroy(stream);
@@ -212,7 +214,7 @@ static int run_view(const void *given, const struct arguments *arguments)
         !station_settings_check_screen(&settings->station, arguments)) {
         return EXIT_USAGE;
     }
-    int code = check_plan(settings->poses, arguments);
+    int code = check_files(settings->pose, settings->poses, arguments);
     code = code || !settings->script ? code : script_load(&script, settings->script);
     if (code) {
         return code;

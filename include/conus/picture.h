@@ -265,9 +265,10 @@ typedef struct conus_view {
     const conus_mark *marks; /**< [mark_count] Over the drawing; names not with no_legend, nor where they would lie on
                                 one before or beside the drawing. */
     size_t mark_count;       /**< 0 = none. */
-    const conus_drawn_point *points; /**< [point_count] With neither a selection nor probes: balls over the drawing,
-                                        and over cuts that go through them or, of smaller ones, are up to
-                                        #CONUS_POINT_NEAR_CUT from their middle. Areas are a neutral grey unless @p
+    const conus_drawn_point *points; /**< [point_count] Without probes: balls over the drawing, and over cuts
+                                        that go through them or, of smaller ones, are up to #CONUS_POINT_NEAR_CUT from
+                                        their middle. With a selection they are white, unless @p own_colours or the
+                                        palette leave it no colours; without one areas are a neutral grey unless @p
                                         own_colours, the palette or
                                         @p listed gives them colours. The picture shows those up to three radii of the
                                         atlas from its middle; how many are outside, and how many names have no room,
@@ -275,8 +276,9 @@ typedef struct conus_view {
     size_t point_count;              /**< 0 = none. */
     const char *title; /**< UTF-8: what the selection is of, such as the name of its pose, at the head of its legend;
                           NULL = nothing. */
-    bool no_covered_context; /**< A context that is covered (conus_context_is_covered()) by opaque areas is not drawn. */
-    bool is_beam;            /**< The selection's cone is a beam from where it ends to its focus, at its apex. */
+    bool
+        no_covered_context; /**< A context that is covered (conus_context_is_covered()) by opaque areas is not drawn. */
+    bool is_beam;           /**< The selection's cone is a beam from where it ends to its focus, at its apex. */
 } conus_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -412,6 +414,23 @@ typedef struct conus_cut_plane {
 CONUS_CHECKED conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const conus_cut_plane *planes,
                                             size_t count, const conus_cut_view *look, conus_renderer *renderer,
                                             const conus_view *sheet);
+
+/**
+ * Draws the points of a view alone, as conus_render() has them over its drawing, or conus_cuts_image() over a cut: for
+ * windows, which lay them over a picture of their own.
+ * @param[out] out Channels R, G, B, A, as of conus_render(): transparent but for balls, lines and names. End it with
+ * conus_image_destroy().
+ * @param atlas What lies far from its box is not drawn, and what lies behind its middle is pale.
+ * @param view Its width, height, camera, frustum, field_of_view, dpi, no_legend and points count; of the background
+ * whether it is dark; of the selection and own_colours which colours points have.
+ * @param cut Where the cut is, and its mm_per_pixel; NULL = the view is in space, and has a camera.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view or cut out of its range; #CONUS_ERROR_DATA for an atlas without
+ * anything that shows; #CONUS_ERROR_MEMORY.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_points_image(conus_image **out, const conus_atlas *atlas, const conus_view *view,
+                                              const conus_cut_view *cut);
 
 /**
  * Prepares to draw one cut after the other, as windows do. The pictures are those of conus_cut(), but voxels and

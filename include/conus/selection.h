@@ -260,6 +260,18 @@ CONUS_API const conus_result *conus_selection_result(const conus_selection *sele
  */
 CONUS_API size_t conus_selection_rank(const conus_selection *selection, uint32_t object);
 
+/**
+ * Tells how much pictures show of the colour of an object, so that what has little of a cone is not as loud as what has
+ * most of it: all with half of the cone or more, less with less, in eight steps, 0.4 with a fiftieth; the rest is the
+ * grey of what is not hit.
+ * @param selection NULL has none.
+ * @param object Its number, from 1.
+ * @return 0.4 to 1; 1 of what is not hit first, or of a ball.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API double conus_selection_weight(const conus_selection *selection, uint32_t object);
+
 /** The evidence behind the results: for each of n x n pixels, row j = 0 at the device's bottom (Eq. 3). */
 typedef struct conus_evidence {
     uint32_t resolution;    /**< n. */

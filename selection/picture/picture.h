@@ -219,6 +219,10 @@ struct picture_plane {
 conus_status picture_points_cut(struct draw_list *list, const struct picture *picture,
                                 const struct picture_plane *plane, bool *shown);
 
+/** Likewise, of a cut that fills the drawing. */
+conus_status picture_points_cut_whole(struct draw_list *list, const struct picture *picture, const conus_cut_view *view,
+                                      bool *shown);
+
 /** Writes into the lower left corner of the drawing how many are not @p shown in any cut, unless there are none. */
 void picture_points_count(struct draw_list *list, const struct picture *picture, const bool *shown);
 

@@ -17,7 +17,7 @@ static conus_status grey_outlines(struct picture *picture)
 {
     const conus_atlas *atlas = picture->atlas;
     uint8_t(*own)[3] = picture->line_rgb;
-    picture->line_rgb = picture_rank_colours(NULL, atlas, LOOK_OUTLINE, NULL);
+    picture->line_rgb = picture_rank_colours(NULL, atlas, LOOK_OUTLINE, NULL, NULL);
     for (uint32_t n = 1; picture->line_rgb && n <= atlas->object_count; n++) {
         const struct mesh *mesh = atlas_object_mesh(atlas, n);
         const bool stands_out = picture->options.listed && picture->options.listed[n] && !picture->options.selection;
@@ -115,15 +115,7 @@ static conus_status make_image(conus_image **out, struct picture *picture, const
     bool *shown = memory_zeroed(picture->options.point_count, sizeof *shown);
     status = status || shown ? status : CONUS_ERROR_MEMORY;
     if (!status && picture->options.point_count) {
-        const double size[2] = {picture->drawing[0], picture->drawing[1]};
-        status = picture_points_cut(image->list, picture,
-                                    &(struct picture_plane){.centre = view->centre,
-                                                            .right = axes,
-                                                            .up = axes + 4,
-                                                            .pixels_per_mm = 1 / view->mm_per_pixel,
-                                                            .middle = {size[0] / 2, size[1] / 2},
-                                                            .box = {0, 0, size[0], size[1]}},
-                                    shown);
+        status = picture_points_cut_whole(image->list, picture, view, shown);
         picture_points_count(image->list, picture, shown);
     }
     memory_free(shown);

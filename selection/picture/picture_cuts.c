@@ -441,7 +441,7 @@ static conus_status trace_edges(const struct sheet *sheet, const struct cut *cut
                                 const bool *skips)
 {
     struct cut_lines edges = *lines;
-    uint8_t(*white)[3] = picture_rank_colours(NULL, sheet->picture.atlas, LOOK_WHITE, NULL);
+    uint8_t(*white)[3] = picture_rank_colours(NULL, sheet->picture.atlas, LOOK_WHITE, NULL, NULL);
     edges.rgb = (const uint8_t(*)[3])white;
     edges.width *= 2;
     conus_status status =

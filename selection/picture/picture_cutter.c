@@ -120,8 +120,8 @@ static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, const
     if (!status && (view->selection || figure->ranks) && !view->own_colours) {
         ranks = figure->ranks ? NULL : picture_ranks(view->selection);
         const uint32_t *by = ranks ? ranks : figure->ranks;
-        rgb = by ? picture_rank_colours(by, cutter->cut.atlas, LOOK_NOT_HIT, figure->listed) : NULL;
-        line_rgb = by ? picture_rank_colours(by, cutter->cut.atlas, LOOK_OUTLINE, figure->listed) : NULL;
+        rgb = by ? picture_rank_colours(by, cutter->cut.atlas, LOOK_NOT_HIT, figure->listed, view->selection) : NULL;
+        line_rgb = by ? picture_rank_colours(by, cutter->cut.atlas, LOOK_OUTLINE, figure->listed, NULL) : NULL;
         what.rgb = (const uint8_t(*)[3])rgb;
         what.line_rgb = (const uint8_t(*)[3])line_rgb;
         status = rgb && line_rgb ? CONUS_OK : CONUS_ERROR_MEMORY;

@@ -30,6 +30,10 @@ uint8_t *picture_emphasis(const conus_selection *selection, uint32_t chosen)
             emphasis[group_of(selection, selection->evidence.object[p])] = EMPHASIS_FULL;
         }
     }
+    for (size_t i = 0; emphasis && selection->region.shape == REGION_BALL && i < conus_selection_count(selection);
+         i++) {
+        emphasis[conus_selection_result(selection, i)->object] = EMPHASIS_FULL; /* it has no pixels */
+    }
     for (uint32_t object = 1; emphasis && object < count; object++) {
         emphasis[object] = emphasis[group_of(selection, object)];
     }
@@ -122,8 +126,8 @@ static conus_status colour_by_palette(uint8_t (*rgb)[3], const uint32_t *ranks, 
 
 #define COLOUR(colour) colour,
 
-uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, unsigned not_hit,
-                               const bool *listed))[3]
+uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, unsigned not_hit, const bool *listed,
+                               const conus_selection *selection))[3]
 {
     static const unsigned colours[PICTURE_RANKS] = {LOOK_RANKS(COLOUR)};
     uint8_t(*rgb)[3] = memory_raw(atlas->object_count + 1, sizeof *rgb);
@@ -135,7 +139,12 @@ uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, 
     for (size_t object = 0; rgb && !has_palette && object <= atlas->object_count; object++) {
         const uint32_t rank = ranks ? ranks[object] : 0;
         const unsigned colour = !rank ? not_hit : rank <= PICTURE_RANKS ? colours[rank - 1] : LOOK_RANK_MORE;
-        memcpy(rgb[object], (const uint8_t[]){(uint8_t)(colour >> 16), (uint8_t)(colour >> 8), (uint8_t)colour}, 3);
+        const double weight = rank ? conus_selection_weight(selection, (uint32_t)object) : 1;
+        for (int c = 0; c < 3; c++) {
+            const int shift = 16 - 8 * c;
+            rgb[object][c] =
+                (uint8_t)(weight * (colour >> shift & 255) + (1 - weight) * (LOOK_NOT_HIT >> shift & 255) + 0.5);
+        }
     }
     for (size_t object = 1; rgb && listed && object <= atlas->object_count; object++) {
         if (listed[object] && !(ranks && ranks[object])) {

@@ -294,8 +294,9 @@ conus_status picture_rank(struct picture *picture, bool on_dark)
     }
     if (picture->ranks) {
         const unsigned not_hit = on_dark ? LOOK_NOT_HIT : LOOK_NOT_HIT_ON_WHITE;
-        picture->rgb = picture_rank_colours(picture->ranks, picture->atlas, not_hit, options->listed);
-        picture->line_rgb = picture_rank_colours(picture->ranks, picture->atlas, LOOK_OUTLINE, options->listed);
+        picture->rgb =
+            picture_rank_colours(picture->ranks, picture->atlas, not_hit, options->listed, options->selection);
+        picture->line_rgb = picture_rank_colours(picture->ranks, picture->atlas, LOOK_OUTLINE, options->listed, NULL);
     }
     return picture->rgb && picture->line_rgb ? CONUS_OK : CONUS_ERROR_MEMORY;
 }

@@ -55,6 +55,13 @@ conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const
     return refuse();
 }
 
+conus_status conus_points_image(conus_image **out, const conus_atlas *atlas, const conus_view *view,
+                                const conus_cut_view *cut)
+{
+    (void)out, (void)atlas, (void)view, (void)cut;
+    return refuse();
+}
+
 conus_status conus_window_camera(conus_pose *camera, double frustum[4], const conus_pose *window, const double size[2],
                                  const double eye[3])
 {

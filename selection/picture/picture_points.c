@@ -6,6 +6,8 @@
 #include "base/name_set.h"
 #include "base/order.h"
 #include "selection/picture/picture.h"
+#include "selection/picture/picture_cutter.h"
+#include "selection/picture/picture_emphasis.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -45,12 +47,10 @@ conus_status picture_points_check(const conus_view *view)
 {
     for (size_t i = 0; i < view->point_count; i++) {
         const conus_drawn_point *point = view->points ? &view->points[i] : NULL;
-        if (!point || view->selection || view->probe_count || !vec3_is_finite(point->at) ||
+        if (!point || view->probe_count || !vec3_is_finite(point->at) ||
             !(point->radius >= 0 && isfinite(point->radius))) {
             return fail(CONUS_ERROR_ARGUMENT,
-                        "point %zu: a finite position and a radius from 0 on are needed, and neither a selection nor "
-                        "probes",
-                        i + 1);
+                        "point %zu: a finite position and a radius from 0 on are needed, and no probes", i + 1);
         }
     }
     return CONUS_OK;
@@ -73,17 +73,22 @@ conus_status picture_points_init(struct picture *picture)
     if (!picture->groups || !picture->group_of) {
         return CONUS_ERROR_MEMORY;
     }
+    static const uint8_t neutral[3] = {LOOK_RGB(LOOK_CHOSEN)};
+    const bool is_ranked = picture_has_ranks(picture->options.selection, picture->options.own_colours);
     struct name_set names = {0};
     size_t nameless = SIZE_MAX; /* the group without a name */
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
-        const char *name = picture->options.points[i].group;
+        const char *name = is_ranked ? NULL : picture->options.points[i].group; /* colours are those of the answer */
         const struct known_name *known = name ? name_set_find(&names, name) : NULL;
         size_t group = known ? known->value : name ? SIZE_MAX : nameless;
         if (group == SIZE_MAX) {
             group = picture->group_count++;
             picture->groups[group] = (struct picture_group){.name = name};
             colour_group(picture->groups[group].rgb, group);
+            if (is_ranked) {
+                memcpy(picture->groups[group].rgb, neutral, sizeof neutral);
+            }
             nameless = name ? nameless : group;
             status = name ? name_set_add(&names, name, group) : CONUS_OK;
         }
@@ -238,9 +243,10 @@ static void say_missing(struct draw_list *list, const struct picture *picture, c
 {
     char text[TEXT_SIZE];
     const double letters = LETTERS * picture->em;
+    const bool is_wanted = missing && !picture->options.draft;
     const double at[2] = {limit->left + GAP * picture->em,
                           limit->bottom - 2 * GAP * picture->em - 1.3 * letters * line};
-    if (missing) {
+    if (is_wanted) {
         snprintf(text, sizeof text, "%zu of %zu %s", missing, count, what);
         const double right = at[0] + font_width(picture->font, letters, text);
         picture_lay_patch(list, picture,
@@ -323,7 +329,7 @@ conus_status picture_points_draw(struct draw_list *list, const struct picture *p
     for (size_t i = 0; i < picture->options.point_count; i++) {
         count += project(&balls[count], picture, i) && is_inside(&limit, balls[count].at);
     }
-    if (picture->font) {
+    if (picture->font && picture->rgba) {
         const size_t all = picture->options.point_count;
         picture_key_boxes(keys, picture);
         say_missing(list, picture, &limit, 1, all - count, all, "points are outside of the picture");
@@ -350,6 +356,21 @@ conus_status picture_points_cut(struct draw_list *list, const struct picture *pi
     conus_status status = draw_balls(list, picture, balls, count, &plane->box, none);
     memory_free(balls);
     return status;
+}
+
+conus_status picture_points_cut_whole(struct draw_list *list, const struct picture *picture, const conus_cut_view *view,
+                                      bool *shown)
+{
+    const double size[2] = {picture->drawing[0], picture->drawing[1]};
+    double axes[2][3];
+    cut_view_axes(axes[0], axes[1], view);
+    const struct picture_plane plane = {.centre = view->centre,
+                                        .right = axes[0],
+                                        .up = axes[1],
+                                        .pixels_per_mm = 1 / view->mm_per_pixel,
+                                        .middle = {size[0] / 2, size[1] / 2},
+                                        .box = {0, 0, size[0], size[1]}};
+    return picture_points_cut(list, picture, &plane, shown);
 }
 
 void picture_points_count(struct draw_list *list, const struct picture *picture, const bool *shown)

@@ -137,8 +137,10 @@ static conus_status fill_options(conus_view *out, const conus_view *view, const 
     if (options.slices > SLICE_LIMIT) {
         return fail(CONUS_ERROR_ARGUMENT, "%u slices; allowed is 1 to %d", options.slices, SLICE_LIMIT);
     }
-    if (options.selection && options.selection->region.shape == REGION_BALL) {
-        return fail(CONUS_ERROR_ARGUMENT, "selection: a ball, a cone or a cylinder is needed");
+    if (options.selection && options.selection->region.shape == REGION_BALL &&
+        !(options.no_cone && (options.no_legend || options.legend == CONUS_LEGEND_NONE))) {
+        return fail(CONUS_ERROR_ARGUMENT, "selection: a ball, which has no cone and no legend; with these a cone or a "
+                                          "cylinder is needed");
     }
     *out = options;
     return CONUS_OK;
@@ -214,7 +216,6 @@ static void add_cone(struct picture *picture)
     static const uint8_t device[3] = {LOOK_RGB(LOOK_APEX)};
     const conus_selection *selection = picture->options.selection;
     struct colour_view *view = &picture->view;
-    view->group = selection->group;
     if (!picture->options.no_cone) {
         view->world_from_cone = selection->cone.pose.world_from_device;
         add_marker(picture, view->world_from_cone + 12, DEVICE * picture->radius, device);
@@ -957,6 +958,9 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
         find_ball(&picture, &renderer->colour);
     }
     if (!status && picture.options.selection) {
+        picture.view.group = picture.options.selection->group;
+    }
+    if (!status && picture.options.selection && picture.options.selection->region.shape != REGION_BALL) {
         add_cone(&picture);
     }
     status = status || picture.options.camera ? status : choose_side(&picture);
@@ -969,6 +973,46 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     status = status ? status : make_image(out, &picture, renderer);
     picture_finish(&picture);
     return status;
+}
+
+conus_status conus_points_image(conus_image **out, const conus_atlas *atlas, const conus_view *view,
+                                const conus_cut_view *cut)
+{
+    struct picture picture = {.atlas = atlas};
+    conus_image *image = NULL;
+    double corners[2][3];
+    conus_status status = fill_options(&picture.options, view, atlas);
+    if (!status && (cut ? !(cut->mm_per_pixel > 0) : !picture.options.camera)) {
+        status = fail(CONUS_ERROR_ARGUMENT, "points: a camera, or a cut of some mm per pixel, is needed");
+    }
+    status = status ? status : conus_atlas_bounds(corners[0], corners[1], atlas);
+    if (status) {
+        return status;
+    }
+    for (int a = 0; a < 3; a++) {
+        picture.centre[a] = (corners[0][a] + corners[1][a]) / 2;
+    }
+    vec3_sub(corners[1], corners[1], picture.centre);
+    picture.radius = vec3_length(corners[1]);
+    picture.options.draft = true; /* no legend, and no word about what has no room */
+    bool *shown = memory_zeroed(picture.options.point_count, sizeof *shown);
+    status = shown ? picture_points_init(&picture) : CONUS_ERROR_MEMORY;
+    status = status ? status : picture_prepare_sheet(&picture, memory_limit(0), NULL, NULL);
+    status = status || cut ? status : place_camera(&picture, NULL);
+    status = status ? status : image_create_listed(&image, picture.options.width, picture.sheet_height);
+    if (!status) {
+        status = cut ? picture_points_cut_whole(image->list, &picture, cut, shown)
+                     : picture_points_draw(image->list, &picture);
+    }
+    status = status ? status : image_paint(image);
+    memory_free(shown);
+    picture_finish(&picture);
+    if (status) {
+        conus_image_destroy(image);
+        return status;
+    }
+    *out = image;
+    return CONUS_OK;
 }
 
 static conus_status check_window(const double size[2], const double eye[3])

@@ -118,7 +118,7 @@ static void what_is_pressed_stays_where_it_is(void **state)
 /* A second tool that is switched on shows its tab; a kept answer does not take another one away. */
 static void a_tab_comes_to_the_front_when_it_is_switched_on(void **state)
 {
-    enum { AREA = 0, SURE = 2, SECOND = 6 };
+    enum { AREA = 0, SURE = 3, SECOND = 7 };
     struct viewer viewer;
     struct window window;
     (void)state;

@@ -125,7 +125,7 @@ static void the_answer_is_whether_the_target_is_reached(void **state)
     assert_headline(&viewer, 36, "Reaches U", "touches Ball");
     assert_headline(&viewer, 20, "Does not reach U", "14.0 mm from Ball"); /* 2 of 5 mm */
     assert_headline(&viewer, 17, "Does not reach U", "17.0 mm from Ball");
-    assert_headline(&viewer, 0, "U", "100 % of the cylinder \u00b7 18.0 mm from the start");
+    assert_headline(&viewer, 0, "U", "100 % of the cylinder \u00b7\u00a018.0 mm from the start");
     assert_int_equal(open_plan(&viewer, two, 4), 0);
     assert_headline(&viewer, 30, "Does not reach Ball", " ");
     assert_headline(&viewer, 40, "Reaches U, Ball", " ");

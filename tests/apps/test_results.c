@@ -339,13 +339,13 @@ static void the_answer_names_all_that_are_as_good(void **state)
     load(&viewer, "sphere", NULL, NULL);
     assert_headline(&viewer, "No answer yet", " ");
     tool_aim_along(&viewer, FIRST_TOOL, (const double[]){0, 70, 0}, (const double[]){0, -1, 0});
-    assert_headline(&viewer, "Sphere", "100 % of the cone \u00b7 50.0 mm from the start");
+    assert_headline(&viewer, "Sphere", "100 % of the cone \u00b7\u00a050.0 mm from the start");
     viewer.cone.options.radius = 1;
     tool_reselect(&viewer);
-    assert_headline(&viewer, "Sphere", "100 % of the cylinder \u00b7 50.0 mm from the start");
+    assert_headline(&viewer, "Sphere", "100 % of the cylinder \u00b7\u00a050.0 mm from the start");
     viewer.cone.one_ray = true;
     tool_reselect(&viewer);
-    assert_headline(&viewer, "Sphere", "on the axis \u00b7 50.0 mm from the start");
+    assert_headline(&viewer, "Sphere", "on the axis \u00b7\u00a050.0 mm from the start");
     viewer.cone.one_ray = false;
     tool_aim_along(&viewer, FIRST_TOOL, (const double[]){0, 70, 0}, (const double[]){0, 1, 0});
     assert_headline(&viewer, "Nothing is hit", "no area lies in the cylinder");
@@ -356,11 +356,12 @@ static void the_answer_names_all_that_are_as_good(void **state)
     assert_ok(conus_atlas_set_hemispheres(atlas, CONUS_HEMISPHERES_SPLIT));
     assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas, .path = "halves"}, 1, NULL, NULL, NULL));
     tool_aim_along(&viewer, FIRST_TOOL, (const double[]){0, 70, 0}, (const double[]){0, -1, 0});
-    assert_headline(&viewer, "Sphere left and Sphere right", "50 % of the cone each \u00b7 50.0 mm from the start");
+    assert_headline(&viewer, "Sphere left and Sphere right",
+                    "50 % of the cone each \u00b7\u00a050.0 mm from the start");
     tool_aim_along(&viewer, FIRST_TOOL, (const double[]){-6, 70, 0}, (const double[]){0, -1, 0});
     headline_find(&headline, &viewer);
     assert_string_equal(headline.what, "Sphere left");
-    assert_non_null(strstr(headline.more, " mm from the start \u00b7 left"));
+    assert_non_null(strstr(headline.more, " mm from the start \u00b7\u00a0left"));
     viewer_finish(&viewer);
 }
 
@@ -380,8 +381,8 @@ static void a_number_has_its_atlas_before_it(void **state)
         assert_ok(viewer_create(&viewer, &source, 1, NULL, NULL, NULL));
         tool_aim_along(&viewer, FIRST_TOOL, (const double[]){0, 70, 0}, (const double[]){0, -1, 0});
         assert_headline(&viewer, split ? "Brodmann 1 left and Brodmann 1 right" : "Brodmann 1",
-                        split ? "50 % of the cone each \u00b7 50.0 mm from the start"
-                              : "100 % of the cone \u00b7 50.0 mm from the start");
+                        split ? "50 % of the cone each \u00b7\u00a050.0 mm from the start"
+                              : "100 % of the cone \u00b7\u00a050.0 mm from the start");
         const conus_result *best = conus_selection_result(viewer_selection(&viewer), 0);
         assert_string_equal(result_cell(text, &viewer, viewer.drawn, RESULT_NAME, best), split ? "1 left" : "1");
         viewer_finish(&viewer);
@@ -402,7 +403,7 @@ static void no_side_is_told_where_names_and_places_differ(void **state)
         tool_aim_along(&viewer, FIRST_TOOL, (const double[]){x[exchanged], -1, 10}, (const double[]){0, 0, -1});
         headline_find(&headline, &viewer);
         assert_string_equal(headline.what, "A_L");
-        assert_int_equal(strstr(headline.more, " \u00b7 left") == NULL, exchanged);
+        assert_int_equal(strstr(headline.more, " \u00b7\u00a0left") == NULL, exchanged);
         assert_int_equal(conus_atlas_exchanged(atlas) != NULL, exchanged);
         assert_int_equal(view_atlas_side(viewer.drawn, 1), exchanged ? ' ' : 'L');
         viewer_finish(&viewer);

@@ -39,7 +39,7 @@ APPS = {
     "apps/hdf5": "base base/child",  # hdf5_protocol.h: the messages between conus and conus-hdf5
     "apps/viewer/pictures": "apps/link apps/options",
     "apps/viewer/devices": "apps/link",
-    "apps/viewer/model": "apps/options apps/settings apps/viewer/pictures",
+    "apps/viewer/model": "apps/options apps/settings apps/figures apps/viewer/pictures",
     "apps/viewer/tools": "apps/link apps/options apps/settings apps/viewer/devices apps/viewer/model",
     "apps/viewer/ui": "",
     "apps/viewer/window": "apps/options apps/figures apps/viewer/pictures apps/viewer/model apps/viewer/tools"

@@ -304,6 +304,17 @@ static bool do_planned(struct call *call)
            is_fine(plans_go(call->viewer, (size_t)row - 1), call->viewer->message);
 }
 
+static bool do_row(struct call *call)
+{
+    const double row = call->numbers[0];
+    const size_t count = conus_pose_list_count(call->viewer->points.poses);
+    const bool is = row >= 0 && row <= (double)count && row == floor(row);
+    if (is) {
+        points_choose(call->viewer, (uint32_t)row);
+    }
+    return is_fine(is, "no such row of a list of points");
+}
+
 /* Writes the table that conus plan would write. */
 static bool do_plan(struct call *call)
 {
@@ -700,6 +711,8 @@ static const struct script_command {
     {"pathway", 1, 1, "FILE[,threshold=T][,name=S][,unit=S][,volume=K] or FILE,band=LOW:HIGH:NAME", .act = do_add},
     {"streamlines", 1, 1, "FILE[,radius=R][,name=S][,space=S][,moves]", .act = do_add},
     {"atlas", 1, 1, "FILE or NAME", .act = do_add},
+    {"pose", 1, 1, "FILE, a list of points or poses", .act = do_add},
+    {"row", 1, 1, "ROW of that list, from 1; 0 = none", .act = do_row, .numbers = 1},
     {"take-out", 1, 1, "FILE that was added", .act = do_take_out},
     {"aim", 2, 6, "X Y Z TX TY TZ, or PLACE PLACE", .act = do_aim},
     {"point", 2, 2, "RIGHT DOWN, parts of the 3-D pane", .act = do_point, .numbers = 2},

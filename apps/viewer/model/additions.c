@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const addition_names[ADDITION_COUNT] = {"context", "pathway", "streamlines", "atlas"};
+const char *const addition_names[ADDITION_COUNT] = {"context", "pathway", "streamlines", "pose", "atlas"};
 
 const char *word_value(const char *word, const char *name)
 {
@@ -83,14 +83,22 @@ static bool is_context_surface(const char *word, bool surface)
     return read_word(&kind, path, word) && kind == ADD_CONTEXT && conus_context_is_surface(path) == surface;
 }
 
+/* Whether an atlas has one such addition at most. */
+static bool is_one_only(enum addition kind, const char *word)
+{
+    return kind == ADD_POSE || is_context_surface(word, false);
+}
+
 json_t *additions_with(const json_t *words, enum addition kind, const char *value)
 {
     json_t *with = json_array();
     json_t *added = json_sprintf("--%s=%s", addition_names[kind], value);
-    bool replaces = added && is_context_surface(json_string_value(added), false);
+    bool replaces = added && is_one_only(kind, json_string_value(added));
     bool fine = with && added;
     for (size_t i = 0; i < json_array_size(words) && fine; i++) {
-        bool is_replaced = replaces && is_context_surface(word_at(words, i), false);
+        const char *other;
+        bool is_replaced =
+            replaces && addition_of(&other, word_at(words, i)) == kind && is_one_only(kind, word_at(words, i));
         fine = is_replaced || !json_array_append(with, json_array_get(words, i));
     }
     fine = fine && !json_array_append(with, added);
@@ -214,7 +222,7 @@ static json_t *describe(struct taken *taken, const conus_atlas *atlas, const cha
                         : NULL;
     if (entry && kind == ADD_STREAMLINES) {
         describe_streamlines(entry, taken, atlas, path);
-    } else if (entry) {
+    } else if (entry && kind != ADD_POSE) {
         conus_role role = kind == ADD_CONTEXT ? CONUS_ROLE_CONTEXT : CONUS_ROLE_SCALAR;
         describe_volume(entry, taken, atlas, role, value, path);
     }

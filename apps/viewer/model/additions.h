@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Additions to an atlas: contexts, pathways, tractograms and further atlases, as options of the command line,
- * words such as "--streamlines=FILE,radius=1". */
+/** @file Additions to an atlas: contexts, pathways, tractograms, a list of points and further atlases, as options of
+ * the command line, words such as "--streamlines=FILE,radius=1". */
 #ifndef CONUS_VIEWER_MODEL_ADDITIONS_H
 #define CONUS_VIEWER_MODEL_ADDITIONS_H
 
@@ -12,7 +12,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum addition { ADD_CONTEXT = 0, ADD_PATHWAY, ADD_STREAMLINES, ADD_ATLAS, ADDITION_COUNT };
+enum addition { ADD_CONTEXT = 0, ADD_PATHWAY, ADD_STREAMLINES, ADD_POSE, ADD_ATLAS, ADDITION_COUNT };
 /** Their options, without dashes: "context". */
 extern const char *const addition_names[ADDITION_COUNT];
 
@@ -28,7 +28,8 @@ enum addition addition_of(const char **value, const char *word);
 /** The file in a value, without the keys behind it, as the command line finds it; false where it is too long. */
 bool addition_path(char path[SYSTEM_PATH], enum addition kind, const char *value);
 
-/** @p words with one more; a volume takes the place of another one as context. NULL: no memory, or no UTF-8. */
+/** @p words with one more; a volume takes the place of another one as context, a list that of another list. NULL: no
+ * memory, or no UTF-8. */
 json_t *additions_with(const json_t *words, enum addition kind, const char *value);
 /** @p words without that of @p index, and without --context-opacity where no surface is left. NULL without memory. */
 json_t *additions_without(const json_t *words, size_t index);

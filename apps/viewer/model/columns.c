@@ -257,7 +257,7 @@ const char *result_cell(char out[RESULT_TEXT], const struct viewer *viewer, cons
         return text ? text : "-";
     }
     double value = value_of(viewer, view, of, result);
-    if (column == RESULT_SHARE && result->object && !result->pixels) {
+    if (column == RESULT_SHARE && result->object && !result->pixels && !viewer->tools[FIRST_TOOL].is_point) {
         snprintf(out, RESULT_TEXT, "behind"); /* others, with all layers */
     } else if (isfinite(value)) {
         bool is_part = of->kind == PART;

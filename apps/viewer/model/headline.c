@@ -31,6 +31,12 @@ static void put_share(char out[SHARE_TEXT], double share)
     snprintf(out, SHARE_TEXT, share < 0.01 ? "%.1f %%" : "%.0f %%", 100 * share);
 }
 
+/* Whether the answer is of a point, and not of a ball. */
+static bool is_point(const struct viewer *viewer)
+{
+    return viewer->tools[FIRST_TOOL].is_point && !(viewer->cone.options.radius > 0);
+}
+
 /* How many of the first results have the share of the best as it is shown. */
 static size_t count_best(const struct viewer *viewer, const conus_selection *selection)
 {
@@ -38,7 +44,7 @@ static size_t count_best(const struct viewer *viewer, const conus_selection *sel
     const char *score = viewer->cone.options.score;
     bool by_share = !viewer->cone.one_ray && best->pixels && (!score || strcmp(score, "share") == 0);
     char shown[2][SHARE_TEXT];
-    size_t count = 1;
+    size_t count = is_point(viewer) ? conus_selection_count(selection) : 1; /* all are as near */
     put_share(shown[0], best->share);
     for (bool is_same = by_share; is_same && count < conus_selection_count(selection); count += is_same) {
         const conus_result *next = conus_selection_result(selection, count);
@@ -71,15 +77,17 @@ static void name_best(char out[HEADLINE_TEXT], const struct viewer *viewer, cons
     }
 }
 
-/* Where they begin, where a ray goes through them: " \u00b7 27.5 mm from the start", or " \u00b7 27.5 to 28.1 mm ..."
+/* Where they begin, where a ray goes through them: " \u00b7\u00a027.5 mm from the start", or " \u00b7\u00a027.5 to 28.1
+ * mm ..."
  */
-static void put_distance(char *out, size_t size, const conus_selection *selection, size_t count)
+static void put_distance(char *out, size_t size, const struct viewer *viewer, const conus_selection *selection,
+                         size_t count)
 {
     double ends[2] = {INFINITY, -INFINITY};
     char texts[2][32];
     for (size_t i = 0; i < count; i++) {
         const conus_result *result = conus_selection_result(selection, i);
-        double distance = result->pixels ? result->distance : result->entry;
+        double distance = result->pixels || viewer->tools[FIRST_TOOL].is_point ? result->distance : result->entry;
         ends[0] = fmin(ends[0], distance);
         ends[1] = fmax(ends[1], distance);
     }
@@ -88,7 +96,8 @@ static void put_distance(char *out, size_t size, const conus_selection *selectio
         snprintf(texts[0], sizeof texts[0], "%.1f", ends[0]);
         snprintf(texts[1], sizeof texts[1], "%.1f", ends[1]);
         bool is_one = strcmp(texts[0], texts[1]) == 0;
-        snprintf(out, size, " \u00b7 %s%s%s mm from the start", texts[0], is_one ? "" : " to ", is_one ? "" : texts[1]);
+        snprintf(out, size, " \u00b7\u00a0%s%s%s mm from %s", texts[0], is_one ? "" : " to ", is_one ? "" : texts[1],
+                 viewer->tools[FIRST_TOOL].is_point ? "it" : "the start");
     }
 }
 
@@ -99,7 +108,7 @@ static const char *side_of(const struct view_atlas *view, const conus_selection 
     for (size_t i = 1; i < count; i++) {
         side = view_atlas_side(view, conus_selection_result(selection, i)->object) == side ? side : ' ';
     }
-    return side == 'L' ? " \u00b7 left" : side == 'R' ? " \u00b7 right" : "";
+    return side == 'L' ? " \u00b7\u00a0left" : side == 'R' ? " \u00b7\u00a0right" : "";
 }
 
 void headline_find(struct headline *out, struct viewer *viewer)
@@ -123,11 +132,13 @@ void headline_find(struct headline *out, struct viewer *viewer)
     char of[64];
     put_share(share, best->share);
     snprintf(of, sizeof of, "%s of the %s%s", share, viewer_shape(viewer), count > 1 ? " each" : "");
-    put_distance(distance, sizeof distance, selection, count);
+    put_distance(distance, sizeof distance, viewer, selection, count);
     name_best(out->what, viewer, selection, count);
+    const bool is_there = viewer->tools[FIRST_TOOL].is_point && !(best->distance > 0);
     snprintf(out->more, sizeof out->more, "%s%s%s",
-             viewer->cone.one_ray ? "on the axis"
-             : best->pixels       ? of
-                                  : "behind others",
-             distance, side_of(viewer->drawn, selection, count));
+             is_point(viewer)                                     ? is_there ? "at the point" : "nearest to the point"
+             : viewer->cone.one_ray                               ? "on the axis"
+             : best->pixels || viewer->tools[FIRST_TOOL].is_point ? of
+                                                                  : "behind others",
+             is_there ? "" : distance, side_of(viewer->drawn, selection, count));
 }

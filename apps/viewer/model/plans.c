@@ -396,9 +396,10 @@ static void judge(struct plan_verdict *out, struct viewer *viewer)
     const double *range = viewer->cone.options.range;
     const conus_planned *planned = NULL;
     *out = (struct plan_verdict){.state = PLAN_UNKNOWN};
-    if (!tool->has_pose || !(range[1] > 0)) {
+    const bool has_axis = tool_has_cone(viewer, FIRST_TOOL);
+    if (!has_axis || !(range[1] > 0)) {
         snprintf(out->text, sizeof out->text, "%s",
-                 !tool->has_pose ? "no pose yet: point at the brain" : "no depth yet: F5 sets the tip");
+                 !has_axis ? "no pose yet: point at the brain" : "no depth yet: F5 sets the tip");
         return;
     }
     conus_pose_row row = {.id = "",

@@ -25,6 +25,7 @@ static bool ask_with(struct viewer *viewer, const conus_selector_options *option
         return false;
     }
     cone->options = *options;
+    cone->options.resolution = options->resolution ? options->resolution : CONUS_RESOLUTION_DEFAULT;
     memmove(cone->level, level, strlen(level) + 1); /* it may be this one */
     viewer_query(&asked, viewer, FIRST_TOOL, 0);
     conus_status status = view_atlas_prepare(viewer->atlases, &asked);

@@ -21,7 +21,7 @@ bool studies_use(struct viewer *viewer, const struct study_settings *settings)
 
 bool studies_is_on(const struct viewer *viewer)
 {
-    return viewer->study.settings.kind != STUDY_NONE && viewer->tools[FIRST_TOOL].has_pose;
+    return viewer->study.settings.kind != STUDY_NONE && tool_has_cone(viewer, FIRST_TOOL);
 }
 
 static void find_question(struct study_question *out, const struct viewer *viewer)

@@ -22,7 +22,7 @@ static void ask_atlases(struct viewer *viewer, enum tool_number number)
         struct view_atlas *view = &viewer->atlases[i];
         conus_selector_options options;
         double angle = viewer_query(&options, viewer, number, i);
-        conus_status status = view_atlas_select(view, number, &options, &tool->pose, angle);
+        conus_status status = view_atlas_select(view, number, &options, &tool->pose, tool->is_point ? NAN : angle);
         if (status) {
             const char *whose = number == SECOND_TOOL ? "second tool" : view->name;
             viewer_say(viewer, "%s%s%s", whose, whose[0] ? ": " : "",
@@ -60,6 +60,7 @@ void tool_reselect(struct viewer *viewer)
 void tool_clear(struct viewer *viewer)
 {
     viewer->tools[FIRST_TOOL].has_pose = viewer->tools[FIRST_TOOL].held = false;
+    viewer->chosen_point = 0;
     tool_reselect(viewer);
 }
 
@@ -73,8 +74,8 @@ void tool_changed(struct viewer *viewer, enum tool_number number)
     }
 }
 
-/* A number for which objects the first tool's answer has, in which order, and which of them only behind others: what
- * pictures show of it. */
+/* A number for which objects the first tool's answer has, in which order, how strong their colours are, and which of
+ * them are only behind others: what pictures show of it. */
 static uint64_t sum_answer(const struct viewer *viewer)
 {
     const conus_selection *selection = viewer_selection(viewer);
@@ -82,12 +83,13 @@ static uint64_t sum_answer(const struct viewer *viewer)
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         unsigned how = result->pixels ? 2 : result->pierced ? 1 : 0;
-        sum = (sum ^ ((uint64_t)result->object << 2 | how)) * 0x100000001B3;
+        unsigned weight = (unsigned)(1000 * conus_selection_weight(selection, result->object));
+        sum = (sum ^ ((uint64_t)result->object << 12 | weight << 2 | how)) * 0x100000001B3;
     }
     return selection ? sum : 0;
 }
 
-void tool_aim(struct viewer *viewer, enum tool_number number, const conus_pose *pose)
+static void aim(struct viewer *viewer, enum tool_number number, const conus_pose *pose, bool is_point)
 {
     static const conus_frame world = {.space = CONUS_SPACE_RAS};
     const unsigned version = viewer->version;
@@ -95,10 +97,27 @@ void tool_aim(struct viewer *viewer, enum tool_number number, const conus_pose *
     viewer->tools[number].pose = *pose;
     conus_frame_turn_pose(&viewer->tools[number].pose, &world, true); /* as the mouse turns it, and pictures show it */
     viewer->tools[number].has_pose = true;
+    viewer->tools[number].is_point = is_point;
     tool_changed(viewer, number);
     if (number == FIRST_TOOL && sum_answer(viewer) == sum) {
         viewer->moves += viewer->version - version;
     }
+}
+
+void tool_aim(struct viewer *viewer, enum tool_number number, const conus_pose *pose)
+{
+    aim(viewer, number, pose, false);
+}
+
+void tool_aim_point(struct viewer *viewer, enum tool_number number, const conus_pose *pose)
+{
+    aim(viewer, number, pose, true);
+}
+
+bool tool_has_cone(const struct viewer *viewer, enum tool_number number)
+{
+    const struct tool *tool = &viewer->tools[number];
+    return tool->has_pose && !tool->is_point && (number == FIRST_TOOL || tool->on);
 }
 
 void tool_aim_along(struct viewer *viewer, enum tool_number number, const double origin[3], const double direction[3])

@@ -27,8 +27,10 @@ struct tool {
     bool on;              /**< The first one is always; the second one is off at first. */
     enum pointer pointer; /**< It moves the tool: only a tracker moves both tools. The second one never a replay. */
     conus_pose pose;
-    bool has_pose, held;    /**< Held: neither mouse nor device moves it. */
-    double angle;           /**< Full opening, degrees. */
+    bool has_pose, held; /**< Held: neither mouse nor device moves it. */
+    bool is_point;       /**< Of the pose only the place counts: what is there, or in a ball of the cylinder's radius,
+                            is the answer. Only of the first tool. */
+    double angle;        /**< Full opening, degrees. */
     unsigned answer_number; /**< Tells answers apart, whose addresses may come again. */
     double select_ms;       /**< For all atlases. */
     /* of the second tool, which is asked when its answer is needed: */
@@ -48,6 +50,10 @@ void tool_clear(struct viewer *viewer);
 void tool_changed(struct viewer *viewer, enum tool_number number);
 /** Moves it, held or not. */
 void tool_aim(struct viewer *viewer, enum tool_number number, const conus_pose *pose);
+/** Puts the first tool where a pose is, of which only the place counts. */
+void tool_aim_point(struct viewer *viewer, enum tool_number number, const conus_pose *pose);
+/** Whether it has a cone: a pose, and not only a place. */
+bool tool_has_cone(const struct viewer *viewer, enum tool_number number);
 /** Aims it from @p origin along @p direction; where that is no direction, the status line says so. */
 void tool_aim_along(struct viewer *viewer, enum tool_number number, const double origin[3], const double direction[3]);
 /** Puts it where it is to start, looking at the brain's middle: the first before the face, the second to the right. */

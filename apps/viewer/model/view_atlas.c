@@ -92,7 +92,11 @@ static conus_status ask(struct answer **out, struct view_atlas *view, const conu
 {
     conus_selection *selection = NULL;
     conus_status status = view_atlas_prepare(view, options);
-    status = status ? status : conus_select(&selection, view->selector, pose, angle);
+    if (!status) {
+        status = isnan(angle)
+                     ? conus_select_ball(&selection, view->selector, pose->world_from_device + 12, options->radius)
+                     : conus_select(&selection, view->selector, pose, angle);
+    }
     struct answer *answer = status ? NULL : answer_create(selection);
     if (!status && !answer) {
         conus_selection_destroy(selection);

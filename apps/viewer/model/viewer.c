@@ -66,6 +66,7 @@ conus_status viewer_create(struct viewer *out, const struct view_source *sources
     viewer.display.fill = 0.45;
     viewer.study.settings = study_defaults;
     viewer.cone.options.log = log;
+    viewer.cone.options.resolution = CONUS_RESOLUTION_DEFAULT;
     viewer.cone.start = START_BEFORE;
     viewer.magnification = 1;
     viewer.atlases = viewer.drawn = calloc(count, sizeof *viewer.atlases);
@@ -95,6 +96,7 @@ void viewer_finish(struct viewer *viewer)
     studier_destroy(viewer->study.studier);
     study_answer_destroy(viewer->study.answer);
     plan_state_finish(&viewer->plan);
+    points_finish(&viewer->points);
     finish_atlases(viewer, true);
     free(viewer->transfer);
     *viewer = (struct viewer){0};
@@ -110,6 +112,9 @@ double viewer_query(conus_selector_options *options, const struct viewer *viewer
     const struct cone_state *cone = &viewer->cone;
     *options = cone->options;
     options->level = cone->level[0] && !index ? cone->level : NULL;
+    if (viewer->tools[tool].is_point) { /* which has no depths */
+        options->range[0] = options->range[1] = 0;
+    }
     if (cone->one_ray) {
         options->resolution = 1;
         options->radius = 0;
@@ -121,7 +126,10 @@ double viewer_query(conus_selector_options *options, const struct viewer *viewer
 
 const char *viewer_shape(const struct viewer *viewer)
 {
-    return viewer->cone.one_ray ? "axis" : viewer->cone.options.radius > 0 ? "cylinder" : "cone";
+    return viewer->tools[FIRST_TOOL].is_point ? (viewer->cone.options.radius > 0 ? "ball" : "point")
+           : viewer->cone.one_ray             ? "axis"
+           : viewer->cone.options.radius > 0  ? "cylinder"
+                                              : "cone";
 }
 
 bool viewer_to_world(double world[3], struct viewer *viewer, const double given[3])
@@ -410,7 +418,7 @@ unsigned viewer_cut_version(const struct viewer *viewer)
 
 void viewer_rank_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object, size_t rank)
 {
-    static const uint8_t ranks[][3] = {LOOK_RANKS(BYTES)};
+    static const uint8_t ranks[][3] = {LOOK_RANKS(BYTES)}, grey[3] = {LOOK_RGB(LOOK_NOT_HIT)};
     const conus_object *info = conus_atlas_object(viewer->drawn->atlas, object);
     const bool by_rank = info && colours_by_rank(viewer, object);
     memcpy(rgb,
@@ -418,8 +426,12 @@ void viewer_rank_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t ob
            : !by_rank                            ? info->rgb
            : rank > sizeof ranks / sizeof *ranks ? (const uint8_t[]){LOOK_RGB(LOOK_RANK_MORE)}
            : rank                                ? ranks[rank - 1]
-                                                 : (const uint8_t[]){LOOK_RGB(LOOK_NOT_HIT)},
+                                                 : grey,
            3);
+    for (int c = 0; c < 3 && by_rank && rank; c++) {
+        const double weight = conus_selection_weight(viewer_selection(viewer), object);
+        rgb[c] = (uint8_t)(weight * rgb[c] + (1 - weight) * grey[c] + 0.5);
+    }
 }
 
 void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object)
@@ -462,7 +474,7 @@ void cut_view(conus_cut_view *out, const struct viewer *viewer, enum plane plane
                             .no_outlines = viewer->display.no_outlines,
                             .window = {grey[0], grey[1]},
                             .selection = answer_selection(viewer_pictured(viewer)),
-                            .no_cone = !viewer_selection(viewer),
+                            .no_cone = !viewer_selection(viewer) || viewer->tools[FIRST_TOOL].is_point,
                             .chosen = viewer_full(viewer),
                             .own_colours = viewer->display.own_colours};
     memcpy(out->centre, viewer->centre, sizeof out->centre);

@@ -6,6 +6,7 @@
 #define CONUS_VIEWER_MODEL_VIEWER_H
 
 #include "viewer/model/plan_state.h"
+#include "viewer/model/points.h"
 #include "viewer/model/tool.h"
 #include "viewer/model/view_atlas.h"
 #include "viewer/pictures/camera.h"
@@ -101,6 +102,8 @@ struct viewer {
     struct result_list list;
     struct study_state study;
     struct plan_state plan;
+    struct point_list points;
+    uint32_t chosen_point; /**< Row of the list, from 1, that the first tool asks about; 0 = none. */
 
     /* where the panes look */
     struct orbit orbit;
@@ -149,7 +152,7 @@ size_t viewer_put_coordinate(char *out, size_t size, const struct viewer *viewer
 /** How atlas @p index is asked for a tool: the options and its full opening, radians, 0 of a cylinder; with one_ray
  * those of that ray. The level is borrowed from the viewer. */
 double viewer_query(conus_selector_options *options, const struct viewer *viewer, enum tool_number tool, size_t index);
-/** What the atlases are asked with: "cone", "cylinder", or "axis" of a single ray. */
+/** What the atlases are asked with: "cone", "cylinder", "axis" of a single ray, "point" or "ball". */
 const char *viewer_shape(const struct viewer *viewer);
 /** Pins @p pin. Its name is that of its object unless that is 0, and only then it has an entry. */
 void viewer_pin(struct viewer *viewer, struct pin pin);

@@ -33,6 +33,7 @@ struct file_set {
     const char **images; /* [image_count] */
     const char **tractograms;
     size_t image_count, tractogram_count;
+    const char *points; /* A list; NULL = there is none. */
 };
 
 enum { RESUME_WHY = 512 };
@@ -53,7 +54,7 @@ struct resume {
     json_t *words;        /* Its options without those of missing files. */
 };
 
-enum kind { IS_OTHER = 0, IS_TRACTOGRAM, IS_SESSION };
+enum kind { IS_OTHER = 0, IS_TRACTOGRAM, IS_SESSION, IS_POINTS };
 
 struct looking {
     const struct open_request *request;
@@ -79,6 +80,16 @@ static bool json_names(const char *path, const char *key)
     return strstr(text, key);
 }
 
+/* Whether it is a list of points or poses; an atlas has none of these endings. */
+static bool is_list(const char *path)
+{
+    conus_pose_stream *stream = NULL;
+    bool is = path_ending_length(path, ".csv/.tsv/.txt/.xml/.fcsv/.mrk.json/.elc/.sfp/.pos/.dat") &&
+              !conus_pose_stream_open(&stream, path, NULL);
+    conus_pose_stream_destroy(stream);
+    return is;
+}
+
 static enum kind find_kind(const char *path)
 {
     struct session_file file = {0};
@@ -86,10 +97,11 @@ static enum kind find_kind(const char *path)
     session_file_finish(&file);
     return is_session || json_names(path, "\"conus_session\"") ? IS_SESSION
            : conus_path_is_tractogram(path)                    ? IS_TRACTOGRAM
+           : is_list(path)                                     ? IS_POINTS
                                                                : IS_OTHER;
 }
 
-/* Whether what is at `path` may be an atlas by itself: it is no session and no tractogram. Reads it. */
+/* Whether what is at `path` may be an atlas by itself: it is no session, tractogram or list. Reads it. */
 static bool files_may_be_atlas(const char *path)
 {
     return find_kind(path) == IS_OTHER;
@@ -139,6 +151,9 @@ static void look_at_files(void *user)
             looking->fine = use_atlas(set, path, true, looking->why);
         } else if (kind == IS_TRACTOGRAM) {
             set->tractograms[set->tractogram_count++] = path;
+        } else if (kind == IS_POINTS) {
+            looking->fine = !set->points || refuse_second(set->points, path, "lists of points", looking->why);
+            set->points = path;
         } else {
             set->images[set->image_count++] = path;
         }
@@ -303,7 +318,7 @@ static void leave_options(struct view_settings *settings)
     settings->atlas = (struct atlas_settings){.max_memory = settings->atlas.max_memory, .shelf = settings->atlas.shelf};
     settings->context = (struct context_choice){0};
     settings->transfer = settings->session = NULL;
-    settings->poses = NULL;
+    settings->poses = settings->pose = NULL;
     settings->depth = settings->radius = 0;
     settings->arguments = NULL;
     settings->space = (struct space_settings){0};
@@ -344,6 +359,7 @@ static bool open_path(struct window *window, const char *text, const struct atla
     struct viewer *before = window->viewer;
     struct viewer *viewer = NULL;
     struct atlases atlases = {0};
+    struct point_list points = {0};
     conus_frame frame = {0};
     const struct loading request = {.path = text, .settings = &settings.atlas, .context = &settings.context};
     if (before) {
@@ -367,10 +383,14 @@ static bool open_path(struct window *window, const char *text, const struct atla
             code =
                 pose_settings_match_list(window->inputs.replay.poses, settings.poses, &atlases, NULL, &settings.common);
         }
+        code = code || !settings.pose ? code
+                                      : points_load(&points, settings.pose, &atlases, &frame, settings.radius,
+                                                    &settings.common, settings.atlas.max_memory);
         viewer = code ? NULL : create_viewer(&atlases, path, &settings, window->wake);
     }
     if (viewer) {
         viewer->frame = frame;
+        points_use(viewer, &points);
         for (size_t i = 0; i < atlases.count; i++) {
             atlases.items[i].atlas = NULL; /* they are the viewer's now */
         }
@@ -382,6 +402,7 @@ static bool open_path(struct window *window, const char *text, const struct atla
     } else if (atlases.count && !why[0]) {
         snprintf(why, LOADER_WHY, "%s", error_line());
     }
+    points_finish(&points);
     atlases_finish(&atlases);
     if (before && viewer) {
         viewer->display.radiological = before->display.radiological;
@@ -619,25 +640,33 @@ static bool open_words(struct window *window, const json_t *words, int step, con
     return fine;
 }
 
-/* Adds images, tractograms and an atlas to the atlas that is open. */
+/* Adds images, tractograms, an atlas and a list to the atlas that is open. */
 static bool add_all(struct window *window, const struct file_set *set, const struct view_settings *settings,
                     char why[LOADER_WHY])
 {
-    const char *first = set->atlas ? set->atlas : set->image_count ? set->images[0] : set->tractograms[0];
+    const size_t volumes = set->image_count;
+    const size_t files = volumes + set->tractogram_count;
+    const struct {
+        enum addition kind;
+        const char *path;
+    } others[] = {{ADD_ATLAS, set->atlas}, {ADD_POSE, set->points}};
+    const char *first = set->atlas ? set->atlas : volumes ? set->images[0] : files ? set->tractograms[0] : set->points;
     if (!window->viewer) {
         snprintf(why, LOADER_WHY, "%.300s: %s: open the atlas that it belongs to first, then this", first,
-                 set->image_count ? "an image" : "a tractogram");
+                 volumes ? "an image"
+                 : files ? "a tractogram"
+                         : "a list of points");
         print_error_line("%s", why);
         return false;
     }
     const json_t *words = window_words(window);
     json_t *all = json_copy((json_t *)words);
-    size_t volumes = set->image_count;
-    size_t files = volumes + set->tractogram_count;
-    for (size_t i = 0; i < files + (set->atlas != NULL) && all; i++) {
-        enum addition kind = i < volumes ? ADD_CONTEXT : i < files ? ADD_STREAMLINES : ADD_ATLAS;
-        const char *path = i < volumes ? set->images[i] : i < files ? set->tractograms[i - volumes] : set->atlas;
-        json_t *more = additions_with(all, kind, path);
+    for (size_t i = 0; i < files + 2 && all; i++) {
+        enum addition kind = i < volumes ? ADD_CONTEXT : i < files ? ADD_STREAMLINES : others[i - files].kind;
+        const char *path = i < volumes ? set->images[i]
+                           : i < files ? set->tractograms[i - volumes]
+                                       : others[i - files].path;
+        json_t *more = path ? additions_with(all, kind, path) : json_incref(all);
         json_decref(all);
         all = more;
     }
@@ -665,7 +694,7 @@ static bool open_sorted(struct window *window, struct file_set *set, enum openin
         set->atlas = NULL;
     }
     leave_options(&later);
-    bool adds = set->atlas || set->image_count || set->tractogram_count;
+    bool adds = set->atlas || set->image_count || set->tractogram_count || set->points;
     return fine && (!adds || add_all(window, set, &later, why));
 }
 

@@ -210,9 +210,17 @@ static bool show_again(struct window *window, struct atlases *loaded, const stru
     char update[LOADER_WHY];
     json_t *added = additions_describe(atlas, words);
     bool has_target = plans_targets_are_same(words, json_object_get(window->files.opened, "options"));
+    struct point_list points = {0};
+    const struct view_settings *settings = &worded->settings;
     tell_update(update, sizeof update, window, atlas, words);
-    bool fine = exchange(window, loaded, added, how, why);
+    bool fine = !settings->pose || !points_load(&points, settings->pose, loaded, &viewer->frame, settings->radius,
+                                                &settings->common, settings->atlas.max_memory);
+    if (!fine) {
+        snprintf(why, LOADER_WHY, "%s", error_line());
+    }
+    fine = fine && exchange(window, loaded, added, how, why);
     if (fine) {
+        points_use(viewer, &points);
         window->files.hemispheres = how;
         json_object_set(window->files.opened, "options", (json_t *)words);
         json_object_set(window->files.opened, "added", added);
@@ -236,6 +244,7 @@ static bool show_again(struct window *window, struct atlases *loaded, const stru
         why[0] = '\0';
     }
     json_decref(added);
+    points_finish(&points);
     return fine;
 }
 

@@ -21,6 +21,13 @@ const struct option scene_options[] = {
 };
 
 const struct option needle_options[] = {
+    {.name = "pose",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct view_settings, pose),
+     .value = "FILE",
+     .help =
+         "points and poses, such as contacts, optodes or coils: all are drawn as balls with their names, and one is "
+         "chosen to be asked about"},
     {.name = "poses",
      .type = OPTION_TEXT,
      .offset = offsetof(struct view_settings, poses),
@@ -68,7 +75,7 @@ static const struct command cmd_words = {
 /* Whether a session keeps the option; poses to replay are no part of it. */
 static bool is_kept(const struct option *option, bool has_plan)
 {
-    if (option == needle_options) {
+    if (strcmp(option->name, "poses") == 0) {
         return has_plan;
     }
     for (const struct option_group *group = groups; group->title; group++) {
@@ -209,6 +216,7 @@ int worded_parse(struct worded *out, const json_t *words, const struct view_sett
     settings->transfer = out->read.transfer;
     settings->space = out->read.space;
     settings->poses = out->read.poses ? out->read.poses : given->poses;
+    settings->pose = out->read.pose;
     settings->depth = out->read.depth;
     settings->radius = out->read.radius;
     settings->arguments = &out->arguments;

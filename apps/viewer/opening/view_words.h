@@ -13,7 +13,7 @@ struct view_settings {
     struct common_settings common;
     struct space_settings space;
     struct station_settings station;
-    const char *poses;
+    const char *poses, *pose;
     struct context_choice context;
     struct constraint_settings constraints;
     double depth, radius; /* mm, of the first tool; 0 = not given */
@@ -27,7 +27,7 @@ struct view_settings {
 
 /** --transfer. */
 extern const struct option scene_options[];
-/** --poses, --depth, --radius. */
+/** --pose, --poses, --depth, --radius. */
 extern const struct option needle_options[];
 
 /** Those of @p arguments (NULL = none) that are of the atlas, its context, its space and a plan, but for --max-memory,

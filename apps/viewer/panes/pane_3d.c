@@ -275,7 +275,7 @@ static uint32_t find_seen(struct window *window, float x, float y)
     return place->object;
 }
 
-/* A name on another area that is hit, and so has a colour, would seem to be that area's. */
+/* A name on another area that is hit, and so has a colour, or is chosen would seem to be that area's. */
 static bool allows_name(void *user, const struct ui_box *box, uint32_t object)
 {
     struct window *window = user;
@@ -286,7 +286,8 @@ static bool allows_name(void *user, const struct ui_box *box, uint32_t object)
         float x = box->x + fminf((float)(column * SEEN_CELL), box->width);
         float y = box->y + (i % 2 ? 0.9F : 0.1F) * box->height;
         uint32_t other = find_seen(window, x, y);
-        does = !other || other == object || !viewer_rank(window->viewer, other);
+        does = !other || other == object ||
+               !(viewer_rank(window->viewer, other) || other == window->viewer->drawn->shown.chosen);
     }
     return does;
 }
@@ -560,6 +561,9 @@ static void use_click(struct window *window)
     struct viewer *viewer = window->viewer;
     const struct hover *pressed = &window->frame.pressed;
     enum tool_number tool = tool_moved_by(viewer, POINT_BY_MOUSE);
+    if (!viewer->measure.on && pane_points_choose(window, window->frame.turned, NULL)) {
+        return;
+    }
     if (tool < TOOL_COUNT && viewer->tools[tool].has_pose && !viewer->measure.on) {
         tool_hold(viewer, tool);
         point_at(window, pressed); /* of one that was let go */
@@ -691,6 +695,7 @@ void pane_3d(struct window *window)
     ui_clip(*box);
     pane_chosen(window);
     draw_compass(window);
+    pane_points(window, PANE_3D, box, NULL);
     pane_cones(window);
     pane_cross(window);
     pane_chosen_names(window);

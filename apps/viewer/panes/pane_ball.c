@@ -18,8 +18,7 @@ enum { HALVINGS = 6 };
 
 bool pane_tool_shows(const struct window *window, enum tool_number number)
 {
-    const struct tool *tool = &window->viewer->tools[number];
-    return tool->has_pose && (number == FIRST_TOOL || tool->on);
+    return tool_has_cone(window->viewer, number);
 }
 
 struct pen pane_tool_pen(const struct window *window, enum tool_number number)

@@ -307,6 +307,9 @@ static void use_mouse(struct window *window, const struct cut *cut, enum plane p
         if (mouse.pressed[0]) {
             viewer_measure(viewer, at);
         }
+    } else if (ui_surface_held() && mouse.pressed[0] &&
+               pane_points_choose(window, (float[]){mouse.x, mouse.y}, &cut->plane)) {
+        return;
     } else if (ui_surface_held() && mouse.down[0]) {
         viewer_cross(viewer, at);
         viewer->drawn->shown.chosen =
@@ -334,6 +337,7 @@ void pane_cut(struct window *window, enum plane plane)
         use_mouse(window, &cut, plane);
     }
     ui_clip(*box);
+    pane_points(window, plane, box, &cut.plane);
     pane_cones_cut(window, &cut.plane);
     draw_crosshair(window, &cut);
     draw_title(&cut);

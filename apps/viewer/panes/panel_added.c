@@ -8,12 +8,13 @@
 #include <math.h>
 #include <stdio.h>
 
-/* The syntax of the line, by kind. */
+/* What the line takes, by kind. */
 static const char *const keys[ADDITION_COUNT] = {
-    "FILE: a volume, in place of another one, or a surface",
-    "FILE,threshold=T,name=S,unit=S,volume=K or FILE,band=LOW:HIGH:NAME, as for --pathway",
-    "FILE,radius=MM,name=S,space=lps,moves, as for --streamlines; without a radius it is 0.5 mm",
-    "FILE, or the name of an installed atlas, in the same space: it gets the same questions, as for --atlas"};
+    "a volume, in place of another one, or a surface",
+    "a map of probabilities, or a mask; behind it may stand ,threshold=0.5 ,name=Arcuate ,unit=z ,volume=2",
+    "a tractogram; behind it may stand ,radius=1 (mm; else 0.5) ,name=Arcuate ,space=lps ,moves",
+    "a list of contacts, optodes, coils or other points and poses, in place of another one",
+    "an atlas, or the name of an installed one, in the same space: it gets the same questions"};
 
 /* Draws a file's name and keys; the tip has the whole path. */
 static void draw_file(struct window *window, size_t index, enum addition kind, const char *value)

@@ -19,7 +19,7 @@ static void show_replay(struct window *window)
     struct replay *replay = &window->inputs.replay;
     size_t count = replay->poses ? conus_pose_list_count(replay->poses) : 0;
     if (!count) {
-        ui_text("no poses: start with --poses FILE");
+        ui_text(window->viewer->points.count ? "a row of the list in Points" : "no list: --pose FILE, or --poses FILE");
         return;
     }
     uint32_t row = (uint32_t)replay->at + 1;
@@ -140,12 +140,7 @@ static void choose_hits(struct window *window)
 
 enum { SCORE_LIMIT = 64 };
 
-static const char *const layers[] = {"first hits", "all depths"};
-static const char *const apertures[] = {"circle", "square"};
-static const char *const samplings[] = {"exact", "slices"};
-static const char *const engines[] = {"rays", "gl"};
-
-static bool choose_score(struct viewer *viewer)
+static void choose_score(struct viewer *viewer)
 {
     const char *names[SCORE_LIMIT];
     size_t count = 0;
@@ -157,77 +152,20 @@ static bool choose_score(struct viewer *viewer)
             names[count++] = info->name;
         }
     }
-    bool changed = ui_choose("Score", &chosen, names, count);
+    if (ui_choose("Score", &chosen, names, count)) {
+        viewer->cone.options.score = names[chosen];
+        tool_reselect(viewer);
+    }
     ui_tip("by what the hits are ranked, the best first: conus query --help says what each means");
-    viewer->cone.options.score = names[chosen];
-    return changed;
 }
 
-static bool choose_shape(struct viewer *viewer)
+static void choose_shape(struct window *window)
 {
-    bool cylinder = viewer->cone.options.radius > 0;
-    bool changed = ui_check("A cylinder in place of the cone", &cylinder,
-                            "in place of the cone a tube around its axis, such as a needle or a probe");
-    if (changed) {
-        viewer->cone.options.radius = cylinder ? 2 : 0;
+    bool cylinder = window->viewer->cone.options.radius > 0;
+    if (ui_check("A cylinder in place of the cone", &cylinder,
+                 "in place of the cone a tube around its axis, such as a needle or a probe")) {
+        property_set(window, PROPERTY_RADIUS, cylinder ? 2 : 0);
     }
-    return changed;
-}
-
-/* Chooses how wide the tool is: a cylinder has no opening. */
-static void choose_width(struct window *window)
-{
-    double *radius = &window->viewer->cone.options.radius;
-    if (*radius <= 0) {
-        panel_property(window, PROPERTY_ANGLE);
-        return;
-    }
-    if (ui_slider("Radius", radius, 0.1, 50, "%.4g mm", true)) {
-        tool_reselect(window->viewer);
-    }
-    ui_tip("radius of the cylinder, mm; Expert makes it a cone again");
-}
-
-/* Exact sampling has no slices, and no fraction of them. */
-static bool choose_slices(conus_selector_options *options)
-{
-    double part = options->slice_fraction > 0 ? options->slice_fraction : 0.2; /* the default, Eq. 7 */
-    if (options->sampling == CONUS_SAMPLING_EXACT) {
-        options->slice_fraction = 0;
-        options->slices = 0;
-        return false;
-    }
-    bool changed = ui_slider("Slices", &part, 0.01, 1, "%.2f of the picture's", true);
-    ui_tip("which part of the picture's slices the cone asks at (--slice-fraction)");
-    options->slice_fraction = changed ? part : options->slice_fraction;
-    options->range[0] = options->range[1] = 0; /* needs exact sampling */
-    changed = ui_count("Picture's slices", &options->slices, 0, 2048) || changed;
-    ui_tip("how many slices the picture has (--slices); 0 = 1.41 times the longest edge of the volume, in voxels");
-    return changed;
-}
-
-static bool choose_look(struct viewer *viewer)
-{
-    conus_selector_options *options = &viewer->cone.options;
-    uint32_t resolution = options->resolution ? options->resolution : CONUS_RESOLUTION_DEFAULT;
-    size_t aperture = (size_t)options->aperture;
-    size_t sampling = (size_t)options->sampling;
-    size_t engine = options->engine == CONUS_ENGINE_GL;
-    bool changed = ui_count("Pixels", &resolution, 1, 64);
-    ui_tip("N, of N x N rays, one per pixel of the image that the device sees");
-    changed = ui_choose("Aperture", &aperture, apertures, 2) || changed;
-    ui_tip("the pixels that count: those in the circle, or all of the square");
-    changed = ui_choose("Sampling", &sampling, samplings, 2) || changed;
-    ui_tip("every voxel along a ray, or planes across the view only, which can miss thin objects");
-    changed = ui_choose("Engine", &engine, engines, 2) || changed;
-    ui_tip("what traces the rays, the processor or OpenGL: the hits are the same");
-    options->layers = sampling == CONUS_SAMPLING_SLICES ? CONUS_LAYERS_VISIBLE : options->layers;
-    options->resolution = resolution;
-    options->aperture = (conus_aperture)aperture;
-    options->sampling = (conus_sampling)sampling;
-    changed = choose_slices(options) || changed;
-    options->engine = engine ? CONUS_ENGINE_GL : CONUS_ENGINE_RAYS;
-    return changed;
 }
 
 static void show_pose(struct viewer *viewer)
@@ -273,19 +211,6 @@ static void choose_pointer(struct window *window)
     panel_speed(window, viewer->tools[FIRST_TOOL].pointer);
 }
 
-/* Where all hits cannot be had, slices are left. */
-static void choose_layers(struct viewer *viewer)
-{
-    conus_selector_options *options = &viewer->cone.options;
-    size_t layer = (size_t)options->layers;
-    char tip[KEYS_TIP];
-    if (ui_choose("Show", &layer, layers, 2)) {
-        options->layers = options->sampling == CONUS_SAMPLING_SLICES ? CONUS_LAYERS_VISIBLE : (conus_layers)layer;
-        tool_reselect(viewer);
-    }
-    ui_tip(keys_tip(tip, PROPERTY_LAYERS));
-}
-
 enum { FOUND_SHOWN = 5 };
 
 /* Lists the areas that fit best where the list of areas, which has them all, is folded. */
@@ -319,11 +244,11 @@ void panel_question(struct window *window)
 {
     struct viewer *viewer = window->viewer;
     choose_pointer(window);
-    choose_width(window);
+    panel_property(window, viewer->cone.options.radius > 0 ? PROPERTY_RADIUS : PROPERTY_ANGLE);
     if (viewer->tools[FIRST_TOOL].pointer == POINT_BY_MOUSE) {
         panel_property(window, PROPERTY_START);
     }
-    choose_layers(viewer);
+    panel_property(window, PROPERTY_LAYERS);
     search_area(window);
 }
 
@@ -336,11 +261,13 @@ static void choose_details(struct window *window)
     panel_property(window, PROPERTY_ONE_RAY);
     panel_property(window, PROPERTY_DEVICE_VIEW);
     if (!viewer->cone.one_ray) {
-        bool changed = choose_shape(viewer);
-        changed = choose_score(viewer) || changed;
-        changed = choose_look(viewer) || changed;
-        if (changed) {
-            tool_reselect(viewer);
+        static const enum property_id rows[] = {PROPERTY_RESOLUTION, PROPERTY_APERTURE,       PROPERTY_SAMPLING,
+                                                PROPERTY_ENGINE,     PROPERTY_SLICE_FRACTION, PROPERTY_SLICES};
+        const size_t count = viewer->cone.options.sampling == CONUS_SAMPLING_SLICES ? 6 : 4;
+        choose_shape(window);
+        choose_score(viewer);
+        for (size_t i = 0; i < count; i++) {
+            panel_property(window, rows[i]);
         }
     }
     choose_hits(window);

@@ -41,27 +41,6 @@ static void choose_dpi(struct sheet *sheet)
     }
 }
 
-static void choose_text(struct window *window)
-{
-    struct sheet *sheet = &window->sheet;
-    size_t legend = (size_t)sheet->legend;
-    size_t backdrop = (size_t)window->viewer->display.backdrop;
-    bool text = !sheet->no_text;
-    const char *names[BACKDROP_COUNT] = {"white on paper, else light"}; /* figures have no theme */
-    memcpy(names + 1, backdrop_names + 1, sizeof names - sizeof names[0]);
-    if (ui_choose("Background", &backdrop, names, BACKDROP_COUNT)) {
-        window->viewer->display.backdrop = (enum backdrop)backdrop;
-    }
-    ui_tip("of the 3-D pane, too, which shows a transparent one white");
-    if (ui_choose("Legend", &legend, figure_legends, CONUS_LEGEND_NONE + 1)) {
-        sheet->legend = (conus_legend)legend;
-    }
-    ui_tip("where the areas that the cone hits are listed; right and below make the figure higher where it needs that");
-    if (ui_check("letters of directions, scale and legend", &text, "without them nothing says which side is left")) {
-        sheet->no_text = !text;
-    }
-}
-
 /* Sets the ending of the name, which says the format. */
 static void choose_format(struct figure_form *form)
 {
@@ -107,18 +86,19 @@ void panel_figure(struct window *window)
 {
     static const char *const panes[] = {"axial cut", "coronal cut", "sagittal cut", "3-D"};
     struct sheet before = window->sheet;
-    enum backdrop backdrop = window->viewer->display.backdrop;
     window_panel(window, "Save a figure (Ctrl+P; Escape closes this)", 520, plans_is_on(window->viewer) ? 387 : 357);
     ui_choose("Of", &window->forms.figure.pane, panes, PANE_COUNT);
     ui_tip("drawn anew at this size: the place, the cone and the look that the pane has now");
     choose_size(&window->sheet);
     choose_dpi(&window->sheet);
-    choose_text(window);
+    panel_property(window, PROPERTY_BACKGROUND);
+    panel_property(window, PROPERTY_FIGURE_LEGEND);
+    panel_property(window, PROPERTY_FIGURE_TEXT);
     if (plans_is_on(window->viewer)) {
         ui_text_wrapped(THEME_HINT, "without the plan's target, no-go areas and verdict: P saves the window with them");
     }
     ui_separator();
     choose_name(window);
     ui_panel_end();
-    window->viewer->version += !sheet_is_same(&before, &window->sheet) || backdrop != window->viewer->display.backdrop;
+    window->viewer->version += !sheet_is_same(&before, &window->sheet);
 }

@@ -125,7 +125,7 @@ static void draw_rows(struct viewer *viewer, const struct view_atlas *view, enum
     size_t *order = result_order(viewer, view, selection);
     for (size_t i = 0; i < count; i++) {
         const conus_result *result = conus_selection_result(selection, order ? order[i] : i);
-        bool is_empty = !result->object && !result->pixels; /* no ray went past all areas */
+        bool is_empty = !result->object && !result->pixels && !(result->share > 0); /* no ray went past all areas */
         if (!is_empty && ui_list_row()) {
             ui_id(result->object);
             draw_name(viewer, view, tool, result);

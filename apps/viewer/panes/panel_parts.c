@@ -27,6 +27,11 @@ void panel_property(struct window *window, enum property_id id)
     } else if (property->type == PROPERTY_TRUTH) {
         changed = ui_check(property->label, &is_on, tip);
         value = is_on;
+    } else if (property->type == PROPERTY_WHOLE) {
+        uint32_t count = (uint32_t)value;
+        changed = ui_count(property->label, &count, (uint32_t)range[0], (uint32_t)range[1]);
+        ui_tip(tip);
+        value = count;
     } else {
         changed = ui_slider(property->label, &value, range[0], range[1], property->format, property->is_logarithmic);
         ui_tip(tip);

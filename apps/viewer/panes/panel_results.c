@@ -8,6 +8,7 @@
 #include "viewer/model/plans.h"
 #include "viewer/ui/ui_list.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 
@@ -119,8 +120,14 @@ static void draw_title(struct window *window)
 {
     float start = ui_room() - ui_button_width("Columns") - ui_button_width("\u00bb");
     bool all = window->viewer->cone.options.layers == CONUS_LAYERS_ALL && !window->viewer->cone.one_ray;
-    char title[64];
-    snprintf(title, sizeof title, "%s of the %s", all ? "All depths" : "First hits", viewer_shape(window->viewer));
+    const conus_drawn_point *point = points_chosen(window->viewer);
+    char title[128];
+    snprintf(title, sizeof title, "%s%s%s the %s", point ? point->name : "", point ? ": " : "",
+             window->viewer->tools[FIRST_TOOL].is_point ? "what is at"
+             : all                                      ? "all depths of"
+                                                        : "first hits of",
+             viewer_shape(window->viewer));
+    title[0] = point ? title[0] : (char)toupper((unsigned char)title[0]);
     ui_tint(THEME_HINT);
     ui_text_cut(title, start);
     ui_tint_end();
@@ -190,6 +197,11 @@ static unsigned study_number(const struct viewer *viewer)
     return viewer->study.settings.kind;
 }
 
+static unsigned point_number(const struct viewer *viewer)
+{
+    return viewer->points.count ? viewer->points.number : 0;
+}
+
 static unsigned second_number(const struct viewer *viewer)
 {
     return viewer->tools[SECOND_TOOL].on;
@@ -203,6 +215,7 @@ static const struct {
 } tabs[PANEL_TABS] = {
     {"Area", "the chosen area: facts, and what can be done with it", panel_card, NULL},
     {"Kept", "the answers that were kept", draw_pins, NULL},
+    {"Points", "the list of contacts, optodes or coils, of which one is asked about", panel_points, point_number},
     {"How sure?", "the answer at other openings, or of a pose that is not exactly known (J)", draw_sureness,
      study_number},
     {"Plan", "the needles of the plan, the best first", panel_planned, plan_number},
@@ -217,6 +230,10 @@ static void draw_tabs(struct window *window)
     ui_separator();
     for (size_t i = 0; i < PANEL_TABS; i++) {
         char label[32];
+        if (tabs[i].draw == panel_points && !window->viewer->points.count) {
+            shown->shown = shown->shown == i ? 0 : shown->shown;
+            continue;
+        }
         unsigned number = tabs[i].number ? tabs[i].number(window->viewer) : 0;
         shown->shown = number && number != shown->numbers[i] ? i : shown->shown;
         shown->numbers[i] = number;

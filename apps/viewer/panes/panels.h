@@ -46,6 +46,7 @@ static inline enum theme_text panel_verdict_colour(const struct plan_verdict *ve
 /** The verdict of a plan's constraints on the first tool; nothing without a plan. */
 void panel_plan(struct window *window);
 void panel_planned(struct window *window); /**< The planned poses. */
+void panel_points(struct window *window);  /**< The list of points. */
 void panel_results(struct window *window);
 /** The button that chooses the columns of the lists. */
 void panel_columns(struct window *window);

@@ -44,6 +44,10 @@ double pane_line_cut(const struct window *window, const struct pane_plane *plane
                      const double to[3], double radius, struct pen pen);
 /** Whether a place is in a cut, likewise. */
 bool pane_is_in_cut(const struct window *window, const struct pane_plane *plane, const double place[3], double radius);
+/** The list of points over a pane, PANE_3D, or one with a cut; and the choice of one whose ball is at this pixel, false
+ * where there is none. */
+void pane_points(struct window *window, size_t pane, const struct ui_box *box, const struct pane_plane *plane);
+bool pane_points_choose(struct window *window, const float at[2], const struct pane_plane *plane);
 /** The cones of both tools, over a cut and over the 3-D pane. */
 void pane_cones_cut(struct window *window, const struct pane_plane *plane);
 void pane_cones(struct window *window);

@@ -59,7 +59,6 @@ struct painter {
     conus_log log;
     void (*wake_window)(void);
     double ms_per_pixel;
-    uint8_t bytes[LEVELS]; /* sRGB of linear light */
 };
 
 bool painting_shows_same(const struct painting *a, const struct painting *b)
@@ -87,17 +86,26 @@ static void note_error(struct painter *painter)
     wake_window(painter);
 }
 
-static uint8_t *bytes_of(const struct painter *painter, const conus_image *image)
+uint8_t *painted_bytes(const conus_image *image)
 {
     static const char *const channels[] = {"R", "G", "B"};
-    size_t pixels = (size_t)conus_image_width(image) * conus_image_height(image);
-    uint8_t *rgba = malloc(4 * pixels);
+    const size_t pixels = (size_t)conus_image_width(image) * conus_image_height(image);
+    const float *alpha = conus_image_floats(image, "A");
+    uint8_t *rgba = calloc(pixels, 4);
+    uint8_t bytes[LEVELS]; /* sRGB of linear light */
+    for (int i = 0; i < LEVELS; i++) {
+        double linear = (double)i / (LEVELS - 1);
+        double srgb = linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
+        bytes[i] = (uint8_t)(255 * srgb + 0.5);
+    }
     for (size_t c = 0; rgba && c < 3; c++) {
         const float *plane = conus_image_floats(image, channels[c]);
         for (size_t p = 0; p < pixels; p++) {
-            float level = fminf(fmaxf(plane[p], 0), 1) * (LEVELS - 1);
-            rgba[4 * p + c] = painter->bytes[(size_t)(level + 0.5F)];
-            rgba[4 * p + 3] = 255;
+            if (alpha[p] > 0) {
+                float level = fminf(fmaxf(plane[p] / alpha[p], 0), 1) * (LEVELS - 1);
+                rgba[4 * p + c] = bytes[(size_t)(level + 0.5F)];
+                rgba[4 * p + 3] = (uint8_t)(255 * fminf(alpha[p], 1) + 0.5F);
+            }
         }
     }
     return rgba;
@@ -165,7 +173,7 @@ static enum stage paint(struct painter *painter, conus_renderer *renderer, const
         return STAGE_SMOOTH;
     }
     struct painted picture = {.width = view.width, .height = view.height, .what = *what, .fine = stage == STAGE_SMOOTH};
-    picture.rgba = bytes_of(painter, image);
+    picture.rgba = painted_bytes(image);
     bool is_full = view.width == what->width && view.height == what->height;
     if (picture.rgba && !is_full) { /* the window enlarges it */
         edges_smooth(picture.rgba, view.width, view.height);
@@ -292,11 +300,6 @@ static void *run(void *user)
                                             .pathways = painter->pathways,
                                             .pathway_count = painter->pathway_count,
                                             .streamline_colour = painter->streamline_colour};
-    for (int i = 0; i < LEVELS; i++) {
-        double linear = (double)i / (LEVELS - 1);
-        double srgb = linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
-        painter->bytes[i] = (uint8_t)(255 * srgb + 0.5);
-    }
     system_step_back(niceness); /* this thread, and those it starts */
     if (conus_renderer_create(&renderer, painter->atlas, &options)) {
         note_error(painter);

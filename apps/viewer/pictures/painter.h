@@ -41,6 +41,9 @@ struct painted {
     bool fine; /**< Nothing finer will come of the same painting. */
 };
 
+/** sRGB of an image, not premultiplied, to be freed with free(); NULL without memory. */
+uint8_t *painted_bytes(const conus_image *image);
+
 /** Starts the thread; @p transfer and @p log (called on that thread) as in conus_renderer_options, opacities and haze
  * as @p appearance says, which is copied. @p wake (NULL = none) is called there when there is something new: a picture,
  * an error, the device's name. False without memory or threads. */

@@ -13,6 +13,7 @@
 
 static const char *const second_pointer_names[] = {"mouse", "wand", NULL, "tracker", "spacemouse", "gamepad"};
 static const char *const layer_names[] = {"visible", "all"};
+static const char *const layers[] = {"first hits", "all depths"};
 static const char *const aperture_names[] = {"circle", "square"};
 static const char *const sampling_names[] = {"exact", "slices"};
 static const char *const engine_names[] = {"auto", "rays", "gl"};
@@ -61,6 +62,13 @@ const struct property properties[PROPERTY_COUNT] = {
                        OF_VIEWER(tools[FIRST_TOOL].pose), REALS(16, -FAR, FAR), .undo = UNDO_LEAVES_MOVING},
     [PROPERTY_HAS_POSE] = {NULL, "has_pose", "whether it has one", OF_VIEWER(tools[FIRST_TOOL].has_pose), TRUTH,
                            .undo = UNDO_LEAVES_MOVING},
+    [PROPERTY_IS_POINT] = {NULL, "is_point", "whether only its place counts, as that of a contact",
+                           OF_VIEWER(tools[FIRST_TOOL].is_point), TRUTH, .presence = PROPERTY_ZERO,
+                           .undo = UNDO_LEAVES_MOVING},
+    [PROPERTY_CHOSEN_POINT] = {NULL, "chosen_point",
+                               "the row of the list of points that it asks about, from 1; 0 = none",
+                               OF_VIEWER(chosen_point), .type = PROPERTY_INTEGER, .high = POINT_LIMIT,
+                               .presence = PROPERTY_ZERO, .undo = UNDO_LEAVES_MOVING},
     [PROPERTY_FROZEN] = {NULL, "frozen", "whether the cone is held", OF_VIEWER(tools[FIRST_TOOL].held), TRUTH},
     [PROPERTY_POINTER] = {NULL, "pointer", "what moves the first tool", OF_VIEWER(tools[FIRST_TOOL].pointer),
                           ENUM(pointer_names)},
@@ -68,18 +76,29 @@ const struct property properties[PROPERTY_COUNT] = {
                         OF_VIEWER(tools[FIRST_TOOL].angle), REALS(1, 0.01, 179.99), .undo = UNDO_LEAVES_REPLAY,
                         .change = CHANGES_ANSWER, ANGLE},
     [PROPERTY_RADIUS] = {NULL, "radius_mm", "radius of the cylinder, mm; 0 = a cone", OF_VIEWER(cone.options.radius),
-                         REALS(1, 0, FAR)},
+                         REALS(1, 0, FAR), .change = CHANGES_ANSWER, .label = "Radius", .format = "%.4g mm",
+                         .slider = {0.1, 50}, .is_logarithmic = true,
+                         .tip = "radius of the cylinder, mm; Expert makes it a cone again"},
     [PROPERTY_RANGE] = {NULL, "range_mm", "the depths that count, mm from the apex; 0, 0 = all",
                         OF_VIEWER(cone.options.range), REALS(2, 0, FAR)},
     [PROPERTY_RESOLUTION] = {NULL, "resolution", "N, of N x N rays", OF_VIEWER(cone.options.resolution),
-                             .type = PROPERTY_WHOLE, .low = 1, .high = 1024},
+                             .type = PROPERTY_WHOLE, .low = 1, .high = 1024, .change = CHANGES_ANSWER,
+                             .label = "Pixels", .slider = {1, 64},
+                             .tip = "N, of N x N rays, one per pixel of the image that the device sees"},
     [PROPERTY_LAYERS] = {NULL, "layers", "first hits only, or all hits in the cone, occluded ones too",
-                         OF_VIEWER(cone.options.layers), ENUM(layer_names), .change = CHANGES_ANSWER},
+                         OF_VIEWER(cone.options.layers), ENUM(layer_names), .change = CHANGES_ANSWER, .label = "Show",
+                         .choices = layers},
     [PROPERTY_APERTURE] = {NULL, "aperture", "which pixels count: those in the circle, or all of the square",
-                           OF_VIEWER(cone.options.aperture), ENUM(aperture_names)},
+                           OF_VIEWER(cone.options.aperture), ENUM(aperture_names), .change = CHANGES_ANSWER,
+                           .label = "Aperture"},
     [PROPERTY_SAMPLING] = {NULL, "sampling", "every voxel along a ray, or planes across the view only",
-                           OF_VIEWER(cone.options.sampling), ENUM(sampling_names)},
-    [PROPERTY_ENGINE] = {NULL, "engine", "what traces the rays", OF_VIEWER(cone.options.engine), ENUM(engine_names)},
+                           OF_VIEWER(cone.options.sampling), ENUM(sampling_names), .change = CHANGES_ANSWER,
+                           .label = "Sampling",
+                           .tip =
+                               "every voxel along a ray, or planes across the view only, which can miss thin objects"},
+    [PROPERTY_ENGINE] = {NULL, "engine", "what traces the rays", OF_VIEWER(cone.options.engine), ENUM(engine_names),
+                         .change = CHANGES_ANSWER, .label = "Engine",
+                         .tip = "what traces the rays, the processor or OpenGL: the hits are the same"},
     [PROPERTY_FADE] = {NULL, "fade", "how much the context is thinned in 3-D", OF_VIEWER(display.fade), REALS(1, 0, 1),
                        .label = "Context faded", .format = "%.2f",
                        .tip = "how much the context is thinned in 3-D: 0 as its transfer function says, 1 not at all "
@@ -113,7 +132,10 @@ const struct property properties[PROPERTY_COUNT] = {
                             .is_set_apart = true},
     [PROPERTY_SLICE_FRACTION] = {NULL, "slice_fraction",
                                  "which part of the picture's slices are sampled; only where it is not 0, the default",
-                                 OF_VIEWER(cone.options.slice_fraction), REALS(1, 0, 1), .presence = PROPERTY_ZERO},
+                                 OF_VIEWER(cone.options.slice_fraction), REALS(1, 0, 1), .presence = PROPERTY_ZERO,
+                                 .change = CHANGES_ANSWER, .label = "Slices", .format = "%.2f of the picture's",
+                                 .slider = {0.01, 1}, .is_logarithmic = true,
+                                 .tip = "which part of the picture's slices the cone asks at (--slice-fraction)"},
     [PROPERTY_START] = {NULL, "start", "where the mouse's cone begins", OF_VIEWER(cone.start), ENUM(start_names),
                         .presence = PROPERTY_KEPT, .says = start_says, .label = "Starts", .choices = starts,
                         .tip = "where the mouse's cone has its apex: at the first surface under the mouse, of the "
@@ -135,7 +157,10 @@ const struct property properties[PROPERTY_COUNT] = {
                                "apex: with all\nlayers that of the entry, else that of the nearest hit"},
     [PROPERTY_SLICES] = {NULL, "slices", "how many slices the picture has; 0 = the default",
                          OF_VIEWER(cone.options.slices), .type = PROPERTY_WHOLE, .high = 65536,
-                         .presence = PROPERTY_KEPT},
+                         .presence = PROPERTY_KEPT, .change = CHANGES_ANSWER, .label = "Picture's slices",
+                         .slider = {0, 2048},
+                         .tip = "how many slices the picture has (--slices); 0 = 1.41 times the longest edge of the "
+                                "volume, in voxels"},
     [PROPERTY_STUDY] = {NULL, "study", "the study of the cone", OF_VIEWER(study.settings.kind), ENUM(study_names),
                         .presence = PROPERTY_KEPT, .says = study_says},
     [PROPERTY_SWEEP] = {NULL, "sweep_deg", "its angles: from, to, by, degrees", OF_VIEWER(study.settings.angles),
@@ -183,9 +208,12 @@ const struct property properties[PROPERTY_COUNT] = {
     [PROPERTY_FIGURE_DPI] = {"figure", "dpi", "pixels per inch, from 10; 0 = the default", OF_WINDOW(sheet.dpi),
                              REALS(1, 0, SHEET_DPI_LIMIT)},
     [PROPERTY_FIGURE_LEGEND] = {"figure", "legend", "where the areas that the cone hits are listed",
-                                OF_WINDOW(sheet.legend), ENUM(legend_names)},
+                                OF_WINDOW(sheet.legend), ENUM(legend_names), .label = "Legend",
+                                .tip = "where the areas that the cone hits are listed; right and below make the figure "
+                                       "higher where it needs that"},
     [PROPERTY_FIGURE_TEXT] = {"figure", "text", "whether there are letters and a legend", OF_WINDOW(sheet.no_text),
-                              TRUTH, .is_negated = true},
+                              TRUTH, .is_negated = true, .label = "letters of directions, scale and legend",
+                              .tip = "without them nothing says which side is left"},
     [PROPERTY_PANELS] = {"layout", "panels",
                          "widths of the left and the right panel, pixels at scale 1, from 240 to 4000; 0 = as at first",
                          OF_WINDOW(screen.layout.panels), REALS(2, 0, FAR)},
@@ -387,6 +415,20 @@ double property_value(const struct window *window, enum property_id id)
     return numbers[0];
 }
 
+/* Slices have no depths and only first hits; exact sampling has no slices. */
+static void settle(conus_selector_options *options)
+{
+    static const double fraction = 0.2; /* the default, Eq. 7 */
+    if (options->sampling == CONUS_SAMPLING_EXACT) {
+        options->slice_fraction = 0;
+        options->slices = 0;
+    } else {
+        options->layers = CONUS_LAYERS_VISIBLE;
+        options->range[0] = options->range[1] = 0;
+        options->slice_fraction = options->slice_fraction > 0 ? options->slice_fraction : fraction;
+    }
+}
+
 static void set(struct window *window, const struct property *property, const double numbers[PROPERTY_NUMBERS])
 {
     struct viewer *viewer = window->viewer;
@@ -400,6 +442,7 @@ static void set(struct window *window, const struct property *property, const do
     }
     switch (property->change) {
     case CHANGES_ANSWER:
+        settle(&viewer->cone.options);
         tool_reselect(viewer);
         break;
     case CHANGES_SECOND:

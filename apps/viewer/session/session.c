@@ -36,8 +36,6 @@ static void take_values(double values[PROPERTY_COUNT][PROPERTY_NUMBERS], const s
     for (size_t i = 0; i < PROPERTY_COUNT; i++) {
         property_get(values[i], &properties[i], window);
     }
-    values[PROPERTY_RESOLUTION][0] =
-        viewer->cone.options.resolution ? viewer->cone.options.resolution : CONUS_RESOLUTION_DEFAULT;
     values[PROPERTY_BY_HEAD][0] = viewer->head.on && viewer->head.known;
     values[PROPERTY_SPEED][0] = devices_speed(&window->inputs.devices);
 }

@@ -300,13 +300,14 @@ static struct notice notice_of_tracker(bool has_pose, bool has_station, enum sta
     return (struct notice){refusal ? refusal : (has_pose ? old : none)[state], state != STATION_SEEN, has_pose};
 }
 
-static struct notice notice_of_first(const struct inputs *inputs, const struct tool *tool)
+static struct notice notice_of_first(const struct inputs *inputs, const struct viewer *viewer)
 {
+    const struct tool *tool = &viewer->tools[FIRST_TOOL];
     struct notice notice = {0};
     if (tool->pointer == POINT_BY_TRACKER) {
         notice = notice_of_tracker(tool->has_pose, inputs->station, inputs->update.state, find_refusal(inputs));
-    } else if (tool->pointer == POINT_BY_REPLAY && !inputs->replay.poses) {
-        notice = (struct notice){"no poses: see --poses", true, false};
+    } else if (tool->pointer == POINT_BY_REPLAY && !inputs->replay.poses && !viewer->points.count) {
+        notice = (struct notice){"no list: open one, or see --poses", true, false};
     } else if (tool->pointer == POINT_BY_MOUSE) {
         notice.text = !tool->has_pose ? "move the mouse over the brain"
                       : tool->held    ? "held: click again to follow"
@@ -360,7 +361,7 @@ void inputs_notice(struct notice *out, const struct inputs *inputs, const struct
 {
     static const char *const held[TOOL_COUNT] = {"held: Space lets it move again", "held: 4 lets it move again"};
     const struct tool *tool = &viewer->tools[number];
-    *out = number == SECOND_TOOL ? notice_of_second(inputs, viewer) : notice_of_first(inputs, tool);
+    *out = number == SECOND_TOOL ? notice_of_second(inputs, viewer) : notice_of_first(inputs, viewer);
     if (!out->is_trouble) {
         find_trouble(out, &inputs->devices.heard[number], tool, number);
     }
@@ -398,21 +399,46 @@ double replay_time(const struct replay *replay, size_t index)
     return isfinite(time - first) ? time - first : default_step_s * (double)index;
 }
 
+/* Moves the first tool to a row, with its angle if it has one. */
+static void aim_at(struct viewer *viewer, const conus_pose_row *row)
+{
+    if (row->angle > 0 && viewer->cone.options.radius == 0) {
+        viewer->tools[FIRST_TOOL].angle = row->angle * 180 / M_PI;
+    }
+    (row->is_point ? tool_aim_point : tool_aim)(viewer, FIRST_TOOL, &row->pose);
+}
+
 void replay_show(struct replay *replay, struct viewer *viewer, size_t index)
 {
     const conus_pose_row *row = conus_pose_list_row(replay->poses, index);
     replay->at = index;
-    if (row->error || row->is_point) {
-        viewer_say(viewer, "line %zu: %s", row->line, row->error ? row->error : "a point, which has no direction");
+    if (row->error) {
+        viewer_say(viewer, "line %zu: %s", row->line, row->error);
         return;
     }
-    if (row->angle > 0 && viewer->cone.options.radius == 0) {
-        viewer->tools[FIRST_TOOL].angle = row->angle * 180 / M_PI;
-    }
-    tool_aim(viewer, FIRST_TOOL, &row->pose);
+    aim_at(viewer, row);
     if (row->trigger) {
         tool_confirm(viewer, FIRST_TOOL);
     }
+}
+
+void points_choose(struct viewer *viewer, uint32_t row)
+{
+    const conus_pose_row *of = row ? conus_pose_list_row(viewer->points.poses, row - 1) : NULL;
+    if (of && of->error) {
+        viewer_say(viewer, "line %zu: %s", of->line, of->error);
+        return;
+    }
+    tool_choose(viewer, FIRST_TOOL, of ? POINT_BY_REPLAY : POINT_BY_MOUSE);
+    viewer->chosen_point = of ? row : 0;
+    if (!of) {
+        tool_clear(viewer);
+        return;
+    }
+    aim_at(viewer, of);
+    const conus_result *best = conus_selection_result(viewer_selection(viewer), 0);
+    const bool has_contact = best && best->object && best->pixels;
+    viewer_cross(viewer, has_contact ? best->contact : of->pose.world_from_device + 12);
 }
 
 void replay_toggle(struct replay *replay, double clock)

@@ -265,8 +265,10 @@ void ui_panel(const char *title, struct ui_box box, unsigned flags)
     ImGui::SetNextWindowSize(ImVec2(box.width, box.height));
     ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, flags & UI_IN_FRONT ? 1.0F : 0.0F); /* what is below is alike */
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(flags & UI_NARROW ? padding.x / 2 : padding.x, padding.y));
+    const ImVec2 frame = ImGui::GetStyle().FramePadding; /* the title of a form stands above what is in it */
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(flags & UI_IN_FRONT ? padding.x : frame.x, frame.y));
     ImGui::Begin(title, nullptr, window);
-    ImGui::PopStyleVar(2);
+    ImGui::PopStyleVar(3);
     if (plain) {
         ImGui::PopStyleVar(2);
     }
@@ -425,13 +427,16 @@ void ui_text_wrapped(enum theme_text colour, const char *text)
 }
 
 /* A panel's tip stands beside it, where it hides no other widget; over pictures it is at the mouse. */
-static void place_tip()
+static void place_tip(const char *text)
 {
     const ImGuiWindow *panel = ImGui::GetCurrentWindowRead()->RootWindow;
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
     const float y = ImGui::GetItemRectMin().y;
-    const bool is_at_right = panel->Pos.x + panel->Size.x / 2 > screen.x / 2;
-    if (!(panel->Flags & ImGuiWindowFlags_NoScrollWithMouse)) {
+    const float wide = ImGui::CalcTextSize(text).x + 2 * ImGui::GetStyle().WindowPadding.x;
+    const float right = screen.x - panel->Pos.x - panel->Size.x;
+    const bool is_at_right = panel->Pos.x > right;
+    const bool has_room = wide <= (is_at_right ? panel->Pos.x : right);
+    if (has_room && !(panel->Flags & ImGuiWindowFlags_NoScrollWithMouse)) {
         ImGui::SetNextWindowPos(ImVec2(is_at_right ? panel->Pos.x : panel->Pos.x + panel->Size.x, y), ImGuiCond_Always,
                                 ImVec2(is_at_right ? 1 : 0, y > screen.y / 2 ? 0.8F : 0));
     }
@@ -441,7 +446,7 @@ void ui_tip(const char *text)
 {
     audit_tip();
     if (ImGui::IsItemHovered()) {
-        place_tip();
+        place_tip(text);
         ImGui::BeginTooltip();
         ImGui::TextUnformatted(text);
         ImGui::EndTooltip();

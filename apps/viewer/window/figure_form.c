@@ -101,8 +101,8 @@ static void add_tool(struct marks *marks, const struct window *window, enum tool
     const struct tool *tool = &viewer->tools[number];
     const struct cone_sight *sight = &window->pictures.cones[number];
     const conus_selection *selection = view_atlas_selection(viewer->drawn, number);
-    bool is_shown = tool->has_pose && (number == FIRST_TOOL || tool->on) && sight->is_seen &&
-                    sight->answer_number == tool->answer_number && eye_is_same(&sight->view.eye, eye);
+    bool is_shown = tool_has_cone(viewer, number) && sight->is_seen && sight->answer_number == tool->answer_number &&
+                    eye_is_same(&sight->view.eye, eye);
     uint32_t rgb = inputs_is_old(&window->inputs, viewer, number) ? LOOK_CONE_OLD : colours[number];
     if (!is_shown) {
         return;
@@ -139,11 +139,13 @@ static conus_status draw_3d(conus_image **out, const char **refusal, const struc
         return CONUS_ERROR_MEMORY;
     }
     conus_view view = {.selection = answer_selection(viewer_pictured(viewer)),
-                       .no_cone = !viewer_selection(viewer),
+                       .no_cone = !tool_has_cone(viewer, FIRST_TOOL),
                        .chosen = viewer_full(viewer),
                        .fade = viewer_fade(viewer),
                        .shapes = shapes,
-                       .measured = measured(viewer)};
+                       .measured = measured(viewer),
+                       .points = viewer->points.points,
+                       .point_count = viewer->points.count};
     window_eye(window, &eye);
     for (enum tool_number number = FIRST_TOOL; number < TOOL_COUNT; number++) {
         add_tool(marks, window, number, &eye);
@@ -169,7 +171,10 @@ static conus_status draw_3d(conus_image **out, const char **refusal, const struc
 static conus_status draw_cut(conus_image **out, const struct window *window, enum plane plane,
                              const struct figure_settings *settings, bool shapes)
 {
-    conus_view sheet = {.shapes = shapes, .measured = measured(window->viewer)};
+    conus_view sheet = {.shapes = shapes,
+                        .measured = measured(window->viewer),
+                        .points = window->viewer->points.points,
+                        .point_count = window->viewer->points.count};
     conus_cut_view view;
     figure_view(&sheet, settings);
     const struct viewer *viewer = window->viewer;

@@ -336,6 +336,9 @@ static void pictures_drop(struct pictures *pictures)
         texture_drop(&pictures->shadows[which].texture);
         cells_finish(&pictures->shadows[which].cells);
     }
+    for (int p = 0; p < PANE_COUNT; p++) {
+        texture_drop(&pictures->points[p].texture);
+    }
     for (int p = 0; p < PLANE_COUNT; p++) {
         texture_drop(&pictures->cuts[p].texture);
         conus_cutter_destroy(pictures->cuts[p].cutter);

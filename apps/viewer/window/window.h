@@ -68,6 +68,14 @@ struct cone_line {
     bool dashed;
 };
 
+enum { POINTS_KEY = 32 };
+
+/** The list of points over a pane. */
+struct point_layer {
+    struct texture texture;
+    double key[POINTS_KEY]; /**< What it was drawn for. */
+};
+
 enum { SEEN_PLACES = 1024 };
 
 /** What the 3-D pane shows at places of it, as far as it was asked for. */
@@ -171,7 +179,7 @@ struct window_files {
     char *saved_last;      /**< The newest file that was saved where the user said; NULL = none. */
 };
 
-enum { PANEL_TABS = 7 };
+enum { PANEL_TABS = 8 };
 
 /** What the panel of the answer shows below the question. */
 struct panel_tabs {
@@ -202,6 +210,7 @@ struct pictures {
     struct cut_pane cuts[PLANE_COUNT];
     struct texture painted, device_view;
     struct shadow shadows[OUTLINE_COUNT];
+    struct point_layer points[PANE_COUNT];
     struct cone_sight cones[TOOL_COUNT];
     struct cone_sight cross; /**< Of the crosshair only its lines, */
     double crossed[3];       /**< for this place. */

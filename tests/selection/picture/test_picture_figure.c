@@ -2,6 +2,7 @@
 /* Pictures for papers: sides, backgrounds, letters, places of the legend, and sizes on paper. */
 #include "base/geometry/math3.h"
 #include "base/look.h"
+#include "base/memory.h"
 #include "picture_scene.h"
 #include "render/image/image.h"
 #include "selection/picture/picture.h"
@@ -592,8 +593,7 @@ static void points_that_cannot_be_drawn_are_refused(void **state)
     const conus_drawn_probe probe = {"P", segments};
     const conus_drawn_point points[] = {
         {.at = {0, 0, 0}}, {.at = {NAN, 0, 0}}, {.at = {0, INFINITY, 0}}, {.radius = -1}, {.radius = NAN}};
-    const conus_view views[] = {{.points = points, .point_count = 1, .selection = scene.selection},
-                                {.points = points, .point_count = 1, .probes = &probe, .probe_count = 1},
+    const conus_view views[] = {{.points = points, .point_count = 1, .probes = &probe, .probe_count = 1},
                                 {.points = points + 1, .point_count = 1},
                                 {.points = points + 2, .point_count = 1},
                                 {.points = points + 3, .point_count = 1},
@@ -607,6 +607,117 @@ static void points_that_cannot_be_drawn_are_refused(void **state)
         assert_null(image);
     }
     conus_segments_destroy(segments);
+}
+
+/* The camera looks from the left at balls of 2 mm: that at 0 is in the middle, the other 90 pixels to its right. A
+ * picture of points alone is empty but for the balls, which have the same pixels as over the drawing; in a cut
+ * likewise. With a selection they are white, since colours are those of its answer. */
+static void points_alone_are_those_over_a_drawing(void **state)
+{
+    struct scene scene = need_scene(state);
+    static const conus_drawn_point points[] = {{NULL, "a", {0, 0, 0}, {NAN}, 2}, {NULL, "b", {0, -18, 0}, {NAN}, 2}};
+    conus_pose camera;
+    assert_ok(conus_pose_toward(&camera, (double[]){-100, 0, 0}, (double[]){0, 0, 0}, NULL));
+    conus_view view = {.width = 200,
+                       .height = 200,
+                       .camera = &camera,
+                       .frustum = {-0.2, 0.2, -0.2, 0.2},
+                       .no_legend = true,
+                       .points = points,
+                       .point_count = 2};
+    const conus_cut_view cut = {.mm_per_pixel = 0.2, .right = {0, -1, 0}, .up = {0, 0, 1}};
+    for (int which = 0; which < 3; which++) { /* in space, in a cut, and with a selection */
+        conus_image *alone = NULL;
+        conus_image *over = NULL;
+        view.selection = which == 2 ? scene.selection : NULL;
+        view.no_cone = which == 2;
+        assert_ok(conus_points_image(&alone, scene.atlas, &view, which == 1 ? &cut : NULL));
+        if (which == 1) {
+            conus_cut_view same = cut;
+            same.width = same.height = 200;
+            assert_ok(conus_cut_image(&over, scene.atlas, &same, &view));
+        } else {
+            assert_ok(conus_render(&over, scene.renderer, &view));
+        }
+        const float *alpha = conus_image_floats(alone, "A");
+        const size_t middles[] = {100 * 200 + 100, 100 * 200 + 190};
+        for (int n = 0; n < 2; n++) {
+            assert_near((double)alpha[middles[n]], 1, 1e-6);
+            for (const char *c = "RGB"; *c; c++) {
+                const float value = conus_image_floats(alone, (char[]){*c, 0})[middles[n]];
+                assert_near((double)value, (double)conus_image_floats(over, (char[]){*c, 0})[middles[n]], 1e-6);
+                assert_true(which < 2 || n || value > 0.99F);
+            }
+        }
+        size_t drawn = 0;
+        for (size_t p = 0; p < (size_t)200 * 200; p++) {
+            drawn += alpha[p] > 0;
+        }
+        assert_true(drawn > 300 && drawn < 2000); /* of discs of some 10 pixels, whole and with dark edges */
+        assert_true(alpha[50 * 200 + 50] == 0);
+        conus_image_destroy(alone);
+        conus_image_destroy(over);
+    }
+    conus_image *none = NULL;
+    view.camera = NULL;
+    assert_fails(conus_points_image(&none, scene.atlas, &view, NULL), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_points_image(&none, scene.atlas, &view, &(conus_cut_view){.mm_per_pixel = 0}),
+                 CONUS_ERROR_ARGUMENT);
+    assert_null(none);
+}
+
+/* All of a colour shows with half of the cone, 0.4 of it with a fiftieth, between them in eight steps; and the picture
+ * has that colour, mixed with the grey of what is not hit. */
+static void colours_are_weighted_by_share(void **state)
+{
+    struct scene scene = need_scene(state);
+    static const uint8_t second[3] = {LOOK_RGB(LOOK_RANK_2)}, grey[3] = {LOOK_RGB(LOOK_NOT_HIT)};
+    conus_selection *selection = NULL;
+    conus_pose pose;
+    bool has_weak = false;
+    assert_ok(conus_pose_toward(&pose, (double[]){-30, -60, 0}, (double[]){-14, 0, 0}, NULL));
+    assert_ok(conus_select(&selection, scene.selector, &pose, radians_from_degrees(50)));
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        const double part = fmin(fmax((result->share - 0.02) / 0.48, 0), 1);
+        const double weight = conus_selection_weight(selection, result->object);
+        assert_true(!result->object || fabs(weight - (0.4 + 0.6 * part)) <= 0.6 / 16 + 1e-9);
+        assert_near(fabs(remainder((weight - 0.4) / 0.6, 0.125)), 0, 1e-9);
+        has_weak = has_weak || (conus_selection_rank(selection, result->object) == 2 && weight < 1);
+        if (conus_selection_rank(selection, result->object) == 2) {
+            uint8_t(*rgb)[3] = NULL;
+            uint32_t *ranks = picture_ranks(selection);
+            rgb = picture_rank_colours(ranks, scene.atlas, LOOK_NOT_HIT, NULL, selection);
+            for (int c = 0; c < 3; c++) {
+                assert_near(rgb[result->object][c], weight * second[c] + (1 - weight) * grey[c], 0.51);
+            }
+            memory_free(ranks);
+            memory_free(rgb);
+        }
+    }
+    assert_true(has_weak);
+    assert_near(conus_selection_weight(NULL, 1), 1, 0);
+    assert_near(conus_selection_weight(selection, 0), 1, 0);
+    conus_selection_destroy(selection);
+}
+
+/* A ball has neither a cone nor a legend: without these what it meets is coloured. */
+static void a_ball_colours_what_is_in_it(void **state)
+{
+    struct scene scene = need_scene(state);
+    conus_selection *ball = NULL;
+    conus_image *image = NULL;
+    assert_ok(conus_select_ball(&ball, scene.selector, (double[]){-20, 0, 0}, 4));
+    conus_view view = {.width = 200, .height = 200, .side = CONUS_SIDE_LEFT, .selection = ball};
+    assert_fails(conus_render(&image, scene.renderer, &view), CONUS_ERROR_ARGUMENT);
+    view.no_cone = true;
+    assert_fails(conus_render(&image, scene.renderer, &view), CONUS_ERROR_ARGUMENT);
+    view.legend = CONUS_LEGEND_NONE;
+    assert_ok(conus_render(&image, scene.renderer, &view));
+    const size_t middle = 100 * 200 + 100;
+    assert_true(conus_image_floats(image, "R")[middle] > 2 * conus_image_floats(image, "G")[middle]); /* rank 1 */
+    conus_image_destroy(image);
+    conus_selection_destroy(ball);
 }
 
 /* The first six groups have the colours of the ranks, which look.h has; the seventh and eighth are grey together, and
@@ -929,9 +1040,24 @@ static conus_status attempt_points(void *data)
     return status;
 }
 
+static conus_status attempt_points_alone(void *data)
+{
+    static const conus_drawn_point points[] = {{"P1", "P", {0, 0, 0}, {10, 10, 10}, 2},
+                                               {"Q1", NULL, {9, 0, 0}, {NAN}, 0}};
+    static const conus_cut_view cut = {.mm_per_pixel = 1};
+    const struct scene *scene = data;
+    conus_image *image = NULL;
+    const conus_view view = {.width = 200, .height = 80, .points = points, .point_count = 2};
+    conus_status status = conus_points_image(&image, scene->atlas, &view, &cut);
+    assert_true((status == CONUS_OK) == (image != NULL));
+    conus_image_destroy(image);
+    return status;
+}
+
 static void allocations_may_fail(void **state)
 {
     struct scene scene = need_scene(state);
+    test_every_allocation(attempt_points_alone, &scene);
     test_every_allocation(attempt_points, &scene);
     test_every_allocation(attempt, &scene);
     conus_segments *segments = follow(&scene);
@@ -978,6 +1104,9 @@ TEST_GROUP(picture_figure)
         cmocka_unit_test(a_probe_is_a_line_in_the_colours_of_what_it_passes),
         cmocka_unit_test(probes_that_cannot_be_drawn_are_refused),
         cmocka_unit_test(points_that_cannot_be_drawn_are_refused),
+        cmocka_unit_test(points_alone_are_those_over_a_drawing),
+        cmocka_unit_test(colours_are_weighted_by_share),
+        cmocka_unit_test(a_ball_colours_what_is_in_it),
         cmocka_unit_test(groups_of_points_have_colours_and_rows),
         cmocka_unit_test(files_say_how_large_they_are),
         cmocka_unit_test(the_side_beside_the_cone_is_60_degrees_off),

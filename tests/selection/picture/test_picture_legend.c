@@ -120,7 +120,12 @@ static struct legend_row describe(char text[3][TEXT], const struct scene *scene,
     row.striped = behind;
     row.detail[0] = behind ? "behind" : text[0];
     row.detail[1] = text[1];
-    memcpy(row.rgb, ranks[index < 6 ? index : 6], sizeof row.rgb);
+    static const uint8_t grey[3] = {LOOK_RGB(LOOK_NOT_HIT)};
+    const double eighths = behind ? 8 : rint(8 * fmin(fmax((result->share - 0.02) / 0.48, 0), 1)); /* of a colour */
+    for (int c = 0; c < 3; c++) {
+        const double weight = 0.4 + 0.6 * eighths / 8;
+        row.rgb[c] = (uint8_t)(weight * ranks[index < 6 ? index : 6][c] + (1 - weight) * grey[c] + 0.5);
+    }
     if (!behind && index >= 6) {
         snprintf(text[2], TEXT, "%zu  %s", index + 1, object->name);
         row.name = text[2];
@@ -456,7 +461,7 @@ static void what_is_hit_differs_in_a_palette(void **state)
         places[n + 1] = n % 2 ? (uint32_t)(SLABS - n + 1) / 2 : 0;
     }
     assert_in_range(colours, 2, SLABS / 2 - 1);
-    uint8_t(*rgb)[3] = picture_rank_colours(places, atlas, 0, NULL);
+    uint8_t(*rgb)[3] = picture_rank_colours(places, atlas, 0, NULL, NULL);
     assert_non_null(rgb);
     for (size_t n = 1; n <= SLABS; n++) {
         bool keeps = places[n] <= 1;

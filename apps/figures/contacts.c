@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tells contacts of electrodes by their names. */
-#include "cli/contacts.h"
+/* Rows of a list as points of a picture; contacts of electrodes are told by their names. */
+#include "figures/contacts.h"
 
 #include "base/order.h"
 #include "base/text.h"
+#include "conus/segments.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,7 +36,8 @@ static int compare_electrodes(const void *a, const void *b)
     return order || one->length == other->length ? order : one->length < other->length ? -1 : 1;
 }
 
-bool contacts_are_all(bool *out, const conus_drawn_point *points, size_t count)
+/* Whether all names are those of contacts; false without memory. */
+static bool are_all(bool *out, const conus_drawn_point *points, size_t count)
 {
     enum { EACH = 3 };
     size_t electrodes = 0;
@@ -55,12 +58,12 @@ bool contacts_are_all(bool *out, const conus_drawn_point *points, size_t count)
     return all;
 }
 
-bool contacts_group(conus_drawn_point *points, size_t count)
+bool contacts_group(bool *grouped, conus_drawn_point *points, size_t count)
 {
-    bool whole = true;
-    for (size_t i = 0; i < count; i++) {
+    bool whole = are_all(grouped, points, count);
+    for (size_t i = 0; i < count && whole && *grouped; i++) {
         points[i].group = text_copy(points[i].name, electrode_length(points[i].name));
-        whole = whole && points[i].group;
+        whole = points[i].group;
     }
     return whole;
 }
@@ -70,4 +73,28 @@ void contacts_ungroup(conus_drawn_point *points, size_t count)
     for (size_t i = 0; i < count; i++) {
         free((char *)points[i].group);
     }
+}
+
+conus_status contacts_place(conus_drawn_point *out, const conus_pose_row *row, double radius, conus_selector *selector)
+{
+    const double *m = row->pose.world_from_device;
+    conus_segments *segments = NULL;
+    *out = (conus_drawn_point){.name = row->id,
+                               .group = row->kept ? row->kept[0] : NULL,
+                               .at = {m[12], m[13], m[14]},
+                               .end = {NAN, NAN, NAN},
+                               .radius = radius};
+    if (row->is_point) {
+        return CONUS_OK;
+    }
+    conus_status status = conus_selector_set_range(selector, row->range);
+    status = status ? status : conus_segments_create(&segments, selector, &row->pose);
+    for (size_t i = 0; i < conus_segments_count(segments) && isnan(out->end[0]); i++) {
+        const conus_segment *segment = conus_segments_segment(segments, i);
+        if (segment->object) {
+            memcpy(out->end, segment->entry_at, sizeof out->end);
+        }
+    }
+    conus_segments_destroy(segments);
+    return status;
 }

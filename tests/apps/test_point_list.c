@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The list of points: loaded, chosen from, kept by sessions, in the phantom of balls of 8, 16 and 24 mm around 0. */
+#include "viewer/model/headline.h"
+#include "viewer/model/plans.h"
+#include "viewer/model/points.h"
+#include "viewer/model/studies.h"
+#include "viewer/session/session.h"
+#include "viewer/tools/inputs.h"
+
+#include "options/messages.h"
+#include "settings/atlases.h"
+#include "test.h"
+#include "viewer/model/additions.h"
+#include "window_scene.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char points_text[] = "name,x,y,z\nA1,0,0,0\nA2,20,0,0\nA3,40,0,0\nA4,oops,0,0\nA5,-50,0,0\n";
+static const char poses_text[] = "name,x,y,z,tx,ty,tz\nB1,-50,0,0,0,0,0\nB2,0,60,0,0,0,0\n";
+
+struct list_scene {
+    struct window window;
+    struct viewer viewer;
+    struct named_atlas named;
+    struct atlases atlases;
+};
+
+/* Gives 0, and the viewer the list, or says why not by the exit code. */
+static int use_list(struct list_scene *scene, const char *text)
+{
+    static const struct common_settings quiet = {.quiet = true};
+    struct point_list list = {0};
+    const char *path = test_scratch("list.csv");
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs(text, file);
+    fclose(file);
+    int code = points_load(&list, path, &scene->atlases, &scene->viewer.frame, 0, &quiet, 0);
+    assert_int_equal(!code, list.count > 0);
+    if (!code) {
+        points_use(&scene->viewer, &list);
+    }
+    return code;
+}
+
+static void open_list(struct list_scene *out)
+{
+    window_scene_open(&out->window, &out->viewer);
+    out->window.viewer = &out->viewer;
+    out->named = (struct named_atlas){.atlas = out->viewer.atlases->atlas, .given = "nested"};
+    out->atlases = (struct atlases){.items = &out->named, .count = 1};
+    assert_int_equal(use_list(out, points_text), 0);
+}
+
+static const char *best_of(const struct viewer *viewer)
+{
+    const conus_result *best = conus_selection_result(viewer_selection(viewer), 0);
+    return best && best->object ? conus_atlas_object(viewer->atlases->atlas, best->object)->name : "";
+}
+
+static void rows_are_balls_and_a_row_with_an_error_is_none(void **state)
+{
+    struct list_scene scene;
+    (void)state;
+    open_list(&scene);
+    const struct point_list *list = &scene.viewer.points;
+    assert_int_equal(list->count, 4);
+    assert_int_equal(list->rows[3], 5);
+    assert_string_equal(list->points[1].name, "A2");
+    assert_true(isnan(list->points[1].end[0]));
+    assert_near(list->points[3].at[0], -50, 1e-9);
+    assert_true(list->has_electrodes);
+    assert_string_equal(list->points[3].group, "A");
+    assert_int_equal(use_list(&scene, poses_text), 0);
+    assert_int_equal(list->count, 2);
+    assert_near(list->points[0].end[0], -24, 1e-9); /* where its axis meets the outer ball */
+    viewer_finish(&scene.viewer);
+}
+
+static void a_chosen_point_is_asked_about(void **state)
+{
+    static const struct {
+        uint32_t row;
+        const char *best;
+        const char *more;
+        double distance;
+    } wanted[] = {{1, "Core", "at the point", 0},
+                  {2, "Shell outer", "at the point", 0},
+                  {3, "Shell outer", "nearest to the point \u00b7\u00a016.0 mm from it", 16}};
+    struct list_scene scene;
+    (void)state;
+    open_list(&scene);
+    struct viewer *viewer = &scene.viewer;
+    assert_null(points_chosen(viewer));
+    for (size_t i = 0; i < 3; i++) {
+        struct headline headline;
+        points_choose(viewer, wanted[i].row);
+        headline_find(&headline, viewer);
+        assert_string_equal(best_of(viewer), wanted[i].best);
+        assert_string_equal(headline.what, wanted[i].best);
+        assert_string_equal(headline.more, wanted[i].more);
+        assert_near(conus_selection_result(viewer_selection(viewer), 0)->distance, wanted[i].distance, 1e-6);
+        assert_ptr_equal(points_chosen(viewer), &viewer->points.points[wanted[i].row - 1]);
+        assert_near(viewer->crosshair[0], viewer->points.points[wanted[i].row - 1].at[0], 1e-9);
+        assert_false(tool_has_cone(viewer, FIRST_TOOL)); /* nor a needle, nor a sweep */
+        viewer->study.settings.kind = STUDY_SWEEP;
+        assert_false(studies_is_on(viewer));
+    }
+    points_choose(viewer, 4); /* it has an error: all stays */
+    assert_int_equal(viewer->chosen_point, 3);
+    assert_non_null(strstr(viewer->message, "line 5"));
+    points_choose(viewer, 0);
+    assert_null(viewer_selection(viewer));
+    assert_int_equal(viewer->tools[FIRST_TOOL].pointer, POINT_BY_MOUSE);
+    viewer_finish(&scene.viewer);
+}
+
+/* A ball of 10 mm around 0 has the core's 2176 voxels, and 2048 of the inner shell. */
+static void a_point_with_a_radius_is_a_ball(void **state)
+{
+    struct list_scene scene;
+    struct headline headline;
+    (void)state;
+    open_list(&scene);
+    scene.viewer.cone.options.radius = 10;
+    scene.viewer.cone.options.range[1] = 30; /* which a ball has not */
+    points_choose(&scene.viewer, 1);
+    assert_near(conus_selection_result(viewer_selection(&scene.viewer), 0)->share, 2176.0 / 4224, 1e-9);
+    assert_near(conus_selection_result(viewer_selection(&scene.viewer), 1)->share, 2048.0 / 4224, 1e-9);
+    headline_find(&headline, &scene.viewer);
+    assert_non_null(strstr(headline.more, "% of the ball"));
+    viewer_finish(&scene.viewer);
+}
+
+static void a_chosen_pose_is_a_cone(void **state)
+{
+    struct list_scene scene;
+    (void)state;
+    open_list(&scene);
+    points_choose(&scene.viewer, 1);
+    assert_int_equal(use_list(&scene, poses_text), 0);
+    assert_null(points_chosen(&scene.viewer));
+    assert_int_equal(scene.viewer.tools[FIRST_TOOL].pointer, POINT_BY_MOUSE);
+    points_choose(&scene.viewer, 1);
+    assert_true(tool_has_cone(&scene.viewer, FIRST_TOOL));
+    assert_string_equal(best_of(&scene.viewer), "Shell outer");
+    assert_near(conus_selection_result(viewer_selection(&scene.viewer), 0)->distance, 26, 0.5);
+    tool_clear(&scene.viewer); /* Escape */
+    assert_null(points_chosen(&scene.viewer));
+    viewer_finish(&scene.viewer);
+}
+
+static void a_session_keeps_what_is_chosen(void **state)
+{
+    struct list_scene scene;
+    char why[PROPERTY_REASON];
+    (void)state;
+    open_list(&scene);
+    points_choose(&scene.viewer, 2);
+    json_t *session = session_json(&scene.window);
+    points_choose(&scene.viewer, 5);
+    assert_true(session_read(&scene.window, session, "session", why));
+    assert_int_equal(scene.viewer.chosen_point, 2);
+    assert_true(scene.viewer.tools[FIRST_TOOL].is_point);
+    assert_string_equal(best_of(&scene.viewer), "Shell outer");
+    json_decref(session);
+    viewer_finish(&scene.viewer);
+}
+
+static void lists_that_cannot_be_drawn_are_refused(void **state)
+{
+    struct list_scene scene;
+    (void)state;
+    open_list(&scene);
+    points_choose(&scene.viewer, 1);
+    assert_int_not_equal(use_list(&scene, "name,x,y,z\n"), 0);
+    assert_int_not_equal(use_list(&scene, "name,x,y,z\nA,oops,0,0\n"), 0);
+    assert_int_not_equal(use_list(&scene, "nonsense"), 0);
+    assert_int_equal(scene.viewer.chosen_point, 1); /* the list from before is still there */
+    assert_int_equal(use_list(&scene, "name,x,y,z\nC1,0,0,0\n"), 0);
+    assert_int_equal(scene.viewer.points.count, 1);
+    assert_null(points_chosen(&scene.viewer));
+    viewer_finish(&scene.viewer);
+}
+
+static void a_list_takes_the_place_of_another_one(void **state)
+{
+    (void)state;
+    json_t *words = json_pack("[s, s, s]", "--pose=a.csv", "--context=c.nii", "--pathway=p.nii");
+    json_t *with = additions_with(words, ADD_POSE, "b.csv");
+    assert_int_equal(json_array_size(with), 3);
+    assert_string_equal(json_string_value(json_array_get(with, 0)), "--context=c.nii");
+    assert_string_equal(json_string_value(json_array_get(with, 2)), "--pose=b.csv");
+    json_decref(words);
+    json_decref(with);
+}
+
+TEST_GROUP(point_list)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rows_are_balls_and_a_row_with_an_error_is_none),
+        cmocka_unit_test(a_chosen_point_is_asked_about),
+        cmocka_unit_test(a_point_with_a_radius_is_a_ball),
+        cmocka_unit_test(a_chosen_pose_is_a_cone),
+        cmocka_unit_test(a_session_keeps_what_is_chosen),
+        cmocka_unit_test(lists_that_cannot_be_drawn_are_refused),
+        cmocka_unit_test(a_list_takes_the_place_of_another_one),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
