@@ -1179,7 +1179,7 @@ static conus_status place_point(conus_drawn_point *out, struct picture *picture,
                                .group = row->kept ? row->kept[0] : NULL,
                                .at = {m[12], m[13], m[14]},
                                .end = {NAN, NAN, NAN},
-                               .radius = picture->settings->engine.radius};
+                               .radius = settings_point_radius(&picture->settings->engine, row, false)};
     if (row->is_point) {
         return CONUS_OK;
     }
@@ -1314,7 +1314,7 @@ static int draw_origin(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
     const conus_pose pose = picture->aim;
-    conus_pose_row row = {.id = "", .pose = pose};
+    conus_pose_row row = {.id = "", .pose = pose, .radius = NAN};
     double angle;
     int code = settings_pose_cone(&angle, row.range, picture->aim_target, &settings->aim, &settings->engine);
     if (code) {
