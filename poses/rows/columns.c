@@ -847,36 +847,26 @@ static conus_status find_row_names(struct head *head, struct notes *notes)
 /* The known column that was perhaps meant: it is not there, and little is to be changed; "" if there is none. */
 static struct text column_meant(const struct columns *columns, const char *field)
 {
-    static const char *const names[ROLE_NAME] = {/* "x" is like all */
-                                                 [ROLE_TX] = "tx",
-                                                 "ty",
-                                                 "tz",
-                                                 "dx",
-                                                 "dy",
-                                                 "dz",
-                                                 "qw",
-                                                 "qx",
-                                                 "qy",
-                                                 "qz",
-                                                 [ROLE_ANGLE] = "angle",
-                                                 "time s",
-                                                 "trigger",
-                                                 "error deg",
-                                                 "error mm",
-                                                 "near",
-                                                 "far",
-                                                 "depth",
-                                                 "radius",
-                                                 "tilt ml",
-                                                 "tilt ap",
-                                                 "phi",
-                                                 "theta",
-                                                 "space"};
+    static const char *const of_axes[ROLE_M00] = {/* "x" is like all */ [ROLE_TX] = "tx",
+                                                  "ty",
+                                                  "tz",
+                                                  "dx",
+                                                  "dy",
+                                                  "dz",
+                                                  "qw",
+                                                  "qx",
+                                                  "qy",
+                                                  "qz"};
     struct text meant = {"", 0};
     size_t length = strlen(field);
     size_t least = (length + 1) / 3;
-    for (enum role role = 0; role < ROLE_NAME; role++) {
-        const struct text name = text_from(names[role] ? names[role] : "");
+    for (enum role role = ROLE_TX; role < ROLE_NAME; role++) {
+        struct text names = text_from(role == ROLE_SPACE ? "space" : role < ROLE_M00 ? of_axes[role] : "");
+        struct text name = {"", 0};
+        for (size_t r = 0; role >= ROLE_ANGLE && r < sizeof roles / sizeof roles[0]; r++) {
+            names = roles[r].role == role ? text_from(roles[r].names) : names;
+        }
+        (void)text_field(&names, '/', &(bool){true}, &name);
         size_t distance = text_distance(text_from(field), name);
         if (!columns->has[role] && distance > 0 && distance <= least && distance < name.size &&
             (name.size > 2 || length > name.size)) {

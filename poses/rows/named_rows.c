@@ -141,7 +141,7 @@ void columns_find_places(struct head *head, const char *words)
         found = is_it ? i : found;
     }
     FAULT_IF(word.size && found == COLUMN_NONE, head, "column \"%.*s\" is not there", POSE_QUOTE(word));
-    if (found == COLUMN_NONE && none.size && !is_name(head, none, true)) {
+    if (found == COLUMN_NONE && none.size && !head->row_count && !is_name(head, none, true)) {
         FAULT(head, "%s", conus_message());
     }
     if (out->place && !word.size && head->row_count) { /* whose numbers may be coordinates */
