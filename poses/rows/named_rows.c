@@ -151,59 +151,64 @@ void columns_find_places(struct head *head, const char *words)
     }
 }
 
-/* Two sides that a row states are one. */
-static conus_status find(conus_place *place, const char *text, int own, int stated, const conus_pose_options *options)
+/* Finds a name, and keeps its point. */
+static conus_status find(struct named_rows *known, const char *text, size_t line, const conus_pose_options *options,
+                         struct notes *notes)
 {
+    conus_place place;
     double number;
     uint32_t object;
-    if (own && stated && own != stated) {
-        return fail(CONUS_ERROR_DATA, "\"%.60s\" beside the other side", text);
-    }
     if (text_to_double(text_from(text), &number) && !is_called_number(options->atlas, text) &&
         !conus_atlas_find(&object, options->atlas, text)) {
         return fail(CONUS_ERROR_DATA, "\"%.60s\" is a number: index:%.60s is the area with this label", text, text);
     }
-    return options->find_place(place, options->atlas, text, &(conus_place_options){.frame = options->frame});
+    conus_status status =
+        options->find_place(&place, options->atlas, text, &(conus_place_options){.frame = options->frame});
+    if (!status && place.kind == CONUS_PLACE_NUMBERS) {
+        return fail(CONUS_ERROR_DATA, "\"%.60s\" beside names: coordinates need columns, x y z, of their own", text);
+    }
+    if (!status && place.is_also_named) {
+        status = notes_add(notes, "line %zu: \"%.60s\" is the area; a position of a cap is called so, too (1020:)",
+                           line, text);
+    }
+    if (status || !memory_reserve(&known->items, &known->capacity, known->names.count + 1, sizeof *known->items)) {
+        return status ? status : CONUS_ERROR_MEMORY;
+    }
+    struct named_row *item = &known->items[known->names.count];
+    for (int a = 0; a < 3; a++) {
+        item->point[a] = place.point[a];
+        item->outward[a] = place.kind == CONUS_PLACE_POSITION ? place.outward[a] : NAN;
+    }
+    item->name = memory_text(text, strlen(text));
+    status = item->name ? name_set_add(&known->names, item->name, known->names.count) : CONUS_ERROR_MEMORY;
+    if (status) {
+        memory_free(item->name);
+    }
+    return status;
 }
 
 conus_status named_rows_find(conus_pose_row *row, struct named_rows *known, const struct pose_name *name,
                              const conus_pose_options *options, struct notes *notes)
 {
     char text[NAME_SIZE];
-    conus_place place;
-    int own = sides_of_name(name->place.text);
-    int stated = sides_of_name(name->side);
-    set_text(text, name->place.text, name->place.is_quoted, own || !stated ? "" : stated < 0 ? " left" : " right");
-    const struct known_name *found = own && stated ? NULL : name_set_find(&known->names, text);
-    if (found) {
-        const struct named_row *item = &known->items[found->value];
-        memcpy(row->normal, item->outward, sizeof row->normal);
-        return pose_of_point(&row->pose, item->point);
-    }
-    conus_status status = find(&place, text, own, stated, options);
+    struct place_words words;
+    const struct text cell = name->place.text;
+    const int own = sides_of_name(cell);
+    const int stated = sides_of_name(name->side);
+    bool has_side = own || !stated || place_read(&words, cell) || words.form > PLACE_NEAR || position_find(words.name);
+    set_text(text, cell, name->place.is_quoted, has_side ? "" : stated < 0 ? " left" : " right");
+    const struct known_name *found = name_set_find(&known->names, text);
+    conus_status status = found ? CONUS_OK : find(known, text, row->line, options, notes);
     if (status) {
         return status;
     }
-    if (place.is_also_named || place.is_doubtful) {
-        status = notes_add(notes, "line %zu: \"%.60s\" %s", row->line, text,
-                           place.is_doubtful ? "says MNI, and it is not known whether the atlas lies there"
-                           : place.object    ? "is the area; a position of a cap is called so, too (1020:)"
-                                             : "are the numbers; an area is called so, too");
+    const struct named_row *item = &known->items[found ? found->value : known->names.count - 1];
+    bool is_beyond = options->space < CONUS_SPACE_CCF && item->point[0] * stated < -options->longest / 36;
+    if (stated && (is_beyond || own == -stated)) {
+        return fail(CONUS_ERROR_DATA, "\"%.60s\" is on the other side than \"%.*s\"", text, POSE_QUOTE(name->side));
     }
-    bool fits =
-        !status && memory_reserve(&known->items, &known->capacity, known->names.count + 1, sizeof *known->items);
-    struct named_row *item = fits ? &known->items[known->names.count] : NULL;
-    if (fits) {
-        bool is_position = place.kind == CONUS_PLACE_POSITION;
-        for (int a = 0; a < 3; a++) {
-            item->point[a] = place.point[a];
-            item->outward[a] = row->normal[a] = is_position ? place.outward[a] : NAN;
-        }
-        item->name = memory_text(text, strlen(text));
-        status = item->name ? name_set_add(&known->names, item->name, known->names.count) : CONUS_ERROR_MEMORY;
-    }
-    status = status || fits ? status : CONUS_ERROR_MEMORY;
-    return status ? status : pose_of_point(&row->pose, place.point);
+    memcpy(row->normal, item->outward, sizeof row->normal);
+    return pose_of_point(&row->pose, item->point);
 }
 
 void named_rows_finish(struct named_rows *known)

@@ -73,7 +73,7 @@ first_line() {
     run -1 --separate-stderr conus query sphere.nii.gz --pose sides.tsv --hemispheres split --format tsv
     [ "$(cut -f 5 <<<"${lines[1]}")" = 'Sphere left' ]
     [[ ${lines[2]} == *'"Sphere" is cut in two: "Sphere left", label 11, and "Sphere right", label 21'* ]]
-    [[ ${lines[3]} == *'"Sphere right" beside the other side'* ]]
+    [[ ${lines[3]} == *'"Sphere right" is on the other side than "left"'* ]]
     # Coordinates win; numbers that may be some are asked about.
     printf 'name,x,y,z\nHippocampus_L,-42,-20,50\n' >both.csv
     [ "$(conus query $AAL --pose both.csv --format tsv -q | sed -n 2p | cut -f 4)" = Postcentral_L ]
