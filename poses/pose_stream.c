@@ -15,6 +15,7 @@
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
+#include "conus/atlas_info.h"
 #include "conus/file.h"
 #include "poses/programs/pose_programs.h"
 #include "poses/rows/columns.h"
@@ -154,6 +155,8 @@ struct passed {
     size_t count, first; /* the first one's number */
 };
 
+enum { INWARD_POSITION = CONUS_INWARD_ATLAS + 1 };
+
 struct conus_pose_stream {
     conus_pose_options options; /* with a frame, this: */
     conus_frame frame;
@@ -181,7 +184,9 @@ struct conus_pose_stream {
         bool has_times, has_angles, has_ranges, has_points;
     } whole; /* some of the rows, of a format that is read whole */
     struct row_names names;
-    conus_pose_list head; /* the first rows that were read line by line */
+    struct named_rows places;
+    size_t inward[INWARD_POSITION + 1]; /* rows that point into the head, by what */
+    conus_pose_list head;               /* the first rows that were read line by line */
 };
 
 /* The first bytes that are there. */
@@ -244,7 +249,8 @@ static conus_status find_format(conus_pose_stream *stream)
     }
     const struct text head = head_of(lines);
     bool is_own_word = stream->words.at[0].size && !pose_brackets_are_rows(head); /* the user knows the columns */
-    found = !status && !is_own_word && pose_lists_know(head, stream->path) ? CONUS_POSE_FORMAT_LIST : found;
+    found = !status && !is_own_word && pose_lists_know(head, stream->path, &stream->options) ? CONUS_POSE_FORMAT_LIST
+                                                                                             : found;
     const char *kind = status || found == CONUS_POSE_FORMAT_LIST ? NULL : forms_why_none(head);
     if (kind) {
         return fail(CONUS_ERROR_DATA, "%s", kind);
@@ -320,7 +326,7 @@ static conus_status plan_table(conus_pose_stream *stream)
         size_t notes = stream->list.notes.count;
         conus_status planned =
             status ? status : columns_plan(&stream->columns, &is_short, &stream->list.notes, head, &stream->options);
-        is_decided = all || !is_short || !planned;
+        is_decided = all || !is_short || (!planned && !stream->columns.place);
         status = is_decided ? planned : status;
         if (!is_decided) {
             notes_cut(&stream->list.notes, notes);
@@ -332,8 +338,8 @@ static conus_status plan_table(conus_pose_stream *stream)
     if (stream->path && !stream->options.any_space) {
         space_words_hear_name(&of_name, text_from(path_base(stream->path)));
     }
-    if (!status && of_name.may_be_lps && stream->options.space == CONUS_SPACE_RAS && !columns->said.has_signs &&
-        !columns->has[ROLE_SPACE]) {
+    if (!status && !columns->place && of_name.may_be_lps && stream->options.space == CONUS_SPACE_RAS &&
+        !columns->said.has_signs && !columns->has[ROLE_SPACE]) {
         return fail(CONUS_ERROR_DATA, "its name says \"LPS\", and nothing in it: --space lps reads the positions so; "
                                       "--any-space takes them as RAS, with x to the right");
     }
@@ -438,6 +444,43 @@ static conus_status move_from_mni305(conus_pose_stream *stream)
     return space_note_move(&list->notes, &list->space);
 }
 
+/* Lets a point look into the head. */
+static conus_status turn_inward(conus_pose_row *row, conus_pose_stream *stream)
+{
+    const double *at = row->pose.world_from_device + 12;
+    const double from[3] = {at[0], at[1], at[2]};
+    double along[3] = {0 - row->normal[0], 0 - row->normal[1], 0 - row->normal[2]};
+    conus_inward found = CONUS_INWARD_SURFACE;
+    const bool is_position = !isnan(along[0]);
+    conus_status status =
+        !is_position ? conus_atlas_inward(along, &found, stream->options.atlas, from)
+        : along[0] != 0 || along[1] != 0 || along[2] != 0
+            ? CONUS_OK
+            : fail(CONUS_ERROR_DATA, "the table of positions has no normal for it, which points into the head");
+    status = status ? status : conus_pose_along(&row->pose, from, along, NULL);
+    if (!status) {
+        conus_frame_turn_pose(&row->pose, &stream->frame, false);
+        row->is_point = false;
+        stream->inward[is_position ? INWARD_POSITION : (size_t)found]++;
+    }
+    return status;
+}
+
+static conus_status note_inward(conus_pose_stream *stream)
+{
+    static const char *const words[] = {
+        "the context's surfaces within 5 mm", "the head in the context's image within 5 mm",
+        "the atlas's convex hull, to whose nearest point they look", "positions of a cap"};
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i <= INWARD_POSITION && !status; i++) {
+        status = !stream->inward[i] ? CONUS_OK
+                                    : notes_add(&stream->list.notes, "%zu rows point into the head, by %s",
+                                                stream->inward[i], words[i]);
+        stream->inward[i] = 0;
+    }
+    return status;
+}
+
 static conus_status read_whole(conus_pose_stream *stream)
 {
     struct bytes bytes = {0};
@@ -494,7 +537,14 @@ static conus_status read_whole(conus_pose_stream *stream)
         extent_add(&stream->extent, &stream->list.rows[i]);
     }
     status = status ? status : check_sides(stream);
-    return status ? status : note_extent(stream);
+    status = status ? status : note_extent(stream);
+    for (size_t i = 0; stream->options.inward && !status && i < stream->list.count; i++) {
+        conus_pose_row *row = &stream->list.rows[i];
+        conus_status bad = row->error || !row->is_point ? CONUS_OK : turn_inward(row, stream);
+        row->error = bad ? memory_text(conus_message(), strlen(conus_message())) : row->error;
+        status = bad == CONUS_ERROR_MEMORY || (bad && !row->error) ? CONUS_ERROR_MEMORY : CONUS_OK;
+    }
+    return status;
 }
 
 static conus_status begin_text(conus_pose_stream *stream)
@@ -519,6 +569,10 @@ static conus_status begin_text(conus_pose_stream *stream)
     if (!status && of_columns && !has_columns) {
         return fail(CONUS_ERROR_DATA, "\"%.60s\" is for tables, points and electrodes (BIDS), and not for %s",
                     stream->options.columns, conus_pose_format_name(stream->format));
+    }
+    if (!status && words->place.size && !stream->columns.place) {
+        return fail(CONUS_ERROR_DATA, "\"%.60s\": names of places are read from tables and lists where an atlas is",
+                    stream->options.columns);
     }
     status = status || !is_read_whole(stream) ? status : read_whole(stream);
     for (size_t i = 0; !status && i < stream->list.count; i++) {
@@ -593,6 +647,9 @@ static conus_status create_stream(conus_pose_stream **out, const conus_pose_opti
     if ((unsigned)options->space > CONUS_SPACE_BREGMA || (unsigned)options->axis > CONUS_AXIS_MINUS_Z ||
         !conus_pose_format_name((size_t)options->format)) {
         return fail(CONUS_ERROR_ARGUMENT, "options of poses: space, axis or format is none of its names");
+    }
+    if (options->inward && !options->atlas) {
+        return fail(CONUS_ERROR_ARGUMENT, "inward: no atlas, to which a head belongs");
     }
     if (options->frame && !conus_space_name((size_t)options->frame->space)) {
         return fail(CONUS_ERROR_ARGUMENT, "frame: its space is none");
@@ -678,6 +735,7 @@ void conus_pose_stream_destroy(conus_pose_stream *stream)
     pose_list_finish(&stream->list);
     pose_list_finish(&stream->head);
     buffer_finish(&stream->names.text);
+    named_rows_finish(&stream->places);
     memory_free(stream->decoded);
     memory_free(stream->name);
     memory_free(stream);
@@ -747,6 +805,13 @@ static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, boo
     memset(name.kept, 0, stream->columns.kept_count * sizeof *name.kept);
     conus_status bad = CONUS_OK;
     conus_status status = next_row(&row, &name, &bad, stream->passed, stream, &stream->lines, found);
+    if (!status && *found && !bad && stream->columns.place) {
+        bad = named_rows_find(&row, &stream->places, &name, &stream->options, &stream->list.notes);
+    }
+    if (!status && *found && !bad && stream->options.inward && row.is_point) {
+        bad = turn_inward(&row, stream);
+    }
+    status = bad == CONUS_ERROR_MEMORY ? bad : status;
     if (status || !*found) {
         return status;
     }
@@ -816,6 +881,7 @@ conus_status conus_pose_stream_read(conus_pose_row *rows, size_t *count, conus_p
     if (!status && !found) {
         status = note_extent(stream);
         status = status ? status : note_passed(stream);
+        status = status ? status : note_inward(stream);
         status = status ? status : note_equal_names(&stream->list.notes, &stream->names);
     }
     *count = status ? *count : got;
@@ -924,9 +990,14 @@ bool conus_pose_stream_has_ranges(const conus_pose_stream *stream)
            columns->has[ROLE_FAR] || columns->ends_at_target || columns->has[ROLE_DEPTH] || stream->whole.has_ranges;
 }
 
+bool conus_pose_stream_has_radii(const conus_pose_stream *stream)
+{
+    return stream->columns.has[ROLE_RADIUS];
+}
+
 bool conus_pose_stream_has_points(const conus_pose_stream *stream)
 {
-    return is_read_whole(stream) ? stream->whole.has_points : stream->columns.is_of_points;
+    return is_read_whole(stream) ? stream->whole.has_points : stream->columns.is_of_points && !stream->options.inward;
 }
 
 const conus_pose_list *conus_pose_stream_head(const conus_pose_stream *stream)

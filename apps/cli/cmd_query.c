@@ -122,7 +122,8 @@ struct query_run {
     struct ends ends;
     conus_contacts contacts;
     conus_probe *probe;
-    bool is_of_points; /* poses of the file have no direction, and are asked all the same */
+    bool is_of_points; /* poses of the file have no direction, and are asked all the same, */
+    bool has_radii;    /* some of them within radii of their own */
     char understood[96];
     double (*points)[3]; /* of --point, world */
     struct kept_names kept;
@@ -171,11 +172,15 @@ static int check_poses(struct query_run *run)
     size_t count = conus_pose_list_count(poses);
     char why[256];
     size_t points = 0;
+    size_t radii = 0;
     for (size_t i = 0; i < count; i++) {
-        points += !conus_pose_list_row(poses, i)->error && conus_pose_list_row(poses, i)->is_point;
+        const conus_pose_row *row = conus_pose_list_row(poses, i);
+        points += !row->error && row->is_point;
+        radii += !row->error && row->is_point && !isnan(row->radius);
     }
     settings_point_error(why, &run->request.settings->engine, run->request.arguments);
     run->is_of_points = points && !why[0];
+    run->has_radii = run->is_of_points && radii;
     if (points && points == count && why[0] && !run->settings->probe.path) {
         return print_data_error("%s: %s", pose_settings_file_name(aim->pose), why);
     }
@@ -312,7 +317,8 @@ static int answer_row(void *user, const conus_pose_row *row)
 {
     struct query_run *run = user;
     struct request *request = &run->request;
-    double radius = settings_point_radius(&request->settings->engine, run->probe || format_is_foreign(request->format));
+    double radius =
+        settings_point_radius(&request->settings->engine, row, run->probe || format_is_foreign(request->format));
     char why[256] = "";
     if (row->is_point && !run->probe) {
         settings_point_error(why, &request->settings->engine, request->arguments);
@@ -459,6 +465,7 @@ static conus_status start_query(struct query_run *run)
     report.all_voxels = settings->voxels_of == 1;
     report.no_voxels = !settings->voxels;
     report.order = (conus_order)settings->axis.order;
+    report.radii = run->has_radii;
     report.points = option_given(request->arguments, "point") || (run->is_of_points && !run->probe);
     report.contacts = run->contacts;
     report.probe = run->probe;
@@ -694,7 +701,7 @@ static int answer_query(struct query_run *run)
     }
     bool has_ends = run->settings->ends.endpoints || run->settings->ends.connectivity;
     bool is_of_points = option_given(request->arguments, "point") || run->is_of_points;
-    bool is_plain_point = is_of_points && !run->probe && request->settings->engine.radius == 0;
+    bool is_plain_point = is_of_points && !run->probe && request->settings->engine.radius == 0 && !run->has_radii;
     const struct option *near = is_plain_point ? option_with(request->arguments, OPTION_OF_REGION) : NULL;
     if (near) {
         return print_usage_error("--%s needs --radius MM: it is about what is near a point", near->name);
@@ -709,7 +716,7 @@ static int answer_query(struct query_run *run)
     code = code ? code : place_probe(run);
     code = code ? code
                 : settings_understood(run->understood, &request->places, &request->settings->aim,
-                                      &request->settings->engine, run->is_of_points && !run->probe,
+                                      &request->settings->engine, run->is_of_points && !run->probe, run->has_radii,
                                       request->poses ? conus_pose_list_space(request->poses) : "");
     if (code) {
         return code;

@@ -1288,7 +1288,7 @@ static int draw_origin(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
     const conus_pose pose = picture->aim;
-    conus_pose_row row = {.id = "", .pose = pose};
+    conus_pose_row row = {.id = "", .pose = pose, .radius = NAN};
     double angle;
     int code = settings_pose_cone(&angle, row.range, picture->aim_target, &settings->aim, &settings->engine);
     if (code) {

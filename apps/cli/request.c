@@ -313,14 +313,14 @@ void request_say_aims(const struct request *request)
     for (size_t i = 0; aimed && i < count; i++) {
         const struct named_atlas *at = &request->atlases.items[i];
         const struct answerer *answerer = &request->answerers[i];
-        aimed[i] = (struct aimed){
-            *conus_aims_found(answerer->aims),
-            answerer->selector,
-            at->atlas,
-            at->name,
-            &request->frame,
-            false,
-            settings_point_radius(&request->settings->engine, request->rows_of || format_is_foreign(request->format))};
+        aimed[i] = (struct aimed){*conus_aims_found(answerer->aims),
+                                  answerer->selector,
+                                  at->atlas,
+                                  at->name,
+                                  &request->frame,
+                                  false,
+                                  settings_point_radius(&request->settings->engine, NULL,
+                                                        request->rows_of || format_is_foreign(request->format))};
     }
     if (aimed) {
         aim_notes_say(aimed, count, path ? pose_settings_file_name(path) : NULL, &request->settings->common);

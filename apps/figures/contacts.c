@@ -83,7 +83,7 @@ conus_status contacts_place(conus_drawn_point *out, const conus_pose_row *row, d
                                .group = row->kept ? row->kept[0] : NULL,
                                .at = {m[12], m[13], m[14]},
                                .end = {NAN, NAN, NAN},
-                               .radius = radius};
+                               .radius = isnan(row->radius) ? radius : row->radius};
     if (row->is_point) {
         return CONUS_OK;
     }

@@ -108,8 +108,11 @@ conus_pose_options pose_settings_options(const struct pose_file_settings *settin
                                 .near = range.ends[0],
                                 .beyond = range.beyond,
                                 .aperture = aim ? aim->aperture : 0,
+                                .inward = aim && aim->inward,
                                 .longest = longest_edge(atlas),
                                 .any_space = settings->any_space,
+                                .atlas = atlas,
+                                .find_place = conus_place_find,
                                 .of_mni305 = atlas && conus_atlas_brain(atlas).brain == CONUS_BRAIN_MNI305,
                                 .axis = (conus_axis)settings->axis,
                                 .format = (conus_pose_format)settings->format,
@@ -125,8 +128,9 @@ void pose_settings_text(char out[128], const struct pose_file_settings *settings
     if (range.to_target) {
         snprintf(target, sizeof target, " target %.17g %.17g %.17g", range.ends[0], range.beyond, aim->aperture);
     }
-    snprintf(out, 128, "%s %s%s%s%s", conus_pose_format_name(settings->format), axes[settings->axis],
-             settings->along_shafts ? " along-shafts" : "", settings->any_space ? " any-space" : "", target);
+    snprintf(out, 128, "%s %s%s%s%s%s", conus_pose_format_name(settings->format), axes[settings->axis],
+             settings->along_shafts ? " along-shafts" : "", aim->inward ? " inward" : "",
+             settings->any_space ? " any-space" : "", target);
 }
 
 const char *pose_settings_file_name(const char *path)

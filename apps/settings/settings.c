@@ -163,7 +163,7 @@ const struct option aim_options[] = {
     {OPTION_NAMED("inward", struct aim_settings, inward),
      .help = "or straight into the head: from a position of a cap like C3 against the scalp's normal there, elsewhere "
              "against that of the context's head within 5 mm, or else to the atlas's nearest",
-     .words = "EEG, fNIRS, optode, perpendicular", .flags = OPTION_OF_CONE, .needs = "origin",
+     .words = "EEG, fNIRS, optode, perpendicular", .flags = OPTION_OF_CONE, .needs = "origin|pose",
      .excludes = "toward,direction"},
     {OPTION_VALUED("up", struct aim_settings, up, "X,Y,Z"),
      .help = "up direction of the device (default superior; anterior if it points up or down)", .flags = OPTION_OF_CONE,
@@ -277,18 +277,21 @@ void settings_point_error(char out[256], const struct engine_settings *engine, c
     }
 }
 
-double settings_point_radius(const struct engine_settings *engine, bool has_no_place)
+double settings_point_radius(const struct engine_settings *engine, const conus_pose_row *row, bool has_no_place)
 {
-    return engine->radius == 0 && has_no_place ? CONUS_POINT_RADIUS : engine->radius;
+    double radius = row && !isnan(row->radius) ? row->radius : engine->radius;
+    return radius == 0 && has_no_place ? CONUS_POINT_RADIUS : radius;
 }
 
 int settings_understood(char out[96], struct named_places *places, const struct aim_settings *aim,
-                        const struct engine_settings *engine, bool has_points, const char *space)
+                        const struct engine_settings *engine, bool has_points, bool has_radii, const char *space)
 {
     const char *where = space[0] || aim->space.name >= CONUS_SPACE_CCF ? "" : " in the atlas's space";
     out[0] = '\0';
     if (aim->aperture > 0) {
         snprintf(out, 96, "asked as a beam: from its focus to the transducer, %g mm wide there", aim->aperture);
+    } else if (has_points && has_radii) {
+        snprintf(out, 96, "asked as points%s: what is within each row's radius of it", where);
     } else if (has_points && engine->radius > 0) {
         snprintf(out, 96, "asked as points%s: what is within %g mm of each", where, engine->radius);
     } else if (has_points) {

@@ -107,14 +107,14 @@ enum { DEFAULT_ANGLE = 10 };
  * along an axis, with what to state. "" where there is none, and with a radius. */
 void settings_point_error(char out[256], const struct engine_settings *engine, const struct arguments *arguments);
 
-/** Radius of the balls around points, mm: that of --radius, or that of a point where @p has_no_place for what is only
- * near: contacts of probes, formats of other programs. 0 = there is one. */
-double settings_point_radius(const struct engine_settings *engine, bool has_no_place);
+/** Radius of the ball around a point, mm: the row's own (NULL: it has none), or that of --radius, or that of a point
+ * where @p has_no_place for what is only near: contacts of probes, formats of other programs. 0 = there is one. */
+double settings_point_radius(const struct engine_settings *engine, const conus_pose_row *row, bool has_no_place);
 
 /** Adds how poses are asked that are no plain cones: beams, or points. *out is that; "" = they are. @p space is the one
  * that the file of points states, "" where it states none. Returns the exit code and prints an error unless it is 0. */
 int settings_understood(char out[96], struct named_places *places, const struct aim_settings *aim,
-                        const struct engine_settings *engine, bool has_points, const char *space);
+                        const struct engine_settings *engine, bool has_points, bool has_radii, const char *space);
 
 /** Whether the options that aim a cone go together; prints an error if not. @p aim_needed: there must be a cone. */
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed);

@@ -62,6 +62,13 @@ typedef enum conus_pose_format {
  */
 CONUS_API const char *conus_pose_format_name(size_t index);
 
+struct conus_place;         /* conus/place.h, which includes this */
+struct conus_place_options; /* likewise */
+
+/** As conus_place_find(). */
+typedef conus_status (*conus_place_finder)(struct conus_place *out, const conus_atlas *atlas, const char *text,
+                                           const struct conus_place_options *options);
+
 /** How files of poses are read. */
 typedef struct conus_pose_options {
     size_t struct_size;       /**< Its size, as #CONUS_POSE_OPTIONS_INIT sets it; 0 = that of this version. */
@@ -88,9 +95,10 @@ typedef struct conus_pose_options {
     size_t keep_count;        /**< How many, up to 64; 0 = none. Another format than a table with a header has none. */
     double longest; /**< Longest edge of the atlas, mm, by which numbers of tables and lists are judged (micrometres,
                        centimetres, sides); 0 = not known: what needs it is not asked of a table. */
-    const char *columns; /**< Of a table, beating what is said below and in the file: "x=COLUMN,y=COLUMN,z=COLUMN" of
-                            points, "name=COLUMN", "unit=mm" (um, cm, m), "sides=anyway", with commas between, in any
-                            order; NULL = none. A path may end in it, too: "FILE,x=COLUMN,...". */
+    const char
+        *columns;   /**< Of a table, beating what is said below and in the file: "x=COLUMN,y=COLUMN,z=COLUMN" of
+                       points, "name=COLUMN", "place=COLUMN" (of names of places), "unit=mm" (um, cm, m), "sides=anyway",
+                       with commas between, in any   order; NULL = none. A path may end in it, too: "FILE,x=COLUMN,...". */
     double unit;    /**< mm per unit of the numbers in a table, as the caller knows it; 0 = as the file says, or that of
                        the space. */
     bool any_space; /**< What titles, comments, headers and columns say of the brain is not heard. */
@@ -98,6 +106,12 @@ typedef struct conus_pose_options {
                        152. */
     bool all_rows; /**< #CONUS_POSE_FORMAT_ELECTRODES: a contact without a position (n/a) is a row with an error, for an
                       answer that has a row for each row of the table; otherwise it is passed over, with a note. */
+    const conus_atlas *atlas;      /**< With @p find_place: where it finds places whose names stand in a table or a list
+                                      in place of coordinates ("area,value", or a name a line), each row a point. It must
+                                      outlive the stream and lie where it is asked. NULL = such a file is refused. */
+    conus_place_finder find_place; /**< conus_place_find() where @p atlas is given. */
+    bool inward; /**< A point is a pose that points straight into the head: from a position of a cap that is called by
+                    its name against the normal there, elsewhere as conus_atlas_inward() of @p atlas says. */
 } conus_pose_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -119,10 +133,12 @@ typedef struct conus_pose_row {
     const char *error; /**< NULL, or why the row is no pose; then only id and line have a meaning. */
     uint64_t entry;    /**< Number of the entry, from 1, with conus_candidates_open(); 0 in a file's row. */
     uint64_t target;   /**< Likewise of the target; 0 without one. */
-    double normal[3];  /**< Outward at the entry, world, of length 1; NaN where it has none. */
+    double normal[3];  /**< Outward at the entry, world, of length 1; NaN where it has none. Of a position of a cap that
+                            is called by its name likewise; 0 where that is not known. */
     double target_mm;  /**< How far the point is at which it points, mm; NaN where the file has only a direction. */
     const char *const *kept; /**< [conus_pose_options.keep_count] Texts of the columns that are kept, "" of an empty
                                 cell; NULL without them, and in some rows with an error. */
+    double radius; /**< Column radius of a point, mm: of the ball that is asked, 0 = what is at it; NaN if absent. */
 } conus_pose_row;
 
 /** @name Streams
@@ -262,6 +278,15 @@ CONUS_API bool conus_pose_stream_has_angles(const conus_pose_stream *stream);
  * @since 0.1
  */
 CONUS_API bool conus_pose_stream_has_ranges(const conus_pose_stream *stream);
+
+/**
+ * Returns whether rows may have a radius of their own.
+ * @param stream The stream.
+ * @return False for a table without that column and for other formats.
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_API bool conus_pose_stream_has_radii(const conus_pose_stream *stream);
 
 /**
  * Returns whether rows may be points, which have no direction.

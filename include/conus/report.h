@@ -122,6 +122,7 @@ typedef struct conus_report_options {
                                  conus_report_coordsystem() describes, not those on the probe. */
     bool points;              /**< For #CONUS_ROWS_ANSWERS and #CONUS_ROWS_SUMMARIES: columns x, y and z with the point,
                                  or the apex, that was asked. */
+    bool radii; /**< With @p points: a column radius_mm with the radius of the ball, 0 of a point alone. */
     const conus_named_place *places; /**< [place_count] How the question was understood: the first lines of a table for
                                         people; points are "Places" of JSON and sidecar, sentences "Understood". They
                                         must outlive the report. */

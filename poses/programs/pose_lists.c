@@ -3,6 +3,7 @@
  * positions of a brain have a row, too, with the reason. */
 #include "poses/programs/pose_programs.h"
 
+#include "conus/place.h"
 #include "poses/rows/pose_row.h"
 #include "poses/rows/space_words.h"
 
@@ -183,8 +184,18 @@ static bool is_header_of_names(struct text line)
                           false);
 }
 
-/* Whether all lines are names of positions of a cap, below a header or not. */
-static bool names_positions(struct text text)
+/* Whether the atlas calls an area as a position is called: the area is meant then. */
+static bool is_area(struct text name, const conus_pose_options *options)
+{
+    char text[POSE_QUOTE_LIMIT];
+    conus_place place = {0};
+    snprintf(text, sizeof text, "%.*s", TEXT_SHOW(name, POSE_QUOTE_LIMIT - 1));
+    conus_status status = options->atlas ? options->find_place(&place, options->atlas, text, NULL) : CONUS_OK;
+    return status == CONUS_ERROR_MEMORY || (!status && place.object); /* without memory the rows will say so */
+}
+
+/* Whether all lines are names of positions of a cap and of no area, below a header or not. */
+static bool names_positions(struct text text, const conus_pose_options *options)
 {
     struct text line;
     size_t number = 0;
@@ -193,7 +204,7 @@ static bool names_positions(struct text text)
     while (names == lines && next_name(&line, &number, &text)) {
         bool is_header = number == 1 && is_header_of_names(line);
         lines += !is_header;
-        names += !is_header && position_in(line);
+        names += !is_header && position_in(line) && !is_area(line, options);
     }
     return names > 0 && names == lines;
 }
@@ -208,15 +219,18 @@ static conus_status read_names(conus_pose_list *list, struct text text)
     while (!status && next_name(&line, &number, &text)) {
         const struct position *position = position_in(line);
         status = position ? pose_list_add_point(list, number, position->point, false, line, CONUS_OK) : CONUS_OK;
+        if (position && !status) {
+            memcpy(list->rows[list->count - 1].normal, position->outward, sizeof position->outward);
+        }
     }
     return status;
 }
 
-bool pose_lists_know(struct text head, const char *path)
+bool pose_lists_know(struct text head, const char *path, const conus_pose_options *options)
 {
     struct text begin = pose_brackets_behind_comments(head);
     bool is_json = begin.size && begin.data[0] == '[' && text_find(begin, "{");
-    return is_elc(head) || is_json || names_positions(head) || pose_brackets_are_rows(head) ||
+    return is_elc(head) || is_json || names_positions(head, options) || pose_brackets_are_rows(head) ||
            find_layout(head, path) || pose_brackets_in_cells(head);
 }
 
@@ -361,7 +375,7 @@ conus_status pose_lists_parse(conus_pose_list *list, struct text text, const con
     if (is_elc(text)) {
         return parse_elc(list, text);
     }
-    if (names_positions(text)) {
+    if (names_positions(text, options)) {
         return read_names(list, text);
     }
     if (!layout || layout->refused) {

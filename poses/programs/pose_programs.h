@@ -66,7 +66,7 @@ conus_status pose_lead_dbs_find(bool *found, conus_pose_list *list, struct text 
  * A list that is known, but holds no positions of a brain, is CONUS_ERROR_DATA. */
 conus_status pose_lists_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
 /** Whether a text with this @p head is such a list, by its words or by how the name @p path ends; NULL: it has none. */
-bool pose_lists_know(struct text head, const char *path);
+bool pose_lists_know(struct text head, const char *path, const conus_pose_options *options);
 
 /** Numbers in brackets (Python, MATLAB, JSON), points or matrices; JSON of names or objects that are points; lines of
  * "name: (x, y, z)". */

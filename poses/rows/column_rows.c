@@ -137,7 +137,7 @@ conus_status columns_hear_late(const struct columns *columns, struct text line, 
     struct space_words said = {0};
     struct text inside;
     bool is_comment = table_is_comment(&inside, line);
-    if (number <= columns->heard_lines || options->any_space ||
+    if (number <= columns->heard_lines || options->any_space || columns->place ||
         !(is_comment || !columns_has_digit(line) || columns_is_sentence(columns, line))) {
         return CONUS_OK;
     }
@@ -393,7 +393,7 @@ static conus_status read_row(conus_pose_row *row, struct pose_name *name, const 
                              const struct table_line *line, struct text text, const conus_pose_options *options)
 {
     double values[ROLE_NAME] = {[ROLE_TIME] = NAN, [ROLE_ERROR_DEG] = NAN, [ROLE_ERROR_MM] = NAN, [ROLE_NEAR] = NAN,
-                                [ROLE_FAR] = NAN,  [ROLE_SPACE] = NAN,     [ROLE_DEPTH] = NAN};
+                                [ROLE_FAR] = NAN,  [ROLE_SPACE] = NAN,     [ROLE_DEPTH] = NAN,    [ROLE_RADIUS] = NAN};
     conus_status status = read_values(values, name, columns, line, text, options);
     /* A row may have other signs than the table, but not another space's axes and units. */
     double space = values[ROLE_SPACE];
@@ -403,7 +403,7 @@ static conus_status read_row(conus_pose_row *row, struct pose_name *name, const 
             fail(CONUS_ERROR_DATA, "column space: \"%s\", the table is read in %s: each space needs a table of its own",
                  conus_space_name((size_t)space), conus_space_name((size_t)options->space));
     }
-    status = status ? status : pose_from_values(row, columns, values, options);
+    status = status || columns->place ? status : pose_from_values(row, columns, values, options);
     double angle = values[ROLE_ANGLE];
     if (!status && columns->has[ROLE_ANGLE] && !isnan(angle) && !columns->is_of_points) {
         row->angle = angle == 0 ? row->angle : radians_from_degrees(angle);
@@ -420,18 +420,22 @@ static conus_status read_row(conus_pose_row *row, struct pose_name *name, const 
     row->is_point = columns->is_of_points;
     row->range[0] = values[ROLE_NEAR];
     row->range[1] = values[ROLE_FAR];
-    double depth = values[ROLE_DEPTH]; /* mm */
-    if (!status && columns->has[ROLE_DEPTH] && isfinite(depth)) {
-        status = depth > 0 ? CONUS_OK
-                           : fail(CONUS_ERROR_DATA, "column %s: %g, allowed is more than 0", columns->shown[ROLE_DEPTH],
-                                  values[ROLE_DEPTH]);
-        if (!status && options->longest > 0 && depth > options->longest) {
-            status = fail(CONUS_ERROR_DATA,
-                          "column %s: %g mm, the atlas has %.3g: is it in um? depth_um says so, or depth_mm",
-                          columns->shown[ROLE_DEPTH], depth, options->longest);
+    row->radius = values[ROLE_RADIUS];
+    for (enum role role = ROLE_DEPTH; role <= ROLE_RADIUS && !status; role++) {
+        const double length = columns->has[role] ? values[role] : NAN; /* mm */
+        if (length < 0 || (length == 0 && role == ROLE_DEPTH)) {
+            status = fail(CONUS_ERROR_DATA, "column %s: %g mm, allowed is %s0", columns->shown[role], length,
+                          role == ROLE_DEPTH ? "more than " : "from ");
+        } else if (options->longest > 0 && length > options->longest) {
+            const char *word = role == ROLE_DEPTH ? "depth" : "radius";
+            status =
+                fail(CONUS_ERROR_DATA, "column %s: %g mm, the atlas has %.3g: is it in um? %s_um says so, or %s_mm",
+                     columns->shown[role], length, options->longest, word, word);
         }
+    }
+    if (columns->has[ROLE_DEPTH] && isfinite(values[ROLE_DEPTH])) {
         row->range[0] = isnan(row->range[0]) ? 0 : row->range[0];
-        row->range[1] = depth;
+        row->range[1] = values[ROLE_DEPTH];
     }
     if (!status && columns->ends_at_target && isnan(row->range[1])) {
         double way[3];
@@ -466,16 +470,24 @@ static enum columns_line kind_of_words(const struct columns *columns, const stru
                                                     : LINE_WORDS;
 }
 
+static struct kept_text keep_cell(struct text cell, struct text line)
+{
+    return (struct kept_text){cell, cell.size && cell.data > line.data && cell.data[-1] == '"'};
+}
+
 static enum columns_line read_table_line(conus_pose_row *row, struct pose_name *name, conus_status *bad,
                                          const struct columns *columns, struct text text,
                                          const conus_pose_options *options)
 {
     struct table_line line;
     bool fits = table_split(&line, &columns->table, text);
-    if (fits && columns->has[ROLE_X] && is_without_position(columns, &line)) {
+    const size_t place = columns->place - 1;
+    const bool has_place = fits && columns->place && place < line.count && !line.spoilt.data;
+    if ((fits && columns->has[ROLE_X] && is_without_position(columns, &line)) ||
+        (has_place && columns_is_absent(line.cells[place]))) {
         return LINE_ABSENT;
     }
-    if (!columns_has_digit(text)) {
+    if (has_place ? columns_sum(text) == columns->header_sum : !columns_has_digit(text)) {
         return kind_of_words(columns, &line, text);
     }
     for (size_t i = 0; i < columns->count && i < line.count; i++) {
@@ -485,8 +497,12 @@ static enum columns_line read_table_line(conus_pose_row *row, struct pose_name *
     }
     for (size_t i = 0; row && i < columns->kept_count; i++) {
         bool is_there = fits && columns->kept[i] < line.count && !line.spoilt.data;
-        struct text cell = is_there ? line.cells[columns->kept[i]] : (struct text){NULL, 0};
-        name->kept[i] = (struct kept_text){cell, cell.size && cell.data > text.data && cell.data[-1] == '"'};
+        name->kept[i] = keep_cell(is_there ? line.cells[columns->kept[i]] : (struct text){NULL, 0}, text);
+    }
+    if (row && has_place) {
+        name->place = keep_cell(line.cells[place], text);
+        name->side = columns->place_side && columns->place_side <= line.count ? line.cells[columns->place_side - 1]
+                                                                              : text_from("");
     }
     if (row) {
         *bad = fits ? read_row(row, name, columns, &line, text, options)
@@ -500,6 +516,14 @@ static conus_status read_bare(conus_pose_row *row, struct pose_name *name, const
 {
     double values[ROLE_NAME] = {[ROLE_SPACE] = NAN};
     row->is_point = true;
+    if (columns->place) {
+        struct table_line cell;
+        bool is_one = table_split(&cell, &(struct table){.separator = TABLE_TABS}, line);
+        name->text = is_one ? cell.cells[0] : line;
+        name->place = (struct kept_text){name->text, name->text.data > line.data && name->text.data[-1] == '"'};
+        name->side = text_from("");
+        return is_one && cell.count == 1 ? check_quotes(&cell) : fail(CONUS_ERROR_DATA, "more than one name");
+    }
     return columns_point(values + ROLE_X, &name->text, &columns->table, line)
                ? pose_from_values(row, columns, values, options)
                : CONUS_ERROR_DATA;
@@ -523,10 +547,10 @@ enum columns_line columns_read(conus_pose_row *row, struct pose_name *name, conu
     if (columns->has_header) {
         return read_table_line(row, name, bad, columns, line, options);
     }
-    if (!columns_has_digit(line)) {
+    if (!columns_has_digit(line) && !columns->place) {
         return LINE_WORDS;
     }
-    if (number < columns->table.first && is_title(columns, line)) {
+    if (!columns->place && number < columns->table.first && is_title(columns, line)) {
         return LINE_TITLE;
     }
     if (row) {

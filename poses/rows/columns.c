@@ -35,6 +35,7 @@ static const struct {
     {ROLE_NEAR, LENGTH, "near"},
     {ROLE_FAR, LENGTH, "far"},
     {ROLE_DEPTH, LENGTH, "depth"},
+    {ROLE_RADIUS, LENGTH, "radius"},
     {ROLE_TILT_ML, ANGLE, "tilt ml/ml tilt"},
     {ROLE_TILT_AP, ANGLE, "tilt ap/ap tilt"},
     {ROLE_PHI, ANGLE, "phi"},
@@ -82,7 +83,7 @@ static const struct {
     {TURNED, "n/r"},
 };
 
-static const char *const word_keys[] = {"x", "y", "z", "name", "unit", "sides"};
+static const char *const word_keys[] = {"x", "y", "z", "name", "unit", "sides", "place"};
 
 /* The key that a text begins with, before its "="; -1 for none. */
 static int key_of(const char *text)
@@ -109,8 +110,8 @@ static conus_status set_word(struct columns_words *out, int key, struct text val
     double unit = space_unit_mm(value);
     if (key < 3) {
         out->at[key] = value;
-    } else if (key == 3) {
-        out->name = value;
+    } else if (key == 3 || key == 6) {
+        *(key == 3 ? &out->name : &out->place) = value;
     } else if (key == 4 && unit > 0) {
         out->unit = unit;
     } else if (key == 5 && text_equal(value, "anyway")) {
@@ -129,8 +130,8 @@ conus_status columns_words_parse(struct columns_words *out, const char *text)
     while (!status && text && *text) {
         int key = key_of(text);
         if (key < 0) {
-            return fail(CONUS_ERROR_ARGUMENT, "\"%.60s\": x=, y=, z=, name=, unit= and sides= are allowed behind FILE",
-                        text);
+            return fail(CONUS_ERROR_ARGUMENT,
+                        "\"%.60s\": x=, y=, z=, name=, place=, unit= and sides= are allowed behind FILE", text);
         }
         const char *value = text + strlen(word_keys[key]) + 1;
         const char *end = value;
@@ -144,11 +145,6 @@ conus_status columns_words_parse(struct columns_words *out, const char *text)
     return status || count == 0 || count == 3 ? status
                                               : fail(CONUS_ERROR_ARGUMENT, "only some of x=, y= and z= are given");
 }
-
-/* Adds a fault to those that there are. */
-#define FAULT(head, ...)                                                                                               \
-    (buffer_text(&(head)->faults, (head)->faults.size ? "; " : ""), buffer_format(&(head)->faults, __VA_ARGS__))
-#define FAULT_IF(is_one, ...) ((is_one) ? FAULT(__VA_ARGS__) : (void)0)
 
 /* The name in small letters, with one blank for what stands between words, and without a unit in brackets or behind:
  * "MNI_X (mm)" is "mni x". Other brackets are words. */
@@ -710,7 +706,8 @@ static void choose_families(struct head *head)
 {
     struct columns *out = head->out;
     const struct family *named = out->has[ROLE_X] ? &head->named : NULL;
-    const struct family *position = named ? named : find_position(head);
+    const struct family place = {.kind = OF_SPACE, .at = {out->place - 1, COLUMN_NONE, COLUMN_NONE}};
+    const struct family *position = out->place ? &place : named ? named : find_position(head);
     const struct family *entry = find_kind(head, ENTRY);
     const struct family *target = find_kind(head, TARGET);
     const struct family *direction = find_kind(head, DIRECTION);
@@ -734,7 +731,7 @@ static void choose_families(struct head *head)
     if (head->options->aperture > 0 && position && target) {
         find_beam(head, &position, &target);
     }
-    take_family(head, named ? NULL : position, ROLE_X, "x y z");
+    take_family(head, named || out->place ? NULL : position, ROLE_X, "x y z");
     take_family(head, target, ROLE_TX, "tx ty tz");
     take_family(head, direction, ROLE_DX, "dx dy dz");
     take_family(head, up, ROLE_UX, "ux uy uz");
@@ -746,8 +743,15 @@ static void choose_families(struct head *head)
     int directions = (target != NULL) + (direction != NULL) + has_quaternion + has_matrix + has_tilt + has_angles;
     bool is_straight = directions == 0 && out->has[ROLE_DEPTH] && is_of_rodents; /* down */
     out->is_of_points = directions == 0 && !is_straight;
+    FAULT_IF(out->place && !out->is_of_points, head, "a direction or a depth beside names of places, which are points");
     out->is_mlapdv = has_angles && head->options->space == CONUS_SPACE_BREGMA && position &&
                      position->stem[0] == '\0' && find_name(head, "x", 0) == position->at[0];
+    if (out->has[ROLE_THETA] || find_name(head, "sph radius", 0) != COLUMN_NONE) { /* of a sphere or a drawing */
+        drop_role(head, ROLE_RADIUS);
+    }
+    FAULT_IF(out->has[ROLE_RADIUS] && !out->is_of_points, head,
+             "column \"%s\" is that of a ball around a point, beside a direction; --radius MM makes cylinders",
+             out->shown[ROLE_RADIUS]);
     if (!has_angles) { /* alone they are statistics */
         drop_role(head, ROLE_PHI);
         drop_role(head, ROLE_THETA);
@@ -773,7 +777,7 @@ static void choose_families(struct head *head)
     if (!has_matrix && !position) {
         FAULT(head, "%s", head->is_on_its_side ? on_its_side : "x y z are needed: no columns say where rows are");
         FAULT_IF(!head->is_on_its_side && !head->row_count && head->out->has[ROLE_NAME], head,
-                 "names of places (C3, an area) go behind --point, one each");
+                 "a list of names has those of areas or positions (C3)");
         for (size_t i = 0; i < head->family_count; i++) {
             const struct family *family = &head->families[i];
             FAULT_IF(family->kind == UNKNOWN || family->kind == TURNED, head,
@@ -843,35 +847,26 @@ static conus_status find_row_names(struct head *head, struct notes *notes)
 /* The known column that was perhaps meant: it is not there, and little is to be changed; "" if there is none. */
 static struct text column_meant(const struct columns *columns, const char *field)
 {
-    static const char *const names[ROLE_NAME] = {/* "x" is like all */
-                                                 [ROLE_TX] = "tx",
-                                                 "ty",
-                                                 "tz",
-                                                 "dx",
-                                                 "dy",
-                                                 "dz",
-                                                 "qw",
-                                                 "qx",
-                                                 "qy",
-                                                 "qz",
-                                                 [ROLE_ANGLE] = "angle",
-                                                 "time s",
-                                                 "trigger",
-                                                 "error deg",
-                                                 "error mm",
-                                                 "near",
-                                                 "far",
-                                                 "depth",
-                                                 "tilt ml",
-                                                 "tilt ap",
-                                                 "phi",
-                                                 "theta",
-                                                 "space"};
+    static const char *const of_axes[ROLE_M00] = {/* "x" is like all */ [ROLE_TX] = "tx",
+                                                  "ty",
+                                                  "tz",
+                                                  "dx",
+                                                  "dy",
+                                                  "dz",
+                                                  "qw",
+                                                  "qx",
+                                                  "qy",
+                                                  "qz"};
     struct text meant = {"", 0};
     size_t length = strlen(field);
     size_t least = (length + 1) / 3;
-    for (enum role role = 0; role < ROLE_NAME; role++) {
-        const struct text name = text_from(names[role] ? names[role] : "");
+    for (enum role role = ROLE_TX; role < ROLE_NAME; role++) {
+        struct text names = text_from(role == ROLE_SPACE ? "space" : role < ROLE_M00 ? of_axes[role] : "");
+        struct text name = {"", 0};
+        for (size_t r = 0; role >= ROLE_ANGLE && r < sizeof roles / sizeof roles[0]; r++) {
+            names = roles[r].role == role ? text_from(roles[r].names) : names;
+        }
+        (void)text_field(&names, '/', &(bool){true}, &name);
         size_t distance = text_distance(text_from(field), name);
         if (!columns->has[role] && distance > 0 && distance <= least && distance < name.size &&
             (name.size > 2 || length > name.size)) {
@@ -887,7 +882,8 @@ static void list_columns(struct buffer *out, const struct head *head, bool known
 {
     size_t count = 0;
     for (size_t i = 0; i < head->line.given; i++) {
-        bool is_known = head->out->role_of[i] != ROLES || head->out->pairs == i + 1;
+        bool is_known = head->out->role_of[i] != ROLES || head->out->pairs == i + 1 || head->out->place == i + 1 ||
+                        (head->out->place && head->out->place_side == i + 1);
         for (size_t k = 0; k < head->out->kept_count; k++) {
             is_known = is_known || head->out->kept[k] == i;
         }
@@ -1074,6 +1070,9 @@ static void find_columns(struct head *head)
         find_pairs(head);
     } else {
         find_roles(head);
+        if (out->place && !out->has[ROLE_NAME]) {
+            set_role(head, out->place - 1, ROLE_NAME);
+        }
         find_spaces(head);
         choose_families(head);
         find_pairs(head);
@@ -1392,6 +1391,11 @@ static conus_status check_options(const struct head *head)
                     out->is_of_points ? "points" : "a direction", pose_axis_name(options->axis));
     }
     /* The names of rotations' columns are of axes that space ccf and bregma do not have. */
+    if (options->inward && out->has[ROLE_RADIUS]) {
+        return fail(CONUS_ERROR_DATA,
+                    "header: column \"%s\" is that of a ball, but rows point into the head (--inward)",
+                    out->shown[ROLE_RADIUS]);
+    }
     return options->space < CONUS_SPACE_CCF || !turns ? CONUS_OK
                                                       : fail(CONUS_ERROR_DATA,
                                                              "header: rotations (qw qx qy qz or m00...m33) are not "
@@ -1470,7 +1474,15 @@ static bool has_points(const struct head *head)
     return points && 2 * points >= rows;
 }
 
-static conus_status plan_bare(struct head *head)
+static conus_status note_places(const struct head *head, struct notes *notes)
+{
+    const struct columns *out = head->out;
+    const struct text column = out->has_header ? head->line.cells[out->place - 1] : text_from("");
+    return notes_add(notes, "%s%.*s%s names places: each row is the point that --point NAME means",
+                     out->has_header ? "column \"" : "each line", POSE_QUOTE(column), out->has_header ? "\"" : "");
+}
+
+static conus_status plan_bare(struct head *head, struct notes *notes)
 {
     const conus_pose_options *options = head->options;
     struct columns *out = head->out;
@@ -1480,6 +1492,9 @@ static conus_status plan_bare(struct head *head)
     out->is_of_points = true;
     if (head->is_on_its_side) {
         return fail(CONUS_ERROR_DATA, "%s", on_its_side);
+    }
+    if (out->place) {
+        return note_places(head, notes);
     }
     if (is_table || (!has_points(head) && !out->table.cells)) {
         struct text line = {"", 0};
@@ -1491,7 +1506,7 @@ static conus_status plan_bare(struct head *head)
                                POSE_QUOTE(line))
                         : fail(CONUS_ERROR_DATA,
                                "\"%.*s\": neither names of columns nor three numbers in a line; " POSE_FORMATS
-                               " is needed; names of places (C3, an area) go behind --point, one each",
+                               " is needed; a list of names has those of areas or positions (C3)",
                                POSE_QUOTE(line));
     }
     if (!has_points(head)) {
@@ -1567,6 +1582,16 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
     }
     status = find_rows(head);
     out->has_header = !status && options->format != CONUS_POSE_FORMAT_POINTS && find_header(head);
+    bool has_none = !head->family_count && !out->has[ROLE_M00] && !head->is_named;
+    bool may_name = options->atlas && !status && !out->is_bids && (has_none || head->words.place.size) &&
+                    options->format <= CONUS_POSE_FORMAT_POINTS;
+    if (may_name) {
+        columns_find_places(head, roles[sizeof roles / sizeof roles[0] - 1].names);
+        status = head->lacks_memory ? CONUS_ERROR_MEMORY : status;
+    }
+    if (out->place && out->has_header) {
+        find_columns(head);
+    }
     FAULT_IF(out->has_header && out->table.comma == TABLE_COMMA_UNCLEAR, head,
              "a comma before three digits, or commas of two kinds: 1,250 may be 1250 or 1.25");
     FAULT_IF(out->has_header && has_row_of_units(head), head,
@@ -1574,7 +1599,7 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
     if (status) {
         out->has_header = false;
     } else if (!out->has_header) {
-        status = plan_bare(head);
+        status = plan_bare(head, notes);
     } else if (head->line.spoilt.data) {
         status = fail(CONUS_ERROR_DATA, "header: a quotation mark inside a name, or one that is not closed: \"%.*s",
                       POSE_QUOTE(head->line.spoilt));
@@ -1583,6 +1608,7 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
         status = status ? status : refuse(head);
     } else {
         status = check_options(head);
+        status = status || !out->place ? status : note_places(head, notes);
         status = status ? status : note_angles(head, notes);
         status = status ? status : find_row_names(head, notes);
         status = status ? status : find_kept(head);
@@ -1595,16 +1621,17 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
         status = fail(CONUS_ERROR_DATA, "its header names another unit than the *_coordsystem.json beside it");
     }
     out->scale = beside > 0 ? beside : out->scale;
-    status = status ? status : columns_hear_words(head, notes);
+    status = status || out->place ? status : columns_hear_words(head, notes); /* names have neither space nor unit */
     if (unit > 0) {
         out->scale = unit / columns_space_mm(options->space);
     }
     out->has_unit = out->scale > 0;
-    const double space_mm = columns_space_mm(options->space);
-    out->factor[ROLE_DEPTH] =
-        out->factor[ROLE_DEPTH] > 0 ? out->factor[ROLE_DEPTH] : (out->has_unit ? out->scale : 1) * space_mm;
+    const double own = (out->has_unit ? out->scale : 1) * columns_space_mm(options->space); /* that of positions */
+    for (enum role role = ROLE_DEPTH; role <= ROLE_RADIUS; role++) {
+        out->factor[role] = out->factor[role] > 0 ? out->factor[role] : out->place ? 1 : own;
+    }
     out->scale = out->has_unit ? out->scale : 1;
-    status = status ? status : columns_check_numbers(head, notes);
+    status = status || out->place ? status : columns_check_numbers(head, notes);
     buffer_finish(&head->faults);
     memory_free(head->rows);
     memory_free(head->cells);

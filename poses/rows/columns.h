@@ -5,6 +5,7 @@
 #define CONUS_POSES_ROWS_COLUMNS_H
 
 #include "base/formats/table.h"
+#include "base/name_set.h"
 #include "base/notes.h"
 #include "base/text.h"
 #include "conus/pose_file.h"
@@ -28,6 +29,7 @@ enum role {
     ROLE_NEAR,
     ROLE_FAR,
     ROLE_DEPTH,
+    ROLE_RADIUS,
     ROLE_TILT_ML,
     ROLE_TILT_AP,
     ROLE_PHI,
@@ -43,8 +45,8 @@ enum { COLUMN_NAME_SIZE = 48 };
 
 /** The words of conus_pose_options.columns. */
 struct columns_words {
-    struct text at[3], name; /**< Columns; empty: not given. */
-    double unit;             /**< mm; 0 = not given. */
+    struct text at[3], name, place; /**< Columns; empty: not given. */
+    double unit;                    /**< mm; 0 = not given. */
     bool any_sides;
 };
 
@@ -78,9 +80,11 @@ struct columns {
     bool is_own_unit;         /**< or the user. */
     size_t pairs; /**< From 1: the column that says whether a row is an entry or the target of its name (pairs_parse());
                      0 = none does. */
-    bool ends_at_target; /**< Axes end there, not only point there (target_x, but not tx). */
-    bool moves;          /**< Positions of MNI 305 are moved to MNI 152. */
-    size_t heard_lines;  /**< Lines of the head, whose words are in @p said. */
+    size_t place, place_side; /**< From 1: the column of names of places, and one of their sides; 0 = none. Without a
+                                 header each line is a place. */
+    bool ends_at_target;      /**< Axes end there, not only point there (target_x, but not tx). */
+    bool moves;               /**< Positions of MNI 305 are moved to MNI 152. */
+    size_t heard_lines;       /**< Lines of the head, whose words are in @p said. */
 };
 
 /** Reads the head of a text: its first lines, @p all of them or TABLE_HEAD bytes. CONUS_ERROR_DATA with what it is
@@ -101,6 +105,8 @@ conus_status columns_hear_late(const struct columns *columns, struct text line, 
 struct pose_name {
     struct text text; /**< Inside the line, or here: */
     char own[POSE_ID_LIMIT + 1];
+    struct kept_text place;                 /**< Where columns.place says so: the name, inside the line, */
+    struct text side;                       /**< and what is said of its side. */
     struct kept_text kept[POSE_KEPT_LIMIT]; /**< Inside the line; text.data NULL: there is none. */
 };
 
@@ -132,6 +138,23 @@ enum columns_line {
 enum columns_line columns_read(conus_pose_row *row, struct pose_name *name, conus_status *bad,
                                const struct columns *columns, struct text line, size_t number,
                                const conus_pose_options *options);
+
+/** Places that were found; begins as all 0. */
+struct named_rows {
+    struct name_set names; /**< By their place in @p items. */
+    struct named_row {
+        char *name;
+        double point[3], outward[3]; /**< Outward of a position, else NaN. */
+    } * items;
+    size_t capacity;
+};
+
+void named_rows_finish(struct named_rows *known);
+
+/** Puts a row where @p name says, as options->find_place() does, with notes of what else may be meant. Each name is
+ * looked for once. CONUS_ERROR_MEMORY is no fault of the row. */
+conus_status named_rows_find(conus_pose_row *row, struct named_rows *known, const struct pose_name *name,
+                             const conus_pose_options *options, struct notes *notes);
 
 /** Whether @p text is sixteen numbers and nothing else: then @p row or its error (in *bad) is the pose they are. */
 bool columns_plain_matrix(conus_pose_row *row, conus_status *bad, struct text text, const conus_pose_options *options);

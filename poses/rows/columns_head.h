@@ -47,6 +47,7 @@ struct head {
     size_t row_count, row_capacity;
     struct text *cells; /**< Of the rows. */
     size_t cell_count, cell_capacity;
+    bool lacks_memory;   /**< columns_find_places() had none. */
     bool is_on_its_side; /**< Rows are called x, y and z. */
     char names[TABLE_CELLS][COLUMN_NAME_SIZE];
     double unit[TABLE_CELLS]; /**< mm, as space_unit_mm(). */
@@ -67,6 +68,15 @@ conus_status columns_hear_words(struct head *head, struct notes *notes);
 
 /** Judges the numbers of the head's rows. The unit that the user or the file states is not questioned. */
 conus_status columns_check_numbers(const struct head *head, struct notes *notes);
+
+/** Adds a fault to those that there are. */
+#define FAULT(head, ...)                                                                                               \
+    (buffer_text(&(head)->faults, (head)->faults.size ? "; " : ""), buffer_format(&(head)->faults, __VA_ARGS__))
+#define FAULT_IF(is_one, ...) ((is_one) ? FAULT(__VA_ARGS__) : (void)0)
+
+/** Looks for names of places in options->atlas where no column has coordinates: sets out->place, or adds faults.
+ * @p words: what a header calls a column of names. */
+void columns_find_places(struct head *head, const char *words);
 
 /** @name Lines
  * @{ */

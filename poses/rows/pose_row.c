@@ -33,7 +33,8 @@ conus_pose_row pose_row_at(size_t line)
                             .error_mm = NAN,
                             .range = {NAN, NAN},
                             .normal = {NAN, NAN, NAN},
-                            .target_mm = NAN};
+                            .target_mm = NAN,
+                            .radius = NAN};
 }
 
 const char *pose_check_id(struct text *id, char ordinal[POSE_ORDINAL_SIZE], uint64_t number)

@@ -63,6 +63,7 @@ class Poses(Guarded):
     errors_deg: Array  #: (n,) how far off the direction may be, degrees; NaN where the file has none
     errors_mm: Array  #: (n,) the same of the position
     ranges: Array  #: (n, 2) near and far, mm; NaN where the file has none
+    radii: Array  #: (n,) of the balls around points, mm; NaN where the file has none
     kept: dict[str, Array]  #: (n,) texts of the columns that ``keep`` names; "" of an empty cell
     errors: dict[int, str]  #: why a row is no pose, by its index; a point has no direction
 
@@ -85,12 +86,13 @@ class Poses(Guarded):
         self.origins = self.matrices[:, :3, 3].copy()
         self.matrices[list(self.errors)] = np.nan
         self.directions = -self.matrices[:, :3, 2]
-        numbers = np.array([(row.angle or math.nan, row.time_s, row.error_deg, row.error_mm, *row.range) for row in rows])
-        numbers = numbers.reshape(count, 6)
+        numbers = np.array([(row.angle or math.nan, row.time_s, row.error_deg, row.error_mm, *row.range, row.radius)
+                            for row in rows])
+        numbers = numbers.reshape(count, 7)
         numbers[np.isnan(self.origins[:, 0])] = np.nan
         self.angles = np.rad2deg(numbers[:, 0])
         self.times_s, self.errors_deg, self.errors_mm = numbers[:, 1:4].T.copy()
-        self.ranges = numbers[:, 4:].copy()
+        self.ranges, self.radii = numbers[:, 4:6].copy(), numbers[:, 6].copy()
         self.triggers = np.array([bool(row.trigger and not row.error) for row in rows], bool)
 
     def __len__(self) -> int:
@@ -203,7 +205,7 @@ def read_poses(
     space, bregma
         Space of the numbers in the file, where it does not say so itself: as for :class:`Selector`.
     atlas
-        Where "ccf" and "bregma" are found. The poses are matched with it (:meth:`Poses.match`) at once.
+        Where "ccf" and "bregma" are found, and names of places in place of coordinates. The poses are matched with it (:meth:`Poses.match`) at once.
     any_space
         Take the poses even if the file names another space than the atlas.
     keep
@@ -229,6 +231,8 @@ def read_poses(
         raise ArgumentError(f"space: {space} lies where an atlas has it, atlas=... is needed")
     found = space_of(ffi.NULL if atlas is None else atlas._p, space, bregma)
     options.frame = found._frame if found else ffi.NULL
+    if atlas is not None:
+        options.atlas, options.find_place = atlas._p, ffi.addressof(lib, "conus_place_find")
     options.of_mni305 = atlas is not None and lib.conus_atlas_brain(atlas._p).brain == lib.CONUS_BRAIN_MNI305
     if isinstance(keep, str):
         raise ArgumentError("keep: a list of names is wanted, not a text")

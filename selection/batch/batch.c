@@ -265,13 +265,14 @@ static struct pose_words *add_pose(struct block *block, const conus_pose_row *ro
     return words;
 }
 
-static void add_row(struct block *block, const conus_pose_row *row, const char *error)
+static void add_row(struct block *block, const conus_pose_row *row, const char *error, bool is_foreign)
 {
     struct batch_pose pose = {.line = row->line, .is_no_pose = error != NULL, .is_point = row->is_point};
     if (!error) {
         pose.pose = row->pose;
         pose.angle = row->angle;
         memcpy(pose.range, row->range, sizeof pose.range);
+        pose.radius = is_foreign && row->radius == 0 ? CONUS_POINT_RADIUS : row->radius;
     }
     struct pose_words *words = add_pose(block, row, pose);
     words->error = error ? keep_string(block, error) : 0;
@@ -289,7 +290,7 @@ static conus_status add_contacts(struct block *block, const conus_pose_row *row,
     conus_status status = pose_roll(&placed, report->roll);
     for (size_t i = 0; i < conus_probe_contact_count(report->probe) && !status; i++) {
         const conus_probe_contact *contact = conus_probe_at(report->probe, i);
-        struct batch_pose pose = {.line = row->line, .is_point = true, .range = {NAN, NAN}};
+        struct batch_pose pose = {.line = row->line, .is_point = true, .range = {NAN, NAN}, .radius = NAN};
         double point[3];
         mat4_point(point, m, contact->offset);
         status = pose_of_point(&pose.pose, point);
@@ -327,7 +328,8 @@ static conus_status read_poses(struct block *block, const conus_batch *batch, co
                 status = add_contacts(block, &rows[i], report);
             } else {
                 add_row(block, &rows[i],
-                        has_probe ? "a point, without the direction that a probe needs" : rows[i].error);
+                        has_probe ? "a point, without the direction that a probe needs" : rows[i].error,
+                        report_is_foreign(report->format));
             }
         }
         if (status || count == 0) {

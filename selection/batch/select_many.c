@@ -54,7 +54,8 @@ static conus_status read_block(void *user, size_t slot, bool *may_follow)
     for (size_t i = 0; i < block->count; i++) {
         size_t n = block->first + i;
         struct batch_pose *pose = &block->poses[i];
-        *pose = (struct batch_pose){.angle = poses->angle ? poses->angle[n] : 0, .range = {NAN, NAN}, .line = n};
+        *pose = (struct batch_pose){
+            .angle = poses->angle ? poses->angle[n] : 0, .range = {NAN, NAN}, .radius = NAN, .line = n};
         if (poses->range) {
             memcpy(pose->range, poses->range + 2 * n, sizeof pose->range);
         }

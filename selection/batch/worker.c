@@ -62,6 +62,11 @@ static double angle_of(const struct batch_worker *worker, const struct batch_pos
     return pose->angle != 0 ? pose->angle : worker->angle;
 }
 
+static double radius_of(const struct batch_worker *worker, const struct batch_pose *pose)
+{
+    return isnan(pose->radius) ? worker->points.radius : pose->radius;
+}
+
 /* A cone, or for a point what is at it or near it. */
 static conus_status select_pose(conus_selection **out, struct batch_worker *worker, const struct batch_pose *pose)
 {
@@ -73,8 +78,9 @@ static conus_status select_pose(conus_selection **out, struct batch_worker *work
     if (!pose->is_point) {
         return conus_select(out, worker->selector, &pose->pose, angle_of(worker, pose));
     }
-    return points->error ? fail(CONUS_ERROR_ARGUMENT, "%s", points->error)
-                         : conus_select_ball(out, worker->selector, pose->pose.world_from_device + 12, points->radius);
+    return points->error
+               ? fail(CONUS_ERROR_ARGUMENT, "%s", points->error)
+               : conus_select_ball(out, worker->selector, pose->pose.world_from_device + 12, radius_of(worker, pose));
 }
 
 /* A call of batch_worker_answer(). */
@@ -139,7 +145,7 @@ static void count_aims(struct batch_worker *worker, const struct batch_pose *pos
             conus_aims_add(&worker->aims, poses[i].line, &poses[i].pose, angle_of(worker, &poses[i]));
         } else if (!poses[i].is_no_pose && !worker->points.error) {
             conus_aims_add_point(&worker->aims, poses[i].line, poses[i].pose.world_from_device + 12,
-                                 worker->points.radius);
+                                 radius_of(worker, &poses[i]));
         }
     }
 }

@@ -15,6 +15,7 @@ struct batch_pose {
     conus_pose pose;
     double angle;    /**< 0 = the worker's. */
     double range[2]; /**< mm; NaN = that of the worker's selector. */
+    double radius;   /**< Of the ball around a point, mm; NaN = that of batch_points. */
     size_t line;     /**< Its number for the caller: a line of a file, say. */
     bool is_no_pose;
     bool is_point;

@@ -5,7 +5,7 @@
 #include "atlas/areas/area_find.h"
 #include "base/geometry/math3.h"
 #include "base/options.h"
-#include "poses/place.h"
+#include "poses/rows/place.h"
 #include "poses/rows/pose_row.h"
 #include "selection/plan/plan_deepest.h"
 

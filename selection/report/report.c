@@ -184,11 +184,11 @@ static bool are_alike(const conus_report *a, const conus_report *b)
     const conus_selector_options *q = &b->selector;
     return x->rows == y->rows && x->format == y->format && a->frame.space == b->frame.space &&
            mat4_is_same(a->frame.world_from_space, b->frame.world_from_space) && !x->tracker == !y->tracker &&
-           x->selected_only == y->selected_only && x->points == y->points && a->atlas->is_moved == b->atlas->is_moved &&
-           strcmp(a->score, b->score) == 0 && strcmp(a->engine, b->engine) == 0 && p->aperture == q->aperture &&
-           p->sampling == q->sampling && p->resolution == q->resolution && p->slices == q->slices &&
-           p->slice_fraction == q->slice_fraction && p->layers == q->layers && p->range[0] == q->range[0] &&
-           p->range[1] == q->range[1] && p->radius == q->radius;
+           x->selected_only == y->selected_only && x->points == y->points && x->radii == y->radii &&
+           a->atlas->is_moved == b->atlas->is_moved && strcmp(a->score, b->score) == 0 &&
+           strcmp(a->engine, b->engine) == 0 && p->aperture == q->aperture && p->sampling == q->sampling &&
+           p->resolution == q->resolution && p->slices == q->slices && p->slice_fraction == q->slice_fraction &&
+           p->layers == q->layers && p->range[0] == q->range[0] && p->range[1] == q->range[1] && p->radius == q->radius;
 }
 
 conus_status conus_report_join(conus_report *report, conus_report *more)

@@ -196,11 +196,19 @@ static const struct report_column answer_columns[] = {
      OF_ROW(NUMBER, result.contact_value)},
 };
 
+static struct cell get_radius(const conus_report *report, const struct report_row *row)
+{
+    const struct report_query *query = &report->queries[row->query];
+    return number_cell(query->is_point ? 0 : query->ball);
+}
+
 /* Which point was asked; behind all others, so that no other column moves. */
 static const struct report_column point_columns[] = {
     {"x", "mm", "the point that was asked, or the apex, x", OF_QUERY(X, cone.pose.world_from_device[12])},
     {"y", "mm", "the same, y", OF_QUERY(Y, cone.pose.world_from_device[12])},
     {"z", "mm", "the same, z", OF_QUERY(Z, cone.pose.world_from_device[12])},
+    {"radius_mm", "mm", "radius of the ball around it that was asked; 0: what is at it", .get = get_radius,
+     .home = HOME_QUERY},
 };
 
 static struct cell get_selected(const conus_report *report, const struct report_row *row)
@@ -949,7 +957,7 @@ static void list_asked(struct report_columns *out, const conus_report *report)
         list_table(out, report, probe_columns, COUNT_OF(probe_columns));
     }
     if (report->options.points) {
-        list_table(out, report, point_columns, COUNT_OF(point_columns));
+        list_table(out, report, point_columns, COUNT_OF(point_columns) - !report->options.radii);
     }
 }
 

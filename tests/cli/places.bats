@@ -48,6 +48,69 @@ first_line() {
     [ ! -e a.tsv ]
 }
 
+@test "a list of areas is asked where each of them would be, wherever points are read" {
+    [ -e "$AAL" ] || skip "no $AAL"
+    printf 'area,value\nHippocampus_L,3\nleft amygdala,4\nHippocampus,5\nHipocampus_R,6\n' >areas.csv
+    printf 'Hippocampus_L\nC3\n' >areas.txt
+    run -1 --separate-stderr conus query $AAL --pose areas.csv --format tsv --keep value
+    [[ $stderr == *'note: areas.csv: column "area" names places: each row is the point that --point NAME means'* ]]
+    [[ $stderr == *'areas.csv:4: "Hippocampus" may be any of 2: "Hippocampus_L" (37), "Hippocampus_R" (38)'* ]]
+    [[ $stderr == *'areas.csv:5: no area has the name, abbreviation or label "Hipocampus_R"; did you mean "Hippocampus_R"'* ]]
+    for name in Hippocampus_L 'left amygdala'; do
+        [ "$(grep "^$name" <<<"$output" | cut -f 2-22)" = \
+            "$(conus query $AAL --point "$name" --format tsv -q | sed -n 2p | cut -f 2-22)" ]
+    done
+    [ "$(cut -f 28 <<<"$output" | paste -sd ' ')" = 'value 3 4 5 6' ]
+    conus query $AAL --pose areas.csv --format tsv -q --keep value >query.tsv || [ $? = 1 ]
+    conus batch $AAL --poses areas.csv --keep value -q >batch.tsv || [ $? = 1 ]
+    cmp query.tsv batch.tsv
+    [ "$(conus query $AAL --pose areas.txt --format tsv -q | cut -f 1,4,25-27 | sed 1d | tr '\t' ' ')" = \
+        $'Hippocampus_L Hippocampus_L -27 -13 -15\nC3 Postcentral_L -67.7 -11.3 61.2' ]
+    conus render $AAL --pose areas.txt --size 32x32 -o a.png -q
+    # An area on both sides has no point until a side is said.
+    printf 'area\tside\nSphere\tleft\nSphere\tn/a\nSphere right\tleft\n' >sides.tsv
+    conus phantom sphere -o .
+    run -1 --separate-stderr conus query sphere.nii.gz --pose sides.tsv --hemispheres split --format tsv
+    [ "$(cut -f 5 <<<"${lines[1]}")" = 'Sphere left' ]
+    [[ ${lines[2]} == *'"Sphere" is cut in two: "Sphere left", label 11, and "Sphere right", label 21'* ]]
+    [[ ${lines[3]} == *'"Sphere right" is on the other side than "left"'* ]]
+    # Coordinates win; numbers that may be some are asked about.
+    printf 'name,x,y,z\nHippocampus_L,-42,-20,50\n' >both.csv
+    [ "$(conus query $AAL --pose both.csv --format tsv -q | sed -n 2p | cut -f 4)" = Postcentral_L ]
+    printf 'area,mean,sd,n\nHippocampus_L,1,2,3\n' >means.csv
+    fails 3 "',place=area' behind FILE takes its names of areas as places" query $AAL --pose means.csv
+    [ "$(conus query $AAL --pose means.csv,place=area --format tsv -q | sed -n 2p | cut -f 4)" = Hippocampus_L ]
+}
+
+@test "a row has a radius of its own, and points look into the head" {
+    [ -e "$AAL" ] || skip "no $AAL"
+    printf 'name,x,y,z,radius (cm)\na,-42,-20,50,0.3\nb,-42,-20,50,0\nc,-42,-20,50,\n' >radii.csv
+    run -0 --separate-stderr conus query $AAL --pose radii.csv --radius 5 --format tsv
+    [ "$(cut -f 1,4,28 <<<"$output" | sed 1d | grep -v unassigned | tr '\t' ' ' | paste -sd ';')" = \
+        'a Postcentral_L 3;a Precentral_L 3;b Postcentral_L 0;c Postcentral_L 5;c Precentral_L 5' ]
+    [ "$(conus batch $AAL --poses radii.csv --radius 5 -q)" = "$output" ]
+    for radius in 3 5; do
+        grep -P "^[ac]\t.*\t$radius$" <<<"$output" | cut -f 2-22 >own.tsv
+        conus query $AAL --point=-42,-20,50 --radius $radius --format tsv -q | sed 1d | cut -f 2-22 | cmp - own.tsv
+    done
+    conus query $AAL --pose radii.csv --format json -q |
+        jq -e '.Understood == "asked as points in the atlas'"'"'s space: what is within each row'"'"'s radius of it"' >/dev/null
+    fails 2 '--angle' batch $AAL --poses radii.csv --radius 5 --angle 5
+    fails 3 'column "radius (cm)" is that of a ball, but rows point into the head' batch $AAL --poses radii.csv --inward
+    # Each as by --origin.
+    printf 'Cz\nC3\nNz\n' >cap.txt
+    printf 'name,x,y,z\nside,-90,0,0\n' >side.csv
+    run -1 --separate-stderr conus batch $AAL --poses cap.txt --inward --angle 20
+    [[ $stderr == *'2 rows point into the head, by positions of a cap'* ]]
+    [ "$(grep -P '^C3\t' <<<"$output" | cut -f 2-)" = \
+        "$(conus query $AAL --origin C3 --inward --angle 20 --format tsv -q | sed 1d | cut -f 2-)" ]
+    [[ $(grep -P '^Nz\t' <<<"$output") == *'the table of positions has no normal for it'* ]]
+    run -0 --separate-stderr conus query $AAL --pose side.csv --inward --angle 20 --format tsv
+    [[ $stderr == *"1 rows point into the head, by the atlas's convex hull"* ]]
+    [ "$(sed 1d <<<"$output" | cut -f 2-)" = \
+        "$(conus query $AAL --origin=-90,0,0 --inward --angle 20 --format tsv -q | sed 1d | cut -f 2-)" ]
+}
+
 @test "a list whose names are areas elsewhere is warned of, by file and pipe" {
     [ -e "$AAL" ] || skip "no $AAL"
     local warned='3 points are called as areas of the atlas, and half of them lie 57 mm or more from there (Insula_L in'

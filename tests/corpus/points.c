@@ -4,6 +4,7 @@
  * prefix, and the file with every allocation failing. */
 #include "base/files/file.h"
 #include "builders/nifti_builder.h"
+#include "builders/place_atlas.h"
 #include "conus/conus.h"
 #include "poses/rows/pose_row.h"
 #include "test.h"
@@ -44,6 +45,7 @@ static struct {
     size_t entries, refused, pending, prefixes, failures, faults;
     bool is_quiet;      /* A pending entry is asked: faults are counted, not shown. */
     conus_atlas *atlas; /* Of MNI 152. */
+    conus_atlas *named; /* Whose areas files name. */
 } total;
 
 static void report(const struct entry *entry, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -162,6 +164,10 @@ static void compare_list(const struct entry *entry, const conus_pose_list *list)
         compare_row(entry, "first", conus_pose_list_row(list, 0), json_object_get(entry->facts, "first"));
         compare_row(entry, "last", conus_pose_list_row(list, count - 1), json_object_get(entry->facts, "last"));
     }
+    json_t *radius = json_object_get(entry->facts, "radius");
+    if (radius && count && !(fabs(conus_pose_list_row(list, 0)->radius - json_number_value(radius)) < 1e-9)) {
+        report(entry, "its first radius is %g", conus_pose_list_row(list, 0)->radius);
+    }
     if (brain && (!brains[list->space.brain] || strcmp(brain, brains[list->space.brain]) != 0)) {
         report(entry, "its brain is %s (\"%s\"), its facts say %s",
                brains[list->space.brain] ? brains[list->space.brain] : "another", list->space.name, brain);
@@ -253,6 +259,10 @@ static void take_options(struct entry *entry)
         entry->options.frame =
             space && strcmp(space, conus_space_name((size_t)frames[i].space)) == 0 ? &frames[i] : entry->options.frame;
     }
+    if (json_is_true(json_object_get(entry->facts, "named"))) {
+        entry->options.atlas = total.named;
+        entry->options.find_place = conus_place_find;
+    }
     const char *format = fact_text(entry, "format");
     for (size_t i = 0; format && conus_pose_format_name(i); i++) {
         if (strcmp(format, conus_pose_format_name(i)) == 0) {
@@ -263,8 +273,8 @@ static void take_options(struct entry *entry)
 
 static void check_keys(const struct entry *entry)
 {
-    static const char *const keys[] = {"is",  "source", "space", "format", "word", "beside",  "rows",
-                                       "bad", "first",  "last",  "brain",  "note", "refused", "pending"};
+    static const char *const keys[] = {"is",    "source", "space", "format", "word",    "beside",  "rows",  "bad",
+                                       "first", "last",   "brain", "note",   "refused", "pending", "named", "radius"};
     const char *key;
     json_t *value;
     json_object_foreach(entry->facts, key, value)
@@ -359,6 +369,7 @@ int main(int argc, char **argv)
         fprintf(stderr, "usage: points FOLDER [FILE]\n%s: line %d: %s\n", path, error.line, error.text);
         return 2;
     }
+    total.named = place_atlas();
     if (!load_atlas()) {
         fprintf(stderr, "%s\n", conus_message());
         return 2;
@@ -371,6 +382,7 @@ int main(int argc, char **argv)
     }
     json_decref(all);
     conus_atlas_destroy(total.atlas);
+    conus_atlas_destroy(total.named);
     printf("%zu files, %zu of them refused, %zu pending; %zu prefixes, %zu failing allocations, %.1f s; %zu faults\n",
            total.entries, total.refused, total.pending, total.prefixes, total.failures,
            (double)clock() / CLOCKS_PER_SEC, total.faults);

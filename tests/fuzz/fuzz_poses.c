@@ -3,7 +3,9 @@
  * where the world is a mirror image of the space; skipping rows counts as many as reading them. */
 #include "base/child/hdf5.h"
 #include "base/geometry/math3.h"
+#include "conus/place.h"
 #include "poses/pose_stream.h"
+#include "tests/support/builders/place_atlas.h"
 
 #include <stdlib.h>
 
@@ -58,6 +60,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     (void)read_rows(text, &shafts, false);
     (void)read_rows(text, &coils, false);
     (void)read_rows(text, &leads, false);
+    static conus_atlas *atlas; /* one for all */
+    atlas = atlas ? atlas : place_atlas();
+    const conus_pose_options places = {.atlas = atlas, .find_place = conus_place_find, .inward = size % 3 == 0};
+    (void)read_rows(text, &places, false);
     conus_pose_stream *stream = NULL;
     uint64_t passed = 0;
     if (count && pose_stream_parse(&stream, text, NULL) == CONUS_OK) {

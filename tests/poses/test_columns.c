@@ -327,11 +327,14 @@ static void columns_are_named_by_the_user(void **state)
                                          {"x=a,y=b,z=d", "column \"d\" is not there"},
                                          {"unit=inch", "unit=inch, allowed are mm, um, cm and m"},
                                          {"sides=no", "sides=no, allowed are anyway"},
-                                         {"w=a", "x=, y=, z=, name=, unit= and sides= are allowed"}};
+                                         {"w=a", "x=, y=, z=, name=, place=, unit= and sides= are allowed"}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         assert_true(pose_list_parse(&list, text_from(text), &(conus_pose_options){.columns = bad[i][0]}) != CONUS_OK);
         assert_non_null(strstr(conus_message(), bad[i][1]));
     }
+    assert_true(pose_list_parse(&list, text_from("who,x,y,z\nM1,4,2,-5\n"),
+                                &(conus_pose_options){.columns = "place=who"}) == CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "names of places are read from tables and lists where an atlas is"));
     assert_int_equal(conus_pose_path_length("a b.csv,x=1,y=2"), 7);
     assert_int_equal(conus_pose_path_length("a,b.csv"), 7);
     char path[4096];

@@ -39,6 +39,18 @@ def test_names_far_from_their_areas_are_warned_of(atlas, tmp_path, recwarn):
         conus.read_poses(path, atlas=atlas)
 
 
+def test_names_in_a_file_are_places(atlas, tmp_path):
+    path = tmp_path / "areas.csv"
+    path.write_text("area,radius\nleft core,5\nBoth,\nCore_R,0\n1020:C3,n/a\n")
+    poses = conus.read_poses(path, atlas=atlas)
+    assert poses.origins[[0, 2]].tolist() == [[-7.5, -2, -2], [7.5, -2, -2]]
+    assert poses.origins[3].tolist() == atlas.place("1020:C3").point.tolist()
+    assert "Both lies on both sides" in poses.errors[1] and np.isnan(poses.origins[1]).all()
+    assert np.allclose(poses.radii, [5, np.nan, 0, np.nan], equal_nan=True)
+    with pytest.raises(conus.DataError, match="x y z are needed"):
+        conus.read_poses(path)
+
+
 def test_a_way_leads_into_the_head(atlas):
     assert atlas.inward([0, 3, 60]).tolist() == [0, 0, -1]
     assert np.allclose(atlas.inward("1020:C3"), [0.815, -0.177, -0.552], atol=1e-3)

@@ -30,6 +30,13 @@ static const struct option pose_options[] = {
      OPTION_FROM_TO(0, 180),
      .words = "width, opening",
      .common = true},
+    {.name = "inward",
+     FIELD(aim.inward),
+     .help = "points of the file look straight into the head: positions of a cap that are called by their names (C3) "
+             "against the scalp's normal there, others against that of the context's head within 5 mm, or else to the "
+             "atlas's nearest",
+     .words = "EEG, fNIRS, optode, perpendicular",
+     .excludes = "probe"},
     {.name = "shard",
      FIELD(shard),
      .value = "I/N|all/N|auto",

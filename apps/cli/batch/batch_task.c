@@ -238,7 +238,7 @@ static int open_task(struct task *task)
 {
     const struct batch_settings *settings = task->settings;
     struct atlas_settings atlas = settings->atlas;
-    atlas.answers = true;
+    atlas.answers = !settings->aim.inward; /* which may take the head of a context */
     int code = pose_settings_check_file(settings->poses, "poses", task->arguments);
     code =
         code ? code : atlases_load_all(&task->atlases, &atlas, &settings->context); /* open_poses() asks their size */
@@ -324,13 +324,14 @@ static int build_task(struct task *task)
     const struct batch_settings *settings = task->settings;
     conus_selector_options engine = settings_engine(&settings->engine, &settings->aim, &settings->common);
     settings_point_error(task->point_error, &settings->engine, task->arguments);
-    if (conus_pose_stream_format(task->poses) == CONUS_POSE_FORMAT_POINTS && task->point_error[0]) {
+    if (conus_pose_stream_format(task->poses) == CONUS_POSE_FORMAT_POINTS && !settings->aim.inward &&
+        task->point_error[0]) {
         return print_data_error("%s: %s", pose_settings_file_name(settings->poses), task->point_error);
     }
     bool has_points = conus_pose_stream_has_points(task->poses) && !task->point_error[0] && !task->probe &&
                       !settings->of_axis && !format_is_foreign(task->format);
     int code = settings_understood(task->understood, &task->places, &settings->aim, &settings->engine, has_points,
-                                   conus_pose_stream_space(task->poses));
+                                   conus_pose_stream_has_radii(task->poses), conus_pose_stream_space(task->poses));
     if (code) {
         return code;
     }
@@ -351,6 +352,7 @@ static int build_task(struct task *task)
                    .places = task->places.items,
                    .place_count = task->places.count,
                    .points = has_points,
+                   .radii = has_points && conus_pose_stream_has_radii(task->poses),
                    .marks = &task->marks,
                    .probe = task->probe,
                    .roll = radians(settings->probe.roll),
@@ -367,10 +369,11 @@ static int build_task(struct task *task)
     for (size_t i = 0; i < task->atlases.count; i++) {
         const struct named_atlas *item = &task->atlases.items[i];
         struct aimed *aimed = &task->aimed[i];
-        *aimed = (struct aimed){.atlas = item->atlas,
-                                .name = item->name,
-                                .frame = &task->frame,
-                                .radius = settings_point_radius(&settings->engine, format_is_foreign(task->format))};
+        *aimed =
+            (struct aimed){.atlas = item->atlas,
+                           .name = item->name,
+                           .frame = &task->frame,
+                           .radius = settings_point_radius(&settings->engine, NULL, format_is_foreign(task->format))};
         engine.level = i ? NULL : engine.level;
         conus_status status = conus_selector_create(&aimed->selector, item->atlas, &engine);
         if (status) {
@@ -638,7 +641,8 @@ static int finish_file(struct task *task)
     const struct rows_kind *of_axis = task->settings->of_axis ? task->settings->of_axis
                                       : of_shanks             ? &settings_axis_rows[0]
                                                               : NULL;
-    bool is_of_points = engine->radius == 0 && record.has_points && !task->aimed[0].found.poses;
+    bool is_of_points = (engine->radius == 0 || conus_pose_stream_has_radii(task->poses)) && record.has_points &&
+                        !task->aimed[0].found.poses;
     const struct question question = {
         .arguments = task->arguments,
         .rows = of_axis                   ? of_axis->word

@@ -399,9 +399,12 @@ double replay_time(const struct replay *replay, size_t index)
     return isfinite(time - first) ? time - first : default_step_s * (double)index;
 }
 
-/* Moves the first tool to a row, with its angle if it has one. */
+/* Moves the first tool to a row, with its angle or radius if it has one. */
 static void aim_at(struct viewer *viewer, const conus_pose_row *row)
 {
+    if (!isnan(row->radius)) {
+        viewer->cone.options.radius = row->radius;
+    }
     if (row->angle > 0 && viewer->cone.options.radius == 0) {
         viewer->tools[FIRST_TOOL].angle = row->angle * 180 / M_PI;
     }

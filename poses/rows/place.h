@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file A place as people write it: numbers, or words that need an atlas or a cap to become a point. */
-#ifndef CONUS_POSES_PLACE_H
-#define CONUS_POSES_PLACE_H
+#ifndef CONUS_POSES_ROWS_PLACE_H
+#define CONUS_POSES_ROWS_PLACE_H
 
 #include "base/numbers.h"
 #include "base/status.h"
