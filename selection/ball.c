@@ -134,19 +134,23 @@ static void find_far(conus_selector *selector, const double centre[3], double fa
     }
 }
 
-/* How far the centre is from the farthest corner of the box around all objects, and the box's diagonal. */
-static conus_status measure_box(double *far, double *diagonal, const conus_atlas *atlas, const double centre[3])
+/* How far the centre is from the farthest corner of the box around all objects, which is measured once, and the box's
+ * diagonal. */
+static conus_status measure_box(double *far, double *diagonal, conus_selector *selector, const double centre[3])
 {
-    double low[3];
-    double high[3];
     double farthest[3];
-    conus_status status = conus_atlas_bounds(low, high, atlas);
+    double edges[3];
+    const double *low = selector->box[0];
+    const double *high = selector->box[1];
+    conus_status status =
+        selector->has_box ? CONUS_OK : conus_atlas_bounds(selector->box[0], selector->box[1], selector->atlas);
     if (!status) {
+        selector->has_box = true;
         for (int a = 0; a < 3; a++) {
             farthest[a] = fmax(fabs(centre[a] - low[a]), fabs(centre[a] - high[a]));
         }
-        vec3_sub(high, high, low);
-        *diagonal = vec3_length(high);
+        vec3_sub(edges, high, low);
+        *diagonal = vec3_length(edges);
         *far = vec3_length(farthest) + rounding_of(*diagonal);
     }
     return status;
@@ -172,7 +176,7 @@ static conus_status find_nearest(struct region *ball, double *nearest, const str
         *tracts = selector_take_tracts(selector, ball);
         *nearest = nearest_in(&selector->near, *tracts);
         if (*nearest > radius) {
-            status = far == INFINITY ? measure_box(&far, &diagonal, selector->atlas, centre) : CONUS_OK;
+            status = far == INFINITY ? measure_box(&far, &diagonal, selector, centre) : CONUS_OK;
             radius = fmax(2 * radius, diagonal / FIRST);
             bool is_large = !is_indexed && radius > diagonal / LAST && has_right_angles(selector->atlas);
             status = status || !is_large ? status : selector_prepare_clearance(selector);

@@ -27,8 +27,8 @@ conus_status selector_prepare_ranking(conus_selector *selector)
     if (selector->ranking.info.needs_layers && selector->options.layers != CONUS_LAYERS_ALL) {
         return fail(CONUS_ERROR_ARGUMENT, "score: %s needs all layers", selector->ranking.formula.text);
     }
-    if (selector->ranking.needs_box && conus_atlas_bounds(selector->box[0], selector->box[1], selector->atlas)) {
-        memset(selector->box, 0, sizeof selector->box); /* an empty atlas: nothing is hit */
+    if (selector->ranking.needs_box) { /* of an empty atlas it stays 0: nothing is hit */
+        selector->has_box = !conus_atlas_bounds(selector->box[0], selector->box[1], selector->atlas);
     }
     return selector_prepare_border(selector);
 }

@@ -181,6 +181,7 @@ conus_status selector_share(conus_selector **out, const conus_selector *selector
                                .solids = selector->solids,
                                .clearance_index = selector->clearance_index,
                                .inside_only = selector->inside_only,
+                               .has_box = selector->has_box,
                                .is_shared = true};
     memcpy(shared->box, selector->box, sizeof shared->box);
     if (selector_prepare_border(shared)) {

@@ -18,7 +18,8 @@ struct conus_selector {
     double angle, slope;            /**< The last question's angle, which most have, and the tangent of its half. */
     struct ranking ranking;
     bool *on_border;  /**< [object_count + 1] All false between rankings; NULL unless ranking.needs_border. */
-    double box[2][3]; /**< Around the areas and pathways, world; only where ranking.needs_box. */
+    double box[2][3]; /**< Around the areas and pathways, world: where ranking.needs_box (0 of an empty atlas), and */
+    bool has_box;     /**< once a point lies in nothing. */
     struct level *level;
     char *level_spec; /**< NULL = none. */
     struct engine *engine;
