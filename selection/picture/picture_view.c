@@ -49,6 +49,8 @@ void picture_finish(struct picture *picture)
     memory_free(picture->opacity);
     memory_free(picture->areas);
     memory_free(picture->seen);
+    conus_selection_destroy(picture->sight);
+    memory_free(picture->names);
     memory_free(picture->rgba);
 }
 
