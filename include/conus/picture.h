@@ -275,8 +275,9 @@ typedef struct conus_view {
     size_t point_count;              /**< 0 = none. */
     const char *title; /**< UTF-8: what the selection is of, such as the name of its pose, at the head of its legend;
                           NULL = nothing. */
-    bool no_covered_context; /**< A context that is covered (conus_context_is_covered()) by opaque areas is not drawn. */
-    bool is_beam;            /**< The selection's cone is a beam from where it ends to its focus, at its apex. */
+    bool
+        no_covered_context; /**< A context that is covered (conus_context_is_covered()) by opaque areas is not drawn. */
+    bool is_beam;           /**< The selection's cone is a beam from where it ends to its focus, at its apex. */
 } conus_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

@@ -332,14 +332,6 @@ static void find_contact(double out[3], const struct picture *picture, uint32_t 
     }
 }
 
-void picture_ink_on(float out[4], const struct picture *picture, uint32_t number)
-{
-    uint8_t rgb[3];
-    picture_colour(rgb, picture, number);
-    draw_colour(out, rgb, 1);
-    out[0] = out[1] = out[2] = 0.2126F * out[0] + 0.7152F * out[1] + 0.0722F * out[2] > 0.179F ? 0 : 1;
-}
-
 /* Moves a disc to the free place in the drawing that is nearest to where it belongs. */
 static void place_disc(double at[2], const struct picture *picture, double radius, const double (*others)[2],
                        size_t count)

@@ -332,6 +332,14 @@ void picture_colour(uint8_t out[3], const struct picture *picture, size_t number
     }
 }
 
+void picture_ink_on(float out[4], const struct picture *picture, uint32_t number)
+{
+    uint8_t rgb[3];
+    picture_colour(rgb, picture, number);
+    draw_colour(out, rgb, 1);
+    out[0] = out[1] = out[2] = 0.2126F * out[0] + 0.7152F * out[1] + 0.0722F * out[2] > 0.179F ? 0 : 1;
+}
+
 /* Those of directions, one beside the other, or of a number. */
 static void set_tube_chip(struct legend_row *row, struct picture_legend *out, const struct picture *picture)
 {
@@ -1036,8 +1044,7 @@ conus_status picture_legend_init(struct picture *picture)
     if (!legend || !legend->rows || !legend->prefixes || conus_atlas_prefixes(legend->prefixes, picture->atlas)) {
         return CONUS_ERROR_MEMORY;
     }
-    conus_status status = picture_names_init(picture);
-    status = status ? status : fill_rows(legend, picture);
+    conus_status status = fill_rows(legend, picture);
     status = status || legend->failed ? CONUS_ERROR_MEMORY : describe(picture);
     drop_written(legend);
     if (!status && legend->legend.count && picture->options.legend != CONUS_LEGEND_NONE && !is_plain(picture)) {

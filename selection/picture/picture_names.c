@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Names on the areas of a picture without a cone, where a palette gives several of them one colour. */
+/* Names on the areas of a picture without a cone, where several of them have one colour, or nearly. */
 #include "base/memory.h"
 #include "selection/picture/picture.h"
 #include "selection/selection.h"
@@ -66,29 +66,33 @@ static size_t find_room(const conus_selection *sight, uint32_t number, const siz
 {
     const uint32_t *object = sight->evidence.object;
     const size_t n = sight->cone.resolution;
-    double middle[3] = {0}; /* and how many there are */
+    size_t sum[2] = {0}, count = 0;
     double nearest = INFINITY;
     size_t best = SIZE_MAX;
     for (size_t p = 0; p < n * n; p++) {
-        const double is_own = object[p] == number;
-        middle[0] += is_own * (double)(p % n);
-        middle[1] += is_own * (double)(p / n);
-        middle[2] += is_own;
+        const bool is_own = object[p] == number;
+        sum[0] += is_own ? p % n : 0;
+        sum[1] += is_own ? p / n : 0;
+        count += is_own;
     }
+    const size_t middle[2] = {box[0] / 2 * count + sum[0], box[1] / 2 * count + sum[1]}; /* times count */
     memset(rows, 0, n * sizeof *rows);
     for (size_t p = 0, run = 0; p < n * n; p++) {
         const size_t x = p % n;
+        const size_t y = p / n;
         run = object[p] == number ? (x ? run : 0) + 1 : 0;
         rows[x] = run >= box[0] ? rows[x] + 1 : 0;
-        const size_t at = p - box[0] / 2 - n * (box[1] / 2);
-        const double away = rows[x] < box[1] ? INFINITY
-                                             : hypot((double)(at % n) - middle[0] / middle[2],
-                                                     (double)(at / n) - middle[1] / middle[2]);
-        best = away < nearest ? at : best;
+        const double across = (double)(x * count) - (double)middle[0];
+        const double upward = (double)(y * count) - (double)middle[1];
+        const double away = rows[x] < box[1] ? INFINITY : hypot(across, upward);
+        best = away < nearest ? p - box[0] / 2 - n * (box[1] / 2) : best;
         nearest = fmin(nearest, away);
     }
     return best;
 }
+
+/* Colours that lie nearer to each other, of 255 in each channel, are taken for one. */
+static const double ALIKE = 30;
 
 static bool colours_repeat(const struct picture *picture)
 {
@@ -96,8 +100,10 @@ static bool colours_repeat(const struct picture *picture)
     bool found = false;
     for (size_t n = 1; n <= atlas->object_count && !found; n++) {
         for (size_t m = 1; m < n && !found && picture->seen[n] >= PICTURE_LEAST_PART; m++) {
+            const uint8_t *one = atlas->objects[n - 1].rgb;
+            const uint8_t *other = atlas->objects[m - 1].rgb;
             found = picture->seen[m] >= PICTURE_LEAST_PART &&
-                    memcmp(atlas->objects[n - 1].rgb, atlas->objects[m - 1].rgb, 3) == 0;
+                    hypot(hypot(one[0] - other[0], one[1] - other[1]), one[2] - other[2]) < ALIKE;
         }
     }
     return found;

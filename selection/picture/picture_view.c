@@ -627,6 +627,7 @@ conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory,
     if (!status && options->probe_count) {
         status = picture_probes_init(picture);
     }
+    status = status || options->draft ? status : picture_names_init(picture);
     return status || options->draft ? status : picture_legend_init(picture);
 }
 
