@@ -971,6 +971,16 @@ static double *beam_opacities(const struct picture *picture, const conus_selecti
     return opacity;
 }
 
+/* Whether a ball has a line to what its pose points at. */
+static bool has_lines(const conus_view *view)
+{
+    bool found = false;
+    for (size_t i = 0; i < view->point_count; i++) {
+        found = found || !isnan(view->points[i].end[0]);
+    }
+    return found;
+}
+
 /* What the picture shows, in a sentence; NULL without memory. */
 static char *describe_picture(const struct picture *picture, const conus_view *view)
 {
@@ -996,7 +1006,10 @@ static char *describe_picture(const struct picture *picture, const conus_view *v
                                               : "a cone from the device",
                 view->title ? " at " : "", view->title ? view->title : "");
     } else if (view->point_count || view->probe_count) {
-        fprintf(out, ", with %zu %s%s", view->point_count + view->probe_count, view->point_count ? "points" : "probes",
+        fprintf(out, ", with %zu %s%s", view->point_count + view->probe_count,
+                view->probe_count ? "probes"
+                : has_lines(view) ? "poses"
+                                  : "points",
                 picture->rows.file ? " of " : "");
         fprintf(out, "%s", picture->rows.file ? path_name(picture->rows.file) : "");
     }

@@ -310,9 +310,10 @@ static int add_mosaic(struct cut_finder *finder, int plane, size_t count)
     const bool is_whole = layer >= 2 && whole * (double)count >= 0.9 * size;
     const double step = is_whole ? whole : layer;
     const double first = (range[0] + range[1] - steps * step) / 2;
+    const double digit = is_whole ? 1 : layer >= 1 ? 10 : 1000; /* all places have as many */
     int code = EXIT_DONE;
     for (size_t i = 0; i < count && !code; i++) {
-        code = add_place(finder, plane, (is_whole ? rint(first) : first) + (double)i * step);
+        code = add_place(finder, plane, rint(digit * (first + (double)i * step)) / digit);
     }
     return code;
 }

@@ -231,8 +231,8 @@ typedef struct conus_view {
                              without one everything that is drawn, in a legend that is asked for by its place or by
                              @p legend_rows. */
     uint32_t legend_rows; /**< The legend has at most so many rows of objects, and one that counts the others; 0 = as
-                             many as there is room for. Not 0 with #CONUS_LEGEND_NONE = the legend stands elsewhere:
-                             what has a number there has it in the picture. */
+                             many as there is room for. Not 0 with #CONUS_LEGEND_NONE = the legend stands elsewhere,
+                             with so many rows: what has a number there has it in the picture. */
     bool no_pale;         /**< Objects that the selection does not hit, and without one all, are not drawn
                              unless @p opacity says otherwise. */
     bool shapes;          /**< Keep text, legend, scale bar and the outlines of cuts out of the pixels, as shapes for

@@ -72,9 +72,13 @@ void bricks_spread(struct bricks *bricks)
 /* A trilinear sample reaches half a voxel outside its brick; one and a half more forgive a float's rounding. */
 enum { BORDER = 2, MARGIN = 3 };
 
+/* How often the occupancy whose gradients are taken is blurred and held on its sides, before it is blurred twice. */
+enum { RELAXED = 4 };
+
 /* Margin around the voxels that can show, so that the picture is as with a field of the whole volume. Samples lie up to
- * a voxel away, and their gradients use neighbours; blurring twice, two voxels each, ends in flat zeros. */
-enum { VALUES_MARGIN = 2, OBJECTS_MARGIN = 3 };
+ * a voxel away, and their gradients use neighbours. Blurring n times carries zeros from the margin's end inwards by
+ * less than the 2 n voxels by which it carries objects outwards: a margin of n + 1 is enough. */
+enum { VALUES_MARGIN = 2, OBJECTS_MARGIN = RELAXED + 2 + 1 };
 
 void field_finish(struct field *field)
 {
@@ -484,37 +488,63 @@ static void find_occupied(uint8_t *restrict out, const struct volume *volume)
     }
 }
 
-/* `out` has 255 where there is an object, else 0. Replaces it by `blurred`, clamped to its side of the surface. */
-static void hold_sides(uint8_t *restrict out, const uint8_t *restrict blurred, size_t count)
+/* `blurred`, clamped to the sides of the surface on which `sides` are. */
+static void hold_sides(uint8_t *restrict out, const uint8_t *sides, const uint8_t *restrict blurred, size_t count)
 {
     const uint8_t least = FIELD_SURFACE + MARGIN;
     const uint8_t most = FIELD_SURFACE - MARGIN;
     for (size_t v = 0; v < count; v++) {
         uint8_t inside = blurred[v] > least ? blurred[v] : least;
         uint8_t outside = blurred[v] < most ? blurred[v] : most;
-        out[v] = out[v] ? inside : outside;
+        out[v] = sides[v] >= FIELD_SURFACE ? inside : outside;
+    }
+}
+
+/* Blurring leaves nothing of what is one voxel thick. Lets such voxels, of which no neighbour is thicker, be as thick
+ * as they are: the surface lies half way to the densest neighbour that is outside. `out` has `held`, what blurring
+ * left. */
+static void keep_thin(uint8_t *restrict out, const uint8_t *restrict held, const size_t dim[3])
+{
+    const size_t step[3] = {1, dim[0], dim[0] * dim[1]};
+    for (size_t v = 0; v < step[2] * dim[2]; v++) {
+        uint8_t outside = 0;
+        bool is_thin = held[v] == FIELD_SURFACE + MARGIN;
+        for (int n = 0; n < 6 && is_thin; n++) {
+            const size_t at = v / step[n / 2] % dim[n / 2] + (n % 2 ? 1 : SIZE_MAX);
+            const uint8_t other = at < dim[n / 2] ? held[n % 2 ? v + step[n / 2] : v - step[n / 2]] : 0;
+            is_thin = other <= FIELD_SURFACE + MARGIN;
+            outside = other < FIELD_SURFACE && other > outside ? other : outside;
+        }
+        out[v] = is_thin ? (uint8_t)(2 * FIELD_SURFACE - 1 - outside) : out[v];
     }
 }
 
 conus_status field_of_objects(struct field *out, const struct volume *volume)
 {
-    *out = (struct field){.slopes = memory_raw(volume->voxel_count, 1)};
-    if (!out->slopes) {
+    *out = (struct field){.density = memory_raw(volume->voxel_count, 1)};
+    if (!out->density) {
         return CONUS_ERROR_MEMORY;
     }
-    find_occupied(out->slopes, volume);
-    conus_status status = start_field(out, out->slopes, volume, 0, OBJECTS_MARGIN);
+    find_occupied(out->density, volume);
+    conus_status status = start_field(out, out->density, volume, 0, OBJECTS_MARGIN);
     if (status) {
         return status;
     }
     size_t count = out->dim[0] * out->dim[1] * out->dim[2];
     uint8_t *once = memory_raw(count, 1);
-    out->density = memory_raw(count, 1);
-    status = once && out->density ? CONUS_OK : CONUS_ERROR_MEMORY;
+    out->slopes = memory_raw(count, 1);
+    status = once && out->slopes ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status) {
-        memcpy(out->density, out->slopes, count);
+        memcpy(out->slopes, out->density, count);
+        for (int n = 0; n < RELAXED; n++) {
+            blur(once, out->slopes, out->dim);
+            hold_sides(out->slopes, out->density, once, count);
+            if (n == 0) {
+                memcpy(out->density, out->slopes, count);
+                keep_thin(out->density, out->slopes, out->dim);
+            }
+        }
         blur(once, out->slopes, out->dim);
-        hold_sides(out->density, once, count);
         blur(out->slopes, once, out->dim);
         status = find_ranges(out);
     }

@@ -52,8 +52,9 @@ struct field_scale {
 conus_status field_of_values(struct field *out, const struct volume *volume, const struct field_scale *scale);
 
 /** Voxels of any object: their blurred occupancy (binomial, sigma 1 voxel), held above FIELD_SURFACE in voxels of
- * objects and below it in others, so that the surface is smooth and yet no voxel changes sides; gradients of the
- * occupancy blurred twice, without that. */
+ * objects and below it in others, so that the surface is smooth and yet no voxel changes sides; what is one voxel thick
+ * stays so. Gradients are of what is blurred and held again and again, so that terraces become slopes, and then blurred
+ * twice. */
 conus_status field_of_objects(struct field *out, const struct volume *volume);
 
 void field_finish(struct field *field);

@@ -12,6 +12,7 @@ struct legend_row {
     const uint8_t (*ramp)[3]; /**< [LEGEND_BAR] sRGB of the chip from left to right in place of `rgb`; NULL = that. */
     bool plain;               /**< No chip, and grey letters: for what is no object.                            */
     bool heading;             /**< A heading: only its name, in grey. */
+    bool written;             /**< Its name is in the picture: the row is for the legend in words only. */
     bool striped;             /**< Stripes of its colour on the chip. */
     bool mark;                /**< A mark of a bar in place of the chip. */
     const uint8_t (

@@ -37,6 +37,13 @@ struct picture_group {
     size_t count;
 };
 
+/** Where an object's name stands on it. */
+struct picture_name_place {
+    double at[3];  /**< World: its middle. */
+    int lines;     /**< 0 or less: it has none. */
+    size_t number; /**< In place of the name, that of its row in the legend; 0 = the name. */
+};
+
 struct picture {
     conus_view options; /**< Defaults filled in. */
     const conus_atlas *atlas;
@@ -68,8 +75,10 @@ struct picture {
     uint32_t *ranks; /**< [objects + 1] of picture_ranks(), and of what is listed; NULL = all have their own colours. */
     uint8_t (*rgb)[3]; /**< [objects + 1] sRGB by rank, and of outlines in cuts; with `ranks`. */
     uint8_t (*line_rgb)[3];
-    double *seen; /**< [objects + 1] The part of the picture's light that is of each; NULL = not known. */
-    float *rgba;  /**< [height * width * 4], bottom row first. */
+    double *seen;           /**< [objects + 1] The part of the picture's light that is of each; NULL = not known. */
+    conus_selection *sight; /**< The rays by which `seen` was found, where each was followed to what it meets first. */
+    struct picture_name_place *names; /**< [objects + 1] NULL = none has its name on it. */
+    float *rgba;                      /**< [height * width * 4], bottom row first. */
 };
 
 /** Appends the legend of the areas hit, a scale bar and the directions (R L A P S I); with a font. */
@@ -165,6 +174,13 @@ bool picture_is_hidden(const struct picture *picture, uint32_t number);
 
 /** Whether a legend without a cone names all that is in the picture. */
 bool picture_lists_all(const struct picture *picture);
+
+/** Finds room for names on what the picture shows, where a legend would have several rows of one colour. */
+conus_status picture_names_init(struct picture *picture);
+void picture_names_draw(struct draw_list *list, const struct picture *picture);
+
+/** Black or white, whichever has the higher contrast to the object's colour. */
+void picture_ink_on(float out[4], const struct picture *picture, uint32_t number);
 
 /** Makes the legend of a picture with a font that has something to explain, in words as `key`, and unless its options
  * have none, place for it beside or below the drawing. */

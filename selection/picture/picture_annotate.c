@@ -332,12 +332,6 @@ static void find_contact(double out[3], const struct picture *picture, uint32_t 
     }
 }
 
-/* Black or white, whichever has the higher contrast to it. */
-static float ink_on(const float rgba[4])
-{
-    return 0.2126F * rgba[0] + 0.7152F * rgba[1] + 0.0722F * rgba[2] > 0.179F ? 0 : 1;
-}
-
 /* Moves a disc to the free place in the drawing that is nearest to where it belongs. */
 static void place_disc(double at[2], const struct picture *picture, double radius, const double (*others)[2],
                        size_t count)
@@ -365,13 +359,12 @@ void picture_draw_tag(struct draw_list *list, const struct picture *picture, uin
 {
     const double radius = PICTURE_TAG * picture->em;
     const struct draw_box disc = {at[0] - radius, at[1] - radius, at[0] + radius, at[1] + radius};
-    float colour[4];
+    float colour[4], ink[4];
     uint8_t rgb[3];
     char text[CELL_SIZE];
     picture_colour(rgb, picture, number);
     draw_colour(colour, rgb, 1);
-    const float grey = ink_on(colour);
-    const float ink[4] = {grey, grey, grey, 1};
+    picture_ink_on(ink, picture, number);
     snprintf(text, sizeof text, "%zu", picture_tag(picture, number));
     const double corner[2] = {at[0] - font_width(picture->font, picture->em, text) / 2, at[1] + 0.36 * picture->em};
     draw_box(list, &disc, radius, colour);
@@ -581,7 +574,9 @@ void picture_draw_marks(struct draw_list *list, const struct picture *picture)
 
 void picture_annotate(struct draw_list *list, const struct picture *picture)
 {
-    if (picture->legend || picture->options.legend_rows) {
+    if (picture->names) {
+        picture_names_draw(list, picture);
+    } else if (picture->legend || picture->options.legend_rows) {
         draw_tags(list, picture);
     }
     if (picture->legend) {

@@ -610,7 +610,9 @@ static conus_status draw_space(struct sheet *sheet, const struct panel *panel)
     view.width = (uint32_t)(panel->size[0] + 2 * (panel->at[0] - left));
     view.height = (uint32_t)lrint((double)(panel->at[1] - top + panel->size[1]) + sheet->below);
     view.legend = CONUS_LEGEND_NONE;
-    view.legend_rows = sheet->picture.legend ? 1 : 0; /* the numbers of the one that is beside */
+    view.legend_rows = !sheet->picture.legend    ? 0 /* the numbers of the one that is beside */
+                       : sheet->view.legend_rows ? sheet->view.legend_rows
+                                                 : UINT32_MAX;
     view.shapes = true;
     view.dpi = sheet->picture.em * 72 / LOOK_FIGURE_POINTS;
     view.background = view.background == CONUS_BACKGROUND_LIGHT ? CONUS_BACKGROUND_TRANSPARENT : view.background;

@@ -215,12 +215,18 @@ static bool shares_colour(const struct picture *picture, uint32_t number)
 size_t picture_tag(const struct picture *picture, uint32_t number)
 {
     size_t tag = 1;
+    if (picture->names) {
+        return picture->names[number].number;
+    }
     if (picture->ranks && picture->ranks[number]) { /* not of areas behind others: they are not seen there */
         const bool *listed = picture->options.listed;
         bool is_asked_for = number > picture->atlas->area_count || (listed && listed[number]);
         bool is_alike =
             picture->atlas->has_palette ? shares_colour(picture, number) : picture->ranks[number] > PICTURE_RANKS;
-        return is_alike && (is_asked_for || picture->emphasis[number] == EMPHASIS_FULL) ? picture->ranks[number] : 0;
+        const uint32_t rows = picture->options.legend_rows; /* a number behind them says nothing */
+        bool has_row = is_asked_for || !rows || picture->ranks[number] <= rows;
+        bool is_meant = is_asked_for || picture->emphasis[number] == EMPHASIS_FULL;
+        return is_alike && has_row && is_meant ? picture->ranks[number] : 0;
     }
     for (size_t before = 1; before < number; before++) {
         tag += is_by_value(picture, before);
@@ -281,6 +287,17 @@ const char *picture_name(char out[PICTURE_TEXT], const struct picture *picture, 
     return out;
 }
 
+/* sRGB of a function between its first point, part 0, and its last, 1. */
+static void transfer_part_colour(uint8_t rgb[3], const struct transfer *transfer, double part)
+{
+    double rgba[4];
+    double low = transfer->points[0].value;
+    transfer_at(rgba, transfer, low + part * (transfer->points[transfer->count - 1].value - low));
+    for (int c = 0; c < 3; c++) {
+        rgb[c] = (uint8_t)lrint(255 * rgba[c]);
+    }
+}
+
 conus_status picture_rank(struct picture *picture, bool on_dark)
 {
     const conus_view *options = &picture->options;
@@ -298,18 +315,12 @@ conus_status picture_rank(struct picture *picture, bool on_dark)
             picture_rank_colours(picture->ranks, picture->atlas, not_hit, options->listed, options->selection);
         picture->line_rgb = picture_rank_colours(picture->ranks, picture->atlas, LOOK_OUTLINE, options->listed, NULL);
     }
-    return picture->rgb && picture->line_rgb ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
-/* sRGB of a function between its first point, part 0, and its last, 1. */
-static void transfer_part_colour(uint8_t rgb[3], const struct transfer *transfer, double part)
-{
-    double rgba[4];
-    double low = transfer->points[0].value;
-    transfer_at(rgba, transfer, low + part * (transfer->points[transfer->count - 1].value - low));
-    for (int c = 0; c < 3; c++) {
-        rgb[c] = (uint8_t)lrint(255 * rgba[c]);
+    for (size_t n = 1; picture->line_rgb && n <= picture->atlas->object_count; n++) {
+        if (is_by_value(picture, n)) { /* the colour in which it begins */
+            transfer_part_colour(picture->line_rgb[n], &picture->hazy->transfers[n], 0);
+        }
     }
+    return picture->rgb && picture->line_rgb ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 void picture_colour(uint8_t out[3], const struct picture *picture, size_t number)
@@ -320,6 +331,14 @@ void picture_colour(uint8_t out[3], const struct picture *picture, size_t number
     } else {
         memcpy(out, has_own ? picture->atlas->objects[number - 1].rgb : picture->rgb[number], 3);
     }
+}
+
+void picture_ink_on(float out[4], const struct picture *picture, uint32_t number)
+{
+    uint8_t rgb[3];
+    picture_colour(rgb, picture, number);
+    draw_colour(out, rgb, 1);
+    out[0] = out[1] = out[2] = 0.2126F * out[0] + 0.7152F * out[1] + 0.0722F * out[2] > 0.179F ? 0 : 1;
 }
 
 /* Those of directions, one beside the other, or of a number. */
@@ -371,6 +390,7 @@ static struct legend_row *add_object(struct picture_legend *legend, const struct
     struct legend_row *row =
         add_row(legend, say(legend, "%s%s%s%s%s", tag, word, word[0] ? " " : "", name, hidden ? " (not seen)" : ""));
     row->own = strcmp(name, own) == 0 ? NULL : own;
+    row->written = picture->names && picture->names[number].lines > 0 && !picture->names[number].number;
     set_chip(row, legend, picture, number);
     return row;
 }
@@ -733,7 +753,7 @@ static void leave_out(struct picture_legend *out, size_t kept, bool only_behind)
     bool all_behind = true;
     for (size_t i = 0; i < out->legend.count; i++) {
         bool is_last = i >= out->legend.count - out->legend.tail;
-        bool can_leave = !is_last && (only_behind ? rows[i].detail[0] == BEHIND : !rows[i].plain);
+        bool can_leave = !is_last && !rows[i].written && (only_behind ? rows[i].detail[0] == BEHIND : !rows[i].plain);
         if (!can_leave || seen++ < kept) {
             rows[count++] = rows[i];
             continue;
@@ -748,6 +768,18 @@ static void leave_out(struct picture_legend *out, size_t kept, bool only_behind)
     if (more) {
         more->name = say(out, left_out == 1 ? "and %zu other" : "and %zu others", left_out);
         more->detail[0] = all_behind ? BEHIND : NULL;
+    }
+    out->legend.count = count;
+}
+
+/* Leaves out rows whose names are in the picture. */
+static void drop_written(struct picture_legend *out)
+{
+    struct legend_row *rows = out->rows + (out->legend.rows - out->rows);
+    size_t count = 0;
+    for (size_t i = 0; i < out->legend.count; i++) {
+        rows[count] = rows[i];
+        count += !rows[i].written;
     }
     out->legend.count = count;
 }
@@ -927,7 +959,7 @@ static void describe_row(struct buffer *out, const struct legend *legend, size_t
     }
     buffer_text(out, row->own ? row->own : row->name);
     if (row->ramp) {
-        buffer_text(out, " (by its values)");
+        buffer_text(out, " (coloured as below)");
     } else if (!row->plain && !row->heading) {
         buffer_format(out, " (#%02X%02X%02X%s)", rgb[0], rgb[1], rgb[2], row->striped ? ", striped" : "");
     }
@@ -1015,6 +1047,7 @@ conus_status picture_legend_init(struct picture *picture)
     }
     conus_status status = fill_rows(legend, picture);
     status = status || legend->failed ? CONUS_ERROR_MEMORY : describe(picture);
+    drop_written(legend);
     if (!status && legend->legend.count && picture->options.legend != CONUS_LEGEND_NONE && !is_plain(picture)) {
         if (picture->options.print) { /* on paper the caption has them */
             legend->legend.subtitle[0] = legend->legend.subtitle[1] = NULL;

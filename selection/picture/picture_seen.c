@@ -160,7 +160,11 @@ conus_status picture_see(struct picture *picture)
     status = status ? status : conus_selector_create(&selector, atlas, &rays);
     status = status ? status : conus_select(&seen, selector, &eye, 2 * atan(slope));
     status = status ? status : see_selection(picture, seen);
-    conus_selection_destroy(seen);
+    if (rays.layers == CONUS_LAYERS_VISIBLE) {
+        picture->sight = seen;
+    } else {
+        conus_selection_destroy(seen);
+    }
     conus_selector_destroy(selector);
     return status;
 }

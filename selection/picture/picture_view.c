@@ -49,6 +49,8 @@ void picture_finish(struct picture *picture)
     memory_free(picture->opacity);
     memory_free(picture->areas);
     memory_free(picture->seen);
+    conus_selection_destroy(picture->sight);
+    memory_free(picture->names);
     memory_free(picture->rgba);
 }
 
@@ -626,6 +628,7 @@ conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory,
     if (!status && options->probe_count) {
         status = picture_probes_init(picture);
     }
+    status = status || options->draft ? status : picture_names_init(picture);
     return status || options->draft ? status : picture_legend_init(picture);
 }
 

@@ -122,18 +122,19 @@ END
 import nifti
 nifti.write("box.nii", (20, 20, 60), "B", lambda i, j, k: 1)
 END
-    for count in 6 7 25 30; do
+    for count in 6 7 16 25 30; do
         answers render box.nii --cuts "mosaic:$count,coronal,coronal" --size 1800x1200 -q -o "$count.svg"
     done
     /usr/bin/python3 - <<'END'
 import re
-for count, wanted in (6, 10), (7, 9), (25, 2.4), (30, 2):
+for count, wanted in (6, 10), (7, 9), (16, 3.75), (25, 2.4), (30, 2):
     texts = re.findall("<text[^>]*>([^<]*)<", open(f"{count}.svg").read().replace("\u2212", "-"))
     z = [float(text.split()[-2 if text.endswith("mm") else -1]) for text in texts if re.match("z|-?[0-9.]+$", text)]
     assert len(z) == count, (count, texts)
     steps = [b - a for a, b in zip(z, z[1:])]
     assert all(abs(step - wanted) < 0.11 for step in steps), (count, z)
     assert abs(z[0] + z[-1]) <= 1, (count, z)
+    assert not re.search(r"\.[0-9]{2}", " ".join(texts)), (count, texts) # at most one digit
     assert texts.count("R") == 2 and texts.count("L") == 2, (count, texts)
 END
 }

@@ -27,6 +27,43 @@ nifti.write("many.nii", (30, 10, 10), "B", lambda i, j, k: i // 2 + 1)'
     [ "$(grep -c '>and' grey.svg)" -eq 0 ]
 }
 
+@test "where colours repeat, names stand on areas, and only those without room have a number and a row" {
+    PYTHONPATH=$BATS_TEST_DIRNAME /usr/bin/python3 -B -c 'import nifti
+nifti.write("stripes.nii", (62, 6, 30), "B", lambda i, j, k: 5 if i > 59 else i // 15 + 1)'
+    printf '%s\n' 'index	name' '1	Alpha' '2	Beta' '3	Gamma_ray' '4	Delta' '5	Narrow_one' >names.tsv
+    local look=(--labels names.tsv --view front --size 900x500 -q)
+    gl render stripes.nii "${look[@]}" --palette '#102030,#E0C010' -o names.svg --caption names.txt
+    /usr/bin/python3 -B - <<'CHECK'
+import re
+drawing = re.sub("<desc>.*</desc>", "", open("names.svg").read(), flags=re.S)
+at = {}
+for x, y, text in re.findall(r'<text x="([-0-9.]+)" y="([-0-9.]+)"[^>]*>([^<]*)<', drawing):
+    at.setdefault(text, []).append((float(x), float(y)))
+names = ["Alpha", "Beta", "Gamma ray", "Delta"]
+places = [at[name] for name in names]  # on the stripes, and in no row
+assert all(len(place) == 1 for place in places), at
+columns = [place[0][0] for place in places]
+assert columns in (sorted(columns), sorted(columns, reverse=True)), at
+assert max(columns) - min(columns) > 300, at
+assert len(at["1"]) == 1 and len(at["1  Narrow one"]) == 1, at
+CHECK
+    [ "$(grep -c '^\(Alpha\|Beta\|Gamma_ray\|Delta\|Narrow_one\) (#' names.txt)" -eq 5 ]
+    gl render stripes.nii "${look[@]}" --palette bright -o rows.svg # each has a colour of its own
+    grep -q '>Gamma ray<' rows.svg
+    [ "$(grep -c '>1  ' rows.svg)" -eq 0 ]
+}
+
+@test "no number stands in a picture whose row the legend has left out" {
+    PYTHONPATH=$BATS_TEST_DIRNAME /usr/bin/python3 -B -c 'import nifti
+nifti.write("many.nii", (60, 10, 10), "B", lambda i, j, k: i // 4 + 1)'
+    for sheet in '' '--cuts 3d,axial'; do
+        gl render many.nii --origin 0,-60,0 --toward 0,0,0 --angle 60 $sheet -q -o many.svg
+        grep -q '>and 3 others<' many.svg
+        grep -q '>12<' many.svg
+        [ "$(grep -c '>13<\|>14<\|>15<' many.svg)" -eq 0 ]
+    done
+}
+
 @test "names in pictures have spaces and sides, and the very names stand in the description and the caption" {
     conus phantom slabs -o . --size 32
     printf '%s\n' 'index	name' '1	Slab_front_L' '300	Slab_front_R' >names.tsv
@@ -60,6 +97,12 @@ nifti.write("many.nii", (30, 10, 10), "B", lambda i, j, k: i // 2 + 1)'
 nifti.write("sides.nii", (12, 10, 10), "B", lambda i, j, k: i // 2 + 1)'
     answers render sides.nii --labels wrong.tsv --cuts axial -q -o sides.png --caption sides.txt
     grep -q '^Warning: .*left and right exchanged' sides.txt
+    printf 'name,x,y,z,tx,ty,tz\nC1,0,-60,0,0,0,0\nC2,5,-60,0,5,0,0\n' >poses.csv
+    answers render slabs.nii.gz --pose poses.csv --cuts axial -q -o poses.png --caption poses.txt
+    [ "$(head -1 poses.txt)" = 'Cuts of the atlas slabs.nii.gz: axial, with 2 poses of poses.csv.' ]
+    conus phantom bundle -o .
+    gl render bundle.atlas.json --streamline-colour direction --size 300x200 -q -o fibres.png --caption fibres.txt
+    grep -q '^Bundle (coloured as below)$' fibres.txt
     fails 2 '--caption: one file is for one picture' render slabs.nii.gz --pose points.csv -o '{row}.png' --caption c.txt
     fails 2 '--caption points.csv would overwrite the input points.csv' render slabs.nii.gz --pose points.csv \
         -o points.png --caption points.csv
@@ -99,6 +142,16 @@ END
     answers render nested.nii.gz "${look[@]}" --pathway sphere.nii.gz,name=M --pathway-transfer heat -o heat.png
     [ "$(colour_at mask.png .5 .5)" != "$(colour_at areas.png .5 .5)" ]
     [ "$(colour_at heat.png .5 .5)" != "$(colour_at mask.png .5 .5)" ]
+    PYTHONPATH=$BATS_TEST_DIRNAME /usr/bin/python3 -B -c 'import nifti
+nifti.write("map.nii", (21, 21, 21), "B", lambda i, j, k: max(0, 200 - (i-10)**2 - (j-10)**2 - (k-10)**2), 2)'
+    answers render nested.nii.gz --cuts axial:0 --pathway map.nii,name=M,threshold=150 --fill 0 -q -o own.svg
+    answers render nested.nii.gz --cuts axial:0 --pathway map.nii,name=M,threshold=150 --pathway-transfer heat \
+        --fill 0 -q -o bar.svg --caption bar.txt
+    local own=$(sed -n 's/^M (\(#[0-9A-F]*\))$/\1/p' <(sed -n '/<desc>/,/<\/desc>/p' own.svg))
+    grep -q '^M (coloured as below)$' bar.txt
+    grep -qi "stroke=\"$own\"" own.svg
+    grep -q 'stroke="#730508"' bar.svg # as heat begins
+    [ "$(grep -ci "stroke=\"$own\"" bar.svg)" -eq 0 ]
     answers render nested.nii.gz --cuts axial:0 --pathway sphere.nii.gz,name=M -o mask.svg -q
     grep -q '>M<' mask.svg
     gl render nested.nii.gz --shell --pathway sphere.nii.gz,name=M --view left --size 300x200 -q -o shell.svg

@@ -206,6 +206,102 @@ static void moving_everything_changes_little(void **state)
     memory_free(pictures[1]);
 }
 
+/* 16 x 12 voxels of 4 mm that face the camera, each of an area 1 to 3 or of none; behind them a wall of area 3, if
+ * there is one. */
+enum { ACROSS = 16, UPWARD = 12, EACH = WIDTH / ACROSS };
+
+static struct {
+    uint8_t area[UPWARD][ACROSS];
+    bool has_wall;
+} sheet;
+
+/* The front's area there; none beyond it. */
+static unsigned front_area(int column, int row)
+{
+    return column >= 0 && row >= 0 && column < ACROSS && row < UPWARD ? sheet.area[row][column] : 0;
+}
+
+static double front_label(const double p[3])
+{
+    const int depth = (int)floor(p[1] / 4 + 2.5);
+    return depth == 1                    ? front_area((int)floor(p[0] / 4 + 8), (int)floor(p[2] / 4 + 6))
+           : depth > 1 && sheet.has_wall ? 3
+                                         : 0;
+}
+
+/* The area that a pixel shows, by its colour; 0 = none. */
+static unsigned shown_area(const float *rgba)
+{
+    return rgba[3] < 0.5F ? 0 : rgba[0] > rgba[1] && rgba[0] > rgba[2] ? 1 : rgba[1] > rgba[2] ? 2 : 3;
+}
+
+static bool is_alone(int column, int row)
+{
+    unsigned others = 0;
+    for (int n = 0; n < 9; n++) {
+        others += n != 4 && front_area(column + n % 3 - 1, row + n / 3 - 1) == sheet.area[row][column];
+    }
+    return sheet.area[row][column] && !others;
+}
+
+/* Whether a voxel of that area is at most half a voxel from the pixel, or its wall may be seen. */
+static bool is_near_front(int x, int y, unsigned area)
+{
+    bool found = sheet.has_wall && area == 3;
+    for (int n = 0; n < 4; n++) {
+        found = found ||
+                front_area((x + (n % 2 ? 2 : -2) + EACH) / EACH - 1, (y + (n / 2 ? 2 : -2) + EACH) / EACH - 1) == area;
+    }
+    return found;
+}
+
+/* What smooths labels moves no voxel's centre into another area and no border by more than half a voxel, and a single
+ * voxel stays: it covers at least a fifth of its square, also where nothing is behind it. */
+static void smooth_areas_keep_their_voxels(void **state)
+{
+    (void)state;
+    static const uint8_t rgb[][3] = {{0}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}};
+    uint64_t random = 5;
+    unsigned lone = 0;
+    for (int scene = 0; scene < 24; scene++) {
+        const double some = scene % 3 == 0 ? 10 : 4; /* how rare voxels of areas are */
+        sheet.has_wall = scene % 2;
+        for (int n = 0; n < ACROSS * UPWARD; n++) {
+            const unsigned area = (unsigned)test_random(&random, 0, some);
+            sheet.area[n / ACROSS][n % ACROSS] = (uint8_t)(area > 3 ? 0 : area);
+        }
+        for (uint8_t n = 1; n <= 3; n++) { /* all are there */
+            sheet.area[0][4 * n] = n;
+        }
+        conus_volume_info grid = picture_grid((size_t[]){ACROSS, 4, UPWARD}, (double[]){4, 4, 4}, picture_identity);
+        conus_atlas *atlas = picture_atlas(&grid, front_label, NULL, NULL);
+        conus_renderer *renderer = picture_renderer(atlas, NULL);
+        const struct camera camera = picture_camera((double[]){0, 1, 0}, 4000, 2 * atan(2.0 * UPWARD / 3994));
+        float *rgba = picture_draw(renderer, &camera, &(struct colour_view){.rgb = rgb}, false);
+        unsigned pixels[UPWARD][ACROSS] = {{0}};
+        for (int y = 0; y < HEIGHT; y++) {
+            for (int x = 0; x < WIDTH; x++) {
+                const unsigned area = shown_area(pixel(rgba, x, y));
+                assert_true(is_near_front(x, y, area));
+                pixels[y / EACH][x / EACH] += area == front_area(x / EACH, y / EACH);
+                if (x % EACH == EACH / 2 && y % EACH == EACH / 2) {
+                    const unsigned own = front_area(x / EACH, y / EACH);
+                    assert_int_equal(area, own || !sheet.has_wall ? own : 3);
+                }
+            }
+        }
+        for (int n = 0; n < ACROSS * UPWARD; n++) {
+            const bool alone = is_alone(n % ACROSS, n / ACROSS);
+            lone += alone;
+            assert_true(!alone || pixels[n / ACROSS][n % ACROSS] >= EACH * EACH / 5);
+        }
+        memory_free(rgba);
+        conus_renderer_destroy(renderer);
+        conus_atlas_destroy(atlas);
+    }
+    assert_true(lone > 100);
+}
+
 /* Mean column of the opaque pixels. */
 static double centre_column(const float *rgba)
 {
@@ -423,6 +519,7 @@ TEST_GROUP(colour)
         cmocka_unit_test(more_planes_change_little),
         cmocka_unit_test(skipping_changes_no_bit),
         cmocka_unit_test(a_ball_has_its_silhouette),
+        cmocka_unit_test(smooth_areas_keep_their_voxels),
         cmocka_unit_test(moving_everything_changes_little),
         cmocka_unit_test(left_is_left),
         cmocka_unit_test(depth_decides_what_is_seen),
