@@ -143,7 +143,7 @@ uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, 
         for (int c = 0; c < 3; c++) {
             const int shift = 16 - 8 * c;
             rgb[object][c] =
-                (uint8_t)(weight * (colour >> shift & 255) + (1 - weight) * (LOOK_NOT_HIT >> shift & 255) + 0.5);
+                (uint8_t)(weight * (colour >> shift & 255) + (1 - weight) * (not_hit >> shift & 255) + 0.5);
         }
     }
     for (size_t object = 1; rgb && listed && object <= atlas->object_count; object++) {

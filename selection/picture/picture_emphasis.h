@@ -23,8 +23,8 @@ enum { PICTURE_RANKS = 6 };
 /** sRGB of each object by its rank, to be freed; where the atlas has a palette its colours, but what has a rank has
  * none that a better one has, while there are some: of [object count + 1] @p ranks; 0, and all where that is NULL,
  * = @p not_hit, 0xRRGGBB, but what is @p listed ([object count + 1]; NULL = nothing is) has its own colour, so that
- * nothing that is not hit has the colour of a hit. With a @p selection as much of it shows as conus_selection_weight()
- * says. NULL without memory. */
+ * nothing that is not hit has the colour of a hit. With a @p selection as much of a rank's colour shows as
+ * conus_selection_weight() says, and the rest is @p not_hit. NULL without memory. */
 uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, unsigned not_hit, const bool *listed,
                                const conus_selection *selection))[3];
 

@@ -310,7 +310,10 @@ conus_status picture_rank(struct picture *picture, bool on_dark)
         picture->ranks[n] = haze_is(picture->hazy, n) ? 0 : picture->ranks[n];
     }
     if (picture->ranks) {
-        const unsigned not_hit = on_dark ? LOOK_NOT_HIT : LOOK_NOT_HIT_ON_WHITE;
+        const uint8_t *given = options->unselected_rgb;
+        const unsigned not_hit = options->has_unselected ? (unsigned)given[0] << 16 | given[1] << 8 | given[2]
+                                 : on_dark               ? LOOK_NOT_HIT
+                                                         : LOOK_NOT_HIT_ON_WHITE;
         picture->rgb =
             picture_rank_colours(picture->ranks, picture->atlas, not_hit, options->listed, options->selection);
         picture->line_rgb = picture_rank_colours(picture->ranks, picture->atlas, LOOK_OUTLINE, options->listed, NULL);
