@@ -1260,12 +1260,12 @@ streamlines("tck", ".tck", tck, text=tck, bom=BEGINS_OTHERWISE, crlf=(lambda: tc
 streamlines("tt", ".tt", tt, nan=Never("steps are whole numbers"), out_of_range="allowed is within 1e9 of 0",
             big_endian=Never("the format is little-endian"))
 streamlines("trx", ".trx", trx, nan=POINT_NAN, out_of_range=POINT_FAR, big_endian=Never("the format is little-endian"))
-streamlines("vtk_lines", ".vtk", bom=BEGINS_OTHERWISE, empty_rows="needed is ASCII or BINARY",
+streamlines("vtk", ".vtk", bom=BEGINS_OTHERWISE, empty_rows="needed is ASCII or BINARY",
             make=lambda p: vtk(p, [[0, 1]], "LINES"), text=lambda p: vtk(p, [[0, 1]], "LINES"),
             order=lambda p: vtk(p, [[0, 1]], "LINES", binary=True),
             lps=lambda p: vtk(p, [[0, 1]], "LINES", "SPACE=LPS"), nan='"nan", needed is a coordinate',
             out_of_range=POINT_FAR, decimal_comma='"-0,75", needed is')
-streamlines("vtk_lines as XML", ".vtp", lambda p: vtp(p, [[0, 1]], "Lines"), text=lambda p: vtp(p, [[0, 1]], "Lines"),
+streamlines("vtp", ".vtp", lambda p: vtp(p, [[0, 1]], "Lines"), text=lambda p: vtp(p, [[0, 1]], "Lines"),
             order=lambda p: vtp(p, [[0, 1]], "Lines", big=True), lps=lambda p: vtp(p, [[0, 1]], "Lines", "LPS"),
             nan='"nan", needed is a number', out_of_range=POINT_FAR, decimal_comma='"-0,75", needed is')
 
@@ -1708,9 +1708,10 @@ def readers_of_program():
     }
     formats = re.search(r"auto\s+\(default\), (.*?)\n +--",
                         run("query", "--help").stdout[run("query", "--help").stdout.index("--poses-format"):], re.S)[1]
-    lines = source("loaders/tracts/tract_file.c")
     kinds = re.search(r"enum kind \{ KIND_NONE, ([^}]*)\}", source("loaders/transform/transform_file.c"))[1]
-    meshes = re.search(r"FOREIGN_NONE,(.*?)\}", source("loaders/surfaces/foreign/foreign_mesh.h"), re.S)[1]
+    rows = re.findall(r"\((\w+), ([A-Z_ |]*ROLE_[A-Z_ |]*)", source("sources/rows.c"))
+    rows = {role: {name for name, roles in rows if name != "OTHER" and f"ROLE_{role}" in roles.split(" | ")}
+            for role in ("SURFACE", "TRACTS")}
     return {
         "volume": {name
                    for name in volumes},
@@ -1722,13 +1723,9 @@ def readers_of_program():
         "fields": {"SimNIBS"},
         "python": {"arrays", "nibabel images"},
         "values": {"pathway", "probabilities"},
-        "surfaces": {name.strip(" \n,")[len("FOREIGN_"):]
-                     for name in meshes.split(",")} | {"GIFTI", "FreeSurfer"},
+        "surfaces": {"FreeSurfer" if name == "FREESURFER" else name for name in rows["SURFACE"]},
         "vertex labels": {"GIFTI labels", "CIFTI labels", "FreeSurfer annotation", "FreeSurfer label"},
-        "streamlines": {
-            name.replace("_is", "")
-            for name in re.findall(r"\{(\w+_is), ", lines[lines.index("formats[]"):])
-        },
+        "streamlines": {name.lower() for name in rows["TRACTS"]},
         "transforms": {name.strip()[len("KIND_"):]
                        for name in kinds.split(",")}
         | set(re.findall(r"(x5|itk_hdf5)_parse", source("loaders/transform/chain_file.c"))) | {"field"},
