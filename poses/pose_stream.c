@@ -474,8 +474,8 @@ static conus_status note_inward(conus_pose_stream *stream)
     conus_status status = CONUS_OK;
     for (size_t i = 0; i <= INWARD_POSITION && !status; i++) {
         status = !stream->inward[i] ? CONUS_OK
-                                    : notes_add(&stream->list.notes, "%zu rows point into the head, by %s",
-                                                stream->inward[i], words[i]);
+                                    : notes_add(&stream->list.notes, "%zu %s into the head, by %s", stream->inward[i],
+                                                stream->inward[i] == 1 ? "row points" : "rows point", words[i]);
         stream->inward[i] = 0;
     }
     return status;

@@ -50,8 +50,8 @@ conus_status area_sides_find(char *out, const conus_atlas *atlas);
 
 /** Warns of areas whose label table says another side than a word in their name (a lone letter counts where an area has
  * the other one), and where at least three quarters of the pairs of a left and a right area (hemispheres_pair()), and
- * three of them or more, lie the other way round: the left one at the larger mean x of voxels or vertices. The midline's
- * place does not matter. In large grids every so many-th row is read. CONUS_ERROR_MEMORY. */
+ * three of them or more, lie the other way round: the left one at the larger mean x of voxels or vertices. The
+ * midline's place does not matter. In large grids every so many-th row is read. CONUS_ERROR_MEMORY. */
 conus_status conflicting_sides_note(conus_atlas *atlas);
 
 #endif

@@ -1392,8 +1392,7 @@ static conus_status check_options(const struct head *head)
     }
     /* The names of rotations' columns are of axes that space ccf and bregma do not have. */
     if (options->inward && out->has[ROLE_RADIUS]) {
-        return fail(CONUS_ERROR_DATA,
-                    "header: column \"%s\" is that of a ball, but rows point into the head (--inward)",
+        return fail(CONUS_ERROR_DATA, "header: column \"%s\" is that of a ball, but rows point into the head",
                     out->shown[ROLE_RADIUS]);
     }
     return options->space < CONUS_SPACE_CCF || !turns ? CONUS_OK

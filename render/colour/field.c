@@ -500,22 +500,26 @@ static void hold_sides(uint8_t *restrict out, const uint8_t *sides, const uint8_
     }
 }
 
-/* Blurring leaves nothing of what is one voxel thick. Lets such voxels, of which no neighbour is thicker, be as thick
- * as they are: the surface lies half way to the densest neighbour that is outside. `out` has `held`, what blurring
- * left. */
+/* Blurring leaves nothing of what is one voxel thick. Lets such voxels, which are outermost on both sides along an axis
+ * and of which no neighbour is thicker, be as thick as they are: the surface lies half way to the densest neighbour
+ * that is outside. `out` has `held`, what blurring left. */
 static void keep_thin(uint8_t *restrict out, const uint8_t *restrict held, const size_t dim[3])
 {
     const size_t step[3] = {1, dim[0], dim[0] * dim[1]};
     for (size_t v = 0; v < step[2] * dim[2]; v++) {
         uint8_t outside = 0;
         bool is_thin = held[v] == FIELD_SURFACE + MARGIN;
-        for (int n = 0; n < 6 && is_thin; n++) {
-            const size_t at = v / step[n / 2] % dim[n / 2] + (n % 2 ? 1 : SIZE_MAX);
-            const uint8_t other = at < dim[n / 2] ? held[n % 2 ? v + step[n / 2] : v - step[n / 2]] : 0;
-            is_thin = other <= FIELD_SURFACE + MARGIN;
-            outside = other < FIELD_SURFACE && other > outside ? other : outside;
+        bool has_two_sides = false;
+        for (int a = 0; a < 3 && is_thin; a++) {
+            const size_t at = v / step[a] % dim[a];
+            const uint8_t other[2] = {at > 0 ? held[v - step[a]] : 0, at + 1 < dim[a] ? held[v + step[a]] : 0};
+            for (int side = 0; side < 2; side++) {
+                is_thin = is_thin && other[side] <= FIELD_SURFACE + MARGIN;
+                outside = other[side] < FIELD_SURFACE && other[side] > outside ? other[side] : outside;
+            }
+            has_two_sides = has_two_sides || (other[0] < FIELD_SURFACE && other[1] < FIELD_SURFACE);
         }
-        out[v] = is_thin ? (uint8_t)(2 * FIELD_SURFACE - 1 - outside) : out[v];
+        out[v] = is_thin && has_two_sides ? (uint8_t)(2 * FIELD_SURFACE - 1 - outside) : out[v];
     }
 }
 

@@ -106,7 +106,7 @@ first_line() {
         "$(conus query $AAL --origin C3 --inward --angle 20 --format tsv -q | sed 1d | cut -f 2-)" ]
     [[ $(grep -P '^Nz\t' <<<"$output") == *'the table of positions has no normal for it'* ]]
     run -0 --separate-stderr conus query $AAL --pose side.csv --inward --angle 20 --format tsv
-    [[ $stderr == *"1 rows point into the head, by the atlas's convex hull"* ]]
+    [[ $stderr == *"1 row points into the head, by the atlas's convex hull"* ]]
     [ "$(sed 1d <<<"$output" | cut -f 2-)" = \
         "$(conus query $AAL --origin=-90,0,0 --inward --angle 20 --format tsv -q | sed 1d | cut -f 2-)" ]
 }

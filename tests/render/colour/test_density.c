@@ -250,13 +250,15 @@ static void keep_sides(struct grid *density, const uint16_t *objects)
     }
 }
 
-/* Lets voxels that lie on the limit, and none of whose neighbours lies above it, reach half way to the densest
- * neighbour outside. */
+/* Lets voxels that lie on the limit, none of whose neighbours lies above it, and both of whose neighbours along an axis
+ * are outside, reach half way to the densest neighbour outside. */
 static void keep_thin(struct grid *density, const struct grid *held_back, const uint16_t *objects)
 {
     for (size_t v = 0; v < count_of(density->dim); v++) {
         int outside = 0;
+        int before = 0;
         bool is_thin = objects[v] && held_back->at[v] == FIELD_SURFACE + 3;
+        bool is_between = false;
         for (int n = 0; n < 6; n++) {
             ptrdiff_t at[3];
             place_of(at, density->dim, v);
@@ -265,8 +267,10 @@ static void keep_thin(struct grid *density, const struct grid *held_back, const 
             const int other = is_in ? held(held_back, at) : 0;
             is_thin = is_thin && other <= FIELD_SURFACE + 3;
             outside = other < FIELD_SURFACE && other > outside ? other : outside;
+            is_between = is_between || (n % 2 && before < FIELD_SURFACE && other < FIELD_SURFACE);
+            before = other;
         }
-        density->at[v] = is_thin ? (uint8_t)(255 - outside) : density->at[v];
+        density->at[v] = is_thin && is_between ? (uint8_t)(255 - outside) : density->at[v];
     }
 }
 
