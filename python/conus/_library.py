@@ -67,7 +67,7 @@ _ARGUMENTS = {
     "--any-space": "any_space", "--atlas-transform": "transforms", "--axis": "axis", "--context": "context", "--folder": "folder",
     "--hemispheres split": 'hemispheres="split"', "--hemispheres": "hemispheres", "--space": "space",
     "--labels": "labels", "--labels-anyway": "labels_anyway", "--mask-object": "name", "--max-memory": "max_memory",
-    "--pathway": "pathways", "--point": "point", "--probability": "probability", "--probe": "probe", "--probe-tip": "tip", "--sidecar": "sidecar",
+    "--pathway": "pathways", "--point": "point", "--probability": "probability", "--probe": "probe", "--probe-tip": "tip", "--radius": "radius", "--sidecar": "sidecar",
     "--sides": "sides", "--sides exchanged": 'sides="exchanged"', "--streamlines": "streamlines",
     "as ATLAS": "as source", "is ATLAS": "is source",
     "--pathway FILE,name=NAME": "pathways=[(map, {name: (low, high)})]",

@@ -13,7 +13,7 @@ from conus._library import _ARGUMENTS, python_words
 from support import AFFINE, call_conus, plates
 
 ROOT = pathlib.Path(__file__).parents[2]
-FOLDERS = ("atlas", "base", "loaders", "pack", "poses", "render", "selection")
+FOLDERS = ("atlas", "base", "loaders", "pack", "poses", "render", "selection", "sources")
 
 
 def library_words():
