@@ -124,6 +124,7 @@ static void another_document_is_refused(void **state)
     buffer_text(&bytes, "<atlas/>");
     assert_fails(parse(&gifti, &bytes, &notes), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "outermost element: found <atlas>, allowed is <GIFTI>"));
+    notes_finish(&notes);
     buffer_finish(&bytes);
 }
 
