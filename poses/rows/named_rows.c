@@ -90,8 +90,9 @@ static bool are_lines(size_t *head_lines, struct head *head, const char *words)
     return word.size ? header > 0 : names && 2 * names >= lines;
 }
 
-/* Whether half of the cells of a column below the header are names; the first of its cells. */
-static bool has_names(struct text *first, struct head *head, size_t column)
+/* Whether half of the cells of a column below the header are names, which numbers are only if it is called so; the
+ * first of its cells. */
+static bool has_names(struct text *first, struct head *head, size_t column, bool is_called_so)
 {
     struct text rest = head->text;
     struct text text;
@@ -105,7 +106,7 @@ static bool has_names(struct text *first, struct head *head, size_t column)
         if (!columns_is_absent(cell)) {
             *first = first->size ? *first : cell;
             cells++;
-            names += is_name(head, cell, true);
+            names += is_name(head, cell, is_called_so);
         }
     }
     return names && 2 * names >= cells;
@@ -132,11 +133,13 @@ void columns_find_places(struct head *head, const char *words)
             out->place_side = i + 1;
             continue;
         }
-        bool is_it = word.size ? word.size == name.size && text_contains(name, word) : has_names(&first, head, i);
+        const bool is_called_so = text_is_one_of(name, words, false);
+        bool is_it =
+            word.size ? word.size == name.size && text_contains(name, word) : has_names(&first, head, i, is_called_so);
         FAULT_IF(is_it && found != COLUMN_NONE, head,
                  "columns \"%.*s\" and \"%.*s\" name places: ',place=COLUMN' behind FILE says which is meant",
                  POSE_QUOTE(head->line.cells[found]), POSE_QUOTE(name));
-        none = is_it || word.size || none.size || !text_is_one_of(name, words, false) ? none : first;
+        none = is_it || word.size || none.size || !is_called_so ? none : first;
         out->place = is_it ? found == COLUMN_NONE ? i + 1 : 0 : out->place;
         found = is_it ? i : found;
     }
