@@ -74,3 +74,9 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     (void)out, (void)renderer, (void)view;
     return refuse();
 }
+
+conus_status conus_context_is_covered(bool *out, const conus_atlas *atlas)
+{
+    (void)out, (void)atlas;
+    return refuse();
+}

@@ -120,7 +120,7 @@ static struct legend_row describe(char text[3][TEXT], const struct scene *scene,
     row.striped = behind;
     row.detail[0] = behind ? "behind" : text[0];
     row.detail[1] = text[1];
-    static const uint8_t grey[3] = {LOOK_RGB(LOOK_NOT_HIT)};
+    static const uint8_t grey[3] = {LOOK_RGB(LOOK_NOT_HIT_ON_WHITE)}; /* as what is not hit there */
     const double eighths = behind ? 8 : rint(8 * fmin(fmax((result->share - 0.02) / 0.48, 0), 1)); /* of a colour */
     for (int c = 0; c < 3; c++) {
         const double weight = 0.4 + 0.6 * eighths / 8;
