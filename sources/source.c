@@ -19,7 +19,35 @@ static conus_status look_at_head(struct source *source, const char *path)
     return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
 }
 
-conus_status source_open(struct source *out, const char *path)
+static void close_source(void *source)
+{
+    source_close(source);
+}
+
+struct source *source_open(struct job *job, const char *path)
+{
+    struct source *source = job_new(job, struct source);
+    if (!source || !JOB_CALL(job, file_open_here(&source->file, path))) {
+        return NULL;
+    }
+    source->is_open = true;
+    job_own(job, close_source, source);
+    bool has_looked = JOB_CALL(job, file_read_here(&source->stored, &source->file, HEAD_SIZE, UINT64_MAX, "")) &&
+                      JOB_CALL(job, look_at_head(source, path));
+    return has_looked ? source : NULL;
+}
+
+struct reader source_reader(struct job *job, const struct source *source)
+{
+    return job_ok(job) ? reader_on(job, &source->file) : (struct reader){.job = job};
+}
+
+void source_made_of(struct job *job, const struct source *source)
+{
+    (void)JOB_CALL(job, file_sums_add_open(&job->files, &source->file));
+}
+
+conus_status source_look(struct source *out, const char *path)
 {
     *out = (struct source){0};
     conus_status status = file_open(&out->file, path);
@@ -43,7 +71,7 @@ conus_status source_open_atlas(struct source *out, const char *path)
     *out = (struct source){0};
     conus_status status = map_choice_split(&plain, &map, path);
     if (!status && file_exists(plain)) {
-        status = source_open(out, plain);
+        status = source_look(out, plain);
     }
     out->path = plain;
     if (status || (map.size && source_scene(out) != FORMAT_CIFTI)) {
@@ -77,7 +105,7 @@ void source_close(struct source *source)
 conus_status source_find(const struct format **out, const char *path, unsigned roles)
 {
     struct source source = {.head = {.path = path, .is_folder = file_is_folder(path)}};
-    conus_status status = source.head.is_folder ? CONUS_OK : source_open(&source, path);
+    conus_status status = source.head.is_folder ? CONUS_OK : source_look(&source, path);
     *out = status ? NULL : format_find(&source.head, roles);
     source_close(&source);
     return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;

@@ -3,7 +3,7 @@
 #ifndef CONUS_SOURCES_SOURCE_H
 #define CONUS_SOURCES_SOURCE_H
 
-#include "base/job/job.h"
+#include "base/job/reader.h"
 #include "sources/format.h"
 
 struct source {
@@ -16,9 +16,20 @@ struct source {
     struct file_head head; /**< Of `unpacked` or else `stored`. */
 };
 
-/** Opens the regular file @p path, which must outlive @p out, and looks how it begins. CONUS_ERROR_IO with the path,
+/** Opens the regular file @p path, which must live as long as the job, and looks how it begins. The path is a place,
+ * which the caller enters before. NULL after a failure. The job closes it. */
+struct source *source_open(struct job *job, const char *path);
+
+/** Reads it unpacked, from the beginning; any number of readers may take turns. @p source may be NULL after a failure.
+ */
+struct reader source_reader(struct job *job, const struct source *source);
+
+/** The result is made of the file, whose bytes are read for its sum. */
+void source_made_of(struct job *job, const struct source *source);
+
+/** For callers without a job: opens @p path, which must outlive @p out. CONUS_ERROR_IO with the path,
  * CONUS_ERROR_MEMORY. @p out is the caller's to close, also on failure. */
-conus_status source_open(struct source *out, const char *path);
+conus_status source_look(struct source *out, const char *path);
 void source_close(struct source *source);
 
 /** The same of the whole file @p stored, or of its first bytes, which is borrowed. */

@@ -399,7 +399,7 @@ static bool may_be_mesh(struct job *job, const char *path)
 {
     struct source source = {0};
     struct attempt attempt = job_try(job); /* another reader says what is wrong */
-    bool may_be = JOB_CALL(job, source_open(&source, path)) && format_find(&source.head, ROLE_REGION) &&
+    bool may_be = JOB_CALL(job, source_look(&source, path)) && format_find(&source.head, ROLE_REGION) &&
                   !text_mentions(source.head.bytes, "minc-2.0");
     (void)attempt_end(job, &attempt, ATTEMPT_TRY);
     source_close(&source);

@@ -27,7 +27,7 @@ static const struct tract_format {
     {FORMAT_VTP, NULL, vtk_lines_read, vtk_lines_are_in, false, SPACE_OF_FILE},
 };
 
-static const struct tract_format *reader_of(const struct format *format)
+static const struct tract_format *format_reader(const struct format *format)
 {
     for (size_t i = 0; format && i < sizeof formats / sizeof formats[0]; i++) {
         if (formats[i].id == format->id) {
@@ -40,7 +40,7 @@ static const struct tract_format *reader_of(const struct format *format)
 bool tract_file_is(const char *path)
 {
     const struct format *found;
-    const struct tract_format *format = source_find(&found, path, ROLE_TRACTS) ? NULL : reader_of(found);
+    const struct tract_format *format = source_find(&found, path, ROLE_TRACTS) ? NULL : format_reader(found);
     return format && (!format->has_lines || format->has_lines(path));
 }
 
@@ -130,9 +130,9 @@ conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t 
     const struct format *found;
     conus_status status = source_find(&found, path, ROLE_TRACTS);
     if (status || found) {
-        return status ? status : read_format(out, reader_of(found), path, max_memory, space, notes);
+        return status ? status : read_format(out, format_reader(found), path, max_memory, space, notes);
     }
-    status = source_open(&source, path);
+    status = source_look(&source, path);
     if (!status) { /* says what it is instead; its name does not count, which may well be a tractogram's */
         status = fail_in(
             file_refuse(NULL, &source.stored, "a tractogram: TrackVis, MRtrix, DSI Studio, TRX or polylines of VTK"),
@@ -150,7 +150,7 @@ conus_status tract_file_parse(struct tractogram *out, const uint8_t *data, size_
     conus_status status = byte_stream_of(&stream, data, size);
     status = status ? status : byte_stream_need(&stream, size < HEAD_SIZE ? size : HEAD_SIZE);
     const struct file_head head = head_of(NULL, &(struct bytes){(uint8_t *)stream.data, stream.size});
-    const struct tract_format *format = status ? NULL : reader_of(format_find(&head, ROLE_TRACTS));
+    const struct tract_format *format = status ? NULL : format_reader(format_find(&head, ROLE_TRACTS));
     if (!status && !(format && format->read)) {
         status = fail(CONUS_ERROR_DATA, "content: no tractogram");
     }

@@ -244,7 +244,7 @@ static conus_status read_header(struct field_header *out, bool *found, const cha
 {
     struct source source;
     *found = false;
-    conus_status status = source_open(&source, path);
+    conus_status status = source_look(&source, path);
     const struct text head = source.head.bytes;
     if (status) {
         /* it cannot be read */

@@ -667,7 +667,7 @@ static conus_status peek_bytes(struct volume_header *out, struct bytes *head, co
 conus_status volume_file_peek(struct volume_header *out, struct bytes *head, const char *path)
 {
     struct source source;
-    conus_status status = source_open(&source, path);
+    conus_status status = source_look(&source, path);
     status = status ? status : peek_bytes(out, head, path, &source.stored);
     source_close(&source);
     return status;
@@ -701,7 +701,7 @@ static conus_status header_of_all(conus_volume_info *out, const char *path)
 conus_status volume_file_header(conus_volume_info *out, const char *path)
 {
     struct source source;
-    conus_status status = source_open(&source, path);
+    conus_status status = source_look(&source, path);
     const bool is_hdf5 = !status && format_id_of(&source.stored, ROLE_VOLUME) == FORMAT_HDF5;
     status = status || is_hdf5 ? status : volume_bytes_header(out, path, &source.stored);
     source_close(&source);

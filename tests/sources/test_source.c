@@ -88,7 +88,7 @@ static void folders_are_of_formats_too(void **state)
     assert_ok(file_write_soon(test_in("header.json"), "{}", 2));
     assert_int_equal(id_of(test_in(""), ROLE_TRACTS), FORMAT_TRX);
     struct source source;
-    assert_fails(source_open(&source, test_in("")), CONUS_ERROR_IO);
+    assert_fails(source_look(&source, test_in("")), CONUS_ERROR_IO);
     source_close(&source);
 }
 
@@ -98,14 +98,14 @@ static void what_cannot_be_read_is_of_no_format(void **state)
     struct source source;
     const char *absent = test_scratch("absent.obj");
     assert_int_equal(id_of(absent, ROLE_SURFACE), -1);
-    assert_fails(source_open(&source, absent), CONUS_ERROR_IO);
+    assert_fails(source_look(&source, absent), CONUS_ERROR_IO);
     source_close(&source);
     assert_ok(source_open_atlas(&source, absent)); /* its reader says why */
     assert_false(source.is_open);
     assert_int_equal(source_scene(&source), FORMAT_OTHER);
     source_close(&source);
     const char *damaged = write_file("damaged", "\x1f\x8b\x08\0\xff\xff\xff\xff\xff\xff\xff\xff", 12, false);
-    assert_ok(source_open(&source, damaged));
+    assert_ok(source_look(&source, damaged));
     assert_true(source.is_packed);
     assert_int_equal(source.head.bytes.size, 0);
     assert_int_equal(source.stored.size, 12);
@@ -137,6 +137,53 @@ static void an_atlas_names_others_only_where_it_is_not_packed(void **state)
     source_close(&source);
 }
 
+/* Readers take turns, each from the beginning; a folder or an absent file fails without its path, which is a place. */
+static void a_source_is_read_unpacked_by_any_number_of_readers(void **state)
+{
+    (void)state;
+    for (int packs = 0; packs < 2; packs++) {
+        struct job job = {0};
+        const char *path = write_file("twice.off", "OFF\n3 1 0\n", 10, packs);
+        struct source *source = source_open(&job, path);
+        assert_non_null(source);
+        assert_int_equal(source->is_packed, packs);
+        assert_int_equal(format_find(&source->head, ROLE_SURFACE)->id, FORMAT_OFF);
+        struct reader first = source_reader(&job, source);
+        struct reader second = source_reader(&job, source);
+        struct text word;
+        assert_true(reader_word(&first, &word) && text_equal(word, "OFF"));
+        assert_true(reader_word(&first, &word) && text_equal(word, "3"));
+        assert_true(reader_word(&second, &word) && text_equal(word, "OFF"));
+        source_made_of(&job, source);
+        assert_int_equal(job.files.count, 1);
+        struct bytes stored;
+        char sha256[65];
+        assert_ok(file_read(&stored, path, UINT64_MAX));
+        file_sha256(sha256, &stored);
+        assert_string_equal(job.files.items[0].sha256, sha256);
+        assert_ok(job_close(&job, NULL, NULL));
+        bytes_finish(&stored);
+    }
+    struct job job = {0};
+    assert_null(source_open(&job, test_scratch("absent.obj")));
+    assert_null(source_reader(&job, NULL).source);
+    assert_int_equal(job.status, CONUS_ERROR_IO);
+    assert_null(strstr(job.message, "absent.obj"));
+    job_end(&job);
+}
+
+static conus_status open_on_a_job(void *path)
+{
+    struct job job = {0};
+    struct source *source = source_open(&job, path);
+    struct reader r = source_reader(&job, source);
+    assert_true(reader_has(&r, 1) == job_ok(&job));
+    if (job_ok(&job)) {
+        source_made_of(&job, source);
+    }
+    return job_close(&job, NULL, NULL);
+}
+
 static conus_status open_and_ask(void *path)
 {
     struct source source;
@@ -161,6 +208,7 @@ static void every_failing_allocation(void **state)
     snprintf(path, sizeof path, "%s", write_file("packed.gii.gz", "<GIFTI>", 7, true));
     test_every_allocation(open_and_ask, path);
     test_every_allocation(ask_on_a_job, path);
+    test_every_allocation(open_on_a_job, path);
 }
 
 TEST_GROUP(source)
@@ -170,6 +218,7 @@ TEST_GROUP(source)
         cmocka_unit_test(folders_are_of_formats_too),
         cmocka_unit_test(what_cannot_be_read_is_of_no_format),
         cmocka_unit_test(an_atlas_names_others_only_where_it_is_not_packed),
+        cmocka_unit_test(a_source_is_read_unpacked_by_any_number_of_readers),
         cmocka_unit_test(every_failing_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
