@@ -300,6 +300,26 @@ static bool judge_similar(struct job *job, const struct label_search *search, co
     return taken;
 }
 
+/* A label_judge of a structures.json, which BrainGlobe puts beside the volume annotation.* for all volumes of a folder.
+ * For another volume, which nothing connects with it, every label needs a name, as of a table with a similar name. */
+static bool judge_structures(struct job *job, const struct label_search *search, const struct label_table *table,
+                             const char *path)
+{
+    const struct text stem = stem_of(search->volume->info->path);
+    if (text_starts(stem, "annotation")) {
+        return true;
+    }
+    const struct fit fit = search->use.voxels ? find_fit(job, table, search->use.voxels) : (struct fit){.strays = 1};
+    bool taken = kind_of_volume(search) == FOREIGN && fit.strays <= fit.voxels / STRAYS;
+    if (!taken) {
+        job_note(job,
+                 "%s is not taken for the label table: BrainGlobe's is that of annotation.*, and not every label of %s "
+                 "has a name in it; --labels %s uses it all the same",
+                 path_base(path), path_base(search->volume->info->path), path_base(path));
+    }
+    return taken;
+}
+
 /* The endings of tables, with '/' between them, in the order in which files beside a volume are tried. */
 static const char *list_endings(struct job *job)
 {
@@ -567,7 +587,7 @@ static void search_all(struct job *job, struct label_search *search)
         search_alike(job, search, folder);
     }
     if (!search->source) { /* of all volumes in the folder */
-        label_search_file(job, search, job_beside(job, path, "structures.json"));
+        search_judged(job, search, job_beside(job, path, "structures.json"), judge_structures);
     }
     if (!search->source) {
         search_judged(job, search, job_beside(job, path, "FreeSurferColorLUT.txt"), judge_freesurfer);

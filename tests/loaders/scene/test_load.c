@@ -177,7 +177,8 @@ static void tables_beside_the_file_follow_in_order(void **state)
          "<atlas><type>Statistic</type><images><summaryimagefile>/order/sub-1_res-2_dseg.nii.gz</summaryimagefile>"
          "</images><label index=\"0\">A</label></atlas>",
          "FSL atlas XML in order.xml"},
-        {"structures.json", "[{\"id\":1,\"acronym\":\"A\"}]", "BrainGlobe structures in structures.json"},
+        {"structures.json", "[{\"id\":1,\"acronym\":\"A\"},{\"id\":2,\"acronym\":\"B\"},{\"id\":9,\"acronym\":\"C\"}]",
+         "BrainGlobe structures in structures.json"},
         {"FreeSurferColorLUT.txt", "1 A 0 0 0 0\n", "FreeSurfer colour table in FreeSurferColorLUT.txt"},
     };
     enum { COUNT = sizeof files / sizeof files[0] };
@@ -195,6 +196,32 @@ static void tables_beside_the_file_follow_in_order(void **state)
         unlink(test_in(files[i].name));
     }
     assert_source(volume, "none found", "1");
+}
+
+/* A mouse's table in the folder of somebody's own segmentation called label 17, a hippocampus, "Superior colliculus".
+ */
+static void structures_are_those_of_annotation_alone_unless_they_name_every_label(void **state)
+{
+    (void)state;
+    static const char all[] =
+        "[{\"id\":1,\"acronym\":\"A\"},{\"id\":2,\"acronym\":\"B\"},{\"id\":9,\"acronym\":\"C\"}]";
+    static const char one[] = "[{\"id\":1,\"acronym\":\"A\"}]";
+    static const struct {
+        const char *volume, *text, *source, *name;
+    } cases[] = {
+        {"v.nii", all, "BrainGlobe structures in structures.json", "A"},
+        {"v.nii", one, "none found", "1"},
+        {"aparc+aseg.nii", all, "none found", "1"},
+        {"annotation_25.nii", one, "BrainGlobe structures in structures.json", "A"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        test_folder("mouse_beside");
+        const char *volume = test_in(cases[i].volume);
+        assert_ok(write_volume(volume, 1, 0, NULL));
+        write_text(test_in("structures.json"), cases[i].text);
+        assert_source(volume, cases[i].source, cases[i].name);
+        unlink(volume);
+    }
 }
 
 static void notes_that_are_no_table_are_passed_over(void **state)
@@ -417,6 +444,7 @@ TEST_GROUP(load)
         cmocka_unit_test(an_atlas_without_names_is_called_by_numbers),
         cmocka_unit_test(tables_inside_the_file_come_first),
         cmocka_unit_test(tables_beside_the_file_follow_in_order),
+        cmocka_unit_test(structures_are_those_of_annotation_alone_unless_they_name_every_label),
         cmocka_unit_test(notes_that_are_no_table_are_passed_over),
         cmocka_unit_test(a_damaged_table_is_an_error_unless_another_is_found),
         cmocka_unit_test(an_override_replaces_every_table),
