@@ -157,7 +157,7 @@ int candidates_parse(struct candidates *out, const struct candidate_settings *se
         return EXIT_DONE;
     }
     if (!settings->depth && !option_given(arguments, "range")) {
-        return print_usage_error("no far end: --depth MM|target[+MM], or --range NEAR,FAR");
+        return print_usage_error("no far end: --depth target, or target+MM, MM, or --range NEAR,FAR");
     }
     if (settings->tilt && numbers_parse(out->tilt, 2, settings->tilt, ',') != 2) {
         return print_usage_error("--tilt: \"%s\" is not two numbers MAX,STEP", settings->tilt);
@@ -350,9 +350,9 @@ static int load_targets(struct place *place, const struct request *request, cons
     }
     if (kind == 3 && !conus_atlas_is_path(place->path) && strcmp(place->path, "-") != 0) {
         return print_usage_error(
-            "--toward: \"%s\" is neither centroid, deepest, voxels nor normal, and there is no such "
-            "file; a structure's name stands behind of=",
-            place->path);
+            "--toward: \"%s\" is neither centroid, deepest, voxels nor normal, and there is no such file; "
+            "deepest,of=%s is in the structure of that name",
+            place->path, place->path);
     }
     if (kind == 3) {
         int code = place->of ? print_usage_error("--toward: of=%s is for centroid, deepest and voxels", place->of)

@@ -1252,7 +1252,8 @@ static int draw_points(struct picture *picture)
     }
     if (!code && poses) {
         say_note(CONUS_SEVERITY_NOTE, picture->settings->common.quiet,
-                 "%s: %zu poses in one picture, as balls with lines to what their axes meet first; {query} or {row} in "
+                 "%s: %zu poses in one picture, as balls with lines to their ends, or what their axes meet first; "
+                 "{query} or {row} in "
                  "--output's name draws a cone for each",
                  rows->file, poses);
     }

@@ -84,7 +84,10 @@ conus_status contacts_place(conus_drawn_point *out, const conus_pose_row *row, d
                                .at = {m[12], m[13], m[14]},
                                .end = {NAN, NAN, NAN},
                                .radius = isnan(row->radius) ? radius : row->radius};
-    if (row->is_point) {
+    for (int k = 0; k < 3 && isfinite(row->range[1]); k++) { /* an axis that ends: a needle, all of it */
+        out->end[k] = m[12 + k] - row->range[1] * m[8 + k];
+    }
+    if (row->is_point || !isnan(out->end[0])) {
         return CONUS_OK;
     }
     conus_status status = conus_selector_set_range(selector, row->range);

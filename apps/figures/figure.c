@@ -2,6 +2,7 @@
 /* The sheet of a picture: its size in pixels or millimetres, side, background and text. */
 #include "figures/figure.h"
 
+#include "conus/catalogue.h"
 #include "conus/file.h"
 #include "options/input_file.h"
 #include "options/messages.h"
@@ -194,6 +195,12 @@ int figure_colour_atlas(conus_atlas *atlas, const struct figure_settings *settin
     const char *text = palette && palette[0] == '#' ? palette : NULL;
     for (size_t i = 0; palette && i < sizeof palettes / sizeof *palettes; i++) {
         text = strcmp(palette, palettes[i].name) == 0 ? palettes[i].colours : text;
+    }
+    if (palette && !text && !conus_atlas_is_path(palette)) {
+        return print_usage_error(
+            "--palette: \"%s\" is neither rank, file, safe, bright, muted, set2, dark2, tab10, a list "
+            "of #RRGGBB nor a file",
+            palette);
     }
     if (!text) {
         conus_inputs_add(palette);

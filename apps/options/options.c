@@ -5,6 +5,7 @@
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
+#include "conus/streamlines.h"
 #include "conus/version.h"
 #include "options/messages.h"
 #include "options/output.h"
@@ -269,7 +270,12 @@ static int take_long(struct cursor *cursor, const char *word)
     return take_option(cursor, found, name[length] ? name + length + 1 : NULL);
 }
 
-/* A word behind all operands: a part of a vector, or a file of poses without its option. */
+static bool is_image(const char *path)
+{
+    return path_ends_in(path, ".nii") || path_ends_in(path, ".nii.gz") || path_ends_in(path, ".mgz");
+}
+
+/* A word behind all operands: a part of a vector, or a file without its option. */
 static int print_unexpected(const struct arguments *arguments, const char *word)
 {
     const struct found poses = find_name(arguments->command, NULL, "poses", 5);
@@ -287,6 +293,17 @@ static int print_unexpected(const struct arguments *arguments, const char *word)
         return print_usage_error(
             "unexpected argument \"%s\"; a place is given as --point %s, a file of poses as --%s FILE", word, word,
             found->option->name);
+    }
+    if (find_name(arguments->command, NULL, "streamlines", 11).option && conus_path_is_tractogram(word)) {
+        return print_usage_error("unexpected argument \"%s\"; a tractogram is given as --streamlines %s", word, word);
+    }
+    if (find_name(arguments->command, NULL, "pathway", 7).option && is_image(word)) {
+        return print_usage_error("unexpected argument \"%s\"; --pathway %s adds what is bright in an image, and conus "
+                                 "overlap asks which areas that covers",
+                                 word, word);
+    }
+    if (point.option && arguments->given[point.ordinal] && !strpbrk(word, "./")) {
+        return print_usage_error("unexpected argument \"%s\"; a place of several words is put in quotes", word);
     }
     if (found->option && !arguments->given[found->ordinal]) {
         return print_usage_error("unexpected argument \"%s\"; a file of poses is given as --%s %s", word,

@@ -37,7 +37,8 @@ const char *plan_trial_begin(conus_planned *out, const conus_pose_row *row, cons
 {
     const double *range = asked->selector->options.range;
     if (row->error || row->is_point) {
-        return row->error ? row->error : "a point, without the direction that a needle needs";
+        return row->error ? row->error
+                          : "a point, without the direction that a needle needs; points may be entries (--from)";
     }
     bool has_angle = row->angle != 0 && asked->selector->options.radius == 0;
     bool has_normal = vec3_dot(row->normal, row->normal) > 0;

@@ -119,13 +119,22 @@ END
     run --separate-stderr "$CONUS" render sphere.nii.gz --pose two.csv --size 400x300 --opacity 0 -o two.svg --view front
     [ "$status" -ne 4 ] || need_gl
     [ "$status" -eq 0 ]
-    check_message 'note: two.csv: 2 poses in one picture, as balls with lines to what their axes meet first; {query} or {row} in'
+    check_message 'note: two.csv: 2 poses in one picture, as balls with lines to their ends, or what their axes meet first; {query} or {row} in'
     [ "$(discs two.svg | wc -l)" -eq 4 ]
     [ "$(grep -E 'd="M200 [0-9.]+L200 [0-9.]+"' two.svg | grep -cvE 'M(200 [0-9.]+)L\1"')" -eq 2 ] # straight down, with its edge
     printf 'x y z\n0 0 30\n0 0 900\n' >one.txt
     gl render sphere.nii.gz --pose one.txt --size 400x300 --opacity 0 -o one.svg
     [ "$(discs one.svg | wc -l)" -eq 2 ]
     grep -q '>1 of 2 points are outside of the picture<' one.svg
+}
+
+@test "a needle has a line to its target, also where it begins in an area" {
+    sphere --size 32
+    printf 'name,entry_x,entry_y,entry_z,target_x,target_y,target_z\nA,0,0,30,0,0,-10\nB,0,0,10,0,0,-10\n' >needles.csv
+    gl render sphere.nii.gz --pose needles.csv --size 400x300 --opacity 0 -q -o needles.svg --view front
+    # From z = 30, from 10, to -10: of the three heights the middle one is half way.
+    grep -oE 'd="M200 [0-9.]+L200 [0-9.]+"' needles.svg | grep -oE ' [0-9.]+' | tr -d ' L' | sort -gu | awk '{ at[NR] = $1 }
+        END { exit !(NR == 3 && at[3] - at[1] > 100 && (at[1] + at[3] - 2 * at[2]) ^ 2 < 4) }'
 }
 
 @test "rows that are none are named, and options without an effect refused" {

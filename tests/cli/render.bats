@@ -373,7 +373,7 @@ END
     done
     answers render nested.nii.gz -o other.png "${cut[@]}" "${cone[@]}" --safe-colours # which those by rank are, too
     cmp rank.png other.png
-    fails 3 'cannot open' render nested.nii.gz -o x.png "${cut[@]}" --palette tab11
+    fails 2 '--palette: "tab11" is neither rank, file, safe' render nested.nii.gz -o x.png "${cut[@]}" --palette tab11
     fails 3 'no #RRGGBB in it' render nested.nii.gz -o x.png "${cut[@]}" --palette none.txt
     fails 2 '#12345: no #RRGGBB in it' render nested.nii.gz -o x.png "${cut[@]}" --palette '#12345'
 }

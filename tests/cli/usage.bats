@@ -101,6 +101,10 @@ END
     fails 2 'unexpected argument "Ball"; a place is given as --point Ball, a file of poses as --pose FILE' query sphere.nii.gz Ball
     fails 2 'unexpected argument "-26"; a point is given as --point X,Y,Z' query sphere.nii.gz -26 -20 -14
     fails 2 'unexpected argument "5"; a vector is one word: X,Y,Z without spaces' query sphere.nii.gz --point 1,2,3 5
+    fails 2 '"Ball"; a place of several words is put in quotes' query sphere.nii.gz --point left Ball
+    fails 2 '"map.nii.gz"; --pathway map.nii.gz adds what is bright in an image, and conus overlap asks which areas' \
+        query sphere.nii.gz map.nii.gz
+    fails 2 '"bundle.tck"; a tractogram is given as --streamlines bundle.tck' query sphere.nii.gz bundle.tck
     fails 2 'unexpected argument "more.tsv"' batch sphere.nii.gz --poses poses.tsv more.tsv
     [[ $stderr != *'given as'* ]]
     for command in 'query --pose' 'batch --poses' 'track --poses' 'sweep --pose'; do
