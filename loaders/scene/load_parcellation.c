@@ -88,7 +88,7 @@ static void read_cifti(struct job *job, struct parcellation *out, const char *pa
 static void read_override(struct job *job, struct parcellation *part, const char *path)
 {
     const char *format = "";
-    const struct label_use use = {.info = &part->file.info, .voxels = &part->labels, .header = volume_file_header};
+    const struct label_use use = {.info = &part->file.info, .voxels = &part->labels, .header = volume_header_read};
     part->table = labels_new(job);
     label_file_read(job, part->table, &format, path, &use);
     part->source = job_format(job, "%s in %s", format, path);
@@ -163,7 +163,7 @@ static void read_fsl(struct job *job, struct parcellation *part, const char *pat
     open_finest(job, part, atlas, path);
     (void)JOB_CALL(job, volume_file_take_labels(&part->labels, &part->file));
     const struct label_use use = {
-        .info = &part->file.info, .voxels = &part->labels, .header = volume_file_header, .path = path};
+        .info = &part->file.info, .voxels = &part->labels, .header = volume_header_read, .path = path};
     fsl_atlas_number(job, atlas, &use);
     part->source = job_format(job, "%s in %s", atlas->is_spm ? "SPM atlas XML" : "FSL atlas XML", path_base(path));
     if (job_ok(job)) {
@@ -222,7 +222,7 @@ void parcellation_check_grey(struct job *job, const struct volume_file *file, co
 static void read_volume(struct job *job, struct parcellation *out, const struct source *source, const char *path,
                         const conus_load_options *options, const char *needed)
 {
-    (void)JOB_CALL(job, volume_file_open_labels(&out->file, &out->labels, path, source->is_open ? &source->file : NULL,
+    (void)JOB_CALL(job, volume_file_open_labels(&out->file, &out->labels, path, source->is_open ? source : NULL,
                                                 options, needed, &job->notes));
     (void)JOB_CALL(job, file_sums_move(&job->files, &out->file.read));
     if (!options->labels) {

@@ -64,7 +64,7 @@ conus_status volume_label_table(struct label_table *out, char **source, const st
                                         .segments = find_segments(&job, file),
                                         .texts = texts,
                                         .count = find_texts(texts, file),
-                                        .header = volume_file_header};
+                                        .header = volume_header_read};
     label_table_of_volume(&job, table, &words, &volume, voxels);
     char *copy = job_give(&job, (char *)words, strlen(words) + 1);
     struct label_table found = *table;

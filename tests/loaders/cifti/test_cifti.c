@@ -8,6 +8,7 @@
 #include "loaders/refuse.h"
 #include "loaders/surfaces/mesh_file.h"
 #include "loaders/volumes/nifti.h"
+#include "loaders/volumes/volume_file.h"
 #include "sources/source.h"
 #include "test.h"
 
