@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* TIFF stacks: where they lie is stated, or stands in metadata.json beside them. */
+#include "base/formats/gzip.h"
 #include "base/memory.h"
 #include "loaders/tiff/tiff.h"
 #include "loaders/volumes/volume_voxels.h"
@@ -46,20 +47,31 @@ static void check_shape(struct job *job, const size_t found[3], const uint64_t s
     }
 }
 
+/* The bytes of the file are not needed any more; they may be as many as the voxels. */
+static void drop_bytes(struct job *job, struct tiff *tiff)
+{
+    memory_free(job_give(job, (uint8_t *)tiff->file.data, tiff->file.size));
+    tiff->file.data = NULL;
+}
+
 static void tiff_read(struct job *job, struct volume_input *v, size_t first, size_t count,
                       const struct voxel_sink *sink)
 {
-    struct bytes voxels = {0};
+    enum { PIECE = 1 << 24 };
+    struct tiff *tiff = v->own;
+    const size_t each = v->header.info.dim[0] * v->header.info.dim[1];
+    const size_t most = smaller_of(PIECE / tiff->page_bytes + 1, tiff->pages.count);
+    uint8_t *pages = job_raw(job, most, tiff->page_bytes);
     (void)first;
-    if (JOB_CALL(job, tiff_unpack(&voxels, v->own)) && job_adopt(job, voxels.data)) {
-        sink->take(job, sink->user, 0, voxels.data,
-                   count * v->header.volume_size / volume_datatype_size(v->header.datatype));
+    (void)count; /* one volume */
+    for (size_t page = 0, size; pages && job_ok(job) && page < tiff->pages.count; page += size) {
+        size = smaller_of(most, tiff->pages.count - page);
+        tiff_unpack(job, pages, tiff, page, size);
+        if (job_ok(job)) {
+            sink->take(job, sink->user, page * each, pages, size * each);
+        }
     }
-}
-
-static void end_tiff(void *tiff)
-{
-    tiff_finish(tiff);
+    drop_bytes(job, tiff);
 }
 
 static void tiff_open(struct job *job, struct volume_input *v)
@@ -69,28 +81,32 @@ static void tiff_open(struct job *job, struct volume_input *v)
         job_refuse(job, "content: TIFF packed with gzip: unpack it");
     }
     const struct bytes bytes = volume_bytes(job, v, v->source);
-    if (!tiff || !JOB_CALL(job, tiff_parse(tiff, bytes.data, bytes.size))) {
+    if (!bytes.data) {
         return;
     }
-    job_own(job, end_tiff, tiff);
+    tiff_parse(job, tiff, bytes.data, bytes.size);
     const struct brainglobe_metadata place = find_place(job, &v->keys);
-    if (!job_ok(job)) { /* there may be no page any more */
+    if (!job_ok(job)) { /* there may be no page */
         return;
     }
-    const struct tiff_page *page = &tiff->pages[0];
+    const struct tiff_page *page = &tiff->pages.at[0];
     const int64_t dim[7] = {(int64_t)page->width, (int64_t)page->length, (int64_t)tiff->depth, 1, 1, 1, 1};
-    double world[16];
     const size_t found[3] = {page->width, page->length, tiff->depth};
+    const int datatype = volume_datatype_of("uif"[page->format - TIFF_UNSIGNED], page -> bits / 8);
+    double world[16];
     v->own = tiff;
     v->header.swapped = tiff->file.swapped;
     v->header.offset = v->run.skip = tiff->whole ? tiff->start : 0;
     v->run.has_footer = v->header.has_unit = true;
     v->read = tiff->whole ? NULL : tiff_read;
+    v->gives_slabs = true;
     snprintf(v->header.info.format, sizeof v->header.info.format, tiff->file.big ? "BigTIFF" : "TIFF");
     check_shape(job, found, place.shape);
     if (JOB_CALL(job, brainglobe_voxels(world, &place))) {
-        volume_describe(job, v, volume_datatype_of("uif"[page->format - TIFF_UNSIGNED], page -> bits / 8), dim, world,
-                        "resolution and orientation");
+        volume_describe(job, v, datatype, dim, world, "resolution and orientation");
+    }
+    if (tiff->whole) {
+        drop_bytes(job, tiff);
     }
 }
 

@@ -79,7 +79,7 @@ LIBRARY = {
     "sources": "base base/files base/formats base/child base/job",
     # refuse.c asks the table of formats, and the readers of label tables.
     "loaders": "base/formats loaders/labels sources",
-    "loaders/tiff": "base base/files sources",
+    "loaders/tiff": "base base/job sources",
     "loaders/zarr": "base base/formats base/system",
     "loaders/brainglobe": "base base/files base/geometry base/formats base/system",
     "loaders/tracts": "base base/files base/geometry base/formats atlas/tracts loaders loaders/surfaces/foreign sources",
