@@ -57,7 +57,7 @@ static void drop_bytes(struct job *job, struct tiff *tiff)
 static void tiff_read(struct job *job, struct volume_input *v, size_t first, size_t count,
                       const struct voxel_sink *sink)
 {
-    enum { PIECE = 1 << 24 };
+    enum { PIECE = 1 << 22 };
     struct tiff *tiff = v->own;
     const size_t each = v->header.info.dim[0] * v->header.info.dim[1];
     const size_t most = smaller_of(PIECE / tiff->page_bytes + 1, tiff->pages.count);
