@@ -195,9 +195,9 @@ void named_maps_check(struct job *job, struct volume_file *file, double asked)
     findings.above = job_zeroed(job, info->dim[0] * info->dim[1] * info->dim[2], sizeof *findings.above);
     for (size_t i = 0; job_ok(job) && i < info->volume_count; i++) {
         struct job_mark volume = job_mark(job);
-        float *values = NULL;
-        if (JOB_CALL(job, volume_file_select(file, i)) &&
-            JOB_CALL(job, volume_file_values(&values, file, &job->notes)) && job_adopt(job, values)) {
+        volume_select(job, file, i);
+        float *values = volume_values(job, file);
+        if (values && job_adopt(job, values)) {
             add_findings(job, &findings, file, values);
         }
         job_release(job, volume);

@@ -73,10 +73,13 @@ void context_load(struct job *job, conus_atlas *atlas, const char *path, const c
     }
     if (source_format(job, path, ROLE_SURFACE)) {
         add_context(job, atlas, path, options);
-    } else if (JOB_CALL(job, volume_file_open(&file, path, options->max_memory, &job->notes))) {
-        context_set(job, atlas, &file, options);
+    } else {
+        volume_load(job, &file, path, options->max_memory);
+        if (job_ok(job)) {
+            context_set(job, atlas, &file, options);
+        }
+        volume_file_finish(&file);
     }
-    volume_file_finish(&file);
 }
 
 bool context_is_plain(struct job *job, const conus_atlas *atlas, const char *path)

@@ -46,11 +46,6 @@ static void describe(struct job *job, struct volume_file *file, const struct vol
     choose(file, v->header.info.volume);
 }
 
-static void put_labels(struct job *job, void *user, size_t first, const uint8_t *voxels, size_t count)
-{
-    (void)JOB_CALL(job, label_reader_put(user, first, voxels, count));
-}
-
 /* Reads the chosen volume, or all of them, into memory that is the file's. */
 static void hold_voxels(struct job *job, struct volume_file *file, struct volume_input *v, bool is_all)
 {
@@ -69,22 +64,21 @@ static void take_voxels(struct job *job, struct volume_file *file, struct volume
 {
     if (!labels || !volume_has_slabs(v)) {
         hold_voxels(job, file, v, is_all);
-    } else if (JOB_CALL(job, label_reader_init(labels, file, &(struct bytes){0}))) {
-        volume_give(job, v, file->info.volume, &(struct voxel_sink){put_labels, labels});
+    } else {
+        label_reader_begin(job, labels, file, &(struct bytes){0});
+        volume_give(job, v, file->info.volume, &(struct voxel_sink){label_reader_take, labels});
     }
     memcpy(file->info.sha256, v->header.info.sha256, sizeof file->info.sha256);
 }
 
-/* Ends what was done on the job of the file: its notes bear the path, also where it failed. */
-static conus_status end_step(struct volume_file *file, const char *path, struct notes *notes)
+/* Ends what was done on the job of the file, for the job: its notes bear the path, also where it failed. */
+static conus_status end_opening(struct job *job, const struct job *own, const char *path)
 {
-    struct job *job = &file->opened->job;
-    conus_status moved = notes_move_in(notes, &job->notes, path);
-    conus_status status = job_ok(job) ? moved : fail(job->status, "%s", job->message);
-    if (status) {
-        volume_file_finish(file);
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < own->notes.count; i++) {
+        status = notes_put(&job->notes, own->notes.marks[i].severity, "%s: %s", path, own->notes.lines[i]);
     }
-    return status;
+    return job_ok(own) ? status : fail(own->status, "%s", own->message);
 }
 
 /* How a volume is opened. */
@@ -95,86 +89,90 @@ struct opening {
     struct label_reader *labels; /* gets the labels, unless the voxels are held; NULL: they are */
 };
 
-static conus_status open_volume(struct volume_file *out, const char *path, const struct opening *opening,
-                                struct notes *notes)
+static void open_volume(struct job *job, struct volume_file *out, const char *path, const struct opening *opening)
 {
-    struct volume_file file = {.opened = memory_zeroed(1, sizeof *file.opened)};
-    if (!file.opened) {
-        return CONUS_ERROR_MEMORY;
+    struct volume_file file = {.opened = job_step(job) ? memory_zeroed(1, sizeof *file.opened) : NULL};
+    if (!job_need(job, file.opened)) {
+        return;
     }
-    struct job *job = &file.opened->job;
-    job->max_memory = opening->max_memory;
-    struct volume_input *v = volume_open(job, path, &opening->wish);
+    struct job *own = &file.opened->job;
+    own->max_memory = opening->max_memory;
+    struct volume_input *v = volume_open(own, path, &opening->wish);
     if (v) {
         const bool is_held = !opening->labels || !volume_has_slabs(v);
         path = v->path;
         file.opened->v = v;
-        volume_choose(job, v, opening->is_series, is_held);
-        describe(job, &file, v);
-        take_voxels(job, &file, v, opening->is_series && volume_fits_series(job, v), opening->labels);
+        volume_choose(own, v, opening->is_series, is_held);
+        describe(own, &file, v);
+        take_voxels(own, &file, v, opening->is_series && volume_fits_series(own, v), opening->labels);
     }
-    (void)JOB_CALL(job, file_sums_move(&file.read, &job->files));
-    conus_status status = end_step(&file, path, notes);
-    *out = status ? *out : file;
-    return status;
+    (void)JOB_CALL(own, file_sums_move(&file.read, &own->files));
+    if (JOB_CALL(job, end_opening(job, own, path))) {
+        notes_finish(&own->notes);
+        *out = file;
+    } else {
+        volume_file_finish(&file);
+    }
 }
 
-conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes)
+void volume_load(struct job *job, struct volume_file *out, const char *path, uint64_t max_memory)
 {
-    return open_volume(out, path, &(struct opening){.max_memory = max_memory}, notes);
+    open_volume(job, out, path, &(struct opening){.max_memory = max_memory});
 }
 
-conus_status volume_file_open_labels(struct volume_file *out, struct label_voxels *labels, const char *path,
-                                     const struct source *opened, const conus_load_options *options, const char *needed,
-                                     struct notes *notes)
+void volume_load_labels(struct job *job, struct volume_file *out, struct label_voxels *labels, const char *path,
+                        const struct source *opened, const conus_load_options *options, const char *needed)
 {
     struct label_reader reader = {0};
     struct volume_file file = {0};
     const struct opening opening = {
         .wish = {.needed = needed, .source = opened}, .max_memory = options->max_memory, .labels = &reader};
-    conus_status status = open_volume(&file, path, &opening, notes);
-    if (!status) {
+    open_volume(job, &file, path, &opening);
+    if (file.voxels.data) {
+        volume_take_labels(job, labels, &file);
+    } else {
         reader.file = &file;
-        status = file.voxels.data ? volume_file_take_labels(labels, &file) : label_reader_end(labels, &reader, &file);
+        label_reader_end(job, labels, &reader, &file);
     }
     label_reader_finish(&reader);
-    if (status) {
-        volume_file_finish(&file);
-    } else {
+    if (job_ok(job)) {
         *out = file;
+    } else {
+        volume_file_finish(&file);
     }
-    return status;
 }
 
-conus_status volume_file_open_series(struct volume_file *out, const char *path, const conus_load_options *options,
-                                     struct notes *notes)
+void volume_load_series(struct job *job, struct volume_file *out, const char *path, uint64_t max_memory)
 {
-    return open_volume(out, path, &(struct opening){.max_memory = options->max_memory, .is_series = true}, notes);
+    open_volume(job, out, path, &(struct opening){.max_memory = max_memory, .is_series = true});
 }
 
-conus_status volume_file_select(struct volume_file *file, size_t volume)
+void volume_select(struct job *job, struct volume_file *file, size_t volume)
 {
     size_t count = file->info.volume_count;
     if (volume >= count) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: volume: found %zu, allowed are 0 to %zu", file->path, volume, count - 1);
-    }
-    if (volume != file->info.volume && !file->series.data) {
+        job_fail(job, CONUS_ERROR_ARGUMENT, "%s: volume: found %zu, allowed are 0 to %zu", file->path, volume,
+                 count - 1);
+    } else if (volume != file->info.volume && !file->series.data) {
         struct volume_file other = *file;
         struct job again = {.max_memory = file->max_memory}; /* whose notes were given when the file was opened */
         other.info.volume = volume;
         hold_voxels(&again, &other, file->opened->v, false);
-        conus_status status = job_close(&again, NULL, NULL);
-        if (status) {
-            return status;
+        const conus_status status = job_close(&again, NULL, NULL);
+        if (JOB_CALL(job, status)) {
+            bytes_finish(&file->voxels);
+            file->voxels = other.voxels;
+        } else if (!status) {
+            bytes_finish(&other.voxels);
         }
-        bytes_finish(&file->voxels);
-        file->voxels = other.voxels;
+    }
+    if (!job_ok(job)) {
+        return;
     }
     if (file->series.data) {
         file->voxels.data = file->series.data + volume * file->voxels.size;
     }
     choose(file, volume);
-    return CONUS_OK;
 }
 
 void volume_file_finish(struct volume_file *file)
@@ -223,4 +221,19 @@ conus_status volume_file_header(conus_volume_info *out, const char *path)
     conus_status status = job_close(&job, NULL, NULL);
     *out = status ? *out : info;
     return status;
+}
+
+conus_status volume_file_open_series(struct volume_file *out, const char *path, const conus_load_options *options,
+                                     struct notes *notes)
+{
+    struct job job = {0};
+    volume_load_series(&job, out, path, options->max_memory);
+    return job_close(&job, notes, NULL);
+}
+
+conus_status volume_file_select(struct volume_file *file, size_t volume)
+{
+    struct job job = {0};
+    volume_select(&job, file, volume);
+    return job_close(&job, NULL, NULL);
 }

@@ -30,10 +30,10 @@ struct volume_file {
 /** Reads @p path (NIfTI-1/2 single file or either half of a pair, MGH, NRRD, MetaImage, AFNI; each plain or gzip,
  * detected from the content; TIFF stacks, MINC, OME-Zarr), which may end in ",volume=K" with K from 0, and of TIFF in
  * ",resolution=R,orientation=ABC". Without it a 4-D file of more than one volume is an error that names the choice.
- * Facts that a careful user should know (a qform used because there is no sform, a second transform that differs) goes
- * into
- * @p notes. Errors carry path, field, value found and what is allowed. */
-conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes);
+ * Facts that a careful user should know (a qform used because there is no sform, a second transform that differs) are
+ * notes, behind the path. Errors carry path, field, value found and what is allowed. @p out is the caller's to finish,
+ * and as it was after a failure. */
+void volume_load(struct job *job, struct volume_file *out, const char *path, uint64_t max_memory);
 
 /** The same without voxels, on a job, whose notes do not name the path: what is refused of a volume is refused here,
  * too. out->path is NULL, and there is no SHA-256. */
@@ -47,24 +47,27 @@ struct label_voxels;
 
 /** Reads the labels of the volume @p path into @p labels; @p out gets the rest, without voxels. Uses max_memory of
  * @p options. @p opened, unless NULL, is @p path, open. @p needed says in words which files are allowed here,
- * for messages. Large volumes are read slab by slab, so that their voxels are never in memory together, if the file is
- * a plain NIfTI or MGH file, or packed with voxels of more than 2 bytes. A volume with values that are no labels is
- * CONUS_ERROR_DATA, as in volume_file_labels(). */
-conus_status volume_file_open_labels(struct volume_file *out, struct label_voxels *labels, const char *path,
-                                     const struct source *opened, const conus_load_options *options, const char *needed,
-                                     struct notes *notes);
+ * for messages. Large volumes are read in pieces, so that their voxels are never in memory together, if the file is
+ * a plain NIfTI or MGH file, or packed with voxels of more than 2 bytes, or of a format of pieces. A volume with values
+ * that are no labels is CONUS_ERROR_DATA, as in volume_labels(). */
+void volume_load_labels(struct job *job, struct volume_file *out, struct label_voxels *labels, const char *path,
+                        const struct source *opened, const conus_load_options *options, const char *needed);
 
-/** Bridge: volume_header_read() for transforms, which report a status. */
-conus_status volume_file_header(conus_volume_info *out, const char *path);
-
-/** Reads volume 0 of @p path, whatever it chooses; volume_file_select() gives the others. All volumes are unpacked
- * together and kept, unless that takes more than max_memory of @p options. Then each is read when it is selected. */
-conus_status volume_file_open_series(struct volume_file *out, const char *path, const conus_load_options *options,
-                                     struct notes *notes);
+/** Reads volume 0 of @p path, whatever it chooses; volume_select() gives the others. All volumes are unpacked together
+ * and kept, unless that takes more than @p max_memory. Then each is read when it is selected. */
+void volume_load_series(struct job *job, struct volume_file *out, const char *path, uint64_t max_memory);
 
 /** Makes @p volume, from 0, the chosen one, as if the file had been opened with it. A failure leaves @p file as it was;
  * a volume that is not there is CONUS_ERROR_ARGUMENT. */
+void volume_select(struct job *job, struct volume_file *file, size_t volume);
+
+/** Bridge: the same for transforms, which report a status. @{ */
+conus_status volume_file_header(conus_volume_info *out, const char *path);
+conus_status volume_file_open_series(struct volume_file *out, const char *path, const conus_load_options *options,
+                                     struct notes *notes);
 conus_status volume_file_select(struct volume_file *file, size_t volume);
+/** @} */
+
 void volume_file_finish(struct volume_file *file);
 
 #endif

@@ -8,6 +8,7 @@
 #include "builders/tiff_builder.h"
 #include "loaders/volumes/volume_file.h"
 #include "test.h"
+#include "volume_on_job.h"
 
 #include <stdio.h>
 #include <string.h>

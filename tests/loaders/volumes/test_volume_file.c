@@ -7,6 +7,7 @@
 #include "label_list.h"
 #include "loaders/volumes/volume_values.h"
 #include "test.h"
+#include "volume_on_job.h"
 
 #include <stdio.h>
 #include <string.h>
