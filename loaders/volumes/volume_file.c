@@ -65,7 +65,9 @@ static void take_voxels(struct job *job, struct volume_file *file, struct volume
     if (!labels || !volume_has_slabs(v)) {
         hold_voxels(job, file, v, is_all);
     } else {
+        const size_t place = job_in(job, v->voxels ? v->voxels->file.path : v->path, JOB_ALONE);
         label_reader_begin(job, labels, file, &(struct bytes){0});
+        job_out(job, place);
         volume_give(job, v, file->info.volume, &(struct voxel_sink){label_reader_take, labels});
     }
     memcpy(file->info.sha256, v->header.info.sha256, sizeof file->info.sha256);
