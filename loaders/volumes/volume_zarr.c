@@ -102,7 +102,7 @@ static void look_into(struct search *search, size_t length)
         read_metadata(job, length ? job_format(job, "%.*s", (int)length, search->folder) : ".", group_files);
     if (search->group.size) {
         const struct attempt attempt = job_try(job);
-        (void)JOB_CALL(job, ome_parse(search->ome, search->group));
+        ome_parse(job, search->ome, search->group);
         (void)attempt_end(job, &attempt, ATTEMPT_TRY);
     }
     for (size_t i = 0; i < search->ome->count; i++) {
@@ -125,7 +125,8 @@ static void look_above(struct search *search)
 static void go_down(struct search *search)
 {
     struct job *job = search->job;
-    search->level = JOB_CALL(job, ome_parse(search->ome, search->group)) ? choose_level(search) : NULL;
+    ome_parse(job, search->ome, search->group);
+    search->level = job_ok(job) ? choose_level(search) : NULL;
     if (!search->level) {
         return;
     }
@@ -221,11 +222,6 @@ static void zarr_give(struct job *job, struct volume_input *v, size_t first, siz
     memcpy(v->header.info.sha256, found.sha256, sizeof found.sha256);
 }
 
-static void end_ome(void *ome)
-{
-    ome_finish(ome);
-}
-
 static void zarr_open(struct job *job, struct volume_input *v)
 {
     const char *path = v->keys.path;
@@ -233,10 +229,6 @@ static void zarr_open(struct job *job, struct volume_input *v)
     struct search search = {.job = job, .keys = &v->keys, .ome = job_new(job, struct ome)};
     search.folder = job_format(job, "%.*s", (int)path_plain_length(path, strlen(path)), path);
     if (!zarr || !search.ome) {
-        return;
-    }
-    job_own(job, end_ome, search.ome);
-    if (!job_ok(job)) {
         return;
     }
     job_at(job, search.folder, JOB_ALONE);
@@ -248,7 +240,8 @@ static void zarr_open(struct job *job, struct volume_input *v)
         search.group = read_metadata(job, search.folder, group_files);
         go_down(&search);
     }
-    if (job_ok(job) && JOB_CALL(job, zarr_array_parse(&zarr->array, search.array))) {
+    zarr_array_parse(job, &zarr->array, search.array);
+    if (job_ok(job)) {
         v->own = zarr;
         v->read = zarr_give;
         v->gives_slabs = true;

@@ -6,7 +6,7 @@
 #define CONUS_LOADERS_ZARR_ZARR_H
 
 #include "base/formats/gzip.h"
-#include "base/text.h"
+#include "base/job/job.h"
 
 enum {
     ZARR_AXES = 5,              /**< At most: OME has t, c, z, y, x. */
@@ -45,7 +45,7 @@ struct zarr_array {
 
 /** Parses zarr.json of an array, or .zarray. CONUS_ERROR_UNSUPPORTED names a codec or an extension that is not read,
  * CONUS_ERROR_DATA what is wrong. */
-conus_status zarr_array_parse(struct zarr_array *out, struct text text);
+void zarr_array_parse(struct job *job, struct zarr_array *out, struct text text);
 
 struct zarr_unpacker;
 

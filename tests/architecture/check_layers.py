@@ -80,7 +80,7 @@ LIBRARY = {
     # refuse.c asks the table of formats, and the readers of label tables.
     "loaders": "base/formats loaders/labels sources",
     "loaders/tiff": "base base/job sources",
-    "loaders/zarr": "base base/formats base/system",
+    "loaders/zarr": "base base/formats base/job base/system",
     "loaders/brainglobe": "base base/files base/geometry base/formats base/system",
     "loaders/tracts": "base base/files base/geometry base/formats atlas/tracts loaders loaders/surfaces/foreign sources",
     "loaders/volumes/text": "base base/job base/geometry atlas/labels atlas",

@@ -71,7 +71,9 @@ static void a_shard_that_changes_between_chunks_is_an_error(void **state)
     (void)state;
     struct zarr_array array;
     struct zarr_found found;
-    assert_ok(zarr_array_parse(&array, text_from(TWO)));
+    struct job job = {0};
+    zarr_array_parse(&job, &array, text_from(TWO));
+    assert_ok(job_close(&job, NULL, NULL));
     for (int i = 0; i < 2; i++) {
         bool goes = i;
         write_shard();
@@ -86,7 +88,9 @@ static void indexes_beyond_the_limit_are_refused(void **state)
     struct zarr_array array;
     struct zarr_found found;
     bool goes = true;
-    assert_ok(zarr_array_parse(&array, text_from(TWO)));
+    struct job job = {0};
+    zarr_array_parse(&job, &array, text_from(TWO));
+    assert_ok(job_close(&job, NULL, NULL));
     array.file_chunk[0] = 1 << 20; /* as many chunks in a shard, 16 bytes each in its index */
     assert_fails(zarr_read(&found, &array, test_scratch("shard"), 0, 1 << 24, change_shard, &goes), CONUS_ERROR_MEMORY);
     assert_non_null(strstr(conus_message(), "(--max-memory)"));
