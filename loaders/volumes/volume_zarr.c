@@ -193,28 +193,12 @@ static void describe(struct job *job, struct volume_input *v, struct search *sea
     volume_describe(job, v, volume_datatype_of(array->kind, array->size), dim, world, words);
 }
 
-/* What a zarr_sink passes on. */
-struct passing {
-    struct job *job;
-    const struct voxel_sink *sink;
-};
-
-static conus_status pass_on(void *user, size_t first, const uint8_t *voxels, size_t count)
-{
-    const struct passing *passing = user;
-    passing->sink->take(passing->job, passing->sink->user, first, voxels, count);
-    return passing->job->status;
-}
-
 static void zarr_give(struct job *job, struct volume_input *v, size_t first, size_t count,
                       const struct voxel_sink *sink)
 {
     const struct volume_zarr *zarr = v->own;
-    struct zarr_found found = {0};
-    struct passing passing = {job, sink};
     (void)count; /* one */
-    (void)JOB_CALL(
-        job, zarr_read(&found, &zarr->array, zarr->folder, first, memory_limit(job->max_memory), pass_on, &passing));
+    const struct zarr_found found = zarr_read(job, &zarr->array, zarr->folder, first, sink->take, sink->user);
     if (found.files < found.wanted) {
         job_note(job, "%llu of %llu chunks are there: the others count as the fill value",
                  (unsigned long long)found.files, (unsigned long long)found.wanted);
