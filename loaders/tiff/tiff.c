@@ -158,12 +158,13 @@ static uint64_t read_one(struct job *job, const struct directory *directory, enu
 static uint64_t read_side(struct job *job, const struct directory *directory, enum field field)
 {
     const uint64_t side = read_one(job, directory, field, 0);
+    const bool is_good = side >= 1 && side <= SIDE_LIMIT;
     if (!directory->lists[field].count) {
         job_bad(job, "%s: is missing", fields[field].name);
-    } else if (side < 1 || side > SIDE_LIMIT) {
+    } else if (!is_good) {
         job_bad(job, "%s: found %llu, allowed are 1 to 2147483647", fields[field].name, (unsigned long long)side);
     }
-    return job_ok(job) ? side : 1;
+    return is_good ? side : 1;
 }
 
 /* Checks the fields that have few values here. */

@@ -229,8 +229,15 @@ conus_status volume_file_open_series(struct volume_file *out, const char *path, 
                                      struct notes *notes)
 {
     struct job job = {0};
-    volume_load_series(&job, out, path, options->max_memory);
-    return job_close(&job, notes, NULL);
+    struct volume_file file = {0};
+    volume_load_series(&job, &file, path, options->max_memory);
+    conus_status status = job_close(&job, notes, NULL);
+    if (status) {
+        volume_file_finish(&file);
+    } else {
+        *out = file;
+    }
+    return status;
 }
 
 conus_status volume_file_select(struct volume_file *file, size_t volume)

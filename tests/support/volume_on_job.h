@@ -3,6 +3,7 @@
 #ifndef CONUS_TESTS_SUPPORT_VOLUME_ON_JOB_H
 #define CONUS_TESTS_SUPPORT_VOLUME_ON_JOB_H
 
+#include "base/memory.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_values.h"
 
@@ -10,8 +11,15 @@ static inline conus_status volume_file_open(struct volume_file *out, const char 
                                             struct notes *notes)
 {
     struct job job = {0};
-    volume_load(&job, out, path, max_memory);
-    return job_close(&job, notes, NULL);
+    struct volume_file file = {0};
+    volume_load(&job, &file, path, max_memory);
+    conus_status status = job_close(&job, notes, NULL);
+    if (status) {
+        volume_file_finish(&file);
+    } else {
+        *out = file;
+    }
+    return status;
 }
 
 static inline conus_status volume_file_open_labels(struct volume_file *out, struct label_voxels *labels,
@@ -19,8 +27,15 @@ static inline conus_status volume_file_open_labels(struct volume_file *out, stru
                                                    const char *needed, struct notes *notes)
 {
     struct job job = {0};
-    volume_load_labels(&job, out, labels, path, NULL, options, needed);
-    return job_close(&job, notes, NULL);
+    struct volume_file file = {0};
+    volume_load_labels(&job, &file, labels, path, NULL, options, needed);
+    conus_status status = job_close(&job, notes, NULL);
+    if (status) {
+        volume_file_finish(&file);
+    } else {
+        *out = file;
+    }
+    return status;
 }
 
 static inline conus_status volume_file_take_labels(struct label_voxels *out, struct volume_file *file)
@@ -33,22 +48,42 @@ static inline conus_status volume_file_take_labels(struct label_voxels *out, str
 static inline conus_status volume_file_values(float **out, struct volume_file *file, struct notes *notes)
 {
     struct job job = {0};
-    *out = volume_values(&job, file);
-    return job_close(&job, notes, NULL);
+    float *values = volume_values(&job, file);
+    conus_status status = job_close(&job, notes, NULL);
+    if (status) {
+        memory_free(values);
+    } else {
+        *out = values;
+    }
+    return status;
 }
 
 static inline conus_status volume_file_map(struct value_map *out, struct volume_file *file, struct notes *notes)
 {
     struct job job = {0};
-    volume_map(&job, out, file);
-    return job_close(&job, notes, NULL);
+    struct value_map map = {0};
+    volume_map(&job, &map, file);
+    conus_status status = job_close(&job, notes, NULL);
+    if (status) {
+        value_map_finish(&map);
+    } else {
+        *out = map;
+    }
+    return status;
 }
 
 static inline conus_status volume_file_map_or_nan(struct value_map *out, struct volume_file *file, struct notes *notes)
 {
     struct job job = {0};
-    volume_map_or_nan(&job, out, file);
-    return job_close(&job, notes, NULL);
+    struct value_map map = {0};
+    volume_map_or_nan(&job, &map, file);
+    conus_status status = job_close(&job, notes, NULL);
+    if (status) {
+        value_map_finish(&map);
+    } else {
+        *out = map;
+    }
+    return status;
 }
 
 #endif
