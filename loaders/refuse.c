@@ -2,8 +2,8 @@
 /* Asks the table of formats, and the readers of label tables for what it does not know. */
 #include "loaders/refuse.h"
 
+#include "base/formats/gzip.h"
 #include "loaders/labels/label_format.h"
-#include "sources/source.h"
 
 const struct format *format_nearest(const struct file_head *head)
 {
@@ -20,4 +20,16 @@ conus_status file_refuse(const char *path, const struct bytes *stored, const cha
     status = status ? status : format_refuse(format_nearest(&source.head), stored, needed);
     source_close(&source);
     return status;
+}
+
+void source_refuse(struct job *job, const struct source *source, const char *needed)
+{
+    const struct bytes *stored = &source->stored;
+    if (source->is_packed && !source->head.bytes.size) {
+        struct bytes head = {0};
+        (void)JOB_CALL(job, gzip_head(&head, stored->data, stored->size, HEAD_SIZE)); /* what is wrong with it */
+        bytes_finish(&head);
+        job_bad(job, "content: the file unpacks to nothing: it is empty or cut off; needed is %s", needed);
+    }
+    (void)JOB_CALL(job, format_refuse(format_nearest(&source->head), stored, needed));
 }

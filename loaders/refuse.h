@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_REFUSE_H
 #define CONUS_LOADERS_REFUSE_H
 
-#include "sources/format.h"
+#include "sources/source.h"
 
 /** format_find() of all rows, and label tables of all formats. */
 const struct format *format_nearest(const struct file_head *head);
@@ -11,5 +11,8 @@ const struct format *format_nearest(const struct file_head *head);
 /** Fails with CONUS_ERROR_DATA and one line without the path: what the file is, what is needed, the way on. @p stored
  * has its first bytes, packed or not. */
 conus_status file_refuse(const char *path, const struct bytes *stored, const char *needed);
+
+/** The same on a job, of a file that is open. Damaged gzip, and what unpacks to nothing, come first. */
+void source_refuse(struct job *job, const struct source *source, const char *needed);
 
 #endif

@@ -28,7 +28,9 @@ enum format_id {
     FORMAT_MGH,
     FORMAT_NRRD,
     FORMAT_METAIMAGE,
-    FORMAT_AFNI, /**< The .HEAD. */
+    FORMAT_AFNI, /**< The .HEAD, */
+    FORMAT_BRIK, /**< and the voxels, which were named instead. */
+    FORMAT_IMG,  /**< The voxels of a pair of NIfTI. */
     FORMAT_TIFF,
     FORMAT_ZARR,
     FORMAT_HDF5, /**< MINC 2, transforms of ITK and X5, SimNIBS, NWB. */

@@ -85,6 +85,13 @@ static bool is_zarr(const struct file_head *head)
     return has_file(head->path, "zarr.json") || has_file(head->path, ".zarray") || has_file(head->path, ".zattrs");
 }
 
+/* The voxels of a pair have no header of their own, and no mark, whatever they hold. */
+static bool is_image_half(const struct file_head *head)
+{
+    const uint8_t *data = (const uint8_t *)head->bytes.data;
+    return !nifti_has_magic(data, head->bytes.size) && !tiff_is(data, head->bytes.size);
+}
+
 static bool has_trx_header(const struct file_head *head)
 {
     return has_file(head->path, "header.json");
@@ -155,6 +162,8 @@ static const struct format formats[] = {
     HIDDEN(MATLAB, ROLE_POSES, .is = is_matlab),
     TOLD("a MATLAB file of version 7.3", FOREIGN, MAGIC("MATLAB 7.3")),
     HIDDEN(ZARR, ROLE_VOLUME, .is_folder = true, .is = is_zarr),
+    HIDDEN(BRIK, ROLE_VOLUME, NAMED(".BRIK")),
+    HIDDEN(IMG, ROLE_VOLUME, NAMED(".img"), .is = is_image_half),
     KNOWN(HDF5, ROLE_VOLUME | ROLE_TRANSFORM | ROLE_REGION | ROLE_POSES, "an HDF5 file (a MINC-2 volume, say)",
           "give a volume as ATLAS, --pathway or --context", .has = hdf5_is),
     HIDDEN(TT, ROLE_TRACTS, .endings = ".tt", .has = tt_is),

@@ -2,9 +2,9 @@
 /* The marks of a labelled volume. */
 #include "loaders/catalogue/volume_marks.h"
 
+#include "base/formats/gzip.h"
 #include "base/system/system.h"
-#include "loaders/volumes/volume_file.h"
-#include "loaders/volumes/volume_header.h"
+#include "loaders/volumes/volume_input.h"
 
 #include <string.h>
 
@@ -45,22 +45,23 @@ static bool has_table_beside(struct job *job, const char *path)
 
 bool volume_marks_find(struct job *job, double spacing[3], const char *path, bool known)
 {
-    struct volume_header header = {0};
-    struct bytes head = {0};
-    const conus_volume_info *info = &header.info;
+    static const struct volume_wish wish = {.is_header_only = true, .is_peek = true};
     bool labels = false;
-    struct attempt attempt = job_try(job);
-    if (JOB_CALL(job, volume_file_peek(&header, &head, path)) && info->volume_count == 1 && info->dim[1] > 1 &&
-        info->dim[2] > 1) { /* no values of vertices */
+    const struct job_mark mark = job_mark(job);
+    const struct attempt attempt = job_try(job);
+    const struct volume_input *v = volume_open(job, path, &wish);
+    const conus_volume_info *info = v ? &v->header.info : NULL;
+    if (v && info->volume_count == 1 && info->dim[1] > 1 && info->dim[2] > 1) { /* no values of vertices */
         const char *name = path_base(path);
-        const struct text text = {(const char *)head.data, head.size};
+        struct text text = v->source->head.bytes;
+        text.size = v->header.pair ? 0 : smaller_of(text.size, v->header.offset);
         bool has_table = text_mentions(text, "<LabelTable") || text_mentions(text, "LABEL_DTABLE") ||
                          text_mentions(text, "ATLAS_LABEL_TABLE");
         bool has_name = volume_marks_fit(name, names, TEXT_ANY_CASE) && !volume_marks_fit(name, others, TEXT_ANY_CASE);
         memcpy(spacing, info->spacing, sizeof info->spacing);
-        labels = known || header.intent_code == INTENT_LABEL || has_table || has_name || has_table_beside(job, path);
+        labels = known || v->header.intent_code == INTENT_LABEL || has_table || has_name || has_table_beside(job, path);
     }
-    bytes_finish(&head);
-    (void)attempt_end(job, &attempt, ATTEMPT_TRY);
+    (void)attempt_end(job, &attempt, ATTEMPT_DROP);
+    job_release(job, mark);
     return labels;
 }

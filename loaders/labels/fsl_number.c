@@ -61,7 +61,12 @@ static bool from_first_image(double voxel_from_point[16], struct job *job, const
         path = image->summary ? fsl_image_find(job, use->path, image->summary) : NULL;
         path = path || !image->image ? path : fsl_image_find(job, use->path, image->image);
     }
-    if (!path || use->header(&first, path) || /* a damaged one says nothing */
+    if (!path) {
+        return false;
+    }
+    const struct attempt attempt = job_try(job); /* a damaged one says nothing */
+    use->header(job, &first, path);
+    if (attempt_end(job, &attempt, ATTEMPT_TRY) || !job_ok(job) ||
         !mat4_invert_affine(voxel_from_world, use->info->world_from_voxel)) {
         return false;
     }

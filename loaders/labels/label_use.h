@@ -4,11 +4,11 @@
 #define CONUS_LOADERS_LABELS_LABEL_USE_H
 
 #include "atlas/labels/label_voxels.h"
-#include "base/text.h"
+#include "base/job/job.h"
 #include "conus/atlas_info.h"
 
-/** Reads the header of the volume @p path: volume_file_header(). */
-typedef conus_status label_header_read(conus_volume_info *out, const char *path);
+/** Reads the header of the volume @p path: volume_header_read(). */
+typedef void label_header_read(struct job *job, conus_volume_info *out, const char *path);
 
 /** Zero: for no volume that is known. */
 struct label_use {

@@ -17,33 +17,29 @@ static const double half = 0.5;         /* of neighbours equal, where there are 
 static void judge_labels(struct job *job, struct volume_guess *out, const struct volume_file *file,
                          const struct label_voxels *labels)
 {
-    struct label_table table = {0};
+    struct label_table *table = labels_new(job);
     struct grey_result result = {0};
-    char *source = NULL;
     bool named = false;
-    (void)JOB_CALL(job, volume_label_table(&table, &source, file, labels, NULL, &job->notes));
-    for (size_t i = 0; i < table.count; i++) {
-        named = named || table.entries[i].name;
+    volume_label_table(job, table, file, labels);
+    for (size_t i = 0; i < table->count; i++) {
+        named = named || table->entries[i].name;
     }
-    bool judged = JOB_CALL(job, grey_judge_file(&result, file, labels, &table, false));
+    bool judged = JOB_CALL(job, grey_judge_file(&result, file, labels, table, false));
     bool several = labels->label_count > 2; /* besides 0: a mask is no parcellation */
     bool pieces = several && (result.telling || result.equal > half);
     if (judged && !result.grey && (named || pieces)) {
         *out =
             (struct volume_guess){VOLUME_LABELS, 1, named ? "named by a label table" : "areas of equal whole numbers"};
     }
-    memory_free(source);
-    label_table_finish(&table);
 }
 
 /* Guesses between pathway and context, by how many voxels are not 0. */
 static void judge_filled(struct job *job, struct volume_guess *out, const struct volume_file *file)
 {
-    float *values = NULL;
     struct volume_file copy = *file; /* whose range is set */
     size_t voxels = file->info.dim[0] * file->info.dim[1] * file->info.dim[2];
     size_t filled = 0;
-    (void)JOB_CALL(job, volume_file_values(&values, &copy, &job->notes));
+    float *values = volume_values(job, &copy);
     for (size_t i = 0; values && i < voxels; i++) {
         filled += values[i] != 0;
     }
@@ -61,7 +57,8 @@ static void judge_volume(struct job *job, struct volume_guess *out, struct volum
     struct label_voxels labels = {0};
     judge_filled(job, out, file);
     struct attempt attempt = job_try(job);
-    if (JOB_CALL(job, volume_file_labels(&labels, file))) {
+    volume_labels(job, &labels, file);
+    if (job_ok(job)) {
         judge_labels(job, out, file, &labels);
     }
     label_voxels_finish(&labels);
@@ -84,7 +81,7 @@ static conus_status guess_alone(struct volume_guess *out, const char *path, uint
     struct volume_file file = {0};
     job_own(&job, finish_file, &file);
     path = job_format(&job, "%s,volume=0", path); /* a 4-D file is refused without a choice: 0 stands for all */
-    (void)JOB_CALL(&job, volume_file_open(&file, path, max_memory, &job.notes));
+    volume_load(&job, &file, path, max_memory);
     if (file.info.volume_count > 1) {
         *out = (struct volume_guess){VOLUME_SERIES, file.info.volume_count, "several volumes"};
     } else {

@@ -21,7 +21,10 @@ static void take_if_finer(struct job *job, struct fsl_maps *maps, const char *pa
 {
     struct volume_file *file = volume_file_new(job);
     struct attempt attempt = job_try(job); /* its notes wait */
-    bool opened = JOB_CALL(job, volume_file_open_series(file, path, options, &job->notes));
+    if (file) {
+        volume_load_series(job, file, path, options->max_memory);
+    }
+    const bool opened = job_ok(job);
     struct notes *notes = attempt_notes(job, &attempt);
     attempt_end(job, &attempt, ATTEMPT_KEEP);
     if (opened && (!maps->image || voxel_mm3(file) < voxel_mm3(maps->image))) {

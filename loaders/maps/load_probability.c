@@ -36,8 +36,11 @@ struct probability_maps *probability_maps_new(struct job *job, struct volume_fil
 void probability_maps_read(struct job *job, struct probability_maps *maps, size_t volume, bool kept)
 {
     struct value_map map = {0};
-    if (JOB_CALL(job, volume_file_select(maps->file, volume)) &&
-        JOB_CALL(job, volume_file_map(&map, maps->file, &job->notes))) {
+    if (job_ok(job)) {
+        volume_select(job, maps->file, volume);
+        volume_map(job, &map, maps->file);
+    }
+    if (job_ok(job)) {
         value_spread_add(&maps->spread, &map, &maps->file->info);
         maps->masks = maps->masks && value_map_is_mask(&map);
         if (kept) {
@@ -110,7 +113,10 @@ void probability_add(struct job *job, conus_atlas *atlas, struct probability_map
                      const struct label *label, const struct probability_scale *scale, double threshold)
 {
     char digits[LABEL_DIGITS];
-    if (!job_ok(job) || (volume >= maps->count && !JOB_CALL(job, volume_file_select(maps->file, volume)))) {
+    if (job_ok(job) && volume >= maps->count) {
+        volume_select(job, maps->file, volume); /* says that it is not there */
+    }
+    if (!job_ok(job)) {
         return;
     }
     struct probability_map *of = &maps->volumes[volume];

@@ -258,7 +258,8 @@ static void choose_unit(struct job *job, conus_volume_info *info, const char *wa
 static void add_one(struct job *job, conus_atlas *atlas, struct volume_file *file, const conus_pathway_options *options)
 {
     struct value_map map = {0};
-    if (JOB_CALL(job, volume_file_map(&map, file, &job->notes))) {
+    volume_map(job, &map, file);
+    if (job_ok(job)) {
         const char *name = choose_name(job, options->name, file);
         choose_threshold(job, &file->info, &map, options->threshold, name);
         atlas_take(job, atlas);
@@ -278,7 +279,8 @@ static void add_bands(struct job *job, conus_atlas *atlas, struct volume_file *f
         job_fail(job, CONUS_ERROR_ARGUMENT,
                  "%s: bands have ends and names of their own, no threshold and name with them", file->info.path);
     }
-    if (JOB_CALL(job, volume_file_map_or_nan(&map, file, &job->notes))) {
+    volume_map_or_nan(job, &map, file);
+    if (job_ok(job)) {
         check_bands(job, options->bands, count, &file->info, atlas);
     }
     if (JOB_CALL(job, atlas_add_bands(atlas, &file->info, &map, options->bands, count))) {
@@ -309,7 +311,7 @@ void pathway_add(struct job *job, conus_atlas *atlas, struct volume_file *file, 
 void pathway_load(struct job *job, conus_atlas *atlas, const char *path, const conus_pathway_options *options)
 {
     struct volume_file file = {0};
-    (void)JOB_CALL(job, volume_file_open(&file, path, options->max_memory, &job->notes));
+    volume_load(job, &file, path, options->max_memory);
     pathway_add(job, atlas, &file, options);
     volume_file_finish(&file);
 }
@@ -329,7 +331,6 @@ conus_status conus_atlas_add_pathway(conus_atlas *atlas, const char *path, const
 
 void context_set(struct job *job, conus_atlas *atlas, struct volume_file *file, const conus_context_options *options)
 {
-    float *values = NULL;
     conus_volume_info *info = &file->info;
     const double block = options->block_threshold;
     if (options->opacity != 0) {
@@ -337,7 +338,7 @@ void context_set(struct job *job, conus_atlas *atlas, struct volume_file *file, 
                  "%s: an opacity of %g, which is for surfaces; a volume has a transfer function", info->path,
                  options->opacity);
     }
-    (void)JOB_CALL(job, volume_file_values(&values, file, &job->notes));
+    float *values = volume_values(job, file);
     info->role = CONUS_ROLE_CONTEXT;
     info->threshold = block;
     if (block != 0 && !(block > 0 && tolerance_least(block) <= info->maximum)) {
@@ -356,9 +357,8 @@ void context_set(struct job *job, conus_atlas *atlas, struct volume_file *file, 
 
 void roi_of_volume(struct job *job, conus_roi **out, struct volume_file *file, double threshold)
 {
-    float *values = NULL;
     file->info.role = CONUS_ROLE_SCALAR;
-    (void)JOB_CALL(job, volume_file_values_or_nan(&values, file, &job->notes));
+    float *values = volume_values_or_nan(job, file);
     file->info.threshold = threshold;
     if (!JOB_CALL(job, roi_create(out, &file->info, values))) {
         memory_free(values);
@@ -436,14 +436,17 @@ conus_status conus_roi_load(conus_roi **out, const char *path, const conus_roi_o
     options = options_of(conus_roi_options, options);
     const struct note_sink sink = {options->log, options->log_user, path};
     struct job job = {.sink = &sink};
-    if (JOB_CALL(&job, volume_selector_parse(&selector, path))) {
+    volume_selector_read(&job, &selector, path);
+    if (job_ok(&job)) {
         load_mesh_region(&job, &roi, &selector, options);
     }
-    if (!roi && JOB_CALL(&job, volume_file_open(&file, path, options->max_memory, &job.notes))) {
+    if (!roi && job_ok(&job)) {
+        volume_load(&job, &file, path, options->max_memory);
+    }
+    if (file.path && job_ok(&job)) {
         roi_of_volume(&job, &roi, &file, options->threshold);
     }
     volume_file_finish(&file);
-    volume_selector_finish(&selector);
     *out = roi ? roi : *out;
     return job_close(&job, NULL, NULL);
 }

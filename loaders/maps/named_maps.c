@@ -10,7 +10,7 @@
 #include "loaders/labels/label_volumes.h"
 #include "loaders/maps/atlas_on_job.h"
 #include "loaders/volumes/grey.h"
-#include "loaders/volumes/volume_selector.h"
+#include "loaders/volumes/volume_input.h"
 #include "loaders/volumes/volume_values.h"
 
 #include <math.h>
@@ -46,6 +46,11 @@ static struct named_maps find_names(struct job *job, const conus_volume_info *in
     return out;
 }
 
+static bool is_chosen(const struct volume_selector *selector)
+{
+    return selector->given & VOLUME_KEY(KEY_VOLUME);
+}
+
 /* The volume is called as its file is. */
 static struct named_maps name_one(struct job *job, const struct volume_selector *selector)
 {
@@ -53,23 +58,27 @@ static struct named_maps name_one(struct job *job, const struct volume_selector 
     struct label_table *table = labels_new(job);
     labels_set(job, &labels_add(job, table, (uint32_t)selector->volume + 1)->name,
                (struct text){name, volume_stem_length(name)});
-    return (struct named_maps){job_ok(job) ? table : &no_table, "the file's name", NULL, selector->chosen, true};
+    return (struct named_maps){job_ok(job) ? table : &no_table, "the file's name", NULL, is_chosen(selector), true};
 }
 
 struct named_maps named_maps_find(struct job *job, const struct source *source, const char *path,
                                   const conus_load_options *options)
 {
     struct named_maps maps = {.table = &no_table};
-    struct volume_selector selector = {0};
+    struct volume_selector selector;
     conus_volume_info info = {0};
     struct attempt attempt = job_try(job); /* its reader says what is wrong with it */
-    bool is_volume = JOB_CALL(job, volume_selector_parse(&selector, path)) &&
-                     !options->labels_anyway && /* each volume is one of labels */
+    volume_selector_read(job, &selector, path);
+    bool is_volume = job_ok(job) && !options->labels_anyway && /* each volume is one of labels */
                      source_scene(source) == FORMAT_OTHER && source_first(source) != '<';
-    bool has_header = is_volume && source->is_open && JOB_CALL(job, volume_bytes_header(&info, path, &source->stored));
-    (void)attempt_end(job, &attempt, ATTEMPT_TRY);
+    const struct volume_wish wish = {.source = source, .is_header_only = true, .is_peek = true};
+    const struct volume_input *v = is_volume && source->is_open ? volume_open(job, path, &wish) : NULL;
+    if (v) {
+        info = v->header.info;
+    }
+    (void)attempt_end(job, &attempt, ATTEMPT_DROP);
     bool stated = is_volume && (options->probability > 0 || named_maps_is_probseg(selector.path));
-    if (!selector.chosen && has_header && info.volume_count > 1) {
+    if (!is_chosen(&selector) && info.volume_count > 1) {
         info.path = selector.path;
         maps = find_names(job, &info, options);
         if (stated && !maps.table->count) {
@@ -85,7 +94,6 @@ struct named_maps named_maps_find(struct job *job, const struct source *source, 
     } else if (stated) {
         maps = name_one(job, &selector);
     }
-    volume_selector_finish(&selector);
     return maps;
 }
 
@@ -187,9 +195,9 @@ void named_maps_check(struct job *job, struct volume_file *file, double asked)
     findings.above = job_zeroed(job, info->dim[0] * info->dim[1] * info->dim[2], sizeof *findings.above);
     for (size_t i = 0; job_ok(job) && i < info->volume_count; i++) {
         struct job_mark volume = job_mark(job);
-        float *values = NULL;
-        if (JOB_CALL(job, volume_file_select(file, i)) &&
-            JOB_CALL(job, volume_file_values(&values, file, &job->notes)) && job_adopt(job, values)) {
+        volume_select(job, file, i);
+        float *values = volume_values(job, file);
+        if (values && job_adopt(job, values)) {
             add_findings(job, &findings, file, values);
         }
         job_release(job, volume);

@@ -68,7 +68,10 @@ static const char *take_statement(struct job *job, struct statement *out, const 
     const char *word = at + strlen(key);
     out->space = strcmp(word, "lps") == 0 ? MESH_SPACE_LPS : MESH_SPACE_RAS;
     out->is_placed = strcmp(word, "lps") != 0 && strcmp(word, "ras") != 0;
-    if (out->is_placed && JOB_CALL(job, volume_file_header(&image, word))) {
+    if (out->is_placed) {
+        volume_header_read(job, &image, word);
+    }
+    if (out->is_placed && job_ok(job)) {
         flirt_from_voxel(flirt, &image);
         if (mat4_invert_affine(voxel, flirt)) {
             mat4_multiply(out->world, image.world_from_voxel, voxel);

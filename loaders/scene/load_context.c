@@ -73,21 +73,28 @@ void context_load(struct job *job, conus_atlas *atlas, const char *path, const c
     }
     if (source_format(job, path, ROLE_SURFACE)) {
         add_context(job, atlas, path, options);
-    } else if (JOB_CALL(job, volume_file_open(&file, path, options->max_memory, &job->notes))) {
-        context_set(job, atlas, &file, options);
+    } else {
+        volume_load(job, &file, path, options->max_memory);
+        if (job_ok(job)) {
+            context_set(job, atlas, &file, options);
+        }
+        volume_file_finish(&file);
     }
-    volume_file_finish(&file);
 }
 
 bool context_is_plain(struct job *job, const conus_atlas *atlas, const char *path)
 {
     conus_volume_info info;
     struct notes notes = {0};
-    if (JOB_CALL(job, volume_file_grid(&info, path, job->max_memory, &notes))) {
+    const struct attempt attempt = job_try(job); /* who reads the whole of it notes the same */
+    volume_grid_read(job, &info, path);
+    const bool has_notes = job->notes.count > attempt.notes;
+    attempt_end(job, &attempt, ATTEMPT_SILENT);
+    if (job_ok(job) && !has_notes) {
         const struct fit_box grid = fit_box_of_grid(&info);
         (void)JOB_CALL(job, fit_note_context(&notes, atlas, path, &grid));
     }
-    const bool is_plain = job_ok(job) && !notes.count;
+    const bool is_plain = job_ok(job) && !has_notes && !notes.count;
     notes_finish(&notes);
     return is_plain;
 }

@@ -223,7 +223,7 @@ static void open_series(const struct scene *scene, struct volume_file *out, cons
 {
     const char *path = path_of(scene, name);
     load_at(scene->load, path);
-    (void)JOB_CALL(scene->job, volume_file_open_series(out, path, scene->load->options, &scene->job->notes));
+    volume_load_series(scene->job, out, path, scene->load->options->max_memory);
 }
 
 /* Adds volume `volume` of `file`; notes of opening it go to the atlas with it. */
@@ -232,7 +232,9 @@ static void add_volume(const struct scene *scene, const struct manifest_pathway 
 {
     const conus_pathway_options options = pathway_options(scene, pathway, name);
     load_report(scene->load, file->path, 1);
-    (void)JOB_CALL(scene->job, volume_file_select(file, volume));
+    if (job_ok(scene->job)) {
+        volume_select(scene->job, file, volume);
+    }
     pathway_add(scene->job, scene->load->atlas, file, &options);
 }
 

@@ -88,7 +88,7 @@ static void read_cifti(struct job *job, struct parcellation *out, const char *pa
 static void read_override(struct job *job, struct parcellation *part, const char *path)
 {
     const char *format = "";
-    const struct label_use use = {.info = &part->file.info, .voxels = &part->labels, .header = volume_file_header};
+    const struct label_use use = {.info = &part->file.info, .voxels = &part->labels, .header = volume_header_read};
     part->table = labels_new(job);
     label_file_read(job, part->table, &format, path, &use);
     part->source = job_format(job, "%s in %s", format, path);
@@ -104,7 +104,7 @@ static void consider_image(struct job *job, struct parcellation *part, const cha
     }
     struct volume_file file = {0};
     const struct attempt attempt = job_try(job);
-    (void)JOB_CALL(job, volume_file_open(&file, path, job->max_memory, &job->notes));
+    volume_load(job, &file, path, job->max_memory);
     if (job_ok(job) && part->file.path && space_voxel_mm3(&file.info) >= space_voxel_mm3(&part->file.info)) {
         (void)attempt_end(job, &attempt, ATTEMPT_DROP); /* with what was noted about it */
     } else {
@@ -137,11 +137,9 @@ static void open_finest(struct job *job, struct parcellation *part, const struct
 static void compare_with_volume(struct job *job, struct parcellation *part)
 {
     struct label_table *table = labels_new(job);
-    char *source = NULL;
     const struct attempt attempt = job_try(job);
-    (void)JOB_CALL(job, volume_label_table(table, &source, &part->file, &part->labels, NULL, &job->notes));
+    const char *source = volume_label_table(job, table, &part->file, &part->labels);
     const char *why = attempt_end(job, &attempt, ATTEMPT_DROP);
-    job_adopt(job, source);
     if (why[0]) {
         job_note(job, "%s", why);
     } else {
@@ -161,9 +159,11 @@ static void read_fsl(struct job *job, struct parcellation *part, const char *pat
                    path, atlas->type);
     }
     open_finest(job, part, atlas, path);
-    (void)JOB_CALL(job, volume_file_take_labels(&part->labels, &part->file));
+    if (job_ok(job)) {
+        volume_take_labels(job, &part->labels, &part->file);
+    }
     const struct label_use use = {
-        .info = &part->file.info, .voxels = &part->labels, .header = volume_file_header, .path = path};
+        .info = &part->file.info, .voxels = &part->labels, .header = volume_header_read, .path = path};
     fsl_atlas_number(job, atlas, &use);
     part->source = job_format(job, "%s in %s", atlas->is_spm ? "SPM atlas XML" : "FSL atlas XML", path_base(path));
     if (job_ok(job)) {
@@ -222,13 +222,10 @@ void parcellation_check_grey(struct job *job, const struct volume_file *file, co
 static void read_volume(struct job *job, struct parcellation *out, const struct source *source, const char *path,
                         const conus_load_options *options, const char *needed)
 {
-    (void)JOB_CALL(job, volume_file_open_labels(&out->file, &out->labels, path, source->is_open ? &source->file : NULL,
-                                                options, needed, &job->notes));
+    volume_load_labels(job, &out->file, &out->labels, path, source->is_open ? source : NULL, options, needed);
     (void)JOB_CALL(job, file_sums_move(&job->files, &out->file.read));
-    if (!options->labels) {
-        char *words = NULL;
-        (void)JOB_CALL(job, volume_label_table(out->table, &words, &out->file, &out->labels, &job->files, &job->notes));
-        out->source = job_adopt(job, words);
+    if (!options->labels && job_ok(job)) {
+        out->source = volume_label_table(job, out->table, &out->file, &out->labels);
     }
 }
 

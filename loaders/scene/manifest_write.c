@@ -302,8 +302,11 @@ static bool is_probable(struct job *job, const struct manifest_draft *draft, con
     const struct named_maps maps = named_maps_find(&trial, &source, path, &options);
     source_close(&source);
     struct volume_file *file = volume_file_new(&trial);
-    bool named = maps.table->count && JOB_CALL(&trial, volume_file_open_series(file, path, &options, &trial.notes)) &&
-                 maps.table->count == file->info.volume_count; /* none is the background's */
+    if (maps.table->count && file) {
+        volume_load_series(&trial, file, path, options.max_memory);
+    }
+    bool named =
+        maps.table->count && file && maps.table->count == file->info.volume_count; /* none is the background's */
     if (named) {
         named_maps_check(&trial, file, 0);
     }

@@ -4,6 +4,7 @@
 #include "loaders/scene/plan_brainglobe.h"
 
 #include "loaders/brainglobe/brainglobe_atlas.h"
+#include "loaders/volumes/volume_input.h"
 #include "loaders/volumes/volume_zarr.h"
 
 #include <string.h>
@@ -13,11 +14,11 @@ static const char annotations[] = "annotations_compressed.ome.zarr";
 static const char templates[] = "template.ome.zarr";
 static const char axes[] = "asr"; /* of all arrays: what a manifest says of it, BrainGlobe's API does not heed */
 
-static void check_array(struct job *job, const struct volume_zarr *zarr, const struct volume_header *header,
-                        const struct brainglobe_metadata *metadata)
+static void check_array(struct job *job, const struct volume_input *v, const struct brainglobe_metadata *metadata)
 {
     const uint64_t *shape = metadata->shape;
-    const size_t *dim = header->info.dim;
+    const size_t *dim = v->header.info.dim;
+    const struct volume_zarr *zarr = v->own;
     if (dim[0] != shape[2] || dim[1] != shape[1] || dim[2] != shape[0]) {
         job_bad(job, "shape: manifest.json says %llu x %llu x %llu, the array has %llu x %llu x %llu",
                 (unsigned long long)shape[0], (unsigned long long)shape[1], (unsigned long long)shape[2],
@@ -33,21 +34,22 @@ static void check_array(struct job *job, const struct volume_zarr *zarr, const s
  * "c/0/0/0" make a folder. */
 static bool has_array(struct job *job, const char *path, const struct brainglobe_metadata *metadata)
 {
-    struct volume_selector selector = {.place = *metadata};
-    struct volume_zarr zarr = {0};
-    struct volume_header header = {0};
-    struct file_sums read = {0}; /* joins the atlas where the array is read */
-    memcpy(selector.place.orientation, axes, sizeof axes);
+    struct brainglobe_metadata place = *metadata;
+    bool is_there = false;
+    memcpy(place.orientation, axes, sizeof axes);
     if (!job_step(job) || !file_is_folder(path)) {
         return false;
     }
-    if (JOB_CALL(job, volume_zarr_open(&zarr, &header, path, &selector, &read))) {
-        check_array(job, &zarr, &header, metadata);
+    const struct attempt attempt = job_try(job);
+    const struct volume_input *v =
+        volume_open(job, path, &(struct volume_wish){.place = &place, .is_header_only = true});
+    if (v) {
+        const struct volume_zarr *zarr = v->own;
+        check_array(job, v, metadata);
+        is_there = !zarr->array.prefixed || zarr->array.separator != '/' ||
+                   file_is_folder(job_format(job, "%s/c", zarr->folder));
     }
-    const bool is_there = job_ok(job) && (!zarr.array.prefixed || zarr.array.separator != '/' ||
-                                          file_is_folder(job_format(job, "%s/c", zarr.folder)));
-    volume_zarr_finish(&zarr);
-    file_sums_finish(&read);
+    attempt_end(job, &attempt, ATTEMPT_SILENT); /* the files join the atlas where the array is read */
     return is_there && job_ok(job);
 }
 

@@ -93,7 +93,7 @@ static size_t type_size(enum field field, uint64_t type)
     return type == BYTE ? 1 : type == SHORT ? 2 : type == LONG ? 4 : type == LONG8 ? 8 : 0;
 }
 
-static conus_status read_value(struct directory *directory, enum field field, uint64_t at)
+static void read_value(struct job *job, struct directory *directory, enum field field, uint64_t at)
 {
     const struct tiff_file *file = directory->file;
     size_t width = file->big ? 8 : 4; /* of the count, and of what is stored in the entry itself */
@@ -103,23 +103,24 @@ static conus_status read_value(struct directory *directory, enum field field, ui
     struct tiff_list *list = &directory->lists[field];
     size_t size = type_size(field, type);
     if (list->count) {
-        return fail(CONUS_ERROR_DATA, "%s: is there twice", fields[field].name);
+        job_bad(job, "%s: is there twice", fields[field].name);
     }
     if (!size || !count) {
-        return fail(CONUS_ERROR_DATA, "%s: found %llu values of type %llu, %s is needed", fields[field].name,
-                    (unsigned long long)count, (unsigned long long)type,
-                    field == DESCRIPTION ? "a text" : "a whole number (types 1, 3, 4, 16)");
+        job_bad(job, "%s: found %llu values of type %llu, %s is needed", fields[field].name, (unsigned long long)count,
+                (unsigned long long)type, field == DESCRIPTION ? "a text" : "a whole number (types 1, 3, 4, 16)");
+        return;
     }
     value = count > width / size ? tiff_number(file, value, width) : value;
     if (count > file->size / size || !tiff_has(file, value, count * size)) {
-        return fail(CONUS_ERROR_DATA, "%s: %llu values at byte %llu, the file has %zu bytes", fields[field].name,
-                    (unsigned long long)count, (unsigned long long)value, file->size);
+        job_bad(job, "%s: %llu values at byte %llu, the file has %zu bytes", fields[field].name,
+                (unsigned long long)count, (unsigned long long)value, file->size);
+        return;
     }
     *list = (struct tiff_list){value, count, size};
-    return CONUS_OK;
 }
 
-static conus_status read_entries(struct directory *directory, uint64_t *next, uint64_t at)
+/* Gives where the next directory lies, 0 after the last and after a failure. */
+static uint64_t read_entries(struct job *job, struct directory *directory, uint64_t at)
 {
     const struct tiff_file *file = directory->file;
     size_t head = file->big ? 8 : 2;
@@ -127,47 +128,47 @@ static conus_status read_entries(struct directory *directory, uint64_t *next, ui
     size_t tail = file->big ? 8 : 4;
     uint64_t count = tiff_has(file, at, head) ? tiff_number(file, at, head) : 0;
     if (!count || count > UINT16_MAX || !tiff_has(file, at, head + count * entry + tail)) {
-        return fail(CONUS_ERROR_DATA, "directory: %llu entries at byte %llu, the file has %zu bytes",
-                    (unsigned long long)count, (unsigned long long)at, file->size);
+        job_bad(job, "directory: %llu entries at byte %llu, the file has %zu bytes", (unsigned long long)count,
+                (unsigned long long)at, file->size);
+        return 0;
     }
-    conus_status status = CONUS_OK;
-    for (uint64_t i = 0; !status && i < count; i++) {
+    for (uint64_t i = 0; job_ok(job) && i < count; i++) {
         uint64_t start = at + head + i * entry;
         uint64_t tag = tiff_number(file, start, 2);
-        for (int field = 0; !status && field < FIELD_COUNT; field++) {
-            status = fields[field].tag == tag ? read_value(directory, (enum field)field, start) : CONUS_OK;
+        for (int field = 0; field < FIELD_COUNT; field++) {
+            if (fields[field].tag == tag) {
+                read_value(job, directory, (enum field)field, start);
+            }
         }
     }
-    *next = tiff_number(file, at + head + count * entry, tail);
-    return status;
+    return tiff_number(file, at + head + count * entry, tail);
 }
 
 /* The one number of a field, or `absent` where it is not there. */
-static conus_status tiff_read_one(uint64_t *out, const struct directory *directory, enum field field, uint64_t absent)
+static uint64_t read_one(struct job *job, const struct directory *directory, enum field field, uint64_t absent)
 {
     const struct tiff_list *list = &directory->lists[field];
     if (list->count > 1) {
-        return fail(CONUS_ERROR_DATA, "%s: found %llu numbers, one is needed", fields[field].name,
-                    (unsigned long long)list->count);
+        job_bad(job, "%s: found %llu numbers, one is needed", fields[field].name, (unsigned long long)list->count);
     }
-    *out = list->count ? tiff_list_at(directory->file, list, 0) : absent;
-    return CONUS_OK;
+    return list->count ? tiff_list_at(directory->file, list, 0) : absent;
 }
 
-static conus_status read_side(uint64_t *out, const struct directory *directory, enum field field)
+/* A length in pixels; 1 after a failure. */
+static uint64_t read_side(struct job *job, const struct directory *directory, enum field field)
 {
-    conus_status status = tiff_read_one(out, directory, field, 0);
-    if (!status && !directory->lists[field].count) {
-        return fail(CONUS_ERROR_DATA, "%s: is missing", fields[field].name);
+    const uint64_t side = read_one(job, directory, field, 0);
+    const bool is_good = side >= 1 && side <= SIDE_LIMIT;
+    if (!directory->lists[field].count) {
+        job_bad(job, "%s: is missing", fields[field].name);
+    } else if (!is_good) {
+        job_bad(job, "%s: found %llu, allowed are 1 to 2147483647", fields[field].name, (unsigned long long)side);
     }
-    return status || (*out >= 1 && *out <= SIDE_LIMIT)
-               ? status
-               : fail(CONUS_ERROR_DATA, "%s: found %llu, allowed are 1 to 2147483647", fields[field].name,
-                      (unsigned long long)*out);
+    return is_good ? side : 1;
 }
 
 /* Checks the fields that have few values here. */
-static conus_status check_plain_fields(const struct directory *directory)
+static void check_plain_fields(struct job *job, const struct directory *directory)
 {
     static const struct {
         enum field field;
@@ -183,138 +184,117 @@ static conus_status check_plain_fields(const struct directory *directory)
         {DEPTH, 1, 1, 1, "1: a page a slice"},
         {TILE_DEPTH, 1, 1, 1, "1: a page a slice"},
     };
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < sizeof checks / sizeof checks[0]; i++) {
-        uint64_t value = 0;
-        status = tiff_read_one(&value, directory, checks[i].field, checks[i].absent);
-        if (!status && value != checks[i].first && value != checks[i].second) {
-            status = fail(CONUS_ERROR_UNSUPPORTED, "%s: found %llu, allowed is %s", fields[checks[i].field].name,
-                          (unsigned long long)value, checks[i].allowed);
+    for (size_t i = 0; i < sizeof checks / sizeof checks[0]; i++) {
+        const uint64_t value = read_one(job, directory, checks[i].field, checks[i].absent);
+        if (value != checks[i].first && value != checks[i].second) {
+            job_refuse(job, "%s: found %llu, allowed is %s", fields[checks[i].field].name, (unsigned long long)value,
+                       checks[i].allowed);
         }
     }
-    return status;
 }
 
-static conus_status read_pixel(struct tiff_page *page, const struct directory *directory)
+static void read_pixel(struct job *job, struct tiff_page *page, const struct directory *directory)
 {
-    uint64_t bits = 0;
-    uint64_t format = 0;
-    conus_status status = tiff_read_one(&bits, directory, BITS, 1);
-    status = status ? status : tiff_read_one(&format, directory, FORMAT, TIFF_UNSIGNED);
+    const uint64_t bits = read_one(job, directory, BITS, 1);
+    const uint64_t format = read_one(job, directory, FORMAT, TIFF_UNSIGNED);
     bool whole = bits == 8 || bits == 16 || bits == 32 || bits == 64;
     bool known = whole && format >= TIFF_UNSIGNED && format <= TIFF_FLOAT && (format != TIFF_FLOAT || bits >= 32);
-    if (!status && !known) {
-        return fail(
-            CONUS_ERROR_UNSUPPORTED,
-            "BitsPerSample: found %llu of SampleFormat %llu, allowed are 8, 16, 32 and 64 of 1 (unsigned) and 2 "
-            "(signed), 32 and 64 of 3 (float)",
-            (unsigned long long)bits, (unsigned long long)format);
+    if (!known) {
+        job_refuse(job,
+                   "BitsPerSample: found %llu of SampleFormat %llu, allowed are 8, 16, 32 and 64 of 1 (unsigned) and 2 "
+                   "(signed), 32 and 64 of 3 (float)",
+                   (unsigned long long)bits, (unsigned long long)format);
+        return;
     }
     page->bits = (unsigned)bits;
     page->format = (enum tiff_format)format;
-    return status;
 }
 
-static conus_status read_compression(struct tiff_page *page, const struct directory *directory)
+static void read_compression(struct job *job, struct tiff_page *page, const struct directory *directory)
 {
     enum { OLD_DEFLATE = 32946 };
-    uint64_t method = 0;
-    uint64_t predictor = 0;
-    conus_status status = tiff_read_one(&method, directory, COMPRESSION, TIFF_PLAIN);
-    status = status ? status : tiff_read_one(&predictor, directory, PREDICTOR, 1);
+    uint64_t method = read_one(job, directory, COMPRESSION, TIFF_PLAIN);
+    const uint64_t predictor = read_one(job, directory, PREDICTOR, 1);
     method = method == OLD_DEFLATE ? TIFF_DEFLATE : method;
-    if (!status && method != TIFF_PLAIN && method != TIFF_LZW && method != TIFF_DEFLATE) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "Compression: found %llu, allowed are 1 (none), 5 (LZW) and 8 (deflate)",
-                    (unsigned long long)method);
-    }
-    if (!status && (predictor < 1 || predictor > (method == TIFF_PLAIN ? 1 : 2))) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "Predictor: found %llu, allowed are 1 and, of LZW and deflate, 2",
-                    (unsigned long long)predictor);
+    if (method != TIFF_PLAIN && method != TIFF_LZW && method != TIFF_DEFLATE) {
+        job_refuse(job, "Compression: found %llu, allowed are 1 (none), 5 (LZW) and 8 (deflate)",
+                   (unsigned long long)method);
+    } else if (predictor < 1 || predictor > (method == TIFF_PLAIN ? 1 : 2)) {
+        job_refuse(job, "Predictor: found %llu, allowed are 1 and, of LZW and deflate, 2",
+                   (unsigned long long)predictor);
     }
     page->compression = (enum tiff_compression)method;
     page->differences = predictor == 2;
-    return status;
 }
 
-static conus_status read_tiles(struct tiff_page *page, const struct directory *directory)
+static void read_tiles(struct job *job, struct tiff_page *page, const struct directory *directory)
 {
-    conus_status status = read_side(&page->chunk_width, directory, TILE_WIDTH);
-    status = status ? status : read_side(&page->chunk_length, directory, TILE_LENGTH);
-    if (!status && page->chunk_width > TILE_LIMIT / (page->bits / 8) / page->chunk_length) {
-        status =
-            fail(CONUS_ERROR_UNSUPPORTED, "TileWidth: %llu x %llu pixels of %u bits, allowed are %d bytes a tile",
-                 (unsigned long long)page->chunk_width, (unsigned long long)page->chunk_length, page->bits, TILE_LIMIT);
+    page->chunk_width = read_side(job, directory, TILE_WIDTH);
+    page->chunk_length = read_side(job, directory, TILE_LENGTH);
+    if (page->chunk_width > TILE_LIMIT / (page->bits / 8) / page->chunk_length) {
+        job_refuse(job, "TileWidth: %llu x %llu pixels of %u bits, allowed are %d bytes a tile",
+                   (unsigned long long)page->chunk_width, (unsigned long long)page->chunk_length, page->bits,
+                   TILE_LIMIT);
     }
     page->offsets = directory->lists[TILE_OFFSETS];
     page->counts = directory->lists[TILE_COUNTS];
-    return status;
 }
 
-static conus_status read_strips(struct tiff_page *page, const struct directory *directory)
+static void read_strips(struct job *job, struct tiff_page *page, const struct directory *directory)
 {
-    uint64_t rows = 0;
-    conus_status status = tiff_read_one(&rows, directory, STRIP_ROWS, page->length);
-    if (!status && !rows) {
-        status = fail(CONUS_ERROR_DATA, "RowsPerStrip: found 0, allowed is 1 or more");
+    const uint64_t rows = read_one(job, directory, STRIP_ROWS, page->length);
+    if (!rows) {
+        job_bad(job, "RowsPerStrip: found 0, allowed is 1 or more");
     }
     page->chunk_width = page->width;
-    page->chunk_length = rows < page->length ? rows : page->length;
+    page->chunk_length = rows && rows < page->length ? rows : page->length;
     page->offsets = directory->lists[STRIP_OFFSETS];
     page->counts = directory->lists[STRIP_COUNTS];
-    return status;
 }
 
-static conus_status read_chunks(struct tiff_page *page, const struct directory *directory)
+static void read_chunks(struct job *job, struct tiff_page *page, const struct directory *directory)
 {
     static const enum field tile_fields[] = {TILE_WIDTH, TILE_LENGTH, TILE_OFFSETS, TILE_COUNTS};
     for (size_t i = 0; i < sizeof tile_fields / sizeof tile_fields[0]; i++) {
         page->tiled = page->tiled || directory->lists[tile_fields[i]].count;
     }
     if (page->tiled && (directory->lists[STRIP_OFFSETS].count || directory->lists[STRIP_COUNTS].count)) {
-        return fail(CONUS_ERROR_DATA, "StripOffsets: the page has tiles as well, one of them is allowed");
+        job_bad(job, "StripOffsets: the page has tiles as well, one of them is allowed");
     }
-    conus_status status = page->tiled ? read_tiles(page, directory) : read_strips(page, directory);
-    if (status) {
-        return status;
-    }
+    (page->tiled ? read_tiles : read_strips)(job, page, directory);
     page->across = (page->width + page->chunk_width - 1) / page->chunk_width;
     page->down = (page->length + page->chunk_length - 1) / page->chunk_length;
-    uint64_t wanted = page->across * page->down; /* each below 2^31 */
+    const uint64_t wanted = page->across * page->down; /* each below 2^31 */
     const struct tiff_list *lists[] = {&page->offsets, &page->counts};
     for (size_t i = 0; i < 2; i++) {
         if (lists[i]->count != wanted) {
-            return fail(CONUS_ERROR_DATA, "%s: found %llu numbers, the page has %llu %s",
-                        fields[page->tiled ? TILE_OFFSETS + i
-                               : i         ? STRIP_COUNTS
-                                           : STRIP_OFFSETS]
-                            .name,
-                        (unsigned long long)lists[i]->count, (unsigned long long)wanted,
-                        page->tiled ? "tiles" : "strips");
+            job_bad(job, "%s: found %llu numbers, the page has %llu %s",
+                    fields[page->tiled ? TILE_OFFSETS + i
+                           : i         ? STRIP_COUNTS
+                                       : STRIP_OFFSETS]
+                        .name,
+                    (unsigned long long)lists[i]->count, (unsigned long long)wanted, page->tiled ? "tiles" : "strips");
         }
     }
-    return CONUS_OK;
 }
 
-/* Reads the directory at `at`; *next is where the next one lies, 0 after the last. Errors name the field. */
-static conus_status tiff_directory_read(struct tiff_page *out, uint64_t *next, const struct tiff_file *file,
-                                        uint64_t at)
+/* Reads the directory at `at`; gives where the next one lies, 0 after the last and after a failure. */
+static uint64_t read_directory(struct job *job, struct tiff_page *page, const struct tiff_file *file, uint64_t at)
 {
     struct directory directory = {.file = file};
-    struct tiff_page page = {0};
-    conus_status status = read_entries(&directory, next, at);
-    status = status ? status : check_plain_fields(&directory);
-    status = status ? status : read_side(&page.width, &directory, WIDTH);
-    status = status ? status : read_side(&page.length, &directory, LENGTH);
-    status = status ? status : read_pixel(&page, &directory);
-    status = status ? status : read_compression(&page, &directory);
-    status = status ? status : read_chunks(&page, &directory);
-    if (status) {
-        return status;
+    const uint64_t next = read_entries(job, &directory, at);
+    check_plain_fields(job, &directory);
+    page->width = read_side(job, &directory, WIDTH);
+    page->length = read_side(job, &directory, LENGTH);
+    read_pixel(job, page, &directory);
+    if (!job_ok(job)) { /* its pixels may have no bits */
+        return 0;
     }
+    read_compression(job, page, &directory);
+    read_chunks(job, page, &directory);
     const struct tiff_list *text = &directory.lists[DESCRIPTION];
-    page.description = (struct text){(const char *)file->data + text->at, text->count};
-    *out = page;
-    return CONUS_OK;
+    page->description = (struct text){(const char *)file->data + text->at, text->count};
+    return job_ok(job) ? next : 0;
 }
 
 /* Memory that the chunks of one file share; begins zeroed. */
@@ -334,7 +314,7 @@ static conus_status unpack_deflate(struct tiff_unpacker *unpacker, const struct 
 {
     unpacker->deflate = unpacker->deflate ? unpacker->deflate : libdeflate_alloc_decompressor();
     if (!unpacker->deflate) {
-        return fail(CONUS_ERROR_MEMORY, "not enough memory to unpack");
+        return CONUS_ERROR_MEMORY;
     }
     size_t got = 0;
     enum libdeflate_result result =
@@ -407,72 +387,59 @@ static conus_status tiff_chunk_unpack(struct tiff_unpacker *unpacker, const stru
     return status;
 }
 
-void tiff_finish(struct tiff *tiff)
-{
-    memory_free(tiff->pages);
-    *tiff = (struct tiff){0};
-}
-
-/* Puts "page K: " in front of the message. */
-static conus_status fail_page(conus_status status, size_t page)
-{
-    char where[32];
-    snprintf(where, sizeof where, "page %zu", page);
-    return fail_in(status, where);
-}
-
-static conus_status tiff_read_header(struct tiff_file *file, uint64_t *first)
+static uint64_t read_header(struct job *job, struct tiff_file *file)
 {
     if (!tiff_is(file->data, file->size)) {
-        return fail(CONUS_ERROR_DATA, "magic: no TIFF file");
+        job_bad(job, "magic: no TIFF file");
+        return 0;
     }
     bool big_endian = file->data[0] == 'M';
     file->swapped = big_endian == BIG_ENDIAN_IS_SWAPPED;
     file->big = file->data[big_endian ? 3 : 2] == '+';
     if (!tiff_has(file, 0, file->big ? 16 : 8)) {
-        return fail(CONUS_ERROR_DATA, "header: found %zu bytes, TIFF needs %d", file->size, file->big ? 16 : 8);
+        job_bad(job, "header: found %zu bytes, TIFF needs %d", file->size, file->big ? 16 : 8);
+        return 0;
     }
     if (file->big && (tiff_number(file, 4, 2) != 8 || tiff_number(file, 6, 2) != 0)) {
-        return fail(CONUS_ERROR_DATA, "header: found offsets of %u bytes, BigTIFF has 8",
-                    (unsigned)tiff_number(file, 4, 2));
+        job_bad(job, "header: found offsets of %u bytes, BigTIFF has 8", (unsigned)tiff_number(file, 4, 2));
     }
-    *first = file->big ? tiff_number(file, 8, 8) : tiff_number(file, 4, 4);
-    return *first ? CONUS_OK : fail(CONUS_ERROR_DATA, "header: there is no directory");
+    const uint64_t first = file->big ? tiff_number(file, 8, 8) : tiff_number(file, 4, 4);
+    if (!first) {
+        job_bad(job, "header: there is no directory");
+    }
+    return first;
 }
 
-static conus_status compare_pages(const struct tiff_page *a, const struct tiff_page *b)
+static void compare_pages(struct job *job, const struct tiff_page *a, const struct tiff_page *b)
 {
-    return a->width == b->width && a->length == b->length && a->bits == b->bits && a->format == b->format
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA,
-                      "%llu x %llu pixels of %u bits, SampleFormat %d, but page 0 has %llu x %llu of %u bits, "
-                      "SampleFormat %d: all must be alike",
-                      (unsigned long long)b->width, (unsigned long long)b->length, b->bits, (int)b->format,
-                      (unsigned long long)a->width, (unsigned long long)a->length, a->bits, (int)a->format);
+    if (a->width != b->width || a->length != b->length || a->bits != b->bits || a->format != b->format) {
+        job_bad(job,
+                "%llu x %llu pixels of %u bits, SampleFormat %d, but page 0 has %llu x %llu of %u bits, SampleFormat "
+                "%d: all must be alike",
+                (unsigned long long)b->width, (unsigned long long)b->length, b->bits, (int)b->format,
+                (unsigned long long)a->width, (unsigned long long)a->length, a->bits, (int)a->format);
+    }
 }
 
 /* Stops at a directory that comes again: `seen` is one of those before, moved on at 1, 2, 4, ... pages (Brent). */
-static conus_status read_pages(struct tiff *tiff, uint64_t at)
+static void read_pages(struct job *job, struct tiff *tiff, uint64_t at)
 {
     uint64_t seen = 0;
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && at; i++) {
+    for (size_t i = 0; at && job_ok(job); i++) {
         if (at == seen) {
-            return fail(CONUS_ERROR_DATA, "directory: that at byte %llu follows on itself", (unsigned long long)at);
-        }
-        if (i == TIFF_PAGE_LIMIT) {
-            return fail(CONUS_ERROR_UNSUPPORTED, "directory: more than %d pages", TIFF_PAGE_LIMIT);
+            job_bad(job, "directory: that at byte %llu follows on itself", (unsigned long long)at);
+        } else if (i == TIFF_PAGE_LIMIT) {
+            job_refuse(job, "directory: more than %d pages", TIFF_PAGE_LIMIT);
         }
         seen = (i & (i - 1)) == 0 ? at : seen;
-        if (!memory_reserve(&tiff->pages, &tiff->page_capacity, i + 1, sizeof *tiff->pages)) {
-            return CONUS_ERROR_MEMORY;
+        struct tiff_page *page = LIST_ADD(job, &tiff->pages);
+        const size_t place = job_in(job, "page ", i);
+        if (job_ok(job)) {
+            at = read_directory(job, page, &tiff->file, at);
+            compare_pages(job, &tiff->pages.at[0], page);
         }
-        status = tiff_directory_read(&tiff->pages[i], &at, &tiff->file, at);
-        status = status ? status : compare_pages(&tiff->pages[0], &tiff->pages[i]);
-        status = status ? fail_page(status, i) : CONUS_OK;
-        tiff->page_count = status ? i : i + 1;
+        job_out(job, place);
     }
-    return status;
 }
 
 /* Rows of the chunk `index` of a page that are stored. */
@@ -489,149 +456,135 @@ static uint64_t chunk_bytes(const struct tiff_page *page, uint64_t index)
     return page->chunk_width * stored_rows(page, index) * (page->bits / 8);
 }
 
-static conus_status check_chunk(const struct tiff *tiff, const struct tiff_page *page, uint64_t index)
+static void check_chunk(struct job *job, const struct tiff *tiff, const struct tiff_page *page, uint64_t index)
 {
     uint64_t at = tiff_list_at(&tiff->file, &page->offsets, index);
     uint64_t count = tiff_list_at(&tiff->file, &page->counts, index);
     uint64_t wanted = chunk_bytes(page, index);
     const char *words = page->tiled ? "tile" : "strip";
     if (!at || !count || !tiff_has(&tiff->file, at, count)) {
-        return fail(CONUS_ERROR_DATA, "%s %llu: %llu bytes at byte %llu, the file has %zu bytes", words,
-                    (unsigned long long)index, (unsigned long long)count, (unsigned long long)at, tiff->file.size);
+        job_bad(job, "%s %llu: %llu bytes at byte %llu, the file has %zu bytes", words, (unsigned long long)index,
+                (unsigned long long)count, (unsigned long long)at, tiff->file.size);
     }
     /* Packed bytes this many times fewer cannot hold a chunk: of deflate, a match of 258 bytes takes 2 bits; of LZW,
      * the longest string that 4096 codes can make takes 9 bits or more. */
     uint64_t largest_ratio = page->compression == TIFF_LZW ? 4096 : 1032;
     bool plain = page->compression == TIFF_PLAIN;
-    return (plain ? count == wanted : wanted / largest_ratio <= count)
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "%s %llu: %llu bytes, its %llu x %llu pixels of %u bits are %llu%s", words,
-                      (unsigned long long)index, (unsigned long long)count, (unsigned long long)page->chunk_width,
-                      (unsigned long long)stored_rows(page, index), page->bits, (unsigned long long)wanted,
-                      plain ? "" : " unpacked, which so few cannot hold");
+    if (plain ? count != wanted : wanted / largest_ratio > count) {
+        job_bad(job, "%s %llu: %llu bytes, its %llu x %llu pixels of %u bits are %llu%s", words,
+                (unsigned long long)index, (unsigned long long)count, (unsigned long long)page->chunk_width,
+                (unsigned long long)stored_rows(page, index), page->bits, (unsigned long long)wanted,
+                plain ? "" : " unpacked, which so few cannot hold");
+    }
 }
 
 /* Checks the chunks of a page; `total` grows by their stored bytes, `end` is where the one before ended. */
-static conus_status check_page(struct tiff *tiff, const struct tiff_page *page, uint64_t *total, uint64_t *end)
+static void check_page(struct job *job, struct tiff *tiff, const struct tiff_page *page, uint64_t *total, uint64_t *end)
 {
-    conus_status status = CONUS_OK;
     tiff->whole = tiff->whole && page->compression == TIFF_PLAIN && !page->tiled;
-    for (uint64_t i = 0; !status && i < page->across * page->down; i++) {
-        status = check_chunk(tiff, page, i);
-        if (status) {
-            break;
-        }
+    for (uint64_t i = 0; job_ok(job) && i < page->across * page->down; i++) {
         uint64_t at = tiff_list_at(&tiff->file, &page->offsets, i);
         uint64_t count = tiff_list_at(&tiff->file, &page->counts, i);
+        check_chunk(job, tiff, page, i);
         tiff->start = *end ? tiff->start : at;
         tiff->whole = tiff->whole && (!*end || at == *end);
         *end = at + count;
         *total += count;
         if (*total > tiff->file.size) {
-            status = fail(CONUS_ERROR_DATA, "%s: those up to here have more bytes together than the file: they overlap",
-                          page->tiled ? "TileByteCounts" : "StripByteCounts");
+            job_bad(job, "%s: those up to here have more bytes together than the file: they overlap",
+                    page->tiled ? "TileByteCounts" : "StripByteCounts");
         }
     }
-    return status;
 }
 
-static conus_status check_pages(struct tiff *tiff)
+static void check_pages(struct job *job, struct tiff *tiff)
 {
-    const struct tiff_page *first = &tiff->pages[0];
+    const struct tiff_page *first = &tiff->pages.at[0];
     uint64_t total = 0;
     uint64_t end = 0;
     uint64_t pixels = first->width * first->length; /* each below 2^31 */
-    conus_status status = CONUS_OK;
     if (pixels > (UINT64_C(1) << 62) / TIFF_PAGE_LIMIT / 8) {
-        return fail(CONUS_ERROR_DATA, "ImageWidth: %llu x %llu pixels, more than any file can hold",
-                    (unsigned long long)first->width, (unsigned long long)first->length);
+        job_bad(job, "ImageWidth: %llu x %llu pixels, more than any file can hold", (unsigned long long)first->width,
+                (unsigned long long)first->length);
     }
     tiff->page_bytes = pixels * (first->bits / 8);
-    double stack = (double)tiff->page_bytes * (double)tiff->page_count;
+    double stack = (double)tiff->page_bytes * (double)tiff->pages.count;
     double tiles = (double)(first->across * first->down) * (double)(first->chunk_width * first->chunk_length) /
                    (double)pixels * stack;
     if (!memory_chunks_fit(tiles, stack)) {
-        return fail(CONUS_ERROR_DATA, "TileWidth: tiles of %llu x %llu pixels, far larger than pages of %llu x %llu",
-                    (unsigned long long)first->chunk_width, (unsigned long long)first->chunk_length,
-                    (unsigned long long)first->width, (unsigned long long)first->length);
+        job_bad(job, "TileWidth: tiles of %llu x %llu pixels, far larger than pages of %llu x %llu",
+                (unsigned long long)first->chunk_width, (unsigned long long)first->chunk_length,
+                (unsigned long long)first->width, (unsigned long long)first->length);
     }
     tiff->whole = true;
-    for (size_t i = 0; !status && i < tiff->page_count; i++) {
-        status = check_page(tiff, &tiff->pages[i], &total, &end);
-        status = status ? fail_page(status, i) : CONUS_OK;
+    for (size_t i = 0; job_ok(job) && i < tiff->pages.count; i++) {
+        const size_t place = job_in(job, "page ", i);
+        check_page(job, tiff, &tiff->pages.at[i], &total, &end);
+        job_out(job, place);
     }
-    return status;
 }
 
 /* The number behind "key=" at the start of a line of ImageJ's description; `absent` where there is none. */
-static conus_status imagej_number(uint64_t *out, struct text text, const char *key, uint64_t absent)
+static uint64_t imagej_number(struct job *job, struct text text, const char *key, uint64_t absent)
 {
+    const size_t length = strlen(key);
     struct text line;
-    *out = absent;
+    uint64_t number = 0;
     while (text_line(&text, &line)) {
-        size_t length = strlen(key);
         if (text_starts(line, key) && line.size > length && line.data[length] == '=') {
             struct text value = {line.data + length + 1, line.size - length - 1};
-            return text_to_uint(text_trim(value), UINT32_MAX, out) && *out
-                       ? CONUS_OK
-                       : fail(CONUS_ERROR_DATA, "ImageDescription: %s: a whole number above 0 is needed", key);
+            if (!text_to_uint(text_trim(value), UINT32_MAX, &number) || !number) {
+                job_bad(job, "ImageDescription: %s: a whole number above 0 is needed", key);
+            }
+            return number;
         }
     }
-    return CONUS_OK;
+    return absent;
 }
 
 /* Reads ImageJ's own description of stacks; those above 4 GB have one directory, with all pages after it. */
-static conus_status read_imagej(struct tiff *tiff)
+static void read_imagej(struct job *job, struct tiff *tiff)
 {
-    static const char *const keys[] = {"slices", "channels", "frames"};
-    struct text text = tiff->pages[0].description;
-    uint64_t images = 0;
-    uint64_t counts[3] = {0};
+    struct text text = tiff->pages.at[0].description;
+    const size_t pages = tiff->pages.count;
     if (!text_starts(text, "ImageJ=")) {
-        return CONUS_OK;
+        return;
     }
     while (text.size && text.data[text.size - 1] == '\0') {
         text.size--;
     }
-    conus_status status = imagej_number(&images, text, "images", tiff->page_count);
-    for (size_t i = 0; !status && i < 3; i++) {
-        status = imagej_number(&counts[i], text, keys[i], 1);
+    const uint64_t images = imagej_number(job, text, "images", pages);
+    const uint64_t slices = imagej_number(job, text, "slices", 1);
+    const uint64_t channels = imagej_number(job, text, "channels", 1);
+    const uint64_t frames = imagej_number(job, text, "frames", 1);
+    if ((slices > 1) + (channels > 1) + (frames > 1) > 1) { /* one at most: other words for a stack */
+        job_refuse(job,
+                   "ImageDescription: found %llu slices, %llu channels and %llu frames, allowed is one of them above 1",
+                   (unsigned long long)slices, (unsigned long long)channels, (unsigned long long)frames);
     }
-    if (!status && (counts[0] > 1) + (counts[1] > 1) + (counts[2] > 1) > 1) { /* one at most: other words for a stack */
-        status =
-            fail(CONUS_ERROR_UNSUPPORTED,
-                 "ImageDescription: found %llu slices, %llu channels and %llu frames, allowed is one of them above 1",
-                 (unsigned long long)counts[0], (unsigned long long)counts[1], (unsigned long long)counts[2]);
+    if (!job_ok(job) || pages == images) {
+        return;
     }
-    if (status || tiff->page_count == images) {
-        return status;
-    }
-    bool fits = tiff->page_count == 1 && tiff->whole && images <= tiff->file.size / tiff->page_bytes &&
+    bool fits = pages == 1 && tiff->whole && images <= tiff->file.size / tiff->page_bytes &&
                 tiff_has(&tiff->file, tiff->start, images * tiff->page_bytes);
     if (!fits) {
-        return fail(CONUS_ERROR_DATA, "ImageDescription: ImageJ says images=%llu, the file has %zu pages%s",
-                    (unsigned long long)images, tiff->page_count,
-                    tiff->page_count == 1 ? " and too few bytes behind its first" : "");
+        job_bad(job, "ImageDescription: ImageJ says images=%llu, the file has %zu pages%s", (unsigned long long)images,
+                pages, pages == 1 ? " and too few bytes behind its first" : "");
     }
     tiff->depth = images;
-    return CONUS_OK;
 }
 
-conus_status tiff_parse(struct tiff *out, const uint8_t *data, size_t size)
+void tiff_parse(struct job *job, struct tiff *out, const uint8_t *data, size_t size)
 {
-    struct tiff tiff = {.file = {.data = data, .size = size}};
-    uint64_t first = 0;
-    conus_status status = tiff_read_header(&tiff.file, &first);
-    status = status ? status : read_pages(&tiff, first);
-    status = status ? status : check_pages(&tiff);
-    tiff.depth = tiff.page_count;
-    status = status ? status : read_imagej(&tiff);
-    if (status) {
-        tiff_finish(&tiff);
-        return status;
+    *out = (struct tiff){.file = {.data = data, .size = size}};
+    read_pages(job, out, read_header(job, &out->file));
+    if (job_ok(job)) {
+        check_pages(job, out);
+        out->depth = out->pages.count;
     }
-    *out = tiff;
-    return CONUS_OK;
+    if (job_ok(job)) {
+        read_imagej(job, out);
+    }
 }
 
 /* Copies what of an unpacked tile lies on the page. */
@@ -648,7 +601,8 @@ static void place_tile(uint8_t *page_out, const struct tiff_page *page, uint64_t
     }
 }
 
-static conus_status unpack_page(uint8_t *out, const struct tiff *tiff, const struct tiff_page *page,
+/* Without a message: CONUS_ERROR_DATA where the packed bytes of *chunk are damaged, CONUS_ERROR_MEMORY. */
+static conus_status unpack_page(uint8_t *out, uint64_t *chunk, const struct tiff *tiff, const struct tiff_page *page,
                                 struct tiff_unpacker *unpacker)
 {
     conus_status status = CONUS_OK;
@@ -658,20 +612,17 @@ static conus_status unpack_page(uint8_t *out, const struct tiff *tiff, const str
         return CONUS_ERROR_MEMORY;
     }
     for (uint64_t i = 0; !status && i < page->across * page->down; i++) {
-        const struct tiff_chunk chunk = {
+        const struct tiff_chunk packed = {
             .packed = tiff->file.data + tiff_list_at(&tiff->file, &page->offsets, i),
             .packed_size = tiff_list_at(&tiff->file, &page->counts, i),
             .out = tile ? tile : out + i * page->chunk_length * row_bytes,
             .width = page->chunk_width,
             .rows = stored_rows(page, i),
         };
-        status = tiff_chunk_unpack(unpacker, page, &chunk, tiff->file.swapped);
+        status = tiff_chunk_unpack(unpacker, page, &packed, tiff->file.swapped);
+        *chunk = i;
         if (!status && tile) {
             place_tile(out, page, i, tile);
-        }
-        if (status == CONUS_ERROR_DATA) {
-            status = fail(status, "%s %llu: damaged, or not as long as its pixels", tile ? "tile" : "strip",
-                          (unsigned long long)i);
         }
     }
     memory_free(tile);
@@ -682,24 +633,24 @@ static conus_status unpack_page(uint8_t *out, const struct tiff *tiff, const str
 struct unpacking {
     const struct tiff *tiff;
     uint8_t *out;
-    size_t pieces;
+    size_t first, count, pieces;
     size_t next[THREADS_MOST]; /* page of each block; its end where none has failed */
 };
 
 static size_t block_begin(const struct unpacking *unpacking, size_t piece)
 {
-    return threads_begin(piece, unpacking->pieces, unpacking->tiff->page_count, 1);
+    return unpacking->first + threads_begin(piece, unpacking->pieces, unpacking->count, 1);
 }
 
-/* Unpacks what is left of a block, up to the first page that fails. */
-static conus_status unpack_block(struct unpacking *unpacking, size_t piece)
+/* Unpacks what is left of a block, up to the first page that fails, and its *chunk. */
+static conus_status unpack_block(struct unpacking *unpacking, size_t piece, uint64_t *chunk)
 {
     const struct tiff *tiff = unpacking->tiff;
     struct tiff_unpacker unpacker = {0};
     conus_status status = CONUS_OK;
     for (size_t *page = &unpacking->next[piece], end = block_begin(unpacking, piece + 1); !status && *page < end;) {
-        status = unpack_page(unpacking->out + *page * tiff->page_bytes, tiff, &tiff->pages[*page], &unpacker);
-        status = status ? fail_page(status, *page) : CONUS_OK;
+        uint8_t *out = unpacking->out + (*page - unpacking->first) * tiff->page_bytes;
+        status = unpack_page(out, chunk, tiff, &tiff->pages.at[*page], &unpacker);
         *page += !status;
     }
     libdeflate_free_decompressor(unpacker.deflate);
@@ -709,41 +660,31 @@ static conus_status unpack_block(struct unpacking *unpacking, size_t piece)
 
 static void unpack_piece(void *user, size_t piece)
 {
-    (void)unpack_block(user, piece); /* a page that fails does so again, with its message on the caller's thread */
+    uint64_t chunk;
+    (void)unpack_block(user, piece, &chunk); /* a page that fails does so again, on the caller's thread */
 }
 
-static conus_status unpack_pages(uint8_t *out, const struct tiff *tiff)
+void tiff_unpack(struct job *job, uint8_t *out, const struct tiff *tiff, size_t first, size_t count)
 {
     enum { LEAST_BYTES = 1 << 20 };
-    struct unpacking unpacking = {.tiff = tiff, .out = out};
-    conus_status status = CONUS_OK;
-    unpacking.pieces = threads_for(tiff->page_count, LEAST_BYTES / (tiff->page_bytes + 1) + 1);
+    struct unpacking unpacking = {.tiff = tiff, .out = out, .first = first, .count = count};
+    unpacking.pieces = threads_for(count, LEAST_BYTES / (tiff->page_bytes + 1) + 1);
     for (size_t i = 0; i < unpacking.pieces; i++) {
         unpacking.next[i] = block_begin(&unpacking, i);
     }
     if (unpacking.pieces > 1) {
         threads_run(unpack_piece, &unpacking, unpacking.pieces);
     }
-    for (size_t i = 0; !status && i < unpacking.pieces; i++) {
-        status = unpack_block(&unpacking, i);
+    for (size_t i = 0; job_step(job) && i < unpacking.pieces; i++) {
+        uint64_t chunk = 0;
+        const conus_status status = unpack_block(&unpacking, i, &chunk);
+        const size_t place = job_in(job, "page ", unpacking.next[i]);
+        if (status == CONUS_ERROR_DATA) {
+            job_bad(job, "%s %llu: damaged, or not as long as its pixels",
+                    tiff->pages.at[unpacking.next[i]].tiled ? "tile" : "strip", (unsigned long long)chunk);
+        } else if (status) {
+            job_fail(job, status, "not enough memory to unpack");
+        }
+        job_out(job, place);
     }
-    return status;
-}
-
-conus_status tiff_unpack(struct bytes *out, const struct tiff *tiff)
-{
-    size_t size = tiff->depth * tiff->page_bytes; /* counted when the file was parsed */
-    uint8_t *data = memory_raw(size, 1);
-    conus_status status = data ? CONUS_OK : CONUS_ERROR_MEMORY;
-    if (!status && tiff->whole) {
-        memcpy(data, tiff->file.data + tiff->start, size);
-    } else if (!status) {
-        status = unpack_pages(data, tiff);
-    }
-    if (status) {
-        memory_free(data);
-        return status;
-    }
-    *out = (struct bytes){data, size};
-    return CONUS_OK;
 }

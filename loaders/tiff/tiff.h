@@ -5,8 +5,7 @@
 #ifndef CONUS_LOADERS_TIFF_TIFF_H
 #define CONUS_LOADERS_TIFF_TIFF_H
 
-#include "base/files/file.h"
-#include "base/text.h"
+#include "base/job/job.h"
 
 enum { TIFF_PAGE_LIMIT = 1 << 16 };
 
@@ -45,21 +44,19 @@ struct tiff_page {
 
 struct tiff {
     struct tiff_file file;
-    struct tiff_page *pages; /**< All of one size and type. */
-    size_t page_count, page_capacity;
-    uint64_t depth;      /**< Pages in the stack: page_count, or what ImageJ says where it has one directory for all. */
+    LIST(struct tiff_page) pages; /**< All of one size and type; the job's. */
+    uint64_t depth; /**< Pages in the stack: pages.count, or what ImageJ says where it has one directory for all. */
     uint64_t page_bytes; /**< Unpacked. */
     bool whole;          /**< The pages lie plain and in order, without a gap, from `start` on. */
     uint64_t start;
 };
 
-/** Reads the directories of @p data, a whole file that must outlive @p out; end it with tiff_finish(). Errors name page
- * and field. A stack that its file could not possibly hold is CONUS_ERROR_DATA. */
-conus_status tiff_parse(struct tiff *out, const uint8_t *data, size_t size);
-void tiff_finish(struct tiff *tiff);
+/** Reads the directories of @p data, a whole file that must outlive @p out. Errors name page and field. A stack that
+ * its file could not possibly hold is CONUS_ERROR_DATA. */
+void tiff_parse(struct job *job, struct tiff *out, const uint8_t *data, size_t size);
 
-/** Unpacks all pages, one behind the other, rows from the top, in the byte order of the file: depth * page_bytes bytes.
- * @p out is the caller's to finish. */
-conus_status tiff_unpack(struct bytes *out, const struct tiff *tiff);
+/** Unpacks @p count pages from @p first on, which have directories, into @p out: one behind the other, rows from the
+ * top, in the byte order of the file, count * page_bytes bytes. */
+void tiff_unpack(struct job *job, uint8_t *out, const struct tiff *tiff, size_t first, size_t count);
 
 #endif

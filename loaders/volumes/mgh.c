@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads the MGH header. */
-#include "loaders/volumes/mgh.h"
-
 #include "atlas/space.h"
 #include "base/byte_order.h"
 #include "base/geometry/math3.h"
+#include "loaders/volumes/volume_voxels.h"
+#include "sources/signatures.h"
 
 #include <stdio.h>
 
@@ -20,28 +20,28 @@ static void mgh_read_floats(double *out, size_t count, const uint8_t *data)
     }
 }
 
-static conus_status read_dim(struct volume_header *header, const uint8_t *data)
+static void read_dim(struct job *job, struct volume_header *header, const uint8_t *data)
 {
     static const char *const names[4] = {"width", "height", "depth", "nframes"};
     int64_t dim[7] = {1, 1, 1, 1, 1, 1, 1};
     for (size_t i = 0; i < 4; i++) {
         dim[i] = read_int(data, 4 + 4 * i);
         if (dim[i] < 1) {
-            return fail(CONUS_ERROR_DATA, "%s: found %lld, allowed is 1 or more", names[i], (long long)dim[i]);
+            job_bad(job, "%s: found %lld, allowed is 1 or more", names[i], (long long)dim[i]);
         }
     }
     if (mgh_is_of_vertices(data, MGH_HEADER_SIZE)) {
-        return fail(CONUS_ERROR_DATA,
-                    "%lld x 1 x 1 values of the vertices of a surface, not a volume: labels of vertices are read from "
-                    ".annot and .label.gii (--labels)",
-                    (long long)dim[0]);
+        job_bad(job,
+                "%lld x 1 x 1 values of the vertices of a surface, not a volume: labels of vertices are read from "
+                ".annot and .label.gii (--labels)",
+                (long long)dim[0]);
     }
-    return volume_header_set_dim(header, dim);
+    (void)JOB_CALL(job, volume_header_set_dim(header, dim));
 }
 
 /* world = Mdc diag(delta) (voxel - dim / 2) + c_ras; Mdc is stored by columns. Without a good RAS flag FreeSurfer takes
  * coronal slices of 1 mm: i towards the left, j down, k to the front. */
-static conus_status read_placement(struct volume_header *header, const uint8_t *data, struct notes *notes)
+static void read_placement(struct job *job, struct volume_header *header, const uint8_t *data)
 {
     double delta[3] = {1, 1, 1};
     double columns[9] = {-1, 0, 0, 0, 0, -1, 0, 1, 0};
@@ -51,18 +51,15 @@ static conus_status read_placement(struct volume_header *header, const uint8_t *
         mgh_read_floats(delta, 3, data + 30);
         mgh_read_floats(columns, 9, data + 42);
         mgh_read_floats(centre, 3, data + 78);
-    } else if (notes_warn(
-                   notes,
-                   "goodRASFlag is not set: FreeSurfer's default directions (LIA), 1 mm voxels and a grid centred "
-                   "on the origin were used")) {
-        return CONUS_ERROR_MEMORY;
+    } else {
+        job_warn(job, "goodRASFlag is not set: FreeSurfer's default directions (LIA), 1 mm voxels and a grid centred "
+                      "on the origin were used");
     }
     double world[16];
     mat4_identity(world);
     for (int i = 0; i < 3; i++) {
         if (!(delta[i] > 0) || !isfinite(delta[i])) {
-            return fail(CONUS_ERROR_DATA, "spacing %c: found %g, allowed are finite numbers above 0", "xyz"[i],
-                        delta[i]);
+            job_bad(job, "spacing %c: found %g, allowed are finite numbers above 0", "xyz"[i], delta[i]);
         }
         vec3_scale(world + 4 * i, columns + 3 * i, delta[i]);
     }
@@ -71,32 +68,32 @@ static conus_status read_placement(struct volume_header *header, const uint8_t *
     mat4_direction(half, world, half);
     vec3_add_scaled(world + 12, half, 1, centre);
     header->info.space_code = SPACE_SCANNER;
-    return space_describe(&header->info, world, good ? "direction cosines and c_ras" : "none: FreeSurfer's default");
+    (void)JOB_CALL(
+        job, space_describe(&header->info, world, good ? "direction cosines and c_ras" : "none: FreeSurfer's default"));
 }
 
-conus_status mgh_header_parse(struct volume_header *out, const uint8_t *data, size_t size, struct notes *notes)
+static void mgh_open(struct job *job, struct volume_input *v)
 {
-    if (size < MGH_HEADER_SIZE) {
-        return fail(CONUS_ERROR_DATA, "header: found %zu bytes, MGH needs %d", size, MGH_HEADER_SIZE);
-    }
-    if (read_int(data, 0) != 1) {
-        return fail(CONUS_ERROR_DATA, "version: found %d, allowed is 1", read_int(data, 0));
-    }
-    struct volume_header header = {
-        .swapped = BIG_ENDIAN_IS_SWAPPED, .footer = true, .header_size = MGH_HEADER_SIZE, .offset = MGH_HEADER_SIZE};
-    header.info.slope = 1;
-    snprintf(header.info.format, sizeof header.info.format, "MGH");
     static const int types[] = {VOLUME_UINT8, VOLUME_INT32, 0, VOLUME_FLOAT32, VOLUME_INT16};
-    int type = read_int(data, 20);
+    const struct text head = v->source->head.bytes;
+    const uint8_t *data = (const uint8_t *)head.data;
+    if (head.size < MGH_HEADER_SIZE) {
+        job_bad(job, "header: found %zu bytes, MGH needs %d", head.size, MGH_HEADER_SIZE);
+        return;
+    }
+    v->header = (struct volume_header){
+        .swapped = BIG_ENDIAN_IS_SWAPPED, .header_size = MGH_HEADER_SIZE, .offset = MGH_HEADER_SIZE, .info.slope = 1};
+    v->run.skip = MGH_HEADER_SIZE;
+    v->run.has_footer = true;
+    snprintf(v->header.info.format, sizeof v->header.info.format, "MGH");
+    const int type = read_int(data, 20);
     if (type < 0 || type >= (int)(sizeof types / sizeof types[0]) || !types[type]) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "type: found %d, allowed are 0 (uchar), 1 (int), 3 (float) and 4 (short)",
-                    type);
+        job_refuse(job, "type: found %d, allowed are 0 (uchar), 1 (int), 3 (float) and 4 (short)", type);
+        return;
     }
-    conus_status status;
-    if ((status = volume_header_set_datatype(&header, types[type])) || (status = read_dim(&header, data)) ||
-        (status = read_placement(&header, data, notes))) {
-        return status;
-    }
-    *out = header;
-    return CONUS_OK;
+    (void)JOB_CALL(job, volume_header_set_datatype(&v->header, types[type]));
+    read_dim(job, &v->header, data);
+    read_placement(job, &v->header, data);
 }
+
+const struct volume_reader mgh_reader = {FORMAT_MGH, .is_partial = true, .open = mgh_open};

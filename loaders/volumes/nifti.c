@@ -4,15 +4,18 @@
 
 #include "atlas/space.h"
 #include "base/byte_order.h"
+#include "base/formats/gzip.h"
 #include "base/geometry/math3.h"
-#include "base/memory.h"
-#include "base/notes.h"
+#include "base/path.h"
 #include "base/tolerance.h"
+#include "loaders/refuse.h"
+#include "loaders/volumes/volume_voxels.h"
 #include "sources/format.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 /* The header's fields about space, as stored. */
 struct nifti_placement {
@@ -27,28 +30,26 @@ struct nifti_placement {
  */
 static const double HALF_TURN = 1e-7;
 
-static conus_status check_pixdim(const double pixdim[8])
+static void check_pixdim(struct job *job, const double pixdim[8])
 {
     for (int i = 1; i < 4; i++) {
         if (!(pixdim[i] > 0) || !isfinite(pixdim[i])) {
-            return fail(CONUS_ERROR_DATA, "pixdim[%d]: found %g, allowed are finite numbers above 0", i, pixdim[i]);
+            job_bad(job, "pixdim[%d]: found %g, allowed are finite numbers above 0", i, pixdim[i]);
         }
     }
-    return CONUS_OK;
 }
 
 /* METHOD 1: only the sizes of voxels are known. FSL and nibabel take such grids as radiological (i grows towards the
  * left) and centred on the origin, and so does conus. */
-static conus_status place_sizes(double out[16], const conus_volume_info *info, const double pixdim[8])
+static void place_sizes(struct job *job, double out[16], const conus_volume_info *info, const double pixdim[8])
 {
-    conus_status status = check_pixdim(pixdim);
+    check_pixdim(job, pixdim);
     mat4_identity(out);
     for (int i = 0; i < 3; i++) {
         double step = i == 0 ? -pixdim[1] : pixdim[i + 1];
         out[5 * i] = step;
         out[12 + i] = -step * ((double)info->dim[i] - 1) / 2;
     }
-    return status;
 }
 
 /* The rotation of the quaternion (a, b, c, d), |.| = 1, columns scaled by `scale`. */
@@ -67,88 +68,86 @@ static void rotation_from(double out[16], double a, const double bcd[3], const d
 }
 
 /* METHOD 2. */
-static conus_status place_qform(double out[16], const struct nifti_placement *p)
+static void place_qform(struct job *job, double out[16], const struct nifti_placement *p)
 {
-    double qfac = p->pixdim[0];
+    const double qfac = p->pixdim[0];
+    const double squares = vec3_dot(p->quatern, p->quatern);
+    mat4_identity(out);
     if (qfac < 0 ? !tolerance_same(qfac, -1) : !isfinite(qfac)) {
-        return fail(CONUS_ERROR_DATA, "pixdim[0] (qfac): found %g, allowed are -1 and 1", qfac);
+        job_bad(job, "pixdim[0] (qfac): found %g, allowed are -1 and 1", qfac);
     }
-    double squares = vec3_dot(p->quatern, p->quatern);
     if (!(squares <= 1 + 2 * TOLERANCE)) { /* each of the numbers was rounded */
-        return fail(CONUS_ERROR_DATA,
-                    "quatern_b, c, d: found %.9g, %.9g, %.9g, allowed are numbers whose squares sum to "
-                    "at most 1",
-                    p->quatern[0], p->quatern[1], p->quatern[2]);
+        job_bad(job, "quatern_b, c, d: found %.9g, %.9g, %.9g, allowed are numbers whose squares sum to at most 1",
+                p->quatern[0], p->quatern[1], p->quatern[2]);
+        return;
     }
     double a = 1 - squares < HALF_TURN ? 0 : sqrt(1 - squares);
     double bcd[3];
     vec3_scale(bcd, p->quatern, a == 0 ? 1 / sqrt(squares) : 1);
     const double scale[3] = {p->pixdim[1], p->pixdim[2], qfac < 0 ? -p->pixdim[3] : p->pixdim[3]};
-    mat4_identity(out);
     rotation_from(out, a, bcd, scale);
     memcpy(out + 12, p->qoffset, sizeof p->qoffset);
-    return check_pixdim(p->pixdim);
+    check_pixdim(job, p->pixdim);
 }
 
 /* The sform is in use; says so where the qform would lead elsewhere. */
-static conus_status note_other(const conus_volume_info *info, const struct nifti_placement *p, double mm,
-                               const double used[16], struct notes *notes)
+static void note_other(struct job *job, const conus_volume_info *info, const struct nifti_placement *p, double mm,
+                       const double used[16])
 {
     double other[16];
-    if (place_qform(other, p)) {
-        return notes_add(notes, "the qform (code %d) is not valid and was not used; the sform (code %d) was",
-                         p->qform_code, p->sform_code);
+    const struct attempt attempt = job_try(job);
+    place_qform(job, other, p);
+    if (attempt_end(job, &attempt, ATTEMPT_TRY)) {
+        job_note(job, "the qform (code %d) is not valid and was not used; the sform (code %d) was", p->qform_code,
+                 p->sform_code);
+        return;
     }
     double distance = mm * space_corner_distance(info->dim, used, other);
-    return distance <= 1
-               ? CONUS_OK
-               : notes_add(notes,
-                           "the sform (code %d, %s) and the qform (code %d, %s) put a corner of the grid %.4g mm "
-                           "apart; the sform was used",
-                           p->sform_code, space_code_name(p->sform_code), p->qform_code, space_code_name(p->qform_code),
-                           distance);
+    if (distance > 1) {
+        job_note(
+            job,
+            "the sform (code %d, %s) and the qform (code %d, %s) put a corner of the grid %.4g mm apart; the sform "
+            "was used",
+            p->sform_code, space_code_name(p->sform_code), p->qform_code, space_code_name(p->qform_code), distance);
+    }
 }
 
 /* Sets world_from_voxel, spacing, orientation and transform of `info`, whose dim is set. The sform wins over the
  * qform; without either, the voxel sizes alone are used as FSL and nibabel do. Notes say what a careful user should
  * know: no transform, two that differ, units that are not millimetres. */
-static conus_status nifti_place(conus_volume_info *info, const struct nifti_placement *p, struct notes *notes)
+static void nifti_place(struct job *job, conus_volume_info *info, const struct nifti_placement *p)
 {
     static const double millimetres[8] = {1, 1000, 1, 0.001, 1, 1, 1, 1};
     double mm = millimetres[p->units & 7];
     double world[16];
     char words[sizeof info->transform];
-    conus_status status = CONUS_OK;
     if (p->sform_code > 0) { /* METHOD 3 */
         snprintf(words, sizeof words, "sform, code %d (%s)", p->sform_code, space_code_name(p->sform_code));
         mat4_identity(world);
         for (int i = 0; i < 12; i++) {
             world[4 * (i % 4) + i / 4] = p->srow[i];
         }
-        status = p->qform_code > 0 ? note_other(info, p, mm, world, notes) : CONUS_OK;
+        if (p->qform_code > 0) {
+            note_other(job, info, p, mm, world);
+        }
     } else if (p->qform_code > 0) {
         snprintf(words, sizeof words, "qform, code %d (%s)", p->qform_code, space_code_name(p->qform_code));
-        status = place_qform(world, p);
+        place_qform(job, world, p);
     } else {
         snprintf(words, sizeof words, "none: voxel sizes only, grid centred on the origin, i towards the left");
-        status = place_sizes(world, info, p->pixdim);
-        status =
-            status ? status
-                   : notes_warn(notes, "neither sform nor qform is set: left and right, and the origin, are a "
-                                       "guess (i towards the left, grid centred on the origin); an sform states them");
+        place_sizes(job, world, info, p->pixdim);
+        job_warn(job, "neither sform nor qform is set: left and right, and the origin, are a guess (i towards the "
+                      "left, grid centred on the origin); an sform states them");
     }
-    if (!status && mm != 1) {
-        status = notes_add(notes, "xyzt_units says %s: positions were multiplied by %g to get millimetres",
-                           mm > 1 ? "metres" : "micrometres", mm);
-    }
-    if (status) {
-        return status;
+    if (mm != 1) {
+        job_note(job, "xyzt_units says %s: positions were multiplied by %g to get millimetres",
+                 mm > 1 ? "metres" : "micrometres", mm);
     }
     for (int i = 0; i < 16; i++) {
         world[i] *= i % 4 < 3 ? mm : 1;
     }
     info->space_code = p->sform_code > 0 ? p->sform_code : p->qform_code > 0 ? p->qform_code : 0;
-    return space_describe(info, world, words);
+    (void)JOB_CALL(job, space_describe(info, world, words));
 }
 
 enum { EXTENDER_SIZE = 4, EXTENSION_HEAD_SIZE = 8, EXTENSION_UNIT = NIFTI_EXTENSION_LEAST };
@@ -223,49 +222,41 @@ static void read_fields_2(struct fields *f, const uint8_t *data)
     f->intent_code = order_i32(data + 504, swapped);
 }
 
-static conus_status read_fields(struct fields *f, const uint8_t *data, size_t size)
+static void read_fields(struct job *job, struct fields *f, const uint8_t *data, size_t size)
 {
     if (!nifti_is(data, size)) {
-        return fail(CONUS_ERROR_DATA, "sizeof_hdr: found %d, allowed are 348 (NIfTI-1) and 540 (NIfTI-2)",
-                    size < 4 ? 0 : order_i32(data, false));
+        job_bad(job, "sizeof_hdr: found %d, allowed are 348 (NIfTI-1) and 540 (NIfTI-2)",
+                size < 4 ? 0 : order_i32(data, false));
+        return;
     }
     f->version = nifti_is_version_1(data) ? 1 : 2;
     size_t needed = f->version == 1 ? NIFTI1_SIZE : NIFTI2_SIZE;
     if (size < needed) {
-        return fail(CONUS_ERROR_DATA, "header: found %zu bytes, NIfTI-%d needs %zu", size, f->version, needed);
+        job_bad(job, "header: found %zu bytes, NIfTI-%d needs %zu", size, f->version, needed);
+        return;
     }
     f->pair = nifti_magic_is(data, size, "ni");
     if (!f->pair && !nifti_magic_is(data, size, "n+")) {
-        const char *magic = (const char *)data + (f->version == 1 ? 344 : 4);
-        return fail(
-            CONUS_ERROR_DATA,
-            "magic: found \"%.*s\", allowed are \"n+%d\" and \"ni%d\" (ANALYZE 7.5, which has no magic, does not "
-            "say which side is left)",
-            4, magic, f->version, f->version);
+        job_bad(job,
+                "magic: found \"%.*s\", allowed are \"n+%d\" and \"ni%d\" (ANALYZE 7.5, which has no magic, does not "
+                "say which side is left)",
+                4, (const char *)data + (f->version == 1 ? 344 : 4), f->version, f->version);
     }
     f->swapped = order_u32(data, false) != needed;
     (f->version == 1 ? read_fields_1 : read_fields_2)(f, data);
-    return CONUS_OK;
 }
 
 /* A slope that is 0 or not finite means "unscaled" (nifti1.h says so of 0; NaN is what many programs write). */
-static conus_status read_scaling(conus_volume_info *info, const struct fields *f)
+static void read_scaling(struct job *job, conus_volume_info *info, const struct fields *f)
 {
-    info->slope = 1;
-    info->intercept = 0;
+    const bool is_scaled = f->slope != 0 && !isnan(f->slope);
+    info->slope = is_scaled ? f->slope : 1;
+    info->intercept = is_scaled ? f->inter : 0;
     if (isinf(f->slope)) {
-        return fail(CONUS_ERROR_DATA, "scl_slope: found %g, allowed are finite numbers", f->slope);
+        job_bad(job, "scl_slope: found %g, allowed are finite numbers", f->slope);
+    } else if (!isfinite(info->intercept)) {
+        job_bad(job, "scl_inter: found %g with scl_slope %g, allowed are finite numbers", f->inter, f->slope);
     }
-    if (f->slope == 0 || isnan(f->slope)) {
-        return CONUS_OK;
-    }
-    if (!isfinite(f->inter)) {
-        return fail(CONUS_ERROR_DATA, "scl_inter: found %g with scl_slope %g, allowed are finite numbers", f->inter,
-                    f->slope);
-    }
-    info->slope = f->slope;
-    info->intercept = f->inter;
-    return CONUS_OK;
 }
 
 /* What the values are, where the intent is that of a statistic; "" = another one. */
@@ -277,7 +268,7 @@ static const char *unit_of(int intent_code)
 }
 
 /* The fields that volumes and matrices have in common. */
-static conus_status begin_header(struct volume_header *out, struct fields *f)
+static void begin_header(struct job *job, struct volume_header *out, struct fields *f)
 {
     *out = (struct volume_header){.swapped = f->swapped,
                                   .pair = f->pair,
@@ -285,134 +276,221 @@ static conus_status begin_header(struct volume_header *out, struct fields *f)
                                   .intent_code = f->intent_code};
     snprintf(out->info.format, sizeof out->info.format, "NIfTI-%d", f->version);
     snprintf(out->info.unit, sizeof out->info.unit, "%s", unit_of(f->intent_code));
-    conus_status status = volume_header_set_datatype(out, f->datatype);
-    if (status) {
-        return status;
-    }
+    (void)JOB_CALL(job, volume_header_set_datatype(out, f->datatype));
     int bitpix = 8 * (int)volume_datatype_size(out->datatype);
     if (f->bitpix != bitpix) {
-        return fail(CONUS_ERROR_DATA, "bitpix: found %d, datatype %s needs %d", f->bitpix, out->info.datatype, bitpix);
+        job_bad(job, "bitpix: found %d, datatype %s needs %d", f->bitpix, out->info.datatype, bitpix);
     }
     if (f->dim[0] < 1 || f->dim[0] > 7) {
-        return fail(CONUS_ERROR_DATA, "dim[0]: found %lld, allowed are 1 to 7", (long long)f->dim[0]);
+        job_bad(job, "dim[0]: found %lld, allowed are 1 to 7", (long long)f->dim[0]);
     }
     for (int i = 1; i < 8; i++) {
         f->dim[i] = i > f->dim[0] ? 1 : f->dim[i];
         if (f->dim[i] < 1) {
-            return fail(CONUS_ERROR_DATA, "dim[%d]: found %lld, allowed is 1 or more", i, (long long)f->dim[i]);
+            job_bad(job, "dim[%d]: found %lld, allowed is 1 or more", i, (long long)f->dim[i]);
         }
     }
-    if ((status = volume_header_set_dim(out, f->dim + 1)) || (status = read_scaling(&out->info, f))) {
-        return status;
-    }
+    (void)JOB_CALL(job, volume_header_set_dim(out, f->dim + 1));
+    read_scaling(job, &out->info, f);
     double least = f->pair ? 0 : (double)(out->header_size + EXTENDER_SIZE);
     if (!(f->vox_offset >= least && f->vox_offset <= 0x1p53 && f->vox_offset == floor(f->vox_offset))) {
-        return fail(CONUS_ERROR_DATA, "vox_offset: found %.9g, allowed are whole numbers from %g", f->vox_offset,
-                    least);
+        job_bad(job, "vox_offset: found %.9g, allowed are whole numbers from %g", f->vox_offset, least);
+        return;
     }
     out->offset = (uint64_t)f->vox_offset;
-    return CONUS_OK;
 }
 
+/* Bridge: CIFTI reports a status. */
 conus_status nifti_matrix_parse(struct volume_header *out, size_t shape[2], const uint8_t *data, size_t size)
 {
+    struct job job = {0};
     struct fields f = {0};
-    struct volume_header header;
-    conus_status status = read_fields(&f, data, size);
-    if (status) {
-        return status;
-    }
-    if (f.pair || !nifti_matrix_intent(data, size)) {
-        return fail(CONUS_ERROR_DATA, "not a CIFTI-2 file: a single NIfTI-2 file of an intent_code of 3000 to 3099");
-    }
-    status = begin_header(&header, &f);
-    if (status) {
-        return status;
-    }
     const int64_t *dim = f.dim;
-    if (dim[0] != 6 || dim[1] != 1 || dim[2] != 1 || dim[3] != 1 || dim[4] != 1) {
-        return fail(CONUS_ERROR_DATA,
-                    "dim: found %lld: %lld x %lld x %lld x %lld x ..., a CIFTI matrix has 6 dimensions, the first "
-                    "four of them 1",
-                    (long long)dim[0], (long long)dim[1], (long long)dim[2], (long long)dim[3], (long long)dim[4]);
+    read_fields(&job, &f, data, size);
+    if (f.pair || !nifti_matrix_intent(data, size)) {
+        job_bad(&job, "not a CIFTI-2 file: a single NIfTI-2 file of an intent_code of 3000 to 3099");
     }
-    *out = header;
+    begin_header(&job, out, &f);
+    if (dim[0] != 6 || dim[1] != 1 || dim[2] != 1 || dim[3] != 1 || dim[4] != 1) {
+        job_bad(&job,
+                "dim: found %lld: %lld x %lld x %lld x %lld x ..., a CIFTI matrix has 6 dimensions, the first four of "
+                "them 1",
+                (long long)dim[0], (long long)dim[1], (long long)dim[2], (long long)dim[3], (long long)dim[4]);
+    }
     shape[0] = (size_t)dim[5];
     shape[1] = (size_t)dim[6];
-    return CONUS_OK;
+    return job_close(&job, NULL, NULL);
 }
 
-conus_status nifti_header_parse(struct volume_header *out, const uint8_t *data, size_t size, struct notes *notes)
+/* Reads the fixed part of a header. */
+static void parse_header(struct job *job, struct volume_header *out, const struct file_head *head)
 {
     struct fields f = {0};
-    conus_status status = read_fields(&f, data, size);
-    if (status) {
-        return status;
+    read_fields(job, &f, (const uint8_t *)head->bytes.data, head->bytes.size);
+    if (job_ok(job) && head->intent) {
+        const struct format *kind = format_find(head, 0);
+        job_refuse(job, "intent_code: found %d, %s, allowed are volumes; %s", f.intent_code, kind->words, kind->way);
     }
-    const int matrix = nifti_matrix_intent(data, size);
-    if (matrix) {
-        const struct file_head head = {.bytes = {(const char *)data, size}, .intent = matrix};
-        const struct format *kind = format_find(&head, 0);
-        return fail(CONUS_ERROR_UNSUPPORTED, "intent_code: found %d, %s, allowed are volumes; %s", f.intent_code,
-                    kind->words, kind->way);
+    for (int i = 4; i <= f.dim[0] && i < 8; i++) { /* niftilib takes them for 1 */
+        if (!f.dim[i]) {
+            job_note(job, "dim[%d]: found 0, which was read as 1", i);
+            f.dim[i] = 1;
+        }
     }
-    for (int i = 4; !status && i <= f.dim[0] && i < 8; i++) { /* niftilib takes them for 1 */
-        status = f.dim[i] ? CONUS_OK : notes_add(notes, "dim[%d]: found 0, which was read as 1", i);
-        f.dim[i] = f.dim[i] ? f.dim[i] : 1;
-    }
-    struct volume_header header;
-    status = status ? status : begin_header(&header, &f);
-    if (status) {
-        return status;
-    }
+    begin_header(job, out, &f);
     for (int i = 1; i < 4; i++) { /* an axis that the file does not have has a size of its own choosing */
         bool absent = i > 1 && f.dim[i] == 1 && f.placement.pixdim[i] == 0;
         f.placement.pixdim[i] = absent ? 1 : f.placement.pixdim[i];
     }
-    status = nifti_place(&header.info, &f.placement, notes);
-    header.has_unit = (f.placement.units & 7) != 0;
-    if (!status) {
-        *out = header;
+    out->has_unit = (f.placement.units & 7) != 0;
+    if (job_ok(job)) {
+        nifti_place(job, &out->info, &f.placement);
     }
-    return status;
 }
 
-conus_status nifti_extensions_parse(struct volume_extension **out, size_t *count, size_t *end, const struct bytes *head,
-                                    const struct volume_header *header)
+/* Lists the extensions in @p head; gives where the last one ends. Broken ones are an error: labels would vanish. */
+static size_t read_extensions(struct job *job, struct volume_extension **out, size_t *count, struct text head,
+                              const struct volume_header *header)
 {
     size_t at = header->header_size + EXTENDER_SIZE;
-    *out = NULL;
     *count = 0;
-    *end = at < head->size ? at : head->size;
-    if (head->size < at || !head->data[header->header_size]) {
-        return CONUS_OK;
+    if (head.size < at || !head.data[header->header_size]) {
+        return smaller_of(at, head.size);
     }
-    struct volume_extension *list = memory_zeroed((head->size - at) / EXTENSION_UNIT, sizeof *list);
-    if (!list) {
-        return CONUS_ERROR_MEMORY;
-    }
-    size_t found = 0;
-    for (size_t left; (left = head->size - at) >= EXTENSION_HEAD_SIZE;) {
-        const uint8_t *start = head->data + at;
+    *out = job_zeroed(job, (head.size - at) / EXTENSION_UNIT + 1, sizeof **out);
+    for (size_t left; *out && (left = head.size - at) >= EXTENSION_HEAD_SIZE;) {
+        const uint8_t *start = (const uint8_t *)head.data + at;
         int32_t esize = order_i32(start, header->swapped);
         int32_t ecode = order_i32(start + 4, header->swapped);
         if (esize == 0 && ecode == 0) { /* zeros end the list */
             break;
         }
         if (esize < EXTENSION_UNIT || esize % EXTENSION_UNIT || (size_t)esize > left) {
-            memory_free(list);
-            return fail(
-                CONUS_ERROR_DATA,
+            job_bad(
+                job,
                 "extension at byte %zu: found esize %d, allowed are multiples of 16 from 16 to the %zu bytes before "
                 "the voxels",
                 at, esize, left);
+            break;
         }
-        list[found++] =
+        (*out)[(*count)++] =
             (struct volume_extension){ecode, start + EXTENSION_HEAD_SIZE, (size_t)esize - EXTENSION_HEAD_SIZE};
         at += (size_t)esize;
     }
-    *out = list;
-    *count = found;
-    *end = at;
-    return CONUS_OK;
+    return at;
 }
+
+/* Bridge: CIFTI reports a status. */
+conus_status nifti_extensions_parse(struct volume_extension **out, size_t *count, size_t *end, const struct bytes *head,
+                                    const struct volume_header *header)
+{
+    struct job job = {0};
+    *out = NULL;
+    *end = read_extensions(&job, out, count, (struct text){(const char *)head->data, head->size}, header);
+    *out = job_give(&job, *out, (*count + 1) * sizeof **out);
+    return job_close(&job, NULL, NULL);
+}
+
+/* Whether `path` ends in ".ext" or ".ext.gz", whatever the case; *at is where "ext" stands. */
+static bool is_half(const char *path, const char *ext, size_t *at)
+{
+    const size_t length = strlen(path) - (path_ends_in(path, ".gz") ? 3 : 0);
+    *at = length > 3 ? length - 3 : 0;
+    return length > 4 && path[*at - 1] == '.' && strncasecmp(path + *at, ext, 3) == 0;
+}
+
+/* The other half of a pair: in capitals if this half is; packed like this half if there is such a file, else not. */
+static const struct source *open_other(struct job *job, const char *path, size_t at, const char *ext)
+{
+    const bool is_packed = path[at + 3];
+    const bool is_capital = path[at] < 'a';
+    const char *found = NULL;
+    for (int i = 0; i < 2 && !found && job_ok(job); i++) {
+        char *other = job_format(job, "%.*s%s%s", (int)at, path, ext, is_packed == !i ? ".gz" : "");
+        for (size_t k = at; is_capital && job_ok(job) && k < at + 3; k++) {
+            other[k] = (char)(other[k] - 'a' + 'A');
+        }
+        found = job_has_file(job, other) ? other : NULL;
+    }
+    if (!found) {
+        job_fail(job, CONUS_ERROR_IO, "the other half of the pair is missing: %.*s%s or %.*s%s.gz", (int)at, path, ext,
+                 (int)at, path, ext);
+        return NULL;
+    }
+    return volume_beside(job, found);
+}
+
+static struct text trim_zeros(struct text text)
+{
+    while (text.size && text.data[0] == '\0') {
+        text.data++;
+        text.size--;
+    }
+    while (text.size && text.data[text.size - 1] == '\0') {
+        text.size--;
+    }
+    return text;
+}
+
+/* What is around the header: extensions and text before the voxels, or all of the header's file of a pair. */
+static void nifti_around(struct job *job, struct volume_input *v)
+{
+    enum { HEAD_LIMIT = 1 << 26 };
+    const struct source *header = v->other ? v->other : v->source;
+    job_at(job, header->file.path, JOB_ALONE);
+    struct reader r = source_reader(job, header);
+    const bool is_longer = v->header.pair && reader_has(&r, HEAD_LIMIT);
+    const struct text head = reader_keep(&r, is_longer        ? HEAD_LIMIT
+                                             : v->header.pair ? (size_t)(r.end - r.at)
+                                                              : (size_t)v->header.offset);
+    const size_t end = read_extensions(job, &v->extensions, &v->extension_count, head, &v->header);
+    if (job_ok(job)) {
+        v->embedded = trim_zeros((struct text){head.data + end, head.size - end});
+    }
+}
+
+static void nifti_open(struct job *job, struct volume_input *v)
+{
+    size_t at;
+    parse_header(job, &v->header, &v->source->head);
+    v->run.skip = v->header.offset;
+    if (!v->header.pair || v->is_header_only || !job_ok(job)) {
+        return;
+    }
+    if (!is_half(v->keys.path, "hdr", &at)) {
+        job_bad(job, "magic: found that of a .hdr/.img pair, but the name does not end in .hdr");
+        return;
+    }
+    const struct source *voxels = open_other(job, v->keys.path, at, "img");
+    if (voxels) {
+        v->voxels = voxels;
+        v->path = voxels->file.path;
+        v->run.packing = voxels->is_packed ? RUN_GZIP : RUN_PLAIN;
+        v->encoding = voxels->is_packed ? ", gzip" : "";
+    }
+}
+
+/* The voxels of a pair, which have no mark, whatever they hold. */
+static void image_open(struct job *job, struct volume_input *v)
+{
+    size_t at;
+    const bool is_image = is_half(v->keys.path, "img", &at);
+    v->other = is_image ? open_other(job, v->keys.path, at, "hdr") : NULL;
+    if (!v->other) {
+        return;
+    }
+    const struct format *format = format_find(&v->other->head, ROLE_VOLUME);
+    if (!format) {
+        source_refuse(job, v->other, v->needed);
+    } else if (format->id == FORMAT_NIFTI) {
+        parse_header(job, &v->header, &v->other->head);
+    }
+    v->run.skip = v->header.offset;
+    if (!v->header.pair) {
+        job_bad(job, "magic: found that of a single file, a .hdr beside an .img needs \"ni\"");
+    }
+}
+
+const struct volume_reader nifti_reader = {FORMAT_NIFTI, .is_partial = true, .open = nifti_open,
+                                           .around = nifti_around};
+const struct volume_reader nifti_image_reader = {FORMAT_IMG, .open = image_open, .around = nifti_around};

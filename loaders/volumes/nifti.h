@@ -5,19 +5,12 @@
 #ifndef CONUS_LOADERS_VOLUMES_NIFTI_H
 #define CONUS_LOADERS_VOLUMES_NIFTI_H
 
-#include "base/files/file.h"
-#include "base/notes.h"
-#include "loaders/refuse.h"
-#include "loaders/volumes/volume_file.h"
-#include "loaders/volumes/volume_header.h"
+#include "loaders/volumes/volume_input.h"
 #include "sources/signatures.h"
 
 /** Reads the fixed part of the header of a CIFTI-2 file, which has no grid and no place: @p shape becomes dim[5] and
  * dim[6], the faster index first, info.volume_count their product. */
 conus_status nifti_matrix_parse(struct volume_header *out, size_t shape[2], const uint8_t *data, size_t size);
-
-/** Reads the fixed part of a header. */
-conus_status nifti_header_parse(struct volume_header *out, const uint8_t *data, size_t size, struct notes *notes);
 
 /** Lists the extensions in @p head, which holds everything before the voxels; *end is where the last one ends. Broken
  * ones are an error: labels would vanish with them. @p out is the caller's to memory_free(). */

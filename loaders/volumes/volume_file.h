@@ -5,23 +5,11 @@
 #ifndef CONUS_LOADERS_VOLUMES_VOLUME_FILE_H
 #define CONUS_LOADERS_VOLUMES_VOLUME_FILE_H
 
-#include "base/files/file_sums.h"
-#include "base/notes.h"
-#include "base/text.h"
-#include "conus/atlas_info.h"
-#include "loaders/volumes/volume_header.h"
-
-/** One NIfTI header extension. */
-struct volume_extension {
-    int code;
-    const uint8_t *data; /**< Without the 8 bytes of esize and ecode; inside volume_file.head. */
-    size_t size;
-};
+#include "loaders/volumes/volume_input.h"
 
 struct volume_file {
     conus_volume_info info; /**< role, minimum, maximum and threshold not set; info.path is this->path.       */
     char *path;             /**< File of the voxels, or a text header; without ",volume=K". */
-    struct bytes head;      /**< Everything before the voxels, unpacked: header, extensions, gap.             */
     struct bytes voxels;    /**< The chosen volume's voxels, stored form, unpacked, i fastest.                */
     int datatype;           /**< NIfTI datatype code (DT_UINT8 = 2, ...), for MGH translated.                 */
     bool swapped;           /**< Stored in the other byte order than this machine's.                         */
@@ -34,49 +22,52 @@ struct volume_file {
     struct text_volume *text; /**< Names and scales from a text header; else NULL. */
     const char *title;        /**< The chosen volume's name in `text`; NULL if it has none. */
     uint64_t max_memory;
-    struct file_sums read; /**< The files that give its place: metadata.json of a TIFF stack. */
+    struct file_sums read;        /**< The files that give its place: metadata.json of a TIFF stack. */
+    struct volume_opened *opened; /**< What it is read from, which has all that it points to but the voxels; NULL: an
+                                     array, which has its path. */
 };
 
-/** Reads @p path (NIfTI-1/2 single file or either half of a pair, MGH, and the formats of volume_text.h; each plain or
- * gzip, detected from the content; TIFF stacks), which may end in ",volume=K" with K from 0, and of TIFF in
+/** Reads @p path (NIfTI-1/2 single file or either half of a pair, MGH, NRRD, MetaImage, AFNI; each plain or gzip,
+ * detected from the content; TIFF stacks, MINC, OME-Zarr), which may end in ",volume=K" with K from 0, and of TIFF in
  * ",resolution=R,orientation=ABC". Without it a 4-D file of more than one volume is an error that names the choice.
- * Facts that a careful user should know (a qform used because there is no sform, a second transform that differs) goes
- * into
- * @p notes. Errors carry path, field, value found and what is allowed. */
-conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes);
+ * Facts that a careful user should know (a qform used because there is no sform, a second transform that differs) are
+ * notes, behind the path. Errors carry path, field, value found and what is allowed. @p out is the caller's to finish,
+ * and as it was after a failure. */
+void volume_load(struct job *job, struct volume_file *out, const char *path, uint64_t max_memory);
 
-/** Likewise, but without voxels: out->path is NULL, and there is no SHA-256. */
-conus_status volume_file_grid(conus_volume_info *out, const char *path, uint64_t max_memory, struct notes *notes);
+/** The same without voxels, on a job, whose notes do not name the path: what is refused of a volume is refused here,
+ * too. out->path is NULL, and there is no SHA-256. */
+void volume_grid_read(struct job *job, conus_volume_info *out, const char *path);
+
+/** Reads only the header of @p path, without notes: dimensions, transform, datatype. Other files are not looked for,
+ * and no volume needs to be chosen. out->path is NULL. */
+void volume_header_read(struct job *job, conus_volume_info *out, const char *path);
 
 struct label_voxels;
 
 /** Reads the labels of the volume @p path into @p labels; @p out gets the rest, without voxels. Uses max_memory of
  * @p options. @p opened, unless NULL, is @p path, open. @p needed says in words which files are allowed here,
- * for messages. Large volumes are read slab by slab, so that their voxels are never in memory together, if the file is
- * a plain NIfTI or MGH file, or packed with voxels of more than 2 bytes. A volume with values that are no labels is
- * CONUS_ERROR_DATA, as in volume_file_labels(). */
-conus_status volume_file_open_labels(struct volume_file *out, struct label_voxels *labels, const char *path,
-                                     const struct open_file *opened, const conus_load_options *options,
-                                     const char *needed, struct notes *notes);
+ * for messages. Large volumes are read in pieces, so that their voxels are never in memory together, if the file is
+ * a plain NIfTI or MGH file, or packed with voxels of more than 2 bytes, or of a format of pieces. A volume with values
+ * that are no labels is CONUS_ERROR_DATA, as in volume_labels(). */
+void volume_load_labels(struct job *job, struct volume_file *out, struct label_voxels *labels, const char *path,
+                        const struct source *opened, const conus_load_options *options, const char *needed);
 
-/** Reads only the header of @p path: dimensions, transform, datatype; out->path is NULL. */
-conus_status volume_file_header(conus_volume_info *out, const char *path);
-
-/** The same, from @p start: the first 64 KiB of @p path, or all of it. */
-conus_status volume_bytes_header(conus_volume_info *out, const char *path, const struct bytes *start);
-
-/** The same, from the file. @p head, which the caller finishes, gets the unpacked bytes before the voxels of a single
- * file (extensions and text), as far as the file's first 64 KiB hold them. */
-conus_status volume_file_peek(struct volume_header *out, struct bytes *head, const char *path);
-
-/** Reads volume 0 of @p path, whatever it chooses; volume_file_select() gives the others. All volumes are unpacked
- * together and kept, unless that takes more than max_memory of @p options. Then each is read when it is selected. */
-conus_status volume_file_open_series(struct volume_file *out, const char *path, const conus_load_options *options,
-                                     struct notes *notes);
+/** Reads volume 0 of @p path, whatever it chooses; volume_select() gives the others. All volumes are unpacked together
+ * and kept, unless that takes more than @p max_memory. Then each is read when it is selected. */
+void volume_load_series(struct job *job, struct volume_file *out, const char *path, uint64_t max_memory);
 
 /** Makes @p volume, from 0, the chosen one, as if the file had been opened with it. A failure leaves @p file as it was;
  * a volume that is not there is CONUS_ERROR_ARGUMENT. */
+void volume_select(struct job *job, struct volume_file *file, size_t volume);
+
+/** Bridge: the same for transforms, which report a status. @{ */
+conus_status volume_file_header(conus_volume_info *out, const char *path);
+conus_status volume_file_open_series(struct volume_file *out, const char *path, const conus_load_options *options,
+                                     struct notes *notes);
 conus_status volume_file_select(struct volume_file *file, size_t volume);
+/** @} */
+
 void volume_file_finish(struct volume_file *file);
 
 #endif

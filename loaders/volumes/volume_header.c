@@ -111,8 +111,8 @@ conus_status volume_header_set_dim(struct volume_header *header, const int64_t d
 
 /* The Allen Institute's volumes count micrometres and call AP, DV and ML x, y and z: steps of 25, 0, 0 and so on. No
  * other brain is that large, and they are placed as they are meant: from the corner backward, downward and to the
- * right. */
-static conus_status place_ccf(bool *placed, struct volume_header *header, const double size[3], struct notes *notes)
+ * right. False for others. */
+static bool place_ccf(struct job *job, struct volume_header *header, const double size[3])
 {
     const double *m = header->info.world_from_voxel;
     bool plain = !header->has_unit && m[12] == 0 && m[13] == 0 && m[14] == 0 && frame_is_ccf_size(size);
@@ -121,9 +121,8 @@ static conus_status place_ccf(bool *placed, struct volume_header *header, const 
         const double *step = m + 4 * i;
         plain = plain && (fabs(step[0]) == length || fabs(step[1]) == length || fabs(step[2]) == length);
     }
-    *placed = plain;
     if (!plain) {
-        return CONUS_OK;
+        return false;
     }
     double steps[3];
     for (size_t i = 0; i < 3; i++) {
@@ -131,12 +130,11 @@ static conus_status place_ccf(bool *placed, struct volume_header *header, const 
     }
     const double world[16] = {
         0, -steps[0], 0, 0, 0, 0, -steps[1], 0, steps[2], 0, 0, 0, steps[2] / 2, -steps[0] / 2, -steps[1] / 2, 1};
-    conus_status status =
-        notes_add(notes,
-                  "%s: the grid is the Allen CCF's in micrometres, and is placed as that one: x = ML, y = -AP, z "
-                  "= -DV from its corner, in mm",
-                  header->info.transform);
-    return status ? status : space_describe(&header->info, world, "the Allen CCF's grid");
+    job_note(job,
+             "%s: the grid is the Allen CCF's in micrometres, and is placed as that one: x = ML, y = -AP, z = -DV from "
+             "its corner, in mm",
+             header->info.transform);
+    return JOB_CALL(job, space_describe(&header->info, world, "the Allen CCF's grid"));
 }
 
 /* Spheres of FreeSurfer and the HCP; more voxels in a row than 20000 are vertices, too. */
@@ -151,25 +149,21 @@ static bool is_of_vertices(const struct volume_header *header)
     return is && dim[1] == 1 && dim[2] == 1;
 }
 
-conus_status volume_header_settle(struct volume_header *header, struct notes *notes)
+void volume_header_settle(struct job *job, struct volume_header *header)
 {
     static const double most = 1000; /* a brain is not larger than a metre: the numbers mean something else */
     double size[3];
     double largest = 0;
-    bool placed;
     if (is_of_vertices(header)) {
-        return fail(CONUS_ERROR_DATA, "dim: found %zu x 1 x 1: this is values of the vertices of a surface",
-                    header->info.dim[0]);
+        job_bad(job, "dim: found %zu x 1 x 1: this is values of the vertices of a surface", header->info.dim[0]);
     }
     for (size_t i = 0; i < 3; i++) {
         size[i] = header->info.spacing[i] * (double)header->info.dim[i];
         largest = fmax(largest, size[i]);
     }
-    conus_status status = place_ccf(&placed, header, size, notes);
-    return status || placed || largest <= most
-               ? status
-               : notes_warn(notes, "%s: the grid is %g mm long: are they micrometres? %s", header->info.transform,
-                            largest,
-                            header->has_unit ? "The unit that the file states was used"
-                                             : "The file states no unit, so they were taken as millimetres");
+    if (job_ok(job) && !place_ccf(job, header, size) && largest > most) {
+        job_warn(job, "%s: the grid is %g mm long: are they micrometres? %s", header->info.transform, largest,
+                 header->has_unit ? "The unit that the file states was used"
+                                  : "The file states no unit, so they were taken as millimetres");
+    }
 }

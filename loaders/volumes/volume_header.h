@@ -3,8 +3,7 @@
 #ifndef CONUS_LOADERS_VOLUMES_VOLUME_HEADER_H
 #define CONUS_LOADERS_VOLUMES_VOLUME_HEADER_H
 
-#include "base/notes.h"
-#include "base/status.h"
+#include "base/job/job.h"
 #include "conus/atlas_info.h"
 
 #include <stdbool.h>
@@ -30,19 +29,17 @@ struct volume_header {
     int datatype;
     bool swapped;
     bool pair;          /**< The voxels lie in another file.                                                  */
-    bool footer;        /**< The format has bytes of its own after the voxels. */
     size_t header_size; /**< Bytes of the fixed part: 348, 540, 284.                                          */
     uint64_t offset;    /**< Bytes before the first volume in the file of the voxels. */
     size_t volume_size; /**< Bytes of one volume.                                                             */
     int intent_code;
-    bool has_unit;            /**< The file states the unit of its grid. */
-    double label_slack;       /**< How far from a whole number a label may be. */
-    struct text_volume *text; /**< Further facts of a text header (volume_text.h), owned; else NULL. */
+    bool has_unit;      /**< The file states the unit of its grid. */
+    double label_slack; /**< How far from a whole number a label may be. */
 };
 
 /** What every grid passes, whatever its format: the Allen Institute's in micrometres is placed where it is meant, one
  * of more than a metre gets a warning, and one row of as many voxels as a cortex has vertices is refused. */
-conus_status volume_header_settle(struct volume_header *header, struct notes *notes);
+void volume_header_settle(struct job *job, struct volume_header *header);
 
 /** Bytes of a voxel of the NIfTI type @p code, 0 for a type that conus does not read. */
 size_t volume_datatype_size(int code);

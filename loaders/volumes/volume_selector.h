@@ -4,18 +4,19 @@
 #ifndef CONUS_LOADERS_VOLUMES_VOLUME_SELECTOR_H
 #define CONUS_LOADERS_VOLUMES_VOLUME_SELECTOR_H
 
-#include "base/status.h"
-#include "base/text.h"
+#include "base/job/job.h"
 #include "loaders/brainglobe/brainglobe_metadata.h"
+
+/** The keys, in the order in which a refusal names one. */
+enum volume_key { KEY_FIELD, KEY_TISSUE, KEY_LEVEL, KEY_ORIENTATION, KEY_RESOLUTION, KEY_VOLUME, VOLUME_KEYS };
+#define VOLUME_KEY(key) (1U << (key))
 
 enum { TISSUE_LIMIT = 16 };
 
 struct volume_selector {
-    char *path;  /**< Owned; without what follows. */
-    bool chosen; /**< volume says which. */
-    uint64_t volume;
-    bool leveled; /**< level says which. */
-    uint64_t level;
+    char *path;     /**< Without what follows; the job's. */
+    unsigned given; /**< VOLUME_KEY() of each. */
+    uint64_t volume, level;
     struct brainglobe_metadata place; /**< resolution and orientation, as far as they are given. */
     struct text field;                /**< In the text that was parsed; empty = none is given. */
     uint32_t tissues[TISSUE_LIMIT];
@@ -23,16 +24,13 @@ struct volume_selector {
 };
 
 /** Takes @p text apart. CONUS_ERROR_ARGUMENT with the key where a value is not allowed. */
+void volume_selector_read(struct job *job, struct volume_selector *out, const char *text);
+
+/** CONUS_ERROR_ARGUMENT where a key is given that is not @p allowed (of VOLUME_KEY()). */
+void volume_selector_refuse(struct job *job, const struct volume_selector *selector, unsigned allowed);
+
+/** Bridge: the first one for the regions of load_scalar.c, and their end. */
 conus_status volume_selector_parse(struct volume_selector *out, const char *text);
 void volume_selector_finish(struct volume_selector *selector);
-
-/** CONUS_ERROR_ARGUMENT where it says how @p path lies, a file of a format that says so itself. */
-conus_status volume_selector_refuse_place(const struct volume_selector *selector, const char *path);
-
-/** The same where it chooses a field or tissues of a file that is no mesh. */
-conus_status volume_selector_refuse_field(const struct volume_selector *selector, const char *path);
-
-/** The same where it chooses a level of one that has none. */
-conus_status volume_selector_refuse_level(const struct volume_selector *selector, const char *path);
 
 #endif

@@ -2,7 +2,6 @@
 /* Labels in a volume's own file: 3D Slicer's segments, extensions of NIfTI, text ahead of the voxels. */
 #include "loaders/volumes/volume_table.h"
 
-#include "base/memory.h"
 #include "loaders/volumes/text/text_volume.h"
 
 #include <string.h>
@@ -52,30 +51,16 @@ static struct label_table *find_segments(struct job *job, const struct volume_fi
     return segments;
 }
 
-/* Bridge: to label tables on a job. */
-conus_status volume_label_table(struct label_table *out, char **source, const struct volume_file *file,
-                                const struct label_voxels *voxels, struct file_sums *read, struct notes *notes)
+const char *volume_label_table(struct job *job, struct label_table *out, const struct volume_file *file,
+                               const struct label_voxels *voxels)
 {
-    struct job job = {.max_memory = file->max_memory};
     const char *words = "";
-    struct label_table *table = labels_new(&job); /* after a failure a spare one, which is empty */
-    struct text *texts = job_zeroed(&job, KEPT * file->extension_count + 1, sizeof *texts);
+    struct text *texts = job_zeroed(job, KEPT * file->extension_count + 1, sizeof *texts);
     const struct label_volume volume = {.info = &file->info,
-                                        .segments = find_segments(&job, file),
+                                        .segments = find_segments(job, file),
                                         .texts = texts,
                                         .count = find_texts(texts, file),
-                                        .header = volume_file_header};
-    label_table_of_volume(&job, table, &words, &volume, voxels);
-    char *copy = job_give(&job, (char *)words, strlen(words) + 1);
-    struct label_table found = *table;
-    *table = (struct label_table){0};
-    conus_status status = job_close(&job, notes, read);
-    if (status) {
-        memory_free(copy);
-        label_table_finish(&found);
-        return status;
-    }
-    *source = copy;
-    *out = found;
-    return CONUS_OK;
+                                        .header = volume_header_read};
+    label_table_of_volume(job, out, &words, &volume, voxels);
+    return words;
 }

@@ -6,8 +6,8 @@
 #include "loaders/labels/label_find.h"
 #include "loaders/volumes/volume_file.h"
 
-/** label_table_of_volume() of the volume in @p file. */
-conus_status volume_label_table(struct label_table *out, char **source, const struct volume_file *file,
-                                const struct label_voxels *voxels, struct file_sums *read, struct notes *notes);
+/** label_table_of_volume() of the volume in @p file. Gives the words for where it comes from. */
+const char *volume_label_table(struct job *job, struct label_table *out, const struct volume_file *file,
+                               const struct label_voxels *voxels);
 
 #endif

@@ -135,16 +135,16 @@ static void keep_bad(struct label_reader *reader, size_t voxel, const uint8_t *b
 }
 
 /* Decodes voxels, the first of which is `from`. */
-static conus_status code_labels(struct label_reader *reader, const uint8_t *voxels, size_t from, size_t count)
+static void code_labels(struct job *job, struct label_reader *reader, const uint8_t *voxels, size_t from, size_t count)
 {
     const struct volume_file *file = reader->file;
     const struct decoder *decoder = find_decoder(file->datatype);
     size_t size = volume_datatype_size(file->datatype);
-    conus_status status = CONUS_OK;
     if (file->datatype == VOLUME_UINT32 && !file->swapped && !is_scaled(file) && (uintptr_t)voxels % size == 0) {
-        return label_coder_put(&reader->coder, from, (const void *)voxels, count); /* they are labels as they are */
+        (void)JOB_CALL(job, label_coder_put(&reader->coder, from, (const void *)voxels, count)); /* as they are */
+        return;
     }
-    for (size_t at = 0; !status && at < count; at += BLOCK) {
+    for (size_t at = 0; job_ok(job) && at < count; at += BLOCK) {
         uint32_t labels[BLOCK];
         size_t block = count - at < BLOCK ? count - at : BLOCK;
         if (!block_labels(labels, decoder, file, voxels + at * size, block)) {
@@ -152,38 +152,40 @@ static conus_status code_labels(struct label_reader *reader, const uint8_t *voxe
                 at++;
             }
             keep_bad(reader, from + at, voxels + at * size);
-            return CONUS_OK;
+            return;
         }
-        status = label_coder_put(&reader->coder, from + at, labels, block);
+        (void)JOB_CALL(job, label_coder_put(&reader->coder, from + at, labels, block));
     }
-    return status;
 }
 
-conus_status label_reader_init(struct label_reader *reader, const struct volume_file *file, const struct bytes *memory)
+void label_reader_begin(struct job *job, struct label_reader *reader, const struct volume_file *file,
+                        const struct bytes *memory)
 {
     *reader = (struct label_reader){.file = file};
-    return label_coder_init(&reader->coder, values_count_voxels(file), file->max_memory, memory->data, memory->size);
+    if (!job_step(job)) {
+        memory_free(memory->data);
+        return;
+    }
+    const size_t count = values_count_voxels(file);
+    const conus_status status = label_coder_init(&reader->coder, count, file->max_memory, memory->data, memory->size);
+    (void)JOB_CALL(job, status);
 }
 
-conus_status label_reader_add(void *user, const uint8_t *voxels, size_t size)
+void label_reader_take(struct job *job, void *user, size_t first, const uint8_t *voxels, size_t count)
 {
-    struct label_reader *reader = user;
-    size_t each = volume_datatype_size(reader->file->datatype);
-    return reader->is_bad ? CONUS_OK : code_labels(reader, voxels, reader->coder.done, size / each);
+    code_labels(job, user, voxels, first, count);
 }
 
-conus_status label_reader_put(void *user, size_t first, const uint8_t *voxels, size_t count)
+void label_reader_end(struct job *job, struct label_voxels *out, struct label_reader *reader, struct volume_file *file)
 {
-    return code_labels(user, voxels, first, count);
-}
-
-conus_status label_reader_end(struct label_voxels *out, struct label_reader *reader, struct volume_file *file)
-{
+    if (!job_step(job)) {
+        return;
+    }
     if (!reader->is_bad) {
         label_coder_end(out, &reader->coder);
         file->info.minimum = reader->coder.minimum;
         file->info.maximum = reader->coder.maximum;
-        return CONUS_OK;
+        return;
     }
     char words[128]; /* as a person would write it: integers whole, however big; scaled ones with their scale */
     const uint8_t *voxel = reader->bad_bytes;
@@ -200,10 +202,10 @@ conus_status label_reader_end(struct label_voxels *out, struct label_reader *rea
     }
     const size_t *dim = file->info.dim;
     size_t row = reader->bad_voxel / dim[0];
-    return fail(CONUS_ERROR_DATA,
-                "%s: voxel (%zu, %zu, %zu): found %s, allowed labels are whole numbers from 0 to "
-                "4294967295; --context draws an image, --pathway selects what is bright in it",
-                file->path, reader->bad_voxel % dim[0], row % dim[1], row / dim[1], words);
+    job_bad(job,
+            "%s: voxel (%zu, %zu, %zu): found %s, allowed labels are whole numbers from 0 to 4294967295; --context "
+            "draws an image, --pathway selects what is bright in it",
+            file->path, reader->bad_voxel % dim[0], row % dim[1], row / dim[1], words);
 }
 
 void label_reader_finish(struct label_reader *reader)
@@ -212,33 +214,43 @@ void label_reader_finish(struct label_reader *reader)
 }
 
 /* `memory` becomes the labels'. */
-static conus_status read_labels(struct label_voxels *out, struct volume_file *file, const uint8_t *voxels,
-                                const struct bytes *memory)
+static void read_labels(struct job *job, struct label_voxels *out, struct volume_file *file, const uint8_t *voxels,
+                        const struct bytes *memory)
 {
     struct label_reader reader;
-    conus_status status = label_reader_init(&reader, file, memory);
-    status = status ? status : code_labels(&reader, voxels, 0, values_count_voxels(file));
-    status = status ? fail_in(status, file->path) : label_reader_end(out, &reader, file);
+    const size_t place = job_in(job, file->path ? file->path : "", JOB_ALONE);
+    label_reader_begin(job, &reader, file, memory);
+    if (job_ok(job)) {
+        code_labels(job, &reader, voxels, 0, values_count_voxels(file));
+    }
+    job_out(job, place);
+    label_reader_end(job, out, &reader, file);
     label_reader_finish(&reader);
-    return status;
 }
 
-conus_status volume_file_labels(struct label_voxels *out, struct volume_file *file)
+void volume_labels(struct job *job, struct label_voxels *out, struct volume_file *file)
 {
-    return read_labels(out, file, file->voxels.data, &(struct bytes){0});
+    read_labels(job, out, file, file->voxels.data, &(struct bytes){0});
 }
 
-conus_status volume_file_take_labels(struct label_voxels *out, struct volume_file *file)
+void volume_take_labels(struct job *job, struct label_voxels *out, struct volume_file *file)
 {
     struct bytes voxels = file->voxels;
     bool in_place = volume_datatype_size(file->datatype) >= sizeof(uint16_t) && !file->series.data;
     file->voxels = (struct bytes){0};
-    conus_status status = read_labels(out, file, voxels.data, in_place ? &voxels : &(struct bytes){0});
+    read_labels(job, out, file, voxels.data, in_place ? &voxels : &(struct bytes){0});
     if (!in_place) {
         bytes_finish(file->series.data ? &file->series : &voxels);
     }
     file->series = (struct bytes){0};
-    return status;
+}
+
+/* Bridge: for arrays. */
+conus_status volume_file_labels(struct label_voxels *out, struct volume_file *file)
+{
+    struct job job = {0};
+    volume_labels(&job, out, file);
+    return job_close(&job, NULL, NULL);
 }
 
 /* Scales a block into `out`; returns how many values are not finite (and become `instead`). */
@@ -257,20 +269,33 @@ static size_t block_values(float *out, const double *values, size_t count, doubl
     return bad;
 }
 
-static conus_status note_bad(const struct volume_file *file, size_t bad, double instead, struct notes *notes)
+static void note_bad(struct job *job, const struct volume_file *file, size_t bad, double instead)
 {
-    return notes_add(notes, "%s: %zu voxels are not finite numbers (or beyond float32) and %s", file->path, bad,
-                     isnan(instead) ? "belong to nothing" : "count as 0");
+    if (bad) {
+        job_note(job, "%s: %zu voxels are not finite numbers (or beyond float32) and %s", file->path, bad,
+                 isnan(instead) ? "belong to nothing" : "count as 0");
+    }
 }
 
-static conus_status read_values(float **out, struct volume_file *file, double instead, struct notes *notes)
+/* Values of which some are to be finite, if the others are NaN. */
+static void check_finite(struct job *job, const struct volume_file *file, double instead)
 {
+    if (isnan(instead) && !(file->info.minimum <= file->info.maximum)) {
+        job_bad(job, "%s: no voxel has a finite value", file->path);
+    }
+}
+
+static float *read_values(struct job *job, struct volume_file *file, double instead)
+{
+    if (!job_step(job)) { /* there may be no file */
+        return NULL;
+    }
     const struct decoder *decoder = find_decoder(file->datatype);
     size_t count = values_count_voxels(file);
     size_t size = volume_datatype_size(file->datatype);
     float *values = memory_raw(count, sizeof *values);
-    if (!values) {
-        return CONUS_ERROR_MEMORY;
+    if (!job_need(job, values)) {
+        return NULL;
     }
     size_t bad = 0;
     file->info.minimum = INFINITY;
@@ -281,31 +306,31 @@ static conus_status read_values(float **out, struct volume_file *file, double in
         decoder->doubles(stored, file->voxels.data + at * size, block, file->swapped);
         bad += block_values(values + at, stored, block, instead, &file->info);
     }
-    if (bad && note_bad(file, bad, instead, notes)) {
-        memory_free(values);
-        return CONUS_ERROR_MEMORY;
+    note_bad(job, file, bad, instead);
+    check_finite(job, file, instead);
+    if (job_ok(job)) {
+        return values;
     }
-    *out = values;
-    return CONUS_OK;
+    memory_free(values);
+    return NULL;
 }
 
-conus_status volume_file_values(float **out, struct volume_file *file, struct notes *notes)
+float *volume_values(struct job *job, struct volume_file *file)
 {
-    return read_values(out, file, 0, notes);
+    return read_values(job, file, 0);
 }
 
-static conus_status check_any_finite(const struct volume_file *file)
+float *volume_values_or_nan(struct job *job, struct volume_file *file)
 {
-    return file->info.minimum <= file->info.maximum
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "%s: no voxel has a finite value", file->path);
+    return read_values(job, file, NAN);
 }
 
+/* Bridge: for fields of displacements. */
 conus_status volume_file_values_or_nan(float **out, struct volume_file *file, struct notes *notes)
 {
-    float *values = NULL;
-    conus_status status = read_values(&values, file, NAN, notes);
-    status = status ? status : check_any_finite(file);
+    struct job job = {0};
+    float *values = volume_values_or_nan(&job, file);
+    conus_status status = job_close(&job, notes, NULL);
     if (status) {
         memory_free(values);
         return status;
@@ -350,24 +375,27 @@ static void code_run(void *user, void *codes, const uint8_t *stored, size_t coun
 }
 
 /* The value of each code up to the highest. */
-static conus_status make_table(struct value_map *map, const struct mapping *mapping)
+static void make_table(struct job *job, struct value_map *map, const struct mapping *mapping)
 {
     conus_volume_info info = mapping->file->info; /* its range comes from the voxels, not from the table */
     map->table_count = mapping->most + 1;
     map->table = memory_raw(map->table_count, sizeof *map->table);
-    for (size_t code = 0; map->table && code < map->table_count; code++) {
+    const size_t count = job_need(job, map->table) ? map->table_count : 0;
+    for (size_t code = 0; code < count; code++) {
         const uint8_t narrow = (uint8_t)code;
         const uint16_t wide = (uint16_t)code;
         double number;
         mapping->decoder->doubles(&number, map->width == 1 ? &narrow : (const uint8_t *)&wide, 1, false);
         block_values(&map->table[code], &number, 1, mapping->instead, &info);
     }
-    return map->table ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-static conus_status read_map(struct value_map *out, struct volume_file *file, double instead, struct notes *notes)
+static void read_map(struct job *job, struct value_map *out, struct volume_file *file, double instead)
 {
     struct value_map map = {0};
+    if (!job_step(job)) { /* there may be no file */
+        return;
+    }
     size_t size = volume_datatype_size(file->datatype);
     size_t count = values_count_voxels(file);
     size_t width = size < sizeof(float) ? size : sizeof(float);
@@ -375,34 +403,25 @@ static conus_status read_map(struct value_map *out, struct volume_file *file, do
         .file = file, .decoder = find_decoder(file->datatype), .width = width, .instead = instead};
     file->info.minimum = INFINITY;
     file->info.maximum = -INFINITY;
-    conus_status status = value_map_init(&map, file->voxels.data, size, count, width, code_run, &mapping);
-    status = status || width == sizeof(float) ? status : make_table(&map, &mapping);
-    size_t bad = mapping.bad + mapping.bad_background * (count + 1 - mapping.done);
-    if (!status && bad) {
-        status = note_bad(file, bad, instead, notes);
+    if (JOB_CALL(job, value_map_init(&map, file->voxels.data, size, count, width, code_run, &mapping)) &&
+        width < sizeof(float)) {
+        make_table(job, &map, &mapping);
     }
-    if (status) {
+    note_bad(job, file, mapping.bad + mapping.bad_background * (count + 1 - mapping.done), instead);
+    check_finite(job, file, instead);
+    if (job_ok(job)) {
+        *out = map;
+    } else {
         value_map_finish(&map);
-        return status;
     }
-    *out = map;
-    return CONUS_OK;
 }
 
-conus_status volume_file_map(struct value_map *out, struct volume_file *file, struct notes *notes)
+void volume_map(struct job *job, struct value_map *out, struct volume_file *file)
 {
-    return read_map(out, file, 0, notes);
+    read_map(job, out, file, 0);
 }
 
-conus_status volume_file_map_or_nan(struct value_map *out, struct volume_file *file, struct notes *notes)
+void volume_map_or_nan(struct job *job, struct value_map *out, struct volume_file *file)
 {
-    struct value_map map = {0};
-    conus_status status = read_map(&map, file, NAN, notes);
-    status = status ? status : check_any_finite(file);
-    if (status) {
-        value_map_finish(&map);
-        return status;
-    }
-    *out = map;
-    return CONUS_OK;
+    read_map(job, out, file, NAN);
 }

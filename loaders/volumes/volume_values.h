@@ -8,14 +8,14 @@
 #include "loaders/volumes/volume_file.h"
 
 /** Decodes to labels. Refuses scaled values that are not whole (tolerance_whole()), or outside 0..4294967295, naming
- * the first such voxel. @p out is the caller's to finish. Sets info.minimum and maximum. */
-conus_status volume_file_labels(struct label_voxels *out, struct volume_file *file);
+ * the first such voxel. @p out is the caller's to finish, and empty after a failure. Sets info.minimum and maximum. */
+void volume_labels(struct job *job, struct label_voxels *out, struct volume_file *file);
 
 /** The same in the memory of the file's voxels, where one of them has at least 2 bytes: a second copy is never there.
- * @p file has no voxels afterwards, also on failure. */
-conus_status volume_file_take_labels(struct label_voxels *out, struct volume_file *file);
+ * @p file has no voxels afterwards, also after a failure. */
+void volume_take_labels(struct job *job, struct label_voxels *out, struct volume_file *file);
 
-/** Decodes labels that come slab by slab. */
+/** Decodes labels that come in pieces. */
 struct label_reader {
     const struct volume_file *file; /**< Its info, datatype, byte order and max_memory, but no voxels; borrowed. */
     struct label_coder coder;
@@ -26,31 +26,34 @@ struct label_reader {
 
 /** The places go to @p memory, taken over also on failure, or where its data is NULL to memory of their own; see
  * label_coder_init(). */
-conus_status label_reader_init(struct label_reader *reader, const struct volume_file *file, const struct bytes *memory);
+void label_reader_begin(struct job *job, struct label_reader *reader, const struct volume_file *file,
+                        const struct bytes *memory);
 
-/** A gzip_sink: appends whole voxels as they are stored. @p user is the reader. */
-conus_status label_reader_add(void *user, const uint8_t *voxels, size_t size);
-
-/** A zarr_sink: the voxels from @p first on, in any order, where init got no memory. */
-conus_status label_reader_put(void *user, size_t first, const uint8_t *voxels, size_t count);
+/** The take of a voxel_sink, whose user is the reader: voxels in any order, where there was no memory. */
+void label_reader_take(struct job *job, void *user, size_t first, const uint8_t *voxels, size_t count);
 
 /** Gives the labels of all voxels, and @p file their range. A voxel that is no label is CONUS_ERROR_DATA, as in
- * volume_file_labels(). */
-conus_status label_reader_end(struct label_voxels *out, struct label_reader *reader, struct volume_file *file);
+ * volume_labels(). */
+void label_reader_end(struct job *job, struct label_voxels *out, struct label_reader *reader, struct volume_file *file);
 void label_reader_finish(struct label_reader *reader);
 
-/** Decodes to scaled values. Values that are not finite become 0, and a note counts them. *out is the caller's to
- * memory_free(). Otherwise as volume_file_labels(). */
-conus_status volume_file_values(float **out, struct volume_file *file, struct notes *notes);
+/** Decodes to scaled values. Values that are not finite become 0, and a note counts them. They are the caller's to
+ * memory_free(); NULL after a failure. Otherwise as volume_labels(). */
+float *volume_values(struct job *job, struct volume_file *file);
 
 /** The same, but that these become NaN, which minimum and maximum disregard. CONUS_ERROR_DATA where all are. */
+float *volume_values_or_nan(struct job *job, struct volume_file *file);
+
+/** The values as a sparse map, without all values in between. @p out is the caller's to finish, and empty after a
+ * failure. */
+void volume_map(struct job *job, struct value_map *out, struct volume_file *file);
+
+/** The same of volume_values_or_nan(). */
+void volume_map_or_nan(struct job *job, struct value_map *out, struct volume_file *file);
+
+/** Bridge: the functions of these names for arrays and fields of displacements, which report a status. */
+conus_status volume_file_labels(struct label_voxels *out, struct volume_file *file);
 conus_status volume_file_values_or_nan(float **out, struct volume_file *file, struct notes *notes);
-
-/** The values as a sparse map, without all values in between. */
-conus_status volume_file_map(struct value_map *out, struct volume_file *file, struct notes *notes);
-
-/** The same of volume_file_values_or_nan(). */
-conus_status volume_file_map_or_nan(struct value_map *out, struct volume_file *file, struct notes *notes);
 
 /** The stored number at @p data, of the NIfTI type @p datatype, unscaled; rounded where it has more than 53 bits. */
 double volume_value_at(const uint8_t *data, int datatype, bool swapped);

@@ -6,6 +6,7 @@
 #include "base/files/folder.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "loaders/volumes/volume_voxels.h"
 #include "loaders/zarr/ome.h"
 
 #include <math.h>
@@ -19,37 +20,36 @@ enum {
 
 /* A store while its array is looked for. */
 struct search {
-    char *folder;       /* of the group, or of the array that was given, without '/' at its end */
-    struct bytes group; /* the group's metadata; none where there is no group */
-    struct bytes array; /* the array's */
-    struct ome ome;
-    struct file_sums *read;
+    struct job *job;
+    const struct volume_selector *keys;
+    const char *folder; /* of the group, or of the array that was given, without '/' at its end */
+    struct text group;  /* the group's metadata; none where there is no group */
+    struct text array;  /* the array's */
+    struct ome *ome;    /* the job's */
+    const struct ome_level *level;
 };
 
 /* Reads the first of the files in the folder that is there, one of at most 16 MiB. */
-static conus_status read_metadata(struct bytes *out, const char *folder, const char *const names[2],
-                                  struct file_sums *read)
+static struct text read_metadata(struct job *job, const char *folder, const char *const names[2])
 {
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && !out->data && i < 2; i++) {
-        struct buffer path = {0};
-        buffer_format(&path, "%s/%s", folder, names[i]);
-        status = buffer_status(&path);
-        if (!status && file_exists(path.data)) {
-            status = file_read(out, path.data, ZARR_JSON_LIMIT);
-            status = status ? status : file_sums_add(read, path.data, out);
+    for (size_t i = 0; i < 2; i++) {
+        const char *path = job_format(job, "%s/%s", folder, names[i]);
+        if (job_has_file(job, path)) {
+            struct bytes bytes = {0};
+            if (JOB_CALL(job, file_read(&bytes, path, ZARR_JSON_LIMIT)) && job_adopt(job, bytes.data)) {
+                job_made_of(job, path, &bytes);
+            }
+            return job_ok(job) ? text_from_bytes(bytes.data, bytes.size) : (struct text){0};
         }
-        buffer_finish(&path);
     }
-    return status;
+    return (struct text){0};
 }
 
 static const char *const array_files[2] = {"zarr.json", ".zarray"};
 static const char *const group_files[2] = {"zarr.json", ".zattrs"};
 
-static bool is_array(const struct bytes *bytes)
+static bool is_array(struct text text)
 {
-    const struct text text = {(const char *)bytes->data, bytes->size};
     return text_mentions(text, "\"data_type\"") || text_mentions(text, "\"dtype\"");
 }
 
@@ -69,193 +69,175 @@ static size_t find_size(const struct ome *ome, const double micrometres[SPACE])
     return ome->count;
 }
 
-/* Chooses the level of a group: by number, by the size of its voxels, or else the first. */
-static conus_status choose_level(size_t *out, const struct ome *ome, const struct volume_selector *selector)
+/* Chooses the level of a group: by number, by the size of its voxels, or else the first. NULL after a failure. */
+static const struct ome_level *choose_level(struct search *search)
 {
-    const double *size = selector->place.resolution;
-    size_t level = selector->leveled ? (size_t)selector->level : 0;
-    bool by_size = !selector->leveled && size[0] > 0 && ome->levels[0].scale[0] > 0;
-    if (level >= ome->count) {
-        return fail(CONUS_ERROR_ARGUMENT, "level: found %zu, allowed are 0 to %zu", level, ome->count - 1);
+    const struct ome *ome = search->ome;
+    const double *size = search->keys->place.resolution;
+    const double *scale = ome->count ? ome->levels[0].scale : NULL;
+    const bool is_numbered = search->keys->given & VOLUME_KEY(KEY_LEVEL);
+    const size_t level = is_numbered                            ? (size_t)search->keys->level
+                         : size[0] > 0 && scale && scale[0] > 0 ? find_size(ome, size)
+                                                                : 0;
+    if (level < ome->count) {
+        return &ome->levels[level];
     }
-    level = by_size ? find_size(ome, size) : level;
-    if (level == ome->count) {
-        const double *scale = ome->levels[0].scale;
-        return fail(CONUS_ERROR_ARGUMENT,
-                    "resolution: no level has voxels of %g x %g x %g micrometres, level 0 of %zu has %g x %g x %g",
-                    size[0], size[1], size[2], ome->count, 1000 * scale[0], 1000 * scale[1], 1000 * scale[2]);
+    if (is_numbered) {
+        job_fail(search->job, CONUS_ERROR_ARGUMENT, "level: found %zu, allowed are 0 to %zu", level, ome->count - 1);
+    } else if (scale) {
+        job_fail(search->job, CONUS_ERROR_ARGUMENT,
+                 "resolution: no level has voxels of %g x %g x %g micrometres, level 0 of %zu has %g x %g x %g",
+                 size[0], size[1], size[2], ome->count, 1000 * scale[0], 1000 * scale[1], 1000 * scale[2]);
     }
-    *out = level;
-    return CONUS_OK;
+    return NULL;
 }
 
 /* Reads the group in the folder that `length` bytes of the given one name, if it is an image, and finds the level whose
- * path is the rest. */
-static conus_status look_into(const struct ome_level **out, struct search *search, size_t length)
+ * path is the rest. Another group says nothing of the array's place. */
+static void look_into(struct search *search, size_t length)
 {
+    struct job *job = search->job;
     const char *rest = search->folder + length + (length > 0);
-    char *above = length ? memory_text(search->folder, length) : memory_text(".", 1);
-    conus_status status = above ? read_metadata(&search->group, above, group_files, search->read) : CONUS_ERROR_MEMORY;
-    if (!status && search->group.data) {
-        status = ome_parse(&search->ome, text_from_bytes(search->group.data, search->group.size));
-        status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* another group says nothing of the array's place */
+    search->group =
+        read_metadata(job, length ? job_format(job, "%.*s", (int)length, search->folder) : ".", group_files);
+    if (search->group.size) {
+        const struct attempt attempt = job_try(job);
+        ome_parse(job, search->ome, search->group);
+        (void)attempt_end(job, &attempt, ATTEMPT_TRY);
     }
-    for (size_t i = 0; !status && i < search->ome.count; i++) {
-        *out = strcmp(search->ome.levels[i].path, rest) == 0 ? &search->ome.levels[i] : *out;
+    for (size_t i = 0; i < search->ome->count; i++) {
+        search->level = strcmp(search->ome->levels[i].path, rest) == 0 ? &search->ome->levels[i] : search->level;
     }
-    memory_free(above);
-    return status;
 }
 
 /* The folder that was given is an array. Its group, a folder above, may know it as a level: "1", or "scale1/image". */
-static conus_status look_above(const struct ome_level **out, struct search *search)
+static void look_above(struct search *search)
 {
-    conus_status status = CONUS_OK;
     const char *end = search->folder + strlen(search->folder);
-    for (int up = 0; !status && !search->ome.count && up < ABOVE && end > search->folder; up++) {
+    for (int up = 0; job_ok(search->job) && !search->ome->count && up < ABOVE && end > search->folder; up++) {
         size_t above = path_length_above(search->folder, (size_t)(end - search->folder));
         end = search->folder + above - (above > 0);
-        bytes_finish(&search->group);
-        status = look_into(out, search, (size_t)(end - search->folder));
+        look_into(search, (size_t)(end - search->folder));
     }
-    return status;
 }
 
 /* The folder that was given is a group: goes down to the array of the level. */
-static conus_status go_down(const struct ome_level **out, struct search *search, const struct volume_selector *selector)
+static void go_down(struct search *search)
 {
-    struct buffer folder = {0};
-    size_t level = 0;
-    conus_status status = ome_parse(&search->ome, (struct text){(const char *)search->group.data, search->group.size});
-    status = status ? status : choose_level(&level, &search->ome, selector);
-    if (status) {
-        return status;
+    struct job *job = search->job;
+    ome_parse(job, search->ome, search->group);
+    search->level = job_ok(job) ? choose_level(search) : NULL;
+    if (!search->level) {
+        return;
     }
-    *out = &search->ome.levels[level];
-    buffer_format(&folder, "%s/%s", search->folder, (*out)->path);
-    status = buffer_status(&folder);
-    if (!status) {
-        memory_free(search->folder);
-        search->folder = folder.data;
-        status = read_metadata(&search->array, search->folder, array_files, search->read);
+    search->folder = job_format(job, "%s/%s", search->folder, search->level->path);
+    job_at(job, search->folder, JOB_ALONE);
+    search->array = read_metadata(job, search->folder, array_files);
+    if (!search->array.size) {
+        job_fail(job, CONUS_ERROR_IO, "level %zu: neither %s/zarr.json nor .zarray is there",
+                 (size_t)(search->level - search->ome->levels), search->folder);
     }
-    return status || search->array.data
-               ? status
-               : fail(CONUS_ERROR_IO, "level %zu: neither %s/zarr.json nor .zarray is there", level, search->folder);
 }
 
 /* The matrix from the voxel to the world. Both of resolution and orientation say all, as of a TIFF stack; else the
- * level does. */
-static conus_status find_place(double world[16], const char **source, const struct search *search,
-                               const struct ome_level *level, const struct volume_selector *selector)
+ * level does. Gives the words for where it comes from. */
+static const char *find_place(struct search *search, double world[16])
 {
-    struct brainglobe_metadata place = selector->place;
+    struct job *job = search->job;
+    const struct ome_level *level = search->level;
+    struct brainglobe_metadata place = search->keys->place;
     bool has_level = level && level->scale[0] > 0 && level->scale[1] > 0 && level->scale[2] > 0;
     bool is_own = has_level && !(place.resolution[0] > 0 && place.orientation[0]);
     if (!place.orientation[0]) {
-        memcpy(place.orientation, search->ome.orientation, sizeof search->ome.orientation);
+        memcpy(place.orientation, search->ome->orientation, sizeof search->ome->orientation);
     }
+    mat4_identity(world);
     if (!place.orientation[0] || (!is_own && !(place.resolution[0] > 0))) {
-        return fail(CONUS_ERROR_DATA,
-                    "does not say where it lies: no %s; give FOLDER,%s (micrometres; where the axes start)",
-                    place.orientation[0] ? "scale with a unit" : "anatomical orientation of its axes",
-                    is_own ? "orientation=asr" : "resolution=25,orientation=asr");
+        job_bad(job, "does not say where it lies: no %s; give FOLDER,%s (micrometres; where the axes start)",
+                place.orientation[0] ? "scale with a unit" : "anatomical orientation of its axes",
+                is_own ? "orientation=asr" : "resolution=25,orientation=asr");
+        return "";
     }
-    *source = is_own ? "OME scale and translation" : "resolution and orientation";
     if (!is_own) {
-        return brainglobe_voxels(world, &place);
+        (void)JOB_CALL(job, brainglobe_voxels(world, &place));
+        return "resolution and orientation";
     }
     double axes[16];
     const double millimetre[SPACE] = {1, 1, 1};
-    conus_status status = brainglobe_axes(axes, place.orientation, millimetre);
-    mat4_identity(world);
-    for (size_t axis = 0; !status && axis < SPACE; axis++) {
-        vec3_scale(world + 4 * (2 - axis), axes + 4 * axis, level->scale[axis]);
-        vec3_add_scaled(world + 12, world + 12, level->translation[axis], axes + 4 * axis);
+    if (JOB_CALL(job, brainglobe_axes(axes, place.orientation, millimetre))) {
+        for (size_t axis = 0; axis < SPACE; axis++) {
+            vec3_scale(world + 4 * (2 - axis), axes + 4 * axis, level->scale[axis]);
+            vec3_add_scaled(world + 12, world + 12, level->translation[axis], axes + 4 * axis);
+        }
     }
-    return status;
+    return "OME scale and translation";
 }
 
-static conus_status make_header(struct volume_header *out, const struct zarr_array *array, const struct search *search,
-                                const struct ome_level *level, const struct volume_selector *selector)
+static void describe(struct job *job, struct volume_input *v, struct search *search)
 {
+    const struct zarr_array *array = &((struct volume_zarr *)v->own)->array;
     size_t ahead = array->rank - SPACE;
     const uint64_t *shape = array->shape + ahead;
     int64_t dim[7] = {(int64_t)shape[2], (int64_t)shape[1], (int64_t)shape[0], 1, 1, 1, 1};
-    struct volume_header header = {.swapped = array->chain.swapped, .footer = true, .has_unit = true};
-    const char *source = NULL;
     double world[16];
-    header.info.slope = 1;
-    snprintf(header.info.format, sizeof header.info.format, "Zarr %d", array->format);
+    v->header.swapped = array->chain.swapped;
+    v->header.has_unit = true;
+    snprintf(v->header.info.format, sizeof v->header.info.format, "Zarr %d", array->format);
     for (size_t i = 0; i < ahead; i++) {
         dim[SPACE + i] = (int64_t)array->shape[ahead - 1 - i];
     }
-    if (search->ome.rank && level && search->ome.rank != array->rank) {
-        return fail(CONUS_ERROR_DATA, "shape: found %zu axes, the image has %zu", array->rank, search->ome.rank);
+    if (search->ome->rank && search->level && search->ome->rank != array->rank) {
+        job_bad(job, "shape: found %zu axes, the image has %zu", array->rank, search->ome->rank);
     }
-    conus_status status = volume_header_set_datatype(&header, volume_datatype_of(array->kind, array->size));
-    status = status ? status : volume_header_set_dim(&header, dim);
-    status = status ? status : find_place(world, &source, search, level, selector);
-    status = status ? status : space_describe(&header.info, world, source);
-    *out = status ? *out : header;
-    return status;
+    const char *words = find_place(search, world);
+    volume_describe(job, v, volume_datatype_of(array->kind, array->size), dim, world, words);
 }
 
-conus_status volume_zarr_open(struct volume_zarr *out, struct volume_header *header, const char *path,
-                              const struct volume_selector *selector, struct file_sums *read)
+static void zarr_give(struct job *job, struct volume_input *v, size_t first, size_t count,
+                      const struct voxel_sink *sink)
 {
-    struct search search = {.read = read};
-    struct zarr_array array = {0};
-    const struct ome_level *level = NULL;
-    search.folder = memory_text(path, path_plain_length(path, strlen(path)));
-    conus_status status = search.folder ? CONUS_OK : CONUS_ERROR_MEMORY;
-    status = status ? status : read_metadata(&search.array, search.folder, array_files, read);
-    if (!status && is_array(&search.array)) {
-        status = volume_selector_refuse_level(selector, path);
-        status = status ? status : look_above(&level, &search);
-    } else if (!status) {
-        bytes_finish(&search.array);
-        status = read_metadata(&search.group, search.folder, group_files, read);
-        status = status ? status : go_down(&level, &search, selector);
+    const struct volume_zarr *zarr = v->own;
+    (void)count; /* one */
+    const struct zarr_found found = zarr_read(job, &zarr->array, zarr->folder, first, sink->take, sink->user);
+    if (found.files < found.wanted) {
+        job_note(job, "%llu of %llu chunks are there: the others count as the fill value",
+                 (unsigned long long)found.files, (unsigned long long)found.wanted);
     }
-    status =
-        status ? status : zarr_array_parse(&array, (struct text){(const char *)search.array.data, search.array.size});
-    status = status ? status : make_header(header, &array, &search, level, selector);
-    if (!status) {
-        *out = (struct volume_zarr){search.folder, array, "", {0}};
-        const struct text about = text_from_bytes(search.group.data, search.group.size);
-        if (text_mentions(about, "\"image-label\"") && text_mentions(about, "\"label-value\"")) {
-            out->labels = search.group;
-            search.group = (struct bytes){0};
-        }
-        memcpy(out->orientation, search.ome.orientation, sizeof out->orientation);
-        search.folder = NULL;
+    memcpy(v->header.info.sha256, found.sha256, sizeof found.sha256);
+}
+
+static void zarr_open(struct job *job, struct volume_input *v)
+{
+    const char *path = v->keys.path;
+    struct volume_zarr *zarr = job_new(job, struct volume_zarr);
+    struct search search = {.job = job, .keys = &v->keys, .ome = job_new(job, struct ome)};
+    search.folder = job_format(job, "%.*s", (int)path_plain_length(path, strlen(path)), path);
+    if (!zarr || !search.ome) {
+        return;
+    }
+    job_at(job, search.folder, JOB_ALONE);
+    search.array = read_metadata(job, search.folder, array_files);
+    if (is_array(search.array)) {
+        volume_selector_refuse(job, &v->keys, ~VOLUME_KEY(KEY_LEVEL));
+        look_above(&search);
     } else {
-        status = fail_in(status, search.folder ? search.folder : path);
+        search.group = read_metadata(job, search.folder, group_files);
+        go_down(&search);
     }
-    memory_free(search.folder);
-    bytes_finish(&search.group);
-    bytes_finish(&search.array);
-    ome_finish(&search.ome);
-    return status;
+    zarr_array_parse(job, &zarr->array, search.array);
+    if (job_ok(job)) {
+        v->own = zarr;
+        v->read = zarr_give;
+        v->gives_slabs = true;
+        zarr->folder = search.folder;
+        memcpy(zarr->orientation, search.ome->orientation, sizeof zarr->orientation);
+        describe(job, v, &search);
+    }
+    if (text_mentions(search.group, "\"image-label\"") && text_mentions(search.group, "\"label-value\"")) {
+        v->embedded = search.group;
+    }
 }
 
-void volume_zarr_finish(struct volume_zarr *zarr)
-{
-    memory_free(zarr->folder);
-    bytes_finish(&zarr->labels);
-    *zarr = (struct volume_zarr){0};
-}
-
-conus_status volume_zarr_read(char sha256[65], const struct volume_zarr *zarr, uint64_t volume, uint64_t limit,
-                              zarr_sink *sink, void *user, struct notes *notes)
-{
-    struct zarr_found found;
-    conus_status status = zarr_read(&found, &zarr->array, zarr->folder, volume, limit, sink, user);
-    if (!status && found.files < found.wanted) {
-        status = notes_add(notes, "%llu of %llu chunks are there: the others count as the fill value",
-                           (unsigned long long)found.files, (unsigned long long)found.wanted);
-    }
-    memcpy(sha256, found.sha256, status ? 0 : sizeof found.sha256);
-    return status;
-}
+const struct volume_reader zarr_reader = {
+    FORMAT_ZARR, VOLUME_KEY(KEY_RESOLUTION) | VOLUME_KEY(KEY_ORIENTATION) | VOLUME_KEY(KEY_LEVEL), .is_whole = true,
+    .open = zarr_open};

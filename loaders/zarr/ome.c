@@ -3,7 +3,6 @@
 #include "loaders/zarr/ome.h"
 
 #include "base/formats/json_text.h"
-#include "base/memory.h"
 #include "base/path.h"
 #include "loaders/zarr/zarr.h"
 
@@ -71,18 +70,17 @@ static const json_t *find_axes(const json_t *image, const json_t *systems)
 }
 
 /* Units in mm go to `units`, 0 where there is none. */
-static conus_status read_axes(struct ome *out, double units[SPACE], const json_t *axes)
+static void read_axes(struct job *job, struct ome *out, double units[SPACE], const json_t *axes)
 {
     out->rank = json_array_size(axes);
     if (axes && (out->rank < SPACE || out->rank > ZARR_AXES)) {
-        return fail(CONUS_ERROR_DATA, "axes: found %zu, allowed are 3 to %d", out->rank, ZARR_AXES);
+        job_bad(job, "axes: found %zu, allowed are 3 to %d", out->rank, ZARR_AXES);
     }
-    for (size_t i = 0; axes && i < SPACE; i++) {
+    for (size_t i = 0; axes && job_ok(job) && i < SPACE; i++) {
         const json_t *axis = json_array_get(axes, out->rank - SPACE + i);
         const json_t *type = json_object_get(axis, "type");
         if (type && strcmp(text_of(type), "space") != 0) {
-            return fail(CONUS_ERROR_UNSUPPORTED, "axes: the last three must be space, found \"%.*s\"", ZARR_NAME,
-                        text_of(type));
+            job_refuse(job, "axes: the last three must be space, found \"%.*s\"", ZARR_NAME, text_of(type));
         }
         units[i] = find_unit(text_of(json_object_get(axis, "unit")));
         out->orientation[i] = find_start(text_of(json_object_get(json_object_get(axis, "orientation"), "value")));
@@ -90,7 +88,6 @@ static conus_status read_axes(struct ome *out, double units[SPACE], const json_t
     if (strlen(out->orientation) != SPACE) {
         out->orientation[0] = '\0';
     }
-    return CONUS_OK;
 }
 
 /* Takes the last three of as many numbers as there are axes. */
@@ -107,45 +104,40 @@ static bool read_numbers(double out[SPACE], const json_t *list, size_t rank)
 }
 
 /* Carries the level on by one transformation. */
-static conus_status apply_one(struct ome_level *level, const json_t *step, size_t rank)
+static void apply_one(struct job *job, struct ome_level *level, const json_t *step, size_t rank)
 {
     const char *type = text_of(json_object_get(step, "type"));
     bool is_scale = strcmp(type, "scale") == 0;
     double numbers[SPACE];
     if (strcmp(type, "identity") == 0) {
-        return CONUS_OK;
+        return;
     }
     if (!is_scale && strcmp(type, "translation") != 0) {
-        return fail(CONUS_ERROR_UNSUPPORTED,
-                    "coordinateTransformations: found \"%.*s\", allowed are scale and translation", ZARR_NAME, type);
+        job_refuse(job, "coordinateTransformations: found \"%.*s\", allowed are scale and translation", ZARR_NAME,
+                   type);
+    } else if (!read_numbers(numbers, json_object_get(step, type), rank)) {
+        job_bad(job, "coordinateTransformations: %s: a number for each axis is needed", type);
     }
-    if (!read_numbers(numbers, json_object_get(step, type), rank)) {
-        return fail(CONUS_ERROR_DATA, "coordinateTransformations: %s: a number for each axis is needed", type);
-    }
-    for (size_t i = 0; i < SPACE; i++) {
+    for (size_t i = 0; job_ok(job) && i < SPACE; i++) {
         level->scale[i] *= is_scale ? numbers[i] : 1;
         level->translation[i] = is_scale ? level->translation[i] * numbers[i] : level->translation[i] + numbers[i];
         if (is_scale && !(numbers[i] > 0)) {
-            return fail(CONUS_ERROR_DATA, "coordinateTransformations: scale: found %g, above 0 is needed", numbers[i]);
+            job_bad(job, "coordinateTransformations: scale: found %g, above 0 is needed", numbers[i]);
         }
     }
-    return CONUS_OK;
 }
 
-static conus_status apply_all(struct ome_level *level, const json_t *list, size_t rank)
+static void apply_all(struct job *job, struct ome_level *level, const json_t *list, size_t rank)
 {
-    conus_status status = CONUS_OK;
     const json_t *first = json_array_get(list, 0);
     bool is_sequence = json_array_size(list) == 1 && strcmp(text_of(json_object_get(first, "type")), "sequence") == 0;
     const json_t *steps = is_sequence ? json_object_get(first, "transformations") : list;
     if (json_array_size(steps) > STEPS) {
-        return fail(CONUS_ERROR_DATA, "coordinateTransformations: found %zu, allowed are %d", json_array_size(steps),
-                    STEPS);
+        job_bad(job, "coordinateTransformations: found %zu, allowed are %d", json_array_size(steps), STEPS);
     }
-    for (size_t i = 0; !status && i < json_array_size(steps); i++) {
-        status = apply_one(level, json_array_get(steps, i), rank);
+    for (size_t i = 0; job_ok(job) && i < json_array_size(steps); i++) {
+        apply_one(job, level, json_array_get(steps, i), rank);
     }
-    return status;
 }
 
 /* Whether the path is that of a folder below. */
@@ -160,30 +152,29 @@ static bool is_below(const char *path)
 }
 
 /* Reads a level; `common` are the transformations of the image, NULL if it has none. */
-static conus_status read_level(struct ome *out, const json_t *dataset, const json_t *common, const double units[SPACE])
+static void read_level(struct job *job, struct ome *out, const json_t *dataset, const json_t *common,
+                       const double units[SPACE])
 {
     struct ome_level level = {.scale = {1, 1, 1}};
     const char *path = text_of(json_object_get(dataset, "path"));
     const json_t *own = json_object_get(dataset, "coordinateTransformations");
     if (!is_below(path)) {
-        return fail(CONUS_ERROR_DATA, "datasets: path: found \"%.*s\", a folder below is needed", ZARR_NAME, path);
+        job_bad(job, "datasets: path: found \"%.*s\", a folder below is needed", ZARR_NAME, path);
     }
-    conus_status status = apply_all(&level, own, out->rank);
-    status = status ? status : apply_all(&level, common, out->rank);
+    apply_all(job, &level, own, out->rank);
+    apply_all(job, &level, common, out->rank);
     for (size_t i = 0; i < SPACE; i++) {
         level.scale[i] *= json_array_size(own) || json_array_size(common) ? units[i] : 0;
         level.translation[i] *= units[i];
     }
-    level.path = status ? NULL : memory_text(path, strlen(path));
-    status = status || level.path ? status : CONUS_ERROR_MEMORY;
-    if (!status) {
+    level.path = job_copy(job, text_from(path));
+    if (job_ok(job)) {
         out->levels[out->count++] = level;
     }
-    return status;
 }
 
 /* Takes the first image of the group's attributes. */
-static conus_status read_image(struct ome *out, const json_t *attributes)
+static void read_image(struct job *job, struct ome *out, const json_t *attributes)
 {
     const json_t *image = json_array_get(json_object_get(attributes, "multiscales"), 0);
     const json_t *datasets = json_object_get(image, "datasets");
@@ -194,40 +185,23 @@ static conus_status read_image(struct ome *out, const json_t *attributes)
     double units[SPACE] = {0};
     size_t count = json_array_size(datasets);
     if (!count || count > LEVELS) {
-        return fail(CONUS_ERROR_DATA, "multiscales: found %zu levels, allowed are 1 to %d", count, LEVELS);
+        job_bad(job, "multiscales: found %zu levels, allowed are 1 to %d", count, LEVELS);
     }
-    conus_status status = read_axes(out, units, find_axes(image, systems));
-    out->levels = status ? NULL : memory_zeroed(count, sizeof *out->levels);
-    status = status || out->levels ? status : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < count; i++) {
-        status = read_level(out, json_array_get(datasets, i), common, units);
+    read_axes(job, out, units, find_axes(image, systems));
+    out->levels = job_zeroed(job, count, sizeof *out->levels);
+    for (size_t i = 0; job_ok(job) && i < count; i++) {
+        read_level(job, out, json_array_get(datasets, i), common, units);
     }
-    return status;
 }
 
-conus_status ome_parse(struct ome *out, struct text text)
+void ome_parse(struct job *job, struct ome *out, struct text text)
 {
     json_t *root = NULL;
-    struct ome ome = {0};
-    conus_status status = json_text_load(&root, text);
-    const json_t *attributes = json_object_get(root, "attributes");
-    if (!status) {
-        status = read_image(&ome, attributes ? json_object_get(attributes, "ome") : root);
+    *out = (struct ome){0};
+    if (JOB_CALL(job, json_text_load(&root, text))) {
+        const json_t *attributes = json_object_get(root, "attributes");
+        read_image(job, out, attributes ? json_object_get(attributes, "ome") : root);
     }
     json_decref(root);
-    if (status) {
-        ome_finish(&ome);
-        return status;
-    }
-    *out = ome;
-    return CONUS_OK;
-}
-
-void ome_finish(struct ome *ome)
-{
-    for (size_t i = 0; i < ome->count; i++) {
-        memory_free(ome->levels[i].path);
-    }
-    memory_free(ome->levels);
-    *ome = (struct ome){0};
+    *out = job_ok(job) ? *out : (struct ome){0};
 }

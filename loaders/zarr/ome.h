@@ -3,8 +3,7 @@
 #ifndef CONUS_LOADERS_ZARR_OME_H
 #define CONUS_LOADERS_ZARR_OME_H
 
-#include "base/status.h"
-#include "base/text.h"
+#include "base/job/job.h"
 
 struct ome_level {
     char *path;      /**< Path of its array, below the group's folder. */
@@ -19,8 +18,8 @@ struct ome {
     char orientation[4]; /**< Where the axes of space start, "asr"; empty = not stated.  */
 };
 
-/** Parses zarr.json of a group (OME 0.5, 0.6), or .zattrs (OME up to 0.4). No image in it is CONUS_ERROR_DATA. */
-conus_status ome_parse(struct ome *out, struct text text);
-void ome_finish(struct ome *ome);
+/** Parses zarr.json of a group (OME 0.5, 0.6), or .zattrs (OME up to 0.4). No image in it is CONUS_ERROR_DATA; @p out
+ * has no levels then, else they are the job's. */
+void ome_parse(struct job *job, struct ome *out, struct text text);
 
 #endif

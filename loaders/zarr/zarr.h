@@ -6,7 +6,7 @@
 #define CONUS_LOADERS_ZARR_ZARR_H
 
 #include "base/formats/gzip.h"
-#include "base/text.h"
+#include "base/job/job.h"
 
 enum {
     ZARR_AXES = 5,              /**< At most: OME has t, c, z, y, x. */
@@ -45,7 +45,7 @@ struct zarr_array {
 
 /** Parses zarr.json of an array, or .zarray. CONUS_ERROR_UNSUPPORTED names a codec or an extension that is not read,
  * CONUS_ERROR_DATA what is wrong. */
-conus_status zarr_array_parse(struct zarr_array *out, struct text text);
+void zarr_array_parse(struct job *job, struct zarr_array *out, struct text text);
 
 struct zarr_unpacker;
 
@@ -65,13 +65,13 @@ struct zarr_found {
 
 /** Takes @p count voxels along the last axis, as they are stored; the first is voxel @p first of the volume, of which
  * the last axis is the fastest. */
-typedef conus_status zarr_sink(void *user, size_t first, const uint8_t *voxels, size_t count);
+typedef void zarr_take(struct job *job, void *user, size_t first, const uint8_t *voxels, size_t count);
 
 /** Reads the volume @p volume, from 0, of the array in @p folder: of the axes ahead of space, the last is the fastest.
- * @p sink gets the voxels chunk by chunk, each row of a chunk once; voxels that it does not get are zeros. What is held
- * in memory meanwhile is a chunk, and the index of a shard; more than @p limit bytes of it are CONUS_ERROR_MEMORY, an
+ * @p take gets the voxels chunk by chunk, each row of a chunk once; voxels that it does not get are zeros. What is held
+ * in memory meanwhile is a chunk, and the index of a shard; more than job->max_memory of it is CONUS_ERROR_MEMORY, an
  * array without any chunk CONUS_ERROR_DATA. */
-conus_status zarr_read(struct zarr_found *out, const struct zarr_array *array, const char *folder, uint64_t volume,
-                       uint64_t limit, zarr_sink *sink, void *user);
+struct zarr_found zarr_read(struct job *job, const struct zarr_array *array, const char *folder, uint64_t volume,
+                            zarr_take *take, void *user);
 
 #endif

@@ -19,6 +19,7 @@ struct entry {
 };
 
 struct reading {
+    struct job *job;
     const struct zarr_array *array;
     const char *folder;
     uint64_t limit;
@@ -33,7 +34,7 @@ struct reading {
     uint8_t *room; /* for a chunk's numbers, */
     uint8_t *line; /* for a row of them that are copied together, */
     uint8_t *fill; /* and one of fill values; NULL = they are zeros */
-    zarr_sink *sink;
+    zarr_take *take;
     void *user;
     struct bytes stored;
     struct buffer path;
@@ -80,8 +81,9 @@ static void find_volume(struct reading *reading, uint64_t volume)
     }
 }
 
-static conus_status reading_init(struct reading *reading, uint64_t volume)
+static void reading_init(struct reading *reading, uint64_t volume)
 {
+    struct job *job = reading->job;
     static const uint8_t zeros[sizeof reading->array->fill] = {0};
     const struct zarr_array *array = reading->array;
     size_t ahead = array->rank - SPACE;
@@ -105,33 +107,30 @@ static conus_status reading_init(struct reading *reading, uint64_t volume)
         chunks *= ceil((double)array->shape[i] / (double)array->chunk[i]);
     }
     if (!memory_chunks_fit(chunks, data)) {
-        return fail(CONUS_ERROR_DATA,
-                    "chunk_shape: chunks of %zu bytes, %.0f in all, far larger than the array of %.0f",
-                    array->chunk_bytes, chunks, data);
+        job_bad(job, "chunk_shape: chunks of %zu bytes, %.0f in all, far larger than the array of %.0f",
+                array->chunk_bytes, chunks, data);
     }
     if (reading->found.wanted > FILES) {
-        return fail(CONUS_ERROR_DATA, "chunk_shape: %llu files of chunks, allowed are %d",
-                    (unsigned long long)reading->found.wanted, FILES);
+        job_bad(job, "chunk_shape: %llu files of chunks, allowed are %d", (unsigned long long)reading->found.wanted,
+                FILES);
     }
     if (!fits || bytes > reading->limit - index) {
-        return fail(CONUS_ERROR_MEMORY,
-                    "chunk_shape: a chunk takes more memory than the %llu bytes allowed (--max-memory)",
-                    (unsigned long long)reading->limit);
+        job_fail(job, CONUS_ERROR_MEMORY,
+                 "chunk_shape: a chunk takes more memory than the %llu bytes allowed (--max-memory)",
+                 (unsigned long long)reading->limit);
     }
     sha256_init(&reading->sum);
-    reading->room = memory_raw(array->chunk_bytes + ZARR_AROUND, 1);
-    reading->line = memory_raw(line, 1);
-    if (!reading->room || !reading->line) {
-        return CONUS_ERROR_MEMORY;
-    }
-    if (memcmp(array->fill, zeros, array->size) != 0) {
+    reading->room = job_ok(job) ? memory_raw(array->chunk_bytes + ZARR_AROUND, 1) : NULL;
+    reading->line = job_ok(job) ? memory_raw(line, 1) : NULL;
+    if (memcmp(array->fill, zeros, array->size) != 0 && job_need(job, reading->room) && job_need(job, reading->line)) {
         reading->fill = memory_raw(line, 1);
-        if (!reading->fill) {
-            return CONUS_ERROR_MEMORY;
+        if (job_need(job, reading->fill)) {
+            copy_row(reading->fill, array->fill, (size_t)array->chunk[array->rank - 1], 0, array->size);
         }
-        copy_row(reading->fill, array->fill, (size_t)array->chunk[array->rank - 1], 0, array->size);
     }
-    return zarr_unpacker_create(&reading->unpacker);
+    if (job_need(job, reading->room) && job_need(job, reading->line)) {
+        (void)JOB_CALL(job, zarr_unpacker_create(&reading->unpacker));
+    }
 }
 
 static void reading_finish(struct reading *reading)
@@ -145,7 +144,7 @@ static void reading_finish(struct reading *reading)
 }
 
 /* Makes the path of the file of chunks at `at`, counted in files along space. */
-static conus_status find_path(struct reading *reading, const size_t at[SPACE])
+static void find_path(struct reading *reading, const size_t at[SPACE])
 {
     const struct zarr_array *array = reading->array;
     struct buffer *path = &reading->path;
@@ -161,22 +160,27 @@ static conus_status find_path(struct reading *reading, const size_t at[SPACE])
         }
         buffer_whole(path, number);
     }
-    return buffer_status(path);
+    (void)JOB_CALL(reading->job, buffer_status(path));
 }
 
-/* Opens the file of chunks; *there is false where there is none. One that may not be looked at is an error. */
-static conus_status open_chunk(struct open_file *out, bool *there, struct reading *reading)
+/* Errors are those of the file of chunks from here on. */
+static size_t enter_file(const struct reading *reading)
 {
+    return job_in(reading->job, reading->path.data, JOB_ALONE);
+}
+
+/* Opens the file of chunks; false where there is none. One that may not be looked at is an error. */
+static bool open_chunk(struct open_file *out, struct reading *reading)
+{
+    const size_t place = enter_file(reading);
     errno = 0;
-    *there = file_exists(reading->path.data);
-    if (!*there && (errno == ENOENT || errno == ENOTDIR)) {
-        return reading->array->has_fill
-                   ? CONUS_OK
-                   : fail(CONUS_ERROR_DATA, "%s: is not there, and fill_value does not say what it holds",
-                          reading->path.data);
+    const bool is_there = file_exists(reading->path.data) || (errno != ENOENT && errno != ENOTDIR);
+    const bool is_open = is_there && JOB_CALL(reading->job, file_open_here(out, reading->path.data));
+    if (!is_there && !reading->array->has_fill) {
+        job_bad(reading->job, "is not there, and fill_value does not say what it holds");
     }
-    *there = true;
-    return file_open(out, reading->path.data);
+    job_out(reading->job, place);
+    return is_open;
 }
 
 /* Adds the line of a file whose own sum is `hex`. */
@@ -192,17 +196,16 @@ static void add_line(struct reading *reading, const char hex[65])
 
 /* Gives the sink the voxels of the chunk at `at`, counted in chunks along space, row by row along the last axis: those
  * that were unpacked, or else the fill value. */
-static conus_status give_chunk(const struct reading *reading, const size_t at[SPACE], bool there)
+static void give_chunk(const struct reading *reading, const size_t at[SPACE], bool there)
 {
     const size_t size = reading->array->size;
     const size_t *step = reading->step;
     size_t first[SPACE], count[SPACE];
-    conus_status status = CONUS_OK;
     for (size_t i = 0; i < SPACE; i++) {
         first[i] = at[i] * reading->chunk[i];
         count[i] = smaller_of(reading->chunk[i], reading->size[i] - first[i]);
     }
-    for (size_t row = there || reading->fill ? 0 : SIZE_MAX; !status && row < count[0] * count[1]; row++) {
+    for (size_t row = there || reading->fill ? 0 : SIZE_MAX; job_ok(reading->job) && row < count[0] * count[1]; row++) {
         size_t z = row / count[1];
         size_t y = row % count[1];
         const uint8_t *from =
@@ -212,60 +215,64 @@ static conus_status give_chunk(const struct reading *reading, const size_t at[SP
             from = reading->line;
         }
         size_t voxel = ((first[0] + z) * reading->size[1] + first[1] + y) * reading->size[2] + first[2];
-        status = reading->sink(reading->user, voxel, from, count[2]);
+        reading->take(reading->job, reading->user, voxel, from, count[2]);
     }
-    return status;
 }
 
 /* Unpacks the stored bytes of the chunk at `at`, and gives its voxels. */
-static conus_status take_chunk(const struct reading *reading, const size_t at[SPACE])
+static void take_chunk(const struct reading *reading, const size_t at[SPACE])
 {
     const struct zarr_array *array = reading->array;
-    conus_status status = zarr_unpack(reading->room, reading->unpacker, &array->chain, reading->stored.data,
-                                      reading->stored.size, array->chunk_bytes);
-    return status ? fail_in(status, reading->path.data) : give_chunk(reading, at, true);
+    const size_t place = enter_file(reading);
+    (void)JOB_CALL(reading->job, zarr_unpack(reading->room, reading->unpacker, &array->chain, reading->stored.data,
+                                             reading->stored.size, array->chunk_bytes));
+    job_out(reading->job, place);
+    give_chunk(reading, at, true);
 }
 
 /* Reads a chunk that has a file. */
-static conus_status read_chunk(struct reading *reading, const struct open_file *file, const size_t at[SPACE])
+static void read_chunk(struct reading *reading, const struct open_file *file, const size_t at[SPACE])
 {
     char hex[65];
+    const size_t place = enter_file(reading);
     bytes_finish(&reading->stored);
-    conus_status status = file_read_open(&reading->stored, file, SIZE_MAX, reading->limit, FILE_MAX_MEMORY);
-    if (status) {
-        return status;
+    (void)JOB_CALL(reading->job, file_read_here(&reading->stored, file, SIZE_MAX, reading->limit, FILE_MAX_MEMORY));
+    job_out(reading->job, place);
+    if (job_ok(reading->job)) {
+        file_sha256(hex, &reading->stored);
+        add_line(reading, hex);
+        take_chunk(reading, at);
     }
-    file_sha256(hex, &reading->stored);
-    add_line(reading, hex);
-    return take_chunk(reading, at);
 }
 
 /* Reads a part of the file into `stored`. */
-static conus_status read_part(struct reading *reading, const struct open_file *file, uint64_t from, size_t size)
+static void read_part(struct reading *reading, const struct open_file *file, uint64_t from, size_t size)
 {
+    const size_t place = enter_file(reading);
     bytes_finish(&reading->stored);
-    reading->stored.data = memory_raw(size, 1);
+    reading->stored.data = job_ok(reading->job) ? memory_raw(size, 1) : NULL;
     reading->stored.size = size;
-    return reading->stored.data ? file_read_part(reading->stored.data, file, from, size) : CONUS_ERROR_MEMORY;
+    if (job_need(reading->job, reading->stored.data)) {
+        (void)JOB_CALL(reading->job, file_part_here(reading->stored.data, file, from, size));
+    }
+    job_out(reading->job, place);
 }
 
 /* A shard is too large to be held: it is summed up piece by piece. */
-static conus_status sum_shard(struct reading *reading, const struct open_file *file)
+static void sum_shard(struct reading *reading, const struct open_file *file)
 {
     struct sha256_ctx sum;
     char hex[65];
-    conus_status status = CONUS_OK;
     sha256_init(&sum);
-    for (uint64_t at = 0; !status && at < file->before.size; at += PIECE) {
+    for (uint64_t at = 0; job_ok(reading->job) && at < file->before.size; at += PIECE) {
         size_t size = smaller_of(PIECE, file->before.size - at);
-        status = read_part(reading, file, at, size);
-        sha256_update(&sum, status ? 0 : size, reading->stored.data);
+        read_part(reading, file, at, size);
+        sha256_update(&sum, job_ok(reading->job) ? size : 0, reading->stored.data);
     }
     file_sha256_end(hex, &sum);
-    if (!status) {
+    if (job_ok(reading->job)) {
         add_line(reading, hex);
     }
-    return status;
 }
 
 static int compare_entries(const void *a, const void *b)
@@ -273,46 +280,48 @@ static int compare_entries(const void *a, const void *b)
     return compare_unsigned(((const struct entry *)a)->from, ((const struct entry *)b)->from);
 }
 
-static conus_status refuse_entry(const struct entry *entry)
+static void refuse_entry(struct job *job, const struct entry *entry)
 {
-    return fail(CONUS_ERROR_DATA,
-                "index of the shard: a chunk of %llu bytes from byte %llu on lies outside of the file, or over another "
-                "or the index",
-                (unsigned long long)entry->size, (unsigned long long)entry->from);
+    job_bad(job,
+            "index of the shard: a chunk of %llu bytes from byte %llu on lies outside of the file, or over another or "
+            "the index",
+            (unsigned long long)entry->size, (unsigned long long)entry->from);
 }
 
 /* Checks that all `count` entries lie in the file of `whole` bytes, and neither in the index, `own`, nor in each other.
  */
-static conus_status check_index(const struct entry *entries, size_t count, uint64_t whole, const struct entry *own)
+static void check_index(struct job *job, const struct entry *entries, size_t count, uint64_t whole,
+                        const struct entry *own)
 {
-    struct entry *sorted = memory_raw(count + 1, sizeof *sorted);
+    struct entry *sorted = job_ok(job) ? memory_raw(count + 1, sizeof *sorted) : NULL;
     size_t there = 0;
-    conus_status status = sorted ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < count; i++) {
+    if (!job_need(job, sorted)) {
+        return;
+    }
+    for (size_t i = 0; i < count; i++) {
         const struct entry *entry = &entries[i];
         if (entry->from == UINT64_MAX && entry->size == UINT64_MAX) {
             continue;
         }
         if (entry->from > whole || entry->size > whole - entry->from) {
-            status = refuse_entry(entry);
+            refuse_entry(job, entry);
         }
         sorted[there++] = *entry;
     }
-    if (!status) {
-        sorted[there++] = *own;
-        order_sort(sorted, there, sizeof *sorted, compare_entries);
-    }
-    for (size_t i = 1; !status && i < there; i++) {
+    sorted[there++] = *own;
+    order_sort(sorted, there, sizeof *sorted, compare_entries);
+    for (size_t i = 1; job_ok(job) && i < there; i++) {
         if (sorted[i - 1].from + sorted[i - 1].size > sorted[i].from) {
-            status = refuse_entry(&sorted[i - 1]);
+            refuse_entry(job, &sorted[i - 1]);
         }
     }
     memory_free(sorted);
-    return status;
 }
 
-static conus_status read_index(struct entry **out, struct reading *reading, const struct open_file *file)
+/* The index of the shard, the caller's to memory_free(); NULL after a failure. */
+static struct entry *read_index(struct reading *reading, const struct open_file *file)
 {
+    struct job *job = reading->job;
     const struct zarr_array *array = reading->array;
     uint64_t whole = file->before.size;
     size_t count = reading->entries;
@@ -320,37 +329,30 @@ static conus_status read_index(struct entry **out, struct reading *reading, cons
     size_t size = plain + array->index.count * sizeof(uint32_t);
     const struct entry own = {array->index_first ? 0 : whole - size, size};
     if (size > whole) {
-        return fail(CONUS_ERROR_DATA, "%s: %llu bytes, its index alone takes %zu", file->path,
-                    (unsigned long long)whole, size);
+        job_bad(job, "%s: %llu bytes, its index alone takes %zu", reading->path.data, (unsigned long long)whole, size);
+        return NULL;
     }
-    conus_status status = read_part(reading, file, own.from, size);
-    if (status) {
-        return status;
+    read_part(reading, file, own.from, size);
+    struct entry *entries = job_ok(job) ? memory_raw(plain + ZARR_AROUND, 1) : NULL;
+    const size_t place = enter_file(reading);
+    if (job_need(job, entries) && JOB_CALL(job, zarr_unpack((uint8_t *)entries, reading->unpacker, &array->index,
+                                                            reading->stored.data, size, plain))) {
+        for (size_t i = 0; i < count; i++) {
+            entries[i].from = order_u64((uint8_t *)&entries[i].from, array->index.swapped);
+            entries[i].size = order_u64((uint8_t *)&entries[i].size, array->index.swapped);
+        }
+        check_index(job, entries, count, whole, &own);
     }
-    struct entry *entries = memory_raw(plain + ZARR_AROUND, 1);
-    status = entries
-                 ? zarr_unpack((uint8_t *)entries, reading->unpacker, &array->index, reading->stored.data, size, plain)
-                 : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < count; i++) {
-        entries[i].from = order_u64((uint8_t *)&entries[i].from, array->index.swapped);
-        entries[i].size = order_u64((uint8_t *)&entries[i].size, array->index.swapped);
-    }
-    status = status ? status : check_index(entries, count, whole, &own);
-    if (status) {
-        memory_free(entries);
-        return fail_in(status, file->path);
-    }
-    *out = entries;
-    return CONUS_OK;
+    job_out(job, place);
+    return entries;
 }
 
 /* The chunks of the file at `at`, counted in files along space: those of its index, NULL where there is no file. */
-static conus_status give_chunks(struct reading *reading, const struct open_file *file, const struct entry *entries,
-                                const size_t at[SPACE])
+static void give_chunks(struct reading *reading, const struct open_file *file, const struct entry *entries,
+                        const size_t at[SPACE])
 {
     const size_t *each = reading->each;
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < each[0] * each[1] * each[2]; i++) {
+    for (size_t i = 0; job_ok(reading->job) && i < each[0] * each[1] * each[2]; i++) {
         const size_t chunk[SPACE] = {at[0] * each[0] + i / each[2] / each[1], at[1] * each[1] + i / each[2] % each[1],
                                      at[2] * each[2] + i % each[2]};
         bool inside = true;
@@ -359,57 +361,57 @@ static conus_status give_chunks(struct reading *reading, const struct open_file 
         }
         const struct entry *entry = entries ? &entries[reading->first + i] : NULL;
         if (inside && entry && entry->from != UINT64_MAX) {
-            status = read_part(reading, file, entry->from, (size_t)entry->size);
-            status = status ? status : take_chunk(reading, chunk);
+            read_part(reading, file, entry->from, (size_t)entry->size);
+            take_chunk(reading, chunk);
         } else if (inside) {
-            status = give_chunk(reading, chunk, false);
+            give_chunk(reading, chunk, false);
         }
     }
-    return status;
 }
 
-static conus_status read_shard(struct reading *reading, const struct open_file *file, const size_t at[SPACE])
+static void read_shard(struct reading *reading, const struct open_file *file, const size_t at[SPACE])
 {
-    struct entry *entries = NULL;
-    conus_status status = sum_shard(reading, file);
-    status = status ? status : read_index(&entries, reading, file);
-    status = status ? status : give_chunks(reading, file, entries, at);
+    sum_shard(reading, file);
+    struct entry *entries = read_index(reading, file);
+    give_chunks(reading, file, entries, at);
     memory_free(entries);
-    return status;
 }
 
 /* Reads the chunks of the file at `at`. */
-static conus_status read_file(struct reading *reading, const size_t at[SPACE])
+static void read_file(struct reading *reading, const size_t at[SPACE])
 {
     struct open_file file = {.descriptor = -1};
-    bool there = false;
-    conus_status status = find_path(reading, at);
-    status = status ? status : open_chunk(&file, &there, reading);
-    if (status || !there) {
-        return status ? status : give_chunks(reading, NULL, NULL, at);
+    find_path(reading, at);
+    if (!job_ok(reading->job)) {
+        return;
     }
-    status = reading->array->sharded ? read_shard(reading, &file, at) : read_chunk(reading, &file, at);
+    if (!open_chunk(&file, reading)) {
+        give_chunks(reading, NULL, NULL, at);
+        return;
+    }
+    (reading->array->sharded ? read_shard : read_chunk)(reading, &file, at);
     file_close(&file);
-    return status;
 }
 
-conus_status zarr_read(struct zarr_found *out, const struct zarr_array *array, const char *folder, uint64_t volume,
-                       uint64_t limit, zarr_sink *sink, void *user)
+struct zarr_found zarr_read(struct job *job, const struct zarr_array *array, const char *folder, uint64_t volume,
+                            zarr_take *take, void *user)
 {
-    struct reading reading = {.array = array, .folder = folder, .limit = limit, .sink = sink, .user = user};
-    conus_status status = reading_init(&reading, volume);
-    for (uint64_t i = 0; !status && i < reading.found.wanted; i++) {
+    struct reading reading = {.job = job,
+                              .array = array,
+                              .folder = folder,
+                              .limit = memory_limit(job->max_memory),
+                              .take = take,
+                              .user = user};
+    reading_init(&reading, volume);
+    for (uint64_t i = 0; job_ok(job) && i < reading.found.wanted; i++) {
         const size_t at[SPACE] = {i / reading.files[2] / reading.files[1], i / reading.files[2] % reading.files[1],
                                   i % reading.files[2]};
-        status = read_file(&reading, at);
+        read_file(&reading, at);
     }
-    if (!status && !reading.found.files) {
-        status = fail(CONUS_ERROR_DATA, "%s: no chunk of this array is there: it was not downloaded", folder);
+    if (!reading.found.files) {
+        job_bad(job, "%s: no chunk of this array is there: it was not downloaded", folder);
     }
-    if (!status) {
-        file_sha256_end(reading.found.sha256, &reading.sum);
-        *out = reading.found;
-    }
+    file_sha256_end(reading.found.sha256, &reading.sum);
     reading_finish(&reading);
-    return status;
+    return reading.found;
 }

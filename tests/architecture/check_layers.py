@@ -78,14 +78,13 @@ LIBRARY = {
     # What a file is, for every room that reads files. It knows none of their readers.
     "sources": "base base/files base/formats base/child base/job",
     # refuse.c asks the table of formats, and the readers of label tables.
-    "loaders": "loaders/labels sources",
-    "loaders/tiff": "base base/files sources",
-    "loaders/zarr": "base base/formats base/system",
+    "loaders": "base/formats loaders/labels sources",
+    "loaders/tiff": "base base/job sources",
+    "loaders/zarr": "base base/formats base/job base/system",
     "loaders/brainglobe": "base base/files base/geometry base/formats base/system",
     "loaders/tracts": "base base/files base/geometry base/formats atlas/tracts loaders loaders/surfaces/foreign sources",
     "loaders/volumes/text": "base base/job base/geometry atlas/labels atlas",
-    "loaders/volumes/stored": "base base/formats base/system",
-    "loaders/volumes": "base base/files base/child base/geometry base/formats atlas/labels atlas loaders/volumes/stored"
+    "loaders/volumes": "base base/files base/child base/geometry base/formats base/job atlas/labels atlas"
     " loaders loaders/tiff loaders/zarr loaders/brainglobe loaders/volumes/text sources loaders/labels",
     "loaders/cifti": "base base/files base/geometry base/formats loaders/volumes loaders/labels atlas/labels"
     " sources",

@@ -1,16 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* AFNI's headers. The same bytes serve as voxels. */
-#include "fuzz_text_volume.h"
-
-#include "loaders/volumes/text/text_volume.h"
-#include "sources/signatures.h"
+#include "fuzz_volume.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    if (afni_is(data, size)) {
-        fuzz_text_file(data, size, FORMAT_AFNI);
-    }
+    fuzz_volume(data, size, FORMAT_AFNI);
     return 0;
 }

@@ -7,30 +7,34 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-static conus_status count(void *user, const uint8_t *data, size_t size)
+static void count(struct job *job, void *user, size_t first, const uint8_t *voxels, size_t count)
 {
     size_t *counted = user;
-    volatile uint8_t last = size ? data[size - 1] : 0;
+    volatile uint8_t last = count ? voxels[count - 1] : 0;
     (void)last;
-    *counted += size;
-    return CONUS_OK;
+    if (first != *counted || !job_ok(job)) {
+        abort();
+    }
+    *counted += count;
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
+    struct job job = {0};
+    struct volume_input v = {.header.info.slope = 1};
     struct hdf5 *hdf5 = NULL;
-    struct minc minc = {0};
-    struct volume_header header;
     struct bytes stream = {memory_copy(data, size, 1), size};
-    conus_status status = stream.data ? hdf5_parse(&hdf5, &stream) : CONUS_ERROR_MEMORY;
-    status = status ? status : minc_from_hdf5(&minc, &header, hdf5);
-    if (!status) {
+    if (stream.data && JOB_CALL(&job, hdf5_parse(&hdf5, &stream))) {
+        minc_from_hdf5(&job, &v, hdf5);
+    }
+    if (hdf5 && job_ok(&job)) {
         size_t counted = 0;
-        status = minc_read(&minc, count, &counted);
-        if (status || counted != header.volume_size || header.info.volume_count != 1) {
+        v.read(&job, &v, 0, 1, &(struct voxel_sink){count, &counted});
+        if (!job_ok(&job) || counted * volume_datatype_size(v.header.datatype) != v.header.volume_size ||
+            v.header.info.volume_count != 1) {
             abort();
         }
     }
-    minc_finish(&minc);
+    job_end(&job);
     return 0;
 }

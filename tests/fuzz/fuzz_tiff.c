@@ -1,30 +1,29 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* TIFF stacks: directories, and the pixels where they are few enough. */
-#include "base/memory.h"
+/* TIFF stacks: directories, and the pixels where they are few enough; then the same as a volume. */
+#include "fuzz_volume.h"
+
 #include "loaders/tiff/tiff.h"
-
-#include <stdlib.h>
-
-enum { PIXEL_LIMIT = 1 << 20 };
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
+    enum { PIXEL_LIMIT = 1 << 20 };
+    struct job job = {0};
     struct tiff tiff;
-    struct bytes pixels = {0};
-    if (tiff_parse(&tiff, data, size)) {
-        return 0;
-    }
-    if (!tiff.page_count || tiff.page_count > TIFF_PAGE_LIMIT || !tiff.page_bytes || tiff.depth < tiff.page_count ||
-        tiff.page_bytes > UINT64_MAX / tiff.depth || (tiff.whole && tiff.page_bytes * tiff.depth > size)) {
+    tiff_parse(&job, &tiff, data, size);
+    if (job_ok(&job) &&
+        (!tiff.pages.count || tiff.pages.count > TIFF_PAGE_LIMIT || !tiff.page_bytes || tiff.depth < tiff.pages.count ||
+         tiff.page_bytes > UINT64_MAX / tiff.depth || (tiff.whole && tiff.page_bytes * tiff.depth > size))) {
         abort();
     }
-    if (tiff.page_bytes * tiff.depth <= PIXEL_LIMIT && !tiff_unpack(&pixels, &tiff) &&
-        pixels.size != tiff.page_bytes * tiff.depth) {
-        abort();
+    if (job_ok(&job) && tiff.page_bytes * tiff.pages.count <= PIXEL_LIMIT) {
+        uint8_t *pixels = job_raw(&job, tiff.pages.count, tiff.page_bytes);
+        if (pixels) {
+            tiff_unpack(&job, pixels, &tiff, 0, tiff.pages.count);
+        }
     }
-    bytes_finish(&pixels);
-    tiff_finish(&tiff);
+    job_end(&job);
+    fuzz_volume(data, size, FORMAT_TIFF);
     return 0;
 }

@@ -17,19 +17,21 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (!unpacker && zarr_unpacker_create(&unpacker)) {
         return 0;
     }
-    if (!zarr_array_parse(&array, text)) {
+    struct job job = {0};
+    zarr_array_parse(&job, &array, text);
+    if (job_ok(&job)) {
         for (size_t i = 0; i < array.rank; i++) {
             if (!array.chunk[i] || array.file_chunk[i] % array.chunk[i] || array.chain.order[i] >= array.rank) {
                 abort();
             }
         }
     }
-    if (!ome_parse(&ome, text)) {
-        if (!ome.count) {
-            abort();
-        }
-        ome_finish(&ome);
+    job_end(&job);
+    ome_parse(&job, &ome, text);
+    if (job_ok(&job) != (ome.count > 0)) {
+        abort();
     }
+    job_end(&job);
     for (int packing = ZARR_ZSTD; packing <= ZARR_CRC32C; packing++) {
         const struct zarr_chain chain = {.packings = {(enum zarr_packing)packing}, .count = 1};
         uint8_t out[WANTED + ZARR_AROUND];

@@ -5,6 +5,7 @@
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_values.h"
 #include "tests/support/label_list.h"
+#include "tests/support/volume_on_job.h"
 
 #include <stdio.h>
 #include <stdlib.h>

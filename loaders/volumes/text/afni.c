@@ -320,15 +320,11 @@ static void read_names(struct job *job, struct text_volume *out, const struct he
     out->labels = table.size ? job_copy(job, table) : NULL;
 }
 
-void afni_parse(struct job *job, struct text_volume *out, struct text bytes)
+void afni_parse(struct job *job, struct text_volume *out, struct reader r)
 {
     struct header header = {0};
-    struct reader r = reader_of(job, bytes);
     size_t lines = 0;
-    *out = (struct text_volume){.format = "AFNI", .brik = true, .header_size = bytes.size};
-    if (bytes.size >= HEADER_TEXT_LIMIT) {
-        job_bad(job, "header: found %zu bytes or more, allowed are fewer", bytes.size);
-    }
+    *out = (struct text_volume){.format = "AFNI", .brik = true};
     for (size_t i = 0; i < ROWS; i++) {
         afni_value_of(&header, i)->name = rows[i].name;
     }

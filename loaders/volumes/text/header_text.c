@@ -16,6 +16,9 @@ bool header_line(struct reader *r, struct text *line, size_t *count)
     if (++*count > HEADER_LINE_LIMIT) {
         job_bad(r->job, "header: found more than %d lines, allowed are %d", HEADER_LINE_LIMIT, HEADER_LINE_LIMIT);
     }
+    if (reader_at(r) > HEADER_TEXT_LIMIT) {
+        job_bad(r->job, "header: found more than %d bytes, allowed are %d", HEADER_TEXT_LIMIT, HEADER_TEXT_LIMIT);
+    }
     return job_ok(r->job);
 }
 

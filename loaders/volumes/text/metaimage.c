@@ -263,10 +263,8 @@ static void check_metaimage(struct job *job, const struct metaimage *meta)
     }
 }
 
-void metaimage_parse(struct job *job, struct text_volume *out, struct text bytes)
+void metaimage_parse(struct job *job, struct text_volume *out, struct reader r)
 {
-    bytes.size = bytes.size < HEADER_TEXT_LIMIT ? bytes.size : HEADER_TEXT_LIMIT;
-    struct reader r = reader_of(job, bytes);
     struct header_values values = {0};
     struct metaimage meta = {.out = out, .binary = true, .big_endian = -1, .channels = 1, .slope = 1};
     *out = (struct text_volume){.format = "MetaImage"};

@@ -461,10 +461,8 @@ static void check_nrrd(struct job *job, const struct nrrd *nrrd)
     }
 }
 
-void nrrd_parse(struct job *job, struct text_volume *out, struct text bytes)
+void nrrd_parse(struct job *job, struct text_volume *out, struct reader r)
 {
-    bytes.size = bytes.size < HEADER_TEXT_LIMIT ? bytes.size : HEADER_TEXT_LIMIT;
-    struct reader r = reader_of(job, bytes);
     struct header_values values = {0};
     struct nrrd nrrd = {.out = out, .big_endian = -1};
     *out = (struct text_volume){.format = "NRRD"};

@@ -4,7 +4,7 @@
 #define CONUS_LOADERS_VOLUMES_TEXT_TEXT_VOLUME_H
 
 #include "atlas/labels/labels.h"
-#include "base/job/job.h"
+#include "base/job/reader.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -66,14 +66,14 @@ conus_status text_volume_labels(struct label_table *out, const struct text_volum
 
 /** NRRD, attached (.nrrd) and detached (.nhdr), versions 1 to 5 (teem, "Definition of NRRD File Format"), with the
  * segments that 3D Slicer writes into them (.seg.nrrd). */
-void nrrd_parse(struct job *job, struct text_volume *out, struct text bytes);
+void nrrd_parse(struct job *job, struct text_volume *out, struct reader r);
 
 /** MetaImage, with the voxels behind the header (.mha) or in another file (.mhd): "key = value" lines of ITK's MetaIO,
  * of which the first but comments is ObjectType or NDims. ITK places them in LPS. */
-void metaimage_parse(struct job *job, struct text_volume *out, struct text bytes);
+void metaimage_parse(struct job *job, struct text_volume *out, struct reader r);
 
-/** AFNI's headers (.HEAD), whose voxels lie in a .BRIK (AFNI, "README.attributes"): they begin with "type = ". @p bytes
- * are the whole of one. AFNI's DICOM order is LPS. */
-void afni_parse(struct job *job, struct text_volume *out, struct text bytes);
+/** AFNI's headers (.HEAD), whose voxels lie in a .BRIK (AFNI, "README.attributes"): they begin with "type = ". AFNI's
+ * DICOM order is LPS. */
+void afni_parse(struct job *job, struct text_volume *out, struct reader r);
 
 #endif

@@ -8,8 +8,10 @@
 #include "loaders/refuse.h"
 #include "loaders/surfaces/mesh_file.h"
 #include "loaders/volumes/nifti.h"
+#include "loaders/volumes/volume_file.h"
 #include "sources/source.h"
 #include "test.h"
+#include "volume_on_job.h"
 
 #include <stdio.h>
 #include <string.h>

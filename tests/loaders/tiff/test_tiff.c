@@ -8,6 +8,7 @@
 #include "builders/tiff_builder.h"
 #include "loaders/volumes/volume_file.h"
 #include "test.h"
+#include "volume_on_job.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -24,7 +25,9 @@ static void pages_are_counted(void **state)
     for (size_t i = 0; i <= TIFF_PAGE_LIMIT; i++) {
         tiff_add_page(&b, pixels, sizeof pixels, NULL, 0);
     }
-    assert_fails(tiff_parse(&tiff, (const uint8_t *)b.bytes.data, b.bytes.size), CONUS_ERROR_UNSUPPORTED);
+    struct job job = {0};
+    tiff_parse(&job, &tiff, (const uint8_t *)b.bytes.data, b.bytes.size);
+    assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_UNSUPPORTED);
     assert_non_null(strstr(conus_message(), "directory: more than 65536 pages"));
     buffer_finish(&b.bytes);
 }
@@ -67,7 +70,8 @@ static void pages_are_unpacked_by_threads(void **state)
     size_t middles[PAGES]; /* of the packed pages */
     struct tiff_builder b;
     struct tiff tiff;
-    struct bytes bytes;
+    struct job job = {0};
+    uint8_t *unpacked = memory_zeroed(PAGES, BYTES);
     assert_non_null(pixels);
     tiff_begin(&b);
     for (size_t page = 0; page < PAGES; page++) {
@@ -82,19 +86,23 @@ static void pages_are_unpacked_by_threads(void **state)
         middles[page] = before + (b.bytes.size - before) / 2;
     }
     uint8_t *data = (uint8_t *)b.bytes.data;
-    assert_ok(tiff_parse(&tiff, data, b.bytes.size));
-    assert_ok(tiff_unpack(&bytes, &tiff));
-    assert_int_equal(bytes.size, PAGES * BYTES);
-    assert_memory_equal(bytes.data, pixels, bytes.size);
-    bytes_finish(&bytes);
+    tiff_parse(&job, &tiff, data, b.bytes.size);
+    tiff_unpack(&job, unpacked, &tiff, 0, PAGES);
+    assert_memory_equal(unpacked, pixels, PAGES * BYTES);
+    memset(unpacked, 0, BYTES);
+    tiff_unpack(&job, unpacked, &tiff, PAGES - 2, 1);
+    assert_memory_equal(unpacked, pixels + (PAGES - 2) * BYTES, BYTES);
     for (size_t page = PAGES; page-- > 0; page -= page < 7 ? page : 7) {
         char expected[96];
+        struct job other = {0};
         memset(data + middles[page], 0xff, 64);
         snprintf(expected, sizeof expected, "page %zu: strip 0: damaged, or not as long as its pixels", page);
-        assert_fails(tiff_unpack(&bytes, &tiff), CONUS_ERROR_DATA);
+        tiff_unpack(&other, unpacked, &tiff, 0, PAGES);
+        assert_fails(job_close(&other, NULL, NULL), CONUS_ERROR_DATA);
         assert_string_equal(conus_message(), expected);
     }
-    tiff_finish(&tiff);
+    assert_ok(job_close(&job, NULL, NULL));
+    memory_free(unpacked);
     memory_free(pixels);
     buffer_finish(&b.bytes);
 }

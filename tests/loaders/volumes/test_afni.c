@@ -40,7 +40,7 @@ static void the_space_follows_view_and_template(void **state)
         struct buffer text = {0};
         buffer_text(&text, plain);
         buffer_text(&text, more);
-        afni_parse(&job, &volume, (struct text){text.data, text.size});
+        afni_parse(&job, &volume, reader_of(&job, (struct text){text.data, text.size}));
         assert_int_equal(volume.space_code, cases[i].code);
         assert_ok(job_close(&job, NULL, NULL));
         buffer_finish(&text);

@@ -11,6 +11,7 @@
 #include "loaders/volumes/nifti_write.h"
 #include "loaders/volumes/volume_values.h"
 #include "test.h"
+#include "volume_on_job.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -6,6 +6,7 @@
 #include "label_list.h"
 #include "loaders/volumes/volume_file.h"
 #include "test.h"
+#include "volume_on_job.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -62,7 +63,7 @@ static conus_status open_slabs(struct volume_file *file, struct label_voxels *la
                                struct notes *notes)
 {
     const conus_load_options options = {.max_memory = limit};
-    return volume_file_open_labels(file, labels, path, NULL, &options, needed, notes);
+    return volume_file_open_labels(file, labels, path, &options, needed, notes);
 }
 
 static void labels_and_notes_are_those_of_all_voxels_at_once(void **state)
@@ -221,7 +222,7 @@ static conus_status open_second(struct volume_file *file, struct label_voxels *l
     struct notes notes = {0};
     const conus_load_options options = {.max_memory = max_memory};
     snprintf(chosen, sizeof chosen, "%s,volume=1", path);
-    conus_status status = volume_file_open_labels(file, labels, chosen, NULL, &options, needed, &notes);
+    conus_status status = volume_file_open_labels(file, labels, chosen, &options, needed, &notes);
     notes_finish(&notes);
     return status;
 }

@@ -7,6 +7,7 @@
 #include "loaders/volumes/volume_header.h"
 #include "loaders/volumes/volume_values.h"
 #include "test.h"
+#include "volume_on_job.h"
 
 #include <string.h>
 

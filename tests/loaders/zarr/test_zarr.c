@@ -54,28 +54,30 @@ static void write_shard(void)
 }
 
 /* Writes the shard again with another size after the first of its chunks was read; or deletes it. */
-static conus_status change_shard(void *user, size_t first, const uint8_t *voxels, size_t count)
+static void change_shard(struct job *job, void *user, size_t first, const uint8_t *voxels, size_t count)
 {
     (void)first;
     (void)voxels;
     (void)count;
     if (*(bool *)user) {
         remove(test_scratch("shard/c/0/0/0"));
-        return CONUS_OK;
+    } else {
+        (void)JOB_CALL(job, file_write(test_scratch("shard/c/0/0/0"), "another size", 12));
     }
-    return file_write(test_scratch("shard/c/0/0/0"), "another size", 12);
 }
 
 static void a_shard_that_changes_between_chunks_is_an_error(void **state)
 {
     (void)state;
     struct zarr_array array;
-    struct zarr_found found;
-    assert_ok(zarr_array_parse(&array, text_from(TWO)));
+    struct job job = {0};
+    zarr_array_parse(&job, &array, text_from(TWO));
+    assert_ok(job_close(&job, NULL, NULL));
     for (int i = 0; i < 2; i++) {
         bool goes = i;
         write_shard();
-        assert_fails(zarr_read(&found, &array, test_scratch("shard"), 0, 1 << 20, change_shard, &goes), CONUS_ERROR_IO);
+        (void)zarr_read(&job, &array, test_scratch("shard"), 0, change_shard, &goes);
+        assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_IO);
         assert_non_null(strstr(conus_message(), "c/0/0/0: changed while it was read"));
     }
 }
@@ -84,11 +86,14 @@ static void indexes_beyond_the_limit_are_refused(void **state)
 {
     (void)state;
     struct zarr_array array;
-    struct zarr_found found;
     bool goes = true;
-    assert_ok(zarr_array_parse(&array, text_from(TWO)));
+    struct job job = {0};
+    zarr_array_parse(&job, &array, text_from(TWO));
+    assert_ok(job_close(&job, NULL, NULL));
     array.file_chunk[0] = 1 << 20; /* as many chunks in a shard, 16 bytes each in its index */
-    assert_fails(zarr_read(&found, &array, test_scratch("shard"), 0, 1 << 24, change_shard, &goes), CONUS_ERROR_MEMORY);
+    job.max_memory = 1 << 24;
+    (void)zarr_read(&job, &array, test_scratch("shard"), 0, change_shard, &goes);
+    assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_MEMORY);
     assert_non_null(strstr(conus_message(), "(--max-memory)"));
 }
 

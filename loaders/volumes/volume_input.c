@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Opens a file or folder as a volume. */
+#include "loaders/volumes/volume_input.h"
+
+#include "base/memory.h"
+#include "loaders/refuse.h"
+#include "loaders/volumes/volume_voxels.h"
+
+static const struct volume_reader *const readers[] = {&nifti_reader, &nifti_image_reader, &mgh_reader,  &nrrd_reader,
+                                                      &afni_reader,  &afni_brik_reader,   &tiff_reader, &minc_reader,
+                                                      &zarr_reader,  &metaimage_reader};
+
+static const struct volume_reader *find_reader(const struct format *format)
+{
+    size_t i = 0;
+    while (format && readers[i]->id != format->id) { /* each row with ROLE_VOLUME has one */
+        i++;
+    }
+    return format ? readers[i] : NULL;
+}
+
+/* What is not read in pieces is held as a whole. */
+static void check_size(struct job *job, const struct volume_input *v)
+{
+    const uint64_t limit = memory_limit(job->max_memory);
+    const uint64_t size = v->voxels ? v->voxels->file.before.size : 0;
+    if (!v->is_header_only && size > limit && !volume_is_in_pieces(v)) {
+        job_fail(job, CONUS_ERROR_MEMORY, "file of %llu bytes, allowed are %llu" FILE_MAX_MEMORY,
+                 (unsigned long long)size, (unsigned long long)limit);
+    }
+}
+
+/* The row of what is at the path, which is opened unless it is a folder of voxels. */
+static const struct format *find_format(struct job *job, struct volume_input *v, const struct source *opened)
+{
+    const char *path = v->keys.path;
+    const struct format *folder = !opened && file_is_folder(path) ? source_format(job, path, ROLE_VOLUME) : NULL;
+    if (!folder) {
+        v->source = v->voxels = opened ? opened : source_open(job, path);
+    }
+    return v->source && job_ok(job) ? format_find(&v->source->head, ROLE_VOLUME) : folder;
+}
+
+static void open_input(struct job *job, struct volume_input *v, const struct volume_wish *wish)
+{
+    const struct format *format = find_format(job, v, wish->source);
+    const bool is_packed = v->source && v->source->is_packed;
+    if (!job_ok(job)) {
+        return;
+    }
+    v->reader = find_reader(format);
+    volume_selector_refuse(job, &v->keys, (v->reader ? v->reader->keys : 0) | VOLUME_KEY(KEY_VOLUME));
+    if (!v->reader || (wish->is_peek && v->reader->is_whole)) {
+        source_refuse(job, v->source, v->needed);
+        return;
+    }
+    v->encoding = is_packed ? ", gzip" : "";
+    v->run.packing = is_packed ? RUN_GZIP : RUN_PLAIN;
+    check_size(job, v);
+    if (job_ok(job)) {
+        v->reader->open(job, v);
+    }
+}
+
+struct volume_input *volume_open(struct job *job, const char *given, const struct volume_wish *wish)
+{
+    static const char volume[] = "a volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, MINC or OME-Zarr)";
+    struct volume_input *v = job_new(job, struct volume_input);
+    if (!v) {
+        return NULL;
+    }
+    *v = (struct volume_input){
+        .header.info.slope = 1, .needed = wish->needed ? wish->needed : volume, .is_header_only = wish->is_header_only};
+    sha256_init(&v->sum);
+    volume_selector_read(job, &v->keys, given);
+    v->path = v->keys.path;
+    v->keys.place = wish->place ? *wish->place : v->keys.place;
+    const size_t place = job_in(job, v->path, JOB_ALONE);
+    volume_selector_refuse(job, &v->keys, ~(VOLUME_KEY(KEY_FIELD) | VOLUME_KEY(KEY_TISSUE)));
+    if (job_ok(job)) {
+        open_input(job, v, wish);
+    }
+    if (v->voxels != v->source) {
+        check_size(job, v);
+    }
+    job_at(job, v->keys.path, JOB_ALONE);
+    volume_header_settle(job, &v->header);
+    job_out(job, place);
+    return job_ok(job) ? v : NULL;
+}
+
+/* Bytes that may be held besides those before the voxels. */
+static uint64_t room_of(const struct job *job, const struct volume_input *v)
+{
+    const uint64_t limit = memory_limit(job->max_memory);
+    const uint64_t before = v->header.offset + v->scratch;
+    return before < limit ? limit - before : 0;
+}
+
+bool volume_fits_series(const struct job *job, const struct volume_input *v)
+{
+    return v->source && v->header.info.volume_count <= room_of(job, v) / v->header.volume_size;
+}
+
+void volume_choose(struct job *job, struct volume_input *v, bool is_series, bool is_held)
+{
+    struct volume_header *header = &v->header;
+    const bool is_chosen = v->keys.given & VOLUME_KEY(KEY_VOLUME);
+    const size_t count = header->info.volume_count;
+    const uint64_t limit = memory_limit(job->max_memory);
+    const uint64_t held = is_held ? header->volume_size : 0; /* else labels count what they take */
+    const size_t place = job_in(job, v->keys.path, JOB_ALONE);
+    if (!is_series && count > 1 && !is_chosen) {
+        job_fail(job, CONUS_ERROR_ARGUMENT,
+                 "volume: the file has %zu, choose one by adding \",volume=K\", K from 0 to %zu", count, count - 1);
+    } else if (!is_series && v->keys.volume >= count) {
+        job_fail(job, CONUS_ERROR_ARGUMENT, "volume: found %llu, allowed are 0 to %zu",
+                 (unsigned long long)v->keys.volume, count - 1);
+    } else if (header->offset + v->scratch > limit || held > room_of(job, v)) {
+        job_fail(job, CONUS_ERROR_MEMORY,
+                 "dim: %zu x %zu x %zu voxels of %s take %zu bytes unpacked, allowed are %llu (--max-memory)",
+                 header->info.dim[0], header->info.dim[1], header->info.dim[2], header->info.datatype,
+                 header->volume_size, (unsigned long long)limit);
+    }
+    header->info.volume = is_series ? 0 : (size_t)v->keys.volume;
+    if (v->reader->around && job_ok(job)) {
+        v->reader->around(job, v);
+    }
+    job_out(job, place);
+}

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The voxels of a volume that is open, and what its format needs to read them. */
+#ifndef CONUS_LOADERS_VOLUMES_VOLUME_VOXELS_H
+#define CONUS_LOADERS_VOLUMES_VOLUME_VOXELS_H
+
+#include "loaders/volumes/volume_input.h"
+
+/** Whether its file, a large one that is not packed, is read in pieces, however large it is. */
+bool volume_is_in_pieces(const struct volume_input *v);
+
+/** Whether voxels can come in pieces, so that labels need not be held twice. */
+bool volume_has_slabs(const struct volume_input *v);
+
+/** The voxels of @p count volumes from @p first on, which are the job's. */
+struct bytes volume_keep(struct job *job, struct volume_input *v, size_t first, size_t count);
+
+/** Gives the voxels of one volume to @p sink, in pieces. */
+void volume_give(struct job *job, struct volume_input *v, size_t volume, const struct voxel_sink *sink);
+
+/** The file @p path that belongs to the volume, whose place it takes. NULL after a failure. */
+const struct source *volume_beside(struct job *job, const char *path);
+
+/** All bytes of @p source as they are stored, which are the job's, and become part of the volume's sum. */
+struct bytes volume_bytes(struct job *job, struct volume_input *v, const struct source *source);
+
+/** Bytes of v->run, for formats that decode them. */
+struct bytes volume_run(struct job *job, struct volume_input *v, size_t first, size_t count);
+
+/** Takes type, dimensions and place of the header as found; @p words say where the place comes from. */
+void volume_describe(struct job *job, struct volume_input *v, int datatype, const int64_t dim[7],
+                     const double world_from_voxel[16], const char *words);
+
+#endif
