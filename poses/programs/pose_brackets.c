@@ -391,6 +391,12 @@ static bool cell_point(double point[3], struct text cell)
     return read_three(point, is_open ? (struct text){cell.data + 1, cell.size - 2} : cell);
 }
 
+static bool is_called_coordinates(struct text name)
+{
+    return text_contains(name, text_from("coord")) || text_contains(name, text_from("x, y, z")) ||
+           text_contains(name, text_from("x,y,z"));
+}
+
 /* Looks at the header, of one line or two (SPM), and the first row: the row has fewer than three bare numbers, unless
  * the header calls the column coordinates. */
 static bool find_cells(struct cells *out, struct text head)
@@ -401,7 +407,9 @@ static bool find_cells(struct cells *out, struct text head)
     struct text rest = head;
     struct text line;
     struct text above = {"", 0};
+    struct table_line first;
     bool has_both = table_next_line(&rest, &above, NULL);
+    const struct text top = above;
     for (size_t header = 0; has_both && header < HEADERS; header++, above = line) {
         has_both = table_next_line(&rest, &line, NULL);
         for (enum table_separator mark = TABLE_TABS; has_both && mark <= TABLE_COMMAS; mark++) {
@@ -412,9 +420,7 @@ static bool find_cells(struct cells *out, struct text head)
             for (size_t i = 0; fits && i < row.count; i++) {
                 double point[3];
                 double number;
-                bool is_called = text_contains(names.cells[i], text_from("coord")) ||
-                                 text_contains(names.cells[i], text_from("x, y, z")) ||
-                                 text_contains(names.cells[i], text_from("x,y,z"));
+                bool is_called = is_called_coordinates(names.cells[i]);
                 if (cell_point(point, row.cells[i]) && !cell_point(point, names.cells[i]) && (is_bare || is_called)) {
                     out->at = i;
                     out->called = names.cells[i];
@@ -422,6 +428,12 @@ static bool find_cells(struct cells *out, struct text head)
                 } else if (out->name == SIZE_MAX && row.cells[i].size && !text_to_double(row.cells[i], &number)) {
                     out->name = i;
                 }
+            }
+            /* The second line is one more header where it says so, or the first is a title, else a row. */
+            if (out->count && header && !is_called_coordinates(out->called) && table_split(&first, &out->table, top) &&
+                first.count == row.count) {
+                out->called = first.cells[out->at];
+                out->headers = 1;
             }
             if (out->count) {
                 return true;

@@ -1477,8 +1477,10 @@ static conus_status note_places(const struct head *head, struct notes *notes)
 {
     const struct columns *out = head->out;
     const struct text column = out->has_header ? head->line.cells[out->place - 1] : text_from("");
-    return notes_add(notes, "%s%.*s%s names places: each row is the point that --point NAME means",
-                     out->has_header ? "column \"" : "each line", POSE_QUOTE(column), out->has_header ? "\"" : "");
+    bool are_called_so = out->has_header && out->role_of[out->place - 1] == ROLE_NAME && out->count > 1;
+    return notes_add(notes, "%s%.*s%s names places: each row is the point that --point NAME means%s",
+                     out->has_header ? "column \"" : "each line", POSE_QUOTE(column), out->has_header ? "\"" : "",
+                     are_called_so ? ", and is called so; ',name=COLUMN' behind FILE calls rows by another" : "");
 }
 
 static conus_status plan_bare(struct head *head, struct notes *notes)
