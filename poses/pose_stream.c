@@ -21,6 +21,7 @@
 #include "poses/rows/columns.h"
 #include "poses/rows/pose_lines.h"
 #include "poses/rows/pose_row.h"
+#include "sources/format.h"
 
 #include <errno.h>
 #include <math.h>
@@ -36,27 +37,29 @@ static void parse_matrix(struct pose_reading *to, struct text text)
     pose_add(to, &row, text_from(""), bad ? conus_message() : NULL);
 }
 
-/* Formats by number. A parser reads a text as a whole (pose_programs.h); without one it is read line by line. */
+/* Formats by number. A parser reads a text as a whole (pose_programs.h); without one it is read line by line. Those
+ * with an id are known by the row of the table of formats (sources/). */
 static const struct {
     const char *name;
     void (*parse)(struct pose_reading *to, struct text text);
+    enum format_id id;
 } formats[] = {
-    [CONUS_POSE_FORMAT_AUTO] = {"auto", NULL},
-    [CONUS_POSE_FORMAT_TABLE] = {"table", NULL},
-    [CONUS_POSE_FORMAT_MATRIX] = {"matrix", parse_matrix},
-    [CONUS_POSE_FORMAT_POINTS] = {"points", NULL},
-    [CONUS_POSE_FORMAT_BRAINSIGHT] = {"brainsight", pose_brainsight_parse},
-    [CONUS_POSE_FORMAT_LOCALITE] = {"localite", pose_localite_parse},
-    [CONUS_POSE_FORMAT_ELECTRODES] = {"electrodes", pose_electrodes_parse},
-    [CONUS_POSE_FORMAT_MARKUPS] = {"markups", pose_markups_parse},
-    [CONUS_POSE_FORMAT_SIMNIBS] = {"simnibs", pose_simnibs_parse},
-    [CONUS_POSE_FORMAT_NIBS] = {"nibs", pose_nibs_parse},
-    [CONUS_POSE_FORMAT_INVESALIUS] = {"invesalius", pose_invesalius_parse},
-    [CONUS_POSE_FORMAT_LEAD_DBS] = {"lead-dbs", pose_lead_dbs_parse},
-    [CONUS_POSE_FORMAT_LEAD_DBS_NATIVE] = {"lead-dbs-native", pose_lead_dbs_parse_native},
-    [CONUS_POSE_FORMAT_IBL] = {"ibl", pose_ibl_parse},
-    [CONUS_POSE_FORMAT_NWB] = {"nwb", pose_nwb_parse},
-    [CONUS_POSE_FORMAT_LIST] = {"list", pose_lists_parse},
+    [CONUS_POSE_FORMAT_AUTO] = {"auto", NULL, FORMAT_OTHER},
+    [CONUS_POSE_FORMAT_TABLE] = {"table", NULL, FORMAT_OTHER},
+    [CONUS_POSE_FORMAT_MATRIX] = {"matrix", parse_matrix, FORMAT_OTHER},
+    [CONUS_POSE_FORMAT_POINTS] = {"points", NULL, FORMAT_OTHER},
+    [CONUS_POSE_FORMAT_BRAINSIGHT] = {"brainsight", pose_brainsight_parse, FORMAT_BRAINSIGHT},
+    [CONUS_POSE_FORMAT_LOCALITE] = {"localite", pose_localite_parse, FORMAT_LOCALITE},
+    [CONUS_POSE_FORMAT_ELECTRODES] = {"electrodes", pose_electrodes_parse, FORMAT_OTHER},
+    [CONUS_POSE_FORMAT_MARKUPS] = {"markups", pose_markups_parse, FORMAT_MARKUPS},
+    [CONUS_POSE_FORMAT_SIMNIBS] = {"simnibs", pose_simnibs_parse, FORMAT_MATLAB},
+    [CONUS_POSE_FORMAT_NIBS] = {"nibs", pose_nibs_parse, FORMAT_OTHER},
+    [CONUS_POSE_FORMAT_INVESALIUS] = {"invesalius", pose_invesalius_parse, FORMAT_INVESALIUS},
+    [CONUS_POSE_FORMAT_LEAD_DBS] = {"lead-dbs", pose_lead_dbs_parse, FORMAT_OTHER},
+    [CONUS_POSE_FORMAT_LEAD_DBS_NATIVE] = {"lead-dbs-native", pose_lead_dbs_parse_native, FORMAT_OTHER},
+    [CONUS_POSE_FORMAT_IBL] = {"ibl", pose_ibl_parse, FORMAT_OTHER},
+    [CONUS_POSE_FORMAT_NWB] = {"nwb", pose_nwb_parse, FORMAT_HDF5},
+    [CONUS_POSE_FORMAT_LIST] = {"list", pose_lists_parse, FORMAT_OTHER},
 };
 
 enum { FORMATS = sizeof formats / sizeof formats[0] };
@@ -179,7 +182,7 @@ struct conus_pose_stream {
 };
 
 /* The first bytes that are there. */
-static struct text head_of(const struct pose_lines *lines)
+static struct text at_hand(const struct pose_lines *lines)
 {
     return (struct text){lines->data, lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT};
 }
@@ -208,12 +211,12 @@ static conus_status decode(struct text *text, conus_pose_stream *stream, struct 
 /* The lines that are there, without one that is not whole. */
 static struct text whole_lines(const struct pose_lines *lines)
 {
-    struct text head = head_of(lines);
+    struct text head = at_hand(lines);
     bool is_all = lines->ended && head.size == lines->size;
     while (!is_all && head.size && !strchr("\r\n", head.data[head.size - 1])) {
         head.size--;
     }
-    return head.size ? head : head_of(lines);
+    return head.size ? head : at_hand(lines);
 }
 
 /* Whether all numbers of a text are the sixteen of a matrix, in one line or in four. */
@@ -225,29 +228,69 @@ static bool is_matrix(struct text text)
     return columns_plain_matrix(&row, &bad, text, &(conus_pose_options){.frame = &ras});
 }
 
+/* The first line that is no comment; empty where there is none, or, unless that is @p all there is, no whole one. Up to
+ * it there are so many bytes. */
+static struct text first_row(size_t *size, struct text head, bool all)
+{
+    struct text rest = head;
+    struct text line = {"", 0};
+    bool is_comment = true;
+    while (is_comment && text_line(&rest, &line)) {
+        struct text trimmed = text_trim(line);
+        is_comment = !trimmed.size || trimmed.data[0] == '#';
+    }
+    *size = line.size ? (size_t)(line.data + line.size - head.data) : 0;
+    bool is_whole = !is_comment && (all || *size < head.size);
+    return is_whole ? text_trim(line) : (struct text){"", 0};
+}
+
+/* Of the head, whose first row that is. */
+static conus_pose_format format_of(const struct format *known, struct text row)
+{
+    conus_pose_format format = CONUS_POSE_FORMAT_AUTO;
+    while (known && known->id && (size_t)format < FORMATS && formats[format].id != known->id) {
+        format++;
+    }
+    return format && (size_t)format < FORMATS        ? format
+           : row.size && pose_electrodes_header(row) ? CONUS_POSE_FORMAT_ELECTRODES
+           : row.size && pose_nibs_header(row)       ? CONUS_POSE_FORMAT_NIBS
+                                                     : CONUS_POSE_FORMAT_TABLE;
+}
+
 static void find_format(struct job *job, conus_pose_stream *stream)
 {
     struct pose_lines *lines = &stream->lines;
+    const struct format *known = NULL;
+    struct text row = {"", 0};
     size_t used = 0;
     (void)JOB_CALL(job, columns_words_parse(&stream->words, stream->options.columns));
     (void)JOB_CALL(job, pose_lines_fill_head(lines, POSE_LINE_LIMIT));
-    conus_pose_format found = CONUS_POSE_FORMAT_AUTO;
-    while (job_ok(job) && found == CONUS_POSE_FORMAT_AUTO) {
-        found = forms_find(head_of(lines), lines->ended || lines->size >= POSE_LINE_LIMIT, &used);
-        if (found == CONUS_POSE_FORMAT_AUTO) {
+    for (bool all = false; job_ok(job) && !all && !row.size && !(known && known->id);) {
+        const struct text head = at_hand(lines);
+        const struct file_head of_file = head_of(NULL, &(struct bytes){(uint8_t *)head.data, head.size});
+        all = lines->ended || lines->size >= POSE_LINE_LIMIT;
+        row = first_row(&used, head, all);
+        known = format_find(&of_file, ROLE_POSES);
+        if (!all && !row.size && !(known && known->id)) {
             (void)JOB_CALL(job, pose_lines_fill(lines, lines->size + 1));
         }
     }
     if (!job_ok(job)) {
         return;
     }
-    const struct text head = head_of(lines);
+    const struct text head = at_hand(lines);
+    bool is_binary = known && (known->id == FORMAT_MATLAB || known->id == FORMAT_HDF5);
+    struct text rest = head;
+    struct text first = {"", 0};
+    (void)text_line(&rest, &first);
+    used = is_binary ? 0 : known ? first.size : used;
+    conus_pose_format found = format_of(known, row);
     bool is_own_word = stream->words.at[0].size && !pose_brackets_are_rows(head); /* the user knows the columns */
     if (!is_own_word && pose_lists_know(head, stream->path, &stream->options)) {
         found = CONUS_POSE_FORMAT_LIST;
-    } else if (forms_why_none(head)) {
-        job_bad(job, "%s", forms_why_none(head));
-    } else if (used && memchr(lines->data, '\0', used)) {
+    } else if (known && !known->id) {
+        job_bad(job, "%s", known->words);
+    } else if (used && memchr(head.data, '\0', used)) {
         job_bad(job, "a zero byte: not a text of poses");
     }
     bool is_short = lines->ended && lines->size < POSE_LINE_LIMIT;

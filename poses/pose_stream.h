@@ -32,14 +32,6 @@ const char *pose_path_name(const char *path);
  * them. */
 conus_status cap_check(conus_pose_list *list, struct notes *notes);
 
-/** The format of a text by its first line with data, which ends behind *used bytes; CONUS_POSE_FORMAT_AUTO while that
- * is not @p all there. JSON is CONUS_POSE_FORMAT_MARKUPS and MATLAB's binary CONUS_POSE_FORMAT_SIMNIBS, whichever
- * program wrote it; CONUS_POSE_FORMAT_TABLE is whatever is delimited text. */
-conus_pose_format forms_find(struct text text, bool all, size_t *used);
-
-/** Why a text with these first bytes holds no poses; NULL if they do not show that. */
-const char *forms_why_none(struct text text);
-
 enum { POSE_CANDIDATE_ID = 96 }; /**< "e1-t1-k1-r1", each number of at most 20 digits. */
 
 struct pose_candidates {

@@ -46,16 +46,6 @@ static bool has_prefix(struct text text, const char *prefix, struct text *rest)
     return true;
 }
 
-bool pose_brainsight_line(struct text line)
-{
-    struct text rest;
-    bool found = has_prefix(line, "# Coordinate system:", &rest);
-    for (size_t i = 0; i < KINDS && has_prefix(line, "#", &rest); i++) {
-        found = found || text_starts(rest, kinds[i].column);
-    }
-    return found;
-}
-
 /* NIfTI:Scanner, NIfTI:S:Scanner (of the sform), World: the image's world in mm. MNI-152 and Talairach stand alone,
  * too, where the project's image is no NIfTI. */
 static void read_space(struct reading *reading, struct text name)

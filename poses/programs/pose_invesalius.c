@@ -22,11 +22,6 @@ struct reading {
     size_t fiducials;
 };
 
-bool pose_invesalius_line(struct text line)
-{
-    return text_starts(line, first_line);
-}
-
 static void read_version(const struct reading *reading, struct text line)
 {
     enum { SKIPPED = sizeof first_line - 1 };
@@ -121,7 +116,7 @@ void pose_invesalius_parse(struct pose_reading *to, struct text text)
     to->list->space = pose_space_named(text_from("InVesalius world"), POSE_BRAIN_SUBJECT);
     pose_hear_space(to, false);
     struct text line;
-    if (!text_line(&text, &line) || !pose_invesalius_line(line)) {
+    if (!text_line(&text, &line) || !text_starts(line, first_line)) {
         job_bad(to->job, "the first line is not %s0 to %d", first_line, NEWEST_VERSION);
         return;
     }

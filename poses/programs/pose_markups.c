@@ -185,17 +185,6 @@ struct reading {
     bool is_old; /* Slicer 3, which had RAS only */
 };
 
-bool pose_fcsv_line(struct text line)
-{
-    static const char *const heads[] = {"# Markups fiducial file", "# Fiducial List file", "# columns = id,x,y,z",
-                                        "# columns = label,x,y,z"};
-    bool found = false;
-    for (size_t i = 0; i < sizeof heads / sizeof heads[0]; i++) {
-        found = found || text_starts(line, heads[i]);
-    }
-    return found;
-}
-
 /* "# KEY = value"; false for another comment. */
 static bool take_key(struct text *value, struct text line, const char *key)
 {

@@ -15,8 +15,6 @@
 
 /** Brainsight's export: sections of targets, samples and electrodes; landmarks are passed over. */
 void pose_brainsight_parse(struct pose_reading *to, struct text text);
-/** Whether a line that begins with # is one of Brainsight's, not a comment. */
-bool pose_brainsight_line(struct text line);
 
 /** Electrodes of BIDS, *_electrodes.tsv, in units of list->space: points, or poses along their shafts. */
 void pose_electrodes_parse(struct pose_reading *to, struct text text);
@@ -49,8 +47,6 @@ conus_pose_format pose_json_find(struct pose_reading *to, struct text text);
 
 /** InVesalius's markers, .mkss, by their world columns: poses of the coil, and points. */
 void pose_invesalius_parse(struct pose_reading *to, struct text text);
-/** Whether @p line is the first one of such a file. */
-bool pose_invesalius_line(struct text line);
 
 /** The contacts of Lead-DBS's reconstruction, ea_reconstruction.mat or *_desc-reconstruction.mat, as points in MNI
  * space, or in the patient's own where it has no other. @p text is no longer than pose_memory(). */
@@ -94,8 +90,6 @@ void pose_markups_parse(struct pose_reading *to, struct text text);
 /** The points of an .fcsv, named by their labels; of Slicer 3 (label,x,y,z,sel,vis) and since 4 (id,x,y,z, …, label,
  * …). */
 void pose_fcsv_parse(struct pose_reading *to, struct text text);
-/** Whether a line stands at the head of an .fcsv and of no other file. */
-bool pose_fcsv_line(struct text line);
 
 /** What the MAT-file @p text has, which is no longer than pose_memory(), or JSON; nothing after a failure. Each text is
  * parsed once. */

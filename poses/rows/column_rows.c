@@ -291,7 +291,7 @@ static conus_status read_unit(const struct columns *columns, struct text cell, c
                       POSE_QUOTE(cell));
 }
 
-static conus_status read_value(double *out, const struct columns *columns, enum role role, struct text cell)
+static conus_status read_value(double *out, const struct columns *columns, enum column_role role, struct text cell)
 {
     if (role >= ROLE_ANGLE && columns_is_absent(cell)) {
         *out = NAN;
@@ -368,7 +368,7 @@ static conus_status read_values(double values[ROLE_NAME], struct pose_name *name
         status = fail(CONUS_ERROR_DATA, "%zu fields, the header has %zu", line->count, columns->count);
     }
     for (size_t i = 0; i < columns->count && i < line->count; i++) {
-        enum role role = columns->role_of[i];
+        enum column_role role = columns->role_of[i];
         struct text cell = line->cells[i];
         if (role == ROLE_NAME || role == ROLE_CONTACT) {
             names[role - ROLE_NAME] = cell;
@@ -421,7 +421,7 @@ static conus_status read_row(conus_pose_row *row, struct pose_name *name, const 
     row->range[0] = values[ROLE_NEAR];
     row->range[1] = values[ROLE_FAR];
     row->radius = values[ROLE_RADIUS];
-    for (enum role role = ROLE_DEPTH; role <= ROLE_RADIUS && !status; role++) {
+    for (enum column_role role = ROLE_DEPTH; role <= ROLE_RADIUS && !status; role++) {
         const double length = columns->has[role] ? values[role] : NAN; /* mm */
         if (length < 0 || (length == 0 && role == ROLE_DEPTH)) {
             status = fail(CONUS_ERROR_DATA, "column %s: %g mm, allowed is %s0", columns->shown[role], length,

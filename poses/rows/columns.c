@@ -22,7 +22,7 @@ static const char *const measures[] = {"", "a length", "an angle", "a time"};
 /* Columns of one number or text, by exact names, perhaps with a unit behind, and by others; of the same role the first
  * name that is there. */
 static const struct {
-    enum role role;
+    enum column_role role;
     enum measure measure;
     const char *names; /* normalised, see normalise(); in the order of preference */
 } roles[] = {
@@ -370,7 +370,7 @@ static bool is_whole(const struct family *family)
     return family->at[0] != COLUMN_NONE && family->at[1] != COLUMN_NONE && family->at[2] != COLUMN_NONE;
 }
 
-static void set_role(struct head *head, size_t column, enum role role)
+static void set_role(struct head *head, size_t column, enum column_role role)
 {
     struct columns *out = head->out;
     const uint8_t before = out->role_of[column];
@@ -382,7 +382,7 @@ static void set_role(struct head *head, size_t column, enum role role)
     snprintf(out->shown[role], COLUMN_NAME_SIZE, "%.*s", TEXT_SHOW(head->line.cells[column], COLUMN_NAME_SIZE - 1));
 }
 
-static size_t count_roles(const struct columns *columns, enum role first, size_t count)
+static size_t count_roles(const struct columns *columns, enum column_role first, size_t count)
 {
     size_t found = 0;
     for (size_t i = 0; i < count; i++) {
@@ -408,7 +408,7 @@ static const char *show_family(char out[3 * COLUMN_NAME_SIZE], const struct head
 #define FAMILY_SHOWN(head, family) show_family((char[3 *COLUMN_NAME_SIZE]){0}, head, family)
 
 /* Gives the columns of a family their roles, or says what it lacks. */
-static void take_family(struct head *head, const struct family *family, enum role first, const char *what)
+static void take_family(struct head *head, const struct family *family, enum column_role first, const char *what)
 {
     struct columns *out = head->out;
     double unit = 0; /* mm */
@@ -423,7 +423,7 @@ static void take_family(struct head *head, const struct family *family, enum rol
         double own = head->unit[family->at[k]];
         FAULT_IF(own != 0 && unit != 0 && own != unit, head, "%s: two units, %s", what, FAMILY_SHOWN(head, family));
         unit = own != 0 ? own : unit;
-        set_role(head, family->at[k], first + (enum role)k);
+        set_role(head, family->at[k], first + (enum column_role)k);
     }
     const char *behind = family->at[0] != COLUMN_NONE ? strrchr(head->names[family->at[0]], ' ') : NULL;
     FAULT_IF(first <= ROLE_TX && behind && text_is_one_of(text_from(behind + 1), "cm/m", true) && unit == 0 &&
@@ -497,7 +497,7 @@ static const struct family *find_kind(struct head *head, enum family_kind kind)
     return found;
 }
 
-static void drop_role(struct head *head, enum role role)
+static void drop_role(struct head *head, enum column_role role)
 {
     for (size_t i = 0; i < head->line.count && head->out->has[role]; i++) {
         head->out->role_of[i] = head->out->role_of[i] == role ? ROLES : head->out->role_of[i];
@@ -511,7 +511,7 @@ static void find_roles(struct head *head)
     for (size_t r = 0; r < sizeof roles / sizeof roles[0]; r++) {
         struct text rest = text_from(roles[r].names);
         struct text name;
-        enum role role = roles[r].role;
+        enum column_role role = roles[r].role;
         for (bool more = true; !head->out->has[role] && text_field(&rest, '/', &more, &name);) {
             char copy[COLUMN_NAME_SIZE];
             snprintf(copy, sizeof copy, "%.*s", (int)name.size, name.data);
@@ -555,7 +555,7 @@ static void find_roles(struct head *head)
         snprintf(name, sizeof name, "m%zu%zu", i / 4, i % 4);
         size_t column = find_name(head, name, 0);
         if (column != COLUMN_NONE && head->out->role_of[column] == ROLES) {
-            set_role(head, column, ROLE_M00 + (enum role)i);
+            set_role(head, column, ROLE_M00 + (enum column_role)i);
         }
     }
 }
@@ -860,7 +860,7 @@ static struct text column_meant(const struct columns *columns, const char *field
     struct text meant = {"", 0};
     size_t length = strlen(field);
     size_t least = (length + 1) / 3;
-    for (enum role role = ROLE_TX; role < ROLE_NAME; role++) {
+    for (enum column_role role = ROLE_TX; role < ROLE_NAME; role++) {
         struct text names = text_from(role == ROLE_SPACE ? "space" : role < ROLE_M00 ? of_axes[role] : "");
         struct text name = {"", 0};
         for (size_t r = 0; role >= ROLE_ANGLE && r < sizeof roles / sizeof roles[0]; r++) {
@@ -1123,7 +1123,7 @@ static bool fits_rows(const struct head *head)
         bool all = true;
         for (size_t i = 0; i < head->out->count; i++) {
             double value;
-            const enum role role = head->out->role_of[i];
+            const enum column_role role = head->out->role_of[i];
             const struct text cell = columns_cell(head, r, i);
             all = all && (role >= ROLE_SPACE || role == ROLE_TRIGGER || table_number(&value, &head->out->table, cell) ||
                           (role >= ROLE_ANGLE && columns_is_absent(cell)));
@@ -1179,7 +1179,7 @@ static void show_reading(char out[COLUMN_NAME_SIZE * 4], const struct head *head
     size_t used = 0;
     out[0] = '\0';
     for (size_t i = 0; i < head->out->count; i++) {
-        const enum role role = head->out->role_of[i];
+        const enum column_role role = head->out->role_of[i];
         const struct text cell = columns_cell(head, row, i);
         if (role == ROLE_NAME || role < ROLE_ANGLE) {
             used +=
@@ -1477,7 +1477,7 @@ static conus_status note_places(const struct head *head, struct notes *notes)
 {
     const struct columns *out = head->out;
     const struct text column = out->has_header ? head->line.cells[out->place - 1] : text_from("");
-    bool are_called_so = out->has_header && out->role_of[out->place - 1] == ROLE_NAME && out->count > 1;
+    bool are_called_so = head->words.place.size && out->role_of[out->place - 1] == ROLE_NAME && out->count > 1;
     return notes_add(notes, "%s%.*s%s names places: each row is the point that --point NAME means%s",
                      out->has_header ? "column \"" : "each line", POSE_QUOTE(column), out->has_header ? "\"" : "",
                      are_called_so ? ", and is called so; ',name=COLUMN' behind FILE calls rows by another" : "");
@@ -1628,7 +1628,7 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
     }
     out->has_unit = out->scale > 0;
     const double own = (out->has_unit ? out->scale : 1) * columns_space_mm(options->space); /* that of positions */
-    for (enum role role = ROLE_DEPTH; role <= ROLE_RADIUS; role++) {
+    for (enum column_role role = ROLE_DEPTH; role <= ROLE_RADIUS; role++) {
         out->factor[role] = out->factor[role] > 0 ? out->factor[role] : out->place ? 1 : own;
     }
     out->scale = out->has_unit ? out->scale : 1;

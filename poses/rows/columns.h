@@ -13,7 +13,7 @@
 #include "poses/rows/space_words.h"
 
 /** What a column may be. Before ROLE_NAME they are numbers. m00 … m33 are row-major. */
-enum role {
+enum column_role {
     ROLE_X,
     ROLE_TX = ROLE_X + 3,
     ROLE_DX = ROLE_TX + 3,
