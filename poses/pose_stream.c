@@ -264,7 +264,7 @@ static void find_format(struct job *job, conus_pose_stream *stream)
     struct text row = {"", 0};
     size_t used = 0;
     (void)JOB_CALL(job, columns_words_parse(&stream->words, stream->options.columns));
-    (void)JOB_CALL(job, pose_lines_fill_head(lines, POSE_LINE_LIMIT));
+    (void)JOB_CALL(job, pose_lines_fill(lines, POSE_LINE_LIMIT, true));
     for (bool all = false; job_ok(job) && !all && !row.size && !(known && known->id);) {
         const struct text head = at_hand(lines);
         const struct file_head of_file = head_of(NULL, &(struct bytes){(uint8_t *)head.data, head.size});
@@ -272,7 +272,7 @@ static void find_format(struct job *job, conus_pose_stream *stream)
         row = first_row(&used, head, all);
         known = format_find(&of_file, ROLE_POSES);
         if (!all && !row.size && !(known && known->id)) {
-            (void)JOB_CALL(job, pose_lines_fill(lines, lines->size + 1));
+            (void)JOB_CALL(job, pose_lines_fill(lines, lines->size + 1, false));
         }
     }
     if (!job_ok(job)) {
@@ -341,7 +341,7 @@ static void plan_table(struct job *job, conus_pose_stream *stream)
 {
     struct pose_lines *lines = &stream->lines;
     struct columns *columns = &stream->columns;
-    (void)JOB_CALL(job, pose_lines_fill_head(lines, POSE_LINE_LIMIT));
+    (void)JOB_CALL(job, pose_lines_fill(lines, POSE_LINE_LIMIT, true));
     begin_coordsystem(job, stream);
     bool is_short = true;
     bool is_decided = false;
@@ -366,7 +366,7 @@ static void plan_table(struct job *job, conus_pose_stream *stream)
         is_decided = all || !is_short || is_planned;
         (void)attempt_end(job, &attempt, is_decided ? ATTEMPT_KEEP : ATTEMPT_DROP);
         if (!is_decided) {
-            (void)JOB_CALL(job, pose_lines_fill(lines, lines->size + 1));
+            (void)JOB_CALL(job, pose_lines_fill(lines, lines->size + 1, false));
         }
     }
     struct space_words of_name = {0};
@@ -514,9 +514,9 @@ static conus_status note_inward(conus_pose_stream *stream)
     return status;
 }
 
-static void finish_bytes(void *bytes)
+static void finish_buffer(void *buffer)
 {
-    bytes_finish(bytes);
+    buffer_finish(buffer);
 }
 
 /* Which program's binary file or JSON it is, which only the whole of it says. */
@@ -575,12 +575,13 @@ static void read_whole(struct job *job, conus_pose_stream *stream)
         job_bad(job, "%s beside it is of a table with the columns x, y and z, which this is not",
                 path_base(list->coordsystem));
     }
-    struct bytes *bytes = job_new(job, struct bytes);
-    if (!JOB_CALL(job, pose_lines_rest(bytes, &stream->lines, pose_memory(&stream->options)))) {
+    struct buffer *bytes = job_new(job, struct buffer);
+    if (!bytes) {
         return;
     }
-    job_own(job, finish_bytes, bytes);
-    struct text text = {(const char *)bytes->data, bytes->size};
+    job_own(job, finish_buffer, bytes);
+    (void)JOB_CALL(job, pose_lines_rest(bytes, &stream->lines, pose_memory(&stream->options)));
+    struct text text = {bytes->data, bytes->size};
     if (!text_starts(text_trim(text), "<")) { /* XML says itself what its letters are */
         (void)JOB_CALL(job, decode(&text, stream, &job->notes));
     }
@@ -604,7 +605,7 @@ static void read_whole(struct job *job, conus_pose_stream *stream)
 
 static void open_text(struct job *job, conus_pose_stream *stream)
 {
-    (void)JOB_CALL(job, pose_lines_begin(&stream->lines));
+    (void)JOB_CALL(job, pose_lines_begin(&stream->lines, pose_memory(&stream->options)));
     find_format(job, stream);
     if (job_ok(job) && !is_read_whole(stream)) {
         plan_table(job, stream);
@@ -985,7 +986,7 @@ static conus_status count_again(uint64_t *count, conus_pose_stream *stream)
     } else {
         status = fail(CONUS_ERROR_UNSUPPORTED, "rows of a pipe cannot be counted before they are read");
     }
-    status = status ? status : pose_lines_begin(&lines);
+    status = status ? status : pose_lines_begin(&lines, pose_memory(&stream->options));
     for (bool found = true; !status && found; *count += found) {
         status = next_row(NULL, NULL, NULL, NULL, stream, &lines, &found);
         found = !status && found;
