@@ -311,7 +311,7 @@ static void begin_coordsystem(struct job *job, conus_pose_stream *stream)
     }
     stream->columns.beside_mm = list->space.scale;
     if (is_ras && stream->options.space == CONUS_SPACE_LPS) {
-        (void)JOB_CALL(job, pose_note_space(&job->notes, &stream->options, false));
+        pose_note_space(job, &stream->options, false);
         stream->frame = (conus_frame){.space = CONUS_SPACE_RAS};
         stream->options.space = CONUS_SPACE_RAS;
     }
@@ -331,7 +331,7 @@ static void end_coordsystem(struct job *job, conus_pose_stream *stream)
     }
     if (space_moves(&list->space, &stream->options) && !columns->moves) {
         columns->moves = true;
-        (void)JOB_CALL(job, space_note_move(&job->notes, &list->space));
+        space_note_move(job, &list->space);
     }
     list->space.brain = columns->moves ? POSE_BRAIN_MNI152 : list->space.brain;
 }
@@ -361,8 +361,8 @@ static void plan_table(struct job *job, conus_pose_stream *stream)
         }
         (void)JOB_CALL(job, decode(&head, stream, &job->notes));
         const struct attempt attempt = job_try(job);
-        bool is_planned =
-            JOB_CALL(job, columns_plan(columns, &is_short, &job->notes, head, &stream->options)) && !columns->place;
+        columns_plan(job, columns, &is_short, head, &stream->options);
+        bool is_planned = job_ok(job) && !columns->place;
         is_decided = all || !is_short || is_planned;
         (void)attempt_end(job, &attempt, is_decided ? ATTEMPT_KEEP : ATTEMPT_DROP);
         if (!is_decided) {
@@ -424,8 +424,8 @@ static void check_sides(struct job *job, conus_pose_stream *stream)
             sides_count(&sides, sides_of_name(name), name, row->pose.world_from_device[12], options->longest / 36);
         }
     }
-    (void)(JOB_CALL(job, sides_check(&sides, "are x and y in another space than the file says, or --space?")) &&
-           JOB_CALL(job, sides_warn(&sides, sides_of_file(stream->path), &job->notes)));
+    sides_check(job, &sides, "are x and y in another space than the file says, or --space?");
+    sides_warn(job, &sides, sides_of_file(stream->path));
 }
 
 /* Warns where a head in metres would be as small: all positions lie within 1 mm of the origin, but not at it, or three
@@ -474,7 +474,7 @@ static void move_from_mni305(struct job *job, conus_pose_stream *stream)
         space_move_from_mni305(list->rows[i].pose.world_from_device + 12);
     }
     list->space.brain = POSE_BRAIN_MNI152;
-    (void)JOB_CALL(job, space_note_move(&job->notes, &list->space));
+    space_note_move(job, &list->space);
 }
 
 /* Lets a point look into the head. */
@@ -586,7 +586,8 @@ static void read_whole(struct job *job, conus_pose_stream *stream)
         (void)JOB_CALL(job, decode(&text, stream, &job->notes));
     }
     if (pairs) {
-        (void)JOB_CALL(job, pairs_parse(list, &stream->columns, text, &stream->options));
+        pairs_parse(&(struct pose_reading){.job = job, .list = list, .options = &stream->options}, &stream->columns,
+                    text);
         return;
     }
     parse_whole(job, stream, text);

@@ -83,7 +83,8 @@ static void sheet_read(const struct pose_reading *to, struct buffer *sheet, cons
     options.keep_count = 0;
     options.format = CONUS_POSE_FORMAT_AUTO;
     (void)JOB_CALL(job, buffer_status(sheet));
-    if (JOB_CALL(job, columns_plan(&columns, &is_short, &job->notes, rest, &options)) && !to->list->space.name[0]) {
+    columns_plan(job, &columns, &is_short, rest, &options);
+    if (job_ok(job) && !to->list->space.name[0]) {
         to->list->space = columns_space(&columns);
     }
     while (job_ok(job) && table_next_line(&rest, &line, &number)) {

@@ -116,9 +116,9 @@ static void read_table(struct reading *reading, struct text text)
     const struct text head = {text.data, size ? size : text.size};
     struct columns *columns = &reading->columns;
     columns->is_bids = true;
-    if (JOB_CALL(reading->job, columns_plan(columns, &is_short, &reading->job->notes, head, reading->to.options)) &&
-        columns->pairs) {
-        (void)JOB_CALL(reading->job, pairs_parse(reading->to.list, columns, text, reading->to.options));
+    columns_plan(reading->job, columns, &is_short, head, reading->to.options);
+    if (job_ok(reading->job) && columns->pairs) {
+        pairs_parse(&reading->to, columns, text);
         return;
     }
     for (size_t number = 1; job_ok(reading->job) && text_line(&text, &line); number++) {

@@ -64,14 +64,16 @@ static void add_contacts(const struct pose_reading *to, const struct matlab *mat
         cells = find_coordinates(matlab, ++space);
     }
     pose_refuse_axis(to, "contacts");
-    if (!cells && reco && reco->kind != MATLAB_STRUCT) {
-        job_bad(to->job, "reco: %s, a structure is needed", matlab_class_name(reco).text);
-    } else if (!cells) {
-        job_bad(to->job, "no positions of contacts, reco.%s.coords_mm: no reconstruction of Lead-DBS",
-                names[first ? SPACES - 1 : 0]);
+    if (!cells) {
+        bool is_other = reco && reco->kind != MATLAB_STRUCT;
+        job_bad(to->job,
+                is_other ? "reco: %s, a structure is needed"
+                         : "no positions of contacts, reco.%s.coords_mm: no reconstruction of Lead-DBS",
+                is_other ? matlab_class_name(reco).text : names[first ? SPACES - 1 : 0]);
+        return;
     }
     note_space(to, space);
-    if (job_ok(to->job) && cells->kind != MATLAB_CELL && cells->count) {
+    if (cells->kind != MATLAB_CELL && cells->count) {
         job_bad(to->job, "coords_mm: %s, a cell array with a cell for each lead is needed",
                 matlab_class_name(cells).text);
     }

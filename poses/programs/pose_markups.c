@@ -121,15 +121,6 @@ static void refuse_json(struct job *job, const json_t *root)
                             "nor \"channel_N\" of IBL's, and no names with three numbers each");
 }
 
-json_t *pose_json(struct pose_reading *to, struct text text)
-{
-    if (!to->json || to->parsed.data != text.data) {
-        to->parsed = text;
-        to->json = job_json(to->job, text);
-    }
-    return job_ok(to->job) ? to->json : NULL;
-}
-
 conus_pose_format pose_json_find(struct pose_reading *to, struct text text)
 {
     json_t *root = pose_json(to, text);

@@ -2,7 +2,6 @@
 /* Reads matsimnibs, SimNIBS's world_from_coil: the coil's x, y (along the handle), z (into the head) and centre. */
 #include "poses/programs/pose_programs.h"
 
-#include "base/formats/matlab.h"
 #include "poses/rows/pose_row.h"
 
 #include <string.h>
@@ -65,22 +64,6 @@ static void add_structures(struct reading *reading)
         }
         reading->found = reading->found || found;
     }
-}
-
-static void finish_matlab(void *matlab)
-{
-    matlab_finish(matlab);
-}
-
-const struct matlab *pose_matlab(struct pose_reading *to, struct text text)
-{
-    static const struct matlab nothing = {0};
-    struct matlab *matlab = to->matlab ? NULL : job_new(to->job, struct matlab);
-    if (matlab && JOB_CALL(to->job, matlab_parse(matlab, text, pose_memory(to->options) - text.size))) {
-        job_own(to->job, finish_matlab, matlab);
-        to->matlab = matlab;
-    }
-    return job_ok(to->job) ? to->matlab : &nothing;
 }
 
 static void parse_matlab(struct reading *reading, struct text text)

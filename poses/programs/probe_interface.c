@@ -345,9 +345,10 @@ static void check_unique(conus_probe *probe)
     const struct job_mark mark = job_mark(job);
     size_t count = probe->count;
     conus_probe_contact *sorted = job_array(job, &count, sizeof *sorted);
-    if (sorted) {
-        memcpy(sorted, probe->contacts, count * sizeof *sorted);
+    if (!sorted) {
+        return;
     }
+    memcpy(sorted, probe->contacts, count * sizeof *sorted);
     order_sort(sorted, count, sizeof *sorted, by_id);
     for (size_t i = 1; i < count; i++) {
         if (!by_id(&sorted[i - 1], &sorted[i])) {

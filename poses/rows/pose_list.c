@@ -117,7 +117,7 @@ void pose_refuse_axis(const struct pose_reading *of, const char *what)
 
 void pose_hear_space(const struct pose_reading *of, bool lps)
 {
-    (void)JOB_CALL(of->job, pose_note_space(&of->job->notes, of->options, lps));
+    pose_note_space(of->job, of->options, lps);
 }
 
 void pose_note_absent(struct job *job, size_t count, size_t first)

@@ -223,9 +223,12 @@ double pose_clock(struct text date, struct text time)
     return days_of_date(d[0], d[1], d[2]) * 86400 + t[0] * 3600 + t[1] * 60 + t[2];
 }
 
-conus_status pose_note_space(struct notes *notes, const conus_pose_options *options, bool lps)
+void pose_note_space(struct job *job, const conus_pose_options *options, bool lps)
 {
     static const char text[] = "the file says that its positions are RAS, and as such they are taken";
-    bool said = notes->count && strcmp(notes->lines[notes->count - 1], text) == 0;
-    return options->space == CONUS_SPACE_LPS && !lps && !said ? notes_add(notes, "%s", text) : CONUS_OK;
+    const struct notes *notes = &job->notes;
+    if (options->space == CONUS_SPACE_LPS && !lps &&
+        !(notes->count && strcmp(notes->lines[notes->count - 1], text) == 0)) {
+        job_note(job, "%s", text);
+    }
 }

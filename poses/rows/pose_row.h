@@ -100,7 +100,7 @@ conus_status pose_of_matrix(conus_pose *out, const double m[16], bool lps, conus
 double pose_clock(struct text date, struct text time);
 
 /** A note where the caller asked for LPS and the file says itself that it is RAS, by @p lps. */
-conus_status pose_note_space(struct notes *notes, const conus_pose_options *options, bool lps);
+void pose_note_space(struct job *job, const conus_pose_options *options, bool lps);
 
 /** "+x" and so on; "" for CONUS_AXIS_OF_FORMAT. */
 const char *pose_axis_name(conus_axis axis);
