@@ -225,5 +225,5 @@ void pose_brainsight_parse(struct pose_reading *to, struct text text)
     if (reading.passed_over) {
         job_note(to->job, "%zu rows of landmarks and other sections were passed over", reading.passed_over);
     }
-    pose_hear_space(to, reading.lps);
+    pose_note_space(to->job, to->options, reading.lps);
 }

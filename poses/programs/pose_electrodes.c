@@ -189,7 +189,7 @@ void pose_electrodes_parse(struct pose_reading *to, struct text text)
     own.format = CONUS_POSE_FORMAT_AUTO;
     struct reading reading = {.job = to->job, .to = {.job = to->job, .list = list, .options = &own}};
     pose_refuse_axis(to, "contacts");
-    pose_hear_space(to, !is_ras);
+    pose_note_space(to->job, to->options, !is_ras);
     read_table(&reading, text);
     if (named_cells_has(&reading.header, PROBE_NAME) && !list->coordsystem) {
         job_bad(to->job, "column probe_name: a table of BEP032 without a *_coordsystem.json, whose x, y, z "

@@ -114,7 +114,7 @@ void pose_invesalius_parse(struct pose_reading *to, struct text text)
 {
     struct reading reading = {.job = to->job, .to = to, .cells = {.names = names, .count = COLUMNS}};
     to->list->space = pose_space_named(text_from("InVesalius world"), POSE_BRAIN_SUBJECT);
-    pose_hear_space(to, false);
+    pose_note_space(to->job, to->options, false);
     struct text line;
     if (!text_line(&text, &line) || !text_starts(line, first_line)) {
         job_bad(to->job, "the first line is not %s0 to %d", first_line, NEWEST_VERSION);

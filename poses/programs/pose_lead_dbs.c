@@ -51,7 +51,7 @@ static void note_space(const struct pose_reading *to, size_t space)
         to->list->space = pose_space_named(text_from(name), POSE_BRAIN_SUBJECT);
         job_note(to->job, "contacts are those in the patient's own space, reco.%s", names[space]);
     }
-    pose_hear_space(to, false);
+    pose_note_space(to->job, to->options, false);
 }
 
 /* The contacts of the first space from this one on that there is. */

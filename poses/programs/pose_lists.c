@@ -366,7 +366,7 @@ static void parse_layout(const struct pose_reading *to, const struct layout *lay
     if (layout->space) {
         to->list->space = pose_space_named(text_from(layout->space), layout->brain);
     }
-    pose_hear_space(to, is_lps);
+    pose_note_space(to->job, to->options, is_lps);
     read_points(to, layout, text, is_lps);
     check_count(to, layout, text);
     if (layout->flags & NEEDS_MINUS) {

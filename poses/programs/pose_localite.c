@@ -43,7 +43,7 @@ static void begin_list(struct reading *reading, const struct xml_event *event)
         job_warn(job, "<%s> names no coordinateSpace; taken as %s", event->name, reading->lps ? "LPS" : "RAS");
     } else if (text_equal_ignoring_case(text_from(space), "MNI")) { /* Localite's own: RAS, by its registration */
         *named = pose_space_named(text_from("Localite MNI"), POSE_BRAIN_MNI152);
-        pose_hear_space(reading->to, false);
+        pose_note_space(reading->to->job, reading->to->options, false);
         job_note(job, "Localite brought these positions from the patient's scan to MNI space; a list in RAS or LPS has "
                       "them as they were tracked");
     } else { /* either is of the scan that was loaded */
@@ -52,7 +52,7 @@ static void begin_list(struct reading *reading, const struct xml_event *event)
         if (!reading->lps && !text_equal_ignoring_case(text_from(space), "RAS")) {
             job_bad(job, "line %zu: coordinateSpace \"%.40s\", allowed are RAS, LPS and MNI", event->line, space);
         }
-        pose_hear_space(reading->to, reading->lps);
+        pose_note_space(reading->to->job, reading->to->options, reading->lps);
     }
 }
 

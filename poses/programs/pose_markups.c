@@ -98,7 +98,7 @@ static void read_markup(struct markup *markup)
     const json_t *points = json_object_get(markup->json, "controlPoints");
     markup->name = json_text_of(json_object_get(markup->json, "name"));
     read_space_and_units(markup);
-    pose_hear_space(markup->to, markup->lps);
+    pose_note_space(markup->to->job, markup->to->options, markup->lps);
     if (text_equal(type, "Fiducial") || text_equal(type, "Line")) {
         (type.data[0] == 'F' ? read_points : read_line)(markup, points);
     } else {
@@ -213,7 +213,7 @@ static void read_comment(struct reading *reading, struct text line)
         if (!ras && !reading->lps) {
             job_bad(reading->job, "CoordinateSystem \"%.*s\", allowed are RAS, LPS, 0 and 1", POSE_QUOTE(value));
         }
-        pose_hear_space(reading->to, reading->lps);
+        pose_note_space(reading->to->job, reading->to->options, reading->lps);
     }
 }
 
@@ -229,7 +229,7 @@ static void end_head(struct reading *reading)
     reading->has_space = true;
     reading->lps = !reading->is_old && reading->to->options->space == CONUS_SPACE_LPS;
     if (reading->is_old) {
-        pose_hear_space(reading->to, false);
+        pose_note_space(reading->to->job, reading->to->options, false);
     } else {
         job_warn(reading->job, "no line CoordinateSystem; taken as %s", reading->lps ? "LPS" : "RAS");
     }

@@ -196,7 +196,7 @@ void pose_nibs_parse(struct pose_reading *to, struct text text)
                               .lps = to->options->space == CONUS_SPACE_LPS && !is_named};
     struct text line;
     bool begun = false;
-    pose_hear_space(to, reading.lps);
+    pose_note_space(to->job, to->options, reading.lps);
     for (size_t number = 1; job_ok(to->job) && text_line(&text, &line); number++) {
         if (text_trim(line).size && begun) {
             read_row(&reading, line, number);

@@ -134,7 +134,7 @@ void pose_simnibs_parse(struct pose_reading *to, struct text text)
 {
     struct reading reading = {.job = to->job, .to = to};
     to->list->space = pose_space_named(text_from("SimNIBS head model"), POSE_BRAIN_SUBJECT);
-    pose_hear_space(to, false);
+    pose_note_space(to->job, to->options, false);
     if (matlab_is(text)) {
         parse_matlab(&reading, text);
     } else {

@@ -115,11 +115,6 @@ void pose_refuse_axis(const struct pose_reading *of, const char *what)
     }
 }
 
-void pose_hear_space(const struct pose_reading *of, bool lps)
-{
-    pose_note_space(of->job, of->options, lps);
-}
-
 void pose_note_absent(struct job *job, size_t count, size_t first)
 {
     if (count) {

@@ -203,9 +203,6 @@ void pose_add_point(const struct pose_reading *to, size_t line, const double poi
 /** A failure where the caller chooses an axis: @p what, "contacts" say, have none. */
 void pose_refuse_axis(const struct pose_reading *of, const char *what);
 
-/** As pose_note_space(). */
-void pose_hear_space(const struct pose_reading *of, bool lps);
-
 /** A note that @p count rows without a position were passed over, the first in line @p first; of 0 none. */
 void pose_note_absent(struct job *job, size_t count, size_t first);
 /** @} */
