@@ -145,7 +145,7 @@ static size_t find_pairs(struct pair *pairs, const conus_pose_list *list, bool a
     return count;
 }
 
-conus_status cap_check(conus_pose_list *list)
+conus_status cap_check(conus_pose_list *list, struct notes *notes)
 {
     const double scale = list->space.scale;
     struct pair *pairs = memory_raw(list->count + 1, sizeof *pairs);
@@ -172,7 +172,7 @@ conus_status cap_check(conus_pose_list *list)
                       "as it is",
                       count, list->count, LEAST);
     }
-    status = status ? status : check_pairs(&list->notes, pairs, count);
+    status = status ? status : check_pairs(notes, pairs, count);
     list->space = pose_space_named(text_from("a cap on the head of MNI 152"), POSE_BRAIN_MNI152);
     memory_free(pairs);
     return status;

@@ -21,42 +21,45 @@
 #include "poses/rows/columns.h"
 #include "poses/rows/pose_lines.h"
 #include "poses/rows/pose_row.h"
+#include "sources/format.h"
 
 #include <errno.h>
 #include <math.h>
 #include <string.h>
 
-static conus_status parse_matrix(conus_pose_list *list, struct text text, const conus_pose_options *options)
+static void parse_matrix(struct pose_reading *to, struct text text)
 {
     conus_pose_row row = pose_row_at(1);
     conus_status bad = CONUS_OK;
-    if (!columns_plain_matrix(&row, &bad, text, options)) {
-        return fail(CONUS_ERROR_DATA, "numbers, but neither the 16 of a matrix nor lines of x y z and a name");
+    if (!columns_plain_matrix(&row, &bad, text, to->options)) {
+        job_bad(to->job, "numbers, but neither the 16 of a matrix nor lines of x y z and a name");
     }
-    return pose_list_add(list, &row, text_from(""), bad ? conus_message() : NULL);
+    pose_add(to, &row, text_from(""), bad ? conus_message() : NULL);
 }
 
-/* Formats by number. A parser reads a text as a whole (pose_programs.h); without one it is read line by line. */
+/* Formats by number. A parser reads a text as a whole (pose_programs.h); without one it is read line by line. Those
+ * with an id are known by the row of the table of formats (sources/). */
 static const struct {
     const char *name;
-    conus_status (*parse)(conus_pose_list *list, struct text text, const conus_pose_options *options);
+    void (*parse)(struct pose_reading *to, struct text text);
+    enum format_id id;
 } formats[] = {
-    [CONUS_POSE_FORMAT_AUTO] = {"auto", NULL},
-    [CONUS_POSE_FORMAT_TABLE] = {"table", NULL},
-    [CONUS_POSE_FORMAT_MATRIX] = {"matrix", parse_matrix},
-    [CONUS_POSE_FORMAT_POINTS] = {"points", NULL},
-    [CONUS_POSE_FORMAT_BRAINSIGHT] = {"brainsight", pose_brainsight_parse},
-    [CONUS_POSE_FORMAT_LOCALITE] = {"localite", pose_localite_parse},
-    [CONUS_POSE_FORMAT_ELECTRODES] = {"electrodes", pose_electrodes_parse},
-    [CONUS_POSE_FORMAT_MARKUPS] = {"markups", pose_markups_parse},
-    [CONUS_POSE_FORMAT_SIMNIBS] = {"simnibs", pose_simnibs_parse},
-    [CONUS_POSE_FORMAT_NIBS] = {"nibs", pose_nibs_parse},
-    [CONUS_POSE_FORMAT_INVESALIUS] = {"invesalius", pose_invesalius_parse},
-    [CONUS_POSE_FORMAT_LEAD_DBS] = {"lead-dbs", pose_lead_dbs_parse},
-    [CONUS_POSE_FORMAT_LEAD_DBS_NATIVE] = {"lead-dbs-native", pose_lead_dbs_parse_native},
-    [CONUS_POSE_FORMAT_IBL] = {"ibl", pose_ibl_parse},
-    [CONUS_POSE_FORMAT_NWB] = {"nwb", pose_nwb_parse},
-    [CONUS_POSE_FORMAT_LIST] = {"list", pose_lists_parse},
+    [CONUS_POSE_FORMAT_AUTO] = {"auto", NULL, FORMAT_OTHER},
+    [CONUS_POSE_FORMAT_TABLE] = {"table", NULL, FORMAT_OTHER},
+    [CONUS_POSE_FORMAT_MATRIX] = {"matrix", parse_matrix, FORMAT_OTHER},
+    [CONUS_POSE_FORMAT_POINTS] = {"points", NULL, FORMAT_OTHER},
+    [CONUS_POSE_FORMAT_BRAINSIGHT] = {"brainsight", pose_brainsight_parse, FORMAT_BRAINSIGHT},
+    [CONUS_POSE_FORMAT_LOCALITE] = {"localite", pose_localite_parse, FORMAT_LOCALITE},
+    [CONUS_POSE_FORMAT_ELECTRODES] = {"electrodes", pose_electrodes_parse, FORMAT_OTHER},
+    [CONUS_POSE_FORMAT_MARKUPS] = {"markups", pose_markups_parse, FORMAT_MARKUPS},
+    [CONUS_POSE_FORMAT_SIMNIBS] = {"simnibs", pose_simnibs_parse, FORMAT_MATLAB},
+    [CONUS_POSE_FORMAT_NIBS] = {"nibs", pose_nibs_parse, FORMAT_OTHER},
+    [CONUS_POSE_FORMAT_INVESALIUS] = {"invesalius", pose_invesalius_parse, FORMAT_INVESALIUS},
+    [CONUS_POSE_FORMAT_LEAD_DBS] = {"lead-dbs", pose_lead_dbs_parse, FORMAT_OTHER},
+    [CONUS_POSE_FORMAT_LEAD_DBS_NATIVE] = {"lead-dbs-native", pose_lead_dbs_parse_native, FORMAT_OTHER},
+    [CONUS_POSE_FORMAT_IBL] = {"ibl", pose_ibl_parse, FORMAT_OTHER},
+    [CONUS_POSE_FORMAT_NWB] = {"nwb", pose_nwb_parse, FORMAT_HDF5},
+    [CONUS_POSE_FORMAT_LIST] = {"list", pose_lists_parse, FORMAT_OTHER},
 };
 
 enum { FORMATS = sizeof formats / sizeof formats[0] };
@@ -64,17 +67,6 @@ enum { FORMATS = sizeof formats / sizeof formats[0] };
 const char *conus_pose_format_name(size_t index)
 {
     return index < FORMATS ? formats[index].name : NULL;
-}
-
-/* Where `text` is a MAT-file of another program than SimNIBS, sets *format and reads it into the list, as its parser
- * does: of level 7.3 another process reads the file, which takes longer than the rest. */
-static conus_status find_format_of_matlab(conus_pose_format *format, conus_pose_list *list, struct text text,
-                                          const conus_pose_options *options)
-{
-    bool is_lead = false;
-    conus_status status = matlab_is(text) ? pose_lead_dbs_find(&is_lead, list, text, options) : CONUS_OK;
-    *format = is_lead ? CONUS_POSE_FORMAT_LEAD_DBS : *format;
-    return status;
 }
 
 struct extent {
@@ -190,7 +182,7 @@ struct conus_pose_stream {
 };
 
 /* The first bytes that are there. */
-static struct text head_of(const struct pose_lines *lines)
+static struct text at_hand(const struct pose_lines *lines)
 {
     return (struct text){lines->data, lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT};
 }
@@ -201,7 +193,7 @@ static conus_status fail_of(const conus_pose_stream *stream, conus_status status
 }
 
 /* A text that is no UTF-8 is one of Windows-1252, as spreadsheets write it; of other bytes it stays as it is. */
-static conus_status decode(struct text *text, conus_pose_stream *stream)
+static conus_status decode(struct text *text, conus_pose_stream *stream, struct notes *notes)
 {
     if (text_is_utf8(*text) || memchr(text->data, '\0', text->size)) {
         return CONUS_OK;
@@ -211,7 +203,7 @@ static conus_status decode(struct text *text, conus_pose_stream *stream)
     conus_status status = encoding_decode(&stream->decoded, text, NULL);
     if (stream->decoded && !stream->is_windows) {
         stream->is_windows = true;
-        status = notes_add(&stream->list.notes, "the text is not UTF-8: it is read as Windows-1252");
+        status = notes_add(notes, "the text is not UTF-8: it is read as Windows-1252");
     }
     return status == CONUS_ERROR_DATA ? CONUS_OK : status;
 }
@@ -219,12 +211,12 @@ static conus_status decode(struct text *text, conus_pose_stream *stream)
 /* The lines that are there, without one that is not whole. */
 static struct text whole_lines(const struct pose_lines *lines)
 {
-    struct text head = head_of(lines);
+    struct text head = at_hand(lines);
     bool is_all = lines->ended && head.size == lines->size;
     while (!is_all && head.size && !strchr("\r\n", head.data[head.size - 1])) {
         head.size--;
     }
-    return head.size ? head : head_of(lines);
+    return head.size ? head : at_hand(lines);
 }
 
 /* Whether all numbers of a text are the sixteen of a matrix, in one line or in four. */
@@ -236,54 +228,97 @@ static bool is_matrix(struct text text)
     return columns_plain_matrix(&row, &bad, text, &(conus_pose_options){.frame = &ras});
 }
 
-static conus_status find_format(conus_pose_stream *stream)
+/* The first line that is no comment; empty where there is none, or, unless that is @p all there is, no whole one. Up to
+ * it there are so many bytes. */
+static struct text first_row(size_t *size, struct text head, bool all)
+{
+    struct text rest = head;
+    struct text line = {"", 0};
+    bool is_comment = true;
+    while (is_comment && text_line(&rest, &line)) {
+        struct text trimmed = text_trim(line);
+        is_comment = !trimmed.size || trimmed.data[0] == '#';
+    }
+    *size = line.size ? (size_t)(line.data + line.size - head.data) : 0;
+    bool is_whole = !is_comment && (all || *size < head.size);
+    return is_whole ? text_trim(line) : (struct text){"", 0};
+}
+
+/* Of the head, whose first row that is. */
+static conus_pose_format format_of(const struct format *known, struct text row)
+{
+    conus_pose_format format = CONUS_POSE_FORMAT_AUTO;
+    while (known && known->id && (size_t)format < FORMATS && formats[format].id != known->id) {
+        format++;
+    }
+    return format && (size_t)format < FORMATS        ? format
+           : row.size && pose_electrodes_header(row) ? CONUS_POSE_FORMAT_ELECTRODES
+           : row.size && pose_nibs_header(row)       ? CONUS_POSE_FORMAT_NIBS
+                                                     : CONUS_POSE_FORMAT_TABLE;
+}
+
+static void find_format(struct job *job, conus_pose_stream *stream)
 {
     struct pose_lines *lines = &stream->lines;
+    const struct format *known = NULL;
+    struct text row = {"", 0};
     size_t used = 0;
-    conus_status status = columns_words_parse(&stream->words, stream->options.columns);
-    status = status ? status : pose_lines_fill_head(lines, POSE_LINE_LIMIT);
-    conus_pose_format found = CONUS_POSE_FORMAT_AUTO;
-    while (!status && found == CONUS_POSE_FORMAT_AUTO) {
-        found = forms_find(head_of(lines), lines->ended || lines->size >= POSE_LINE_LIMIT, &used);
-        status = found == CONUS_POSE_FORMAT_AUTO ? pose_lines_fill(lines, lines->size + 1) : CONUS_OK;
+    (void)JOB_CALL(job, columns_words_parse(&stream->words, stream->options.columns));
+    (void)JOB_CALL(job, pose_lines_fill(lines, POSE_LINE_LIMIT, true));
+    for (bool all = false; job_ok(job) && !all && !row.size && !(known && known->id);) {
+        const struct text head = at_hand(lines);
+        const struct file_head of_file = head_of(NULL, &(struct bytes){(uint8_t *)head.data, head.size});
+        all = lines->ended || lines->size >= POSE_LINE_LIMIT;
+        row = first_row(&used, head, all);
+        known = format_find(&of_file, ROLE_POSES);
+        if (!all && !row.size && !(known && known->id)) {
+            (void)JOB_CALL(job, pose_lines_fill(lines, lines->size + 1, false));
+        }
     }
-    const struct text head = head_of(lines);
+    if (!job_ok(job)) {
+        return;
+    }
+    const struct text head = at_hand(lines);
+    bool is_binary = known && (known->id == FORMAT_MATLAB || known->id == FORMAT_HDF5);
+    struct text rest = head;
+    struct text first = {"", 0};
+    (void)text_line(&rest, &first);
+    used = is_binary ? 0 : known ? first.size : used;
+    conus_pose_format found = format_of(known, row);
     bool is_own_word = stream->words.at[0].size && !pose_brackets_are_rows(head); /* the user knows the columns */
-    found = !status && !is_own_word && pose_lists_know(head, stream->path, &stream->options) ? CONUS_POSE_FORMAT_LIST
-                                                                                             : found;
-    const char *kind = status || found == CONUS_POSE_FORMAT_LIST ? NULL : forms_why_none(head);
-    if (kind) {
-        return fail(CONUS_ERROR_DATA, "%s", kind);
-    }
-    if (!status && used && found != CONUS_POSE_FORMAT_LIST && memchr(lines->data, '\0', used)) {
-        status = fail(CONUS_ERROR_DATA, "a zero byte: not a text of poses");
+    if (!is_own_word && pose_lists_know(head, stream->path, &stream->options)) {
+        found = CONUS_POSE_FORMAT_LIST;
+    } else if (known && !known->id) {
+        job_bad(job, "%s", known->words);
+    } else if (used && memchr(head.data, '\0', used)) {
+        job_bad(job, "a zero byte: not a text of poses");
     }
     bool is_short = lines->ended && lines->size < POSE_LINE_LIMIT;
     found = found == CONUS_POSE_FORMAT_TABLE && is_short && is_matrix(head) ? CONUS_POSE_FORMAT_MATRIX : found;
     stream->format = stream->options.format ? stream->options.format : found;
-    return status;
 }
 
 /* A table that is called as those of BIDS is in the space and unit of the *_coordsystem.json beside it. */
-static conus_status begin_coordsystem(conus_pose_stream *stream)
+static void begin_coordsystem(struct job *job, conus_pose_stream *stream)
 {
     conus_pose_list *list = &stream->list;
-    conus_status status = stream->path ? pose_coordsystem_find(list, stream->path, false) : CONUS_OK;
+    if (stream->path) {
+        pose_coordsystem_find(job, list, stream->path, false);
+    }
     bool is_ras = list->space.brain != POSE_BRAIN_UNKNOWN && list->space.brain != POSE_BRAIN_OTHER;
-    if (status || !list->coordsystem) {
-        return status;
+    if (!list->coordsystem) {
+        return;
     }
     stream->columns.beside_mm = list->space.scale;
     if (is_ras && stream->options.space == CONUS_SPACE_LPS) {
-        status = pose_note_space(&list->notes, &stream->options, false);
+        pose_note_space(job, &stream->options, false);
         stream->frame = (conus_frame){.space = CONUS_SPACE_RAS};
         stream->options.space = CONUS_SPACE_RAS;
     }
-    return status;
 }
 
 /* What it says and what the table says are one. */
-static conus_status end_coordsystem(conus_pose_stream *stream)
+static void end_coordsystem(struct job *job, conus_pose_stream *stream)
 {
     conus_pose_list *list = &stream->list;
     struct columns *columns = &stream->columns;
@@ -291,26 +326,27 @@ static conus_status end_coordsystem(conus_pose_stream *stream)
     bool is_other = said->brain && said->brain != list->space.brain;
     bool is_turned = columns->space == CONUS_SPACE_LPS && stream->options.space == CONUS_SPACE_RAS;
     if (!stream->options.any_space && (is_other || is_turned)) {
-        return fail(CONUS_ERROR_DATA, "\"%s\" is said in it, and \"%s\" by %s: in which space are the positions?",
-                    is_other ? said->name : "LPS", list->space.name, path_base(list->coordsystem));
+        job_bad(job, "\"%s\" is said in it, and \"%s\" by %s: in which space are the positions?",
+                is_other ? said->name : "LPS", list->space.name, path_base(list->coordsystem));
     }
-    bool moves = space_moves(&list->space, &stream->options) && !columns->moves;
-    columns->moves = columns->moves || moves;
-    conus_status status = moves ? space_note_move(&list->notes, &list->space) : CONUS_OK;
+    if (space_moves(&list->space, &stream->options) && !columns->moves) {
+        columns->moves = true;
+        space_note_move(job, &list->space);
+    }
     list->space.brain = columns->moves ? POSE_BRAIN_MNI152 : list->space.brain;
-    return status;
 }
 
 /* By as much as tells what the columns are: of a pipe that is silent behind its header perhaps the header alone. */
-static conus_status plan_table(conus_pose_stream *stream)
+static void plan_table(struct job *job, conus_pose_stream *stream)
 {
     struct pose_lines *lines = &stream->lines;
-    conus_status status = pose_lines_fill_head(lines, POSE_LINE_LIMIT);
-    status = status ? status : begin_coordsystem(stream);
+    struct columns *columns = &stream->columns;
+    (void)JOB_CALL(job, pose_lines_fill(lines, POSE_LINE_LIMIT, true));
+    begin_coordsystem(job, stream);
     bool is_short = true;
     bool is_decided = false;
-    stream->columns.side = sides_of_file(stream->path);
-    while (!status && !is_decided) {
+    columns->side = sides_of_file(stream->path);
+    while (job_ok(job) && !is_decided) {
         struct text head = whole_lines(lines);
         struct text rest = head;
         bool is_full = lines->size >= POSE_LINE_LIMIT;
@@ -318,40 +354,38 @@ static conus_status plan_table(conus_pose_stream *stream)
         bool is_empty = all && !table_next_line(&rest, &(struct text){0}, NULL);
         bool is_one_line =
             head.size >= POSE_LINE_LIMIT && !memchr(head.data, '\n', head.size) && !memchr(head.data, '\r', head.size);
-        if (is_empty || is_one_line) {
-            return is_full ? fail(CONUS_ERROR_DATA, "header: a line of more than %d bytes", POSE_LINE_LIMIT)
-                           : fail(CONUS_ERROR_DATA, "no poses: " POSE_FORMATS " is needed");
+        if ((is_empty || is_one_line) && is_full) {
+            job_bad(job, "header: a line of more than %d bytes", POSE_LINE_LIMIT);
+        } else if (is_empty || is_one_line) {
+            job_bad(job, "no poses: " POSE_FORMATS " is needed");
         }
-        status = decode(&head, stream);
-        size_t notes = stream->list.notes.count;
-        conus_status planned =
-            status ? status : columns_plan(&stream->columns, &is_short, &stream->list.notes, head, &stream->options);
-        is_decided = all || !is_short || (!planned && !stream->columns.place);
-        status = is_decided ? planned : status;
+        (void)JOB_CALL(job, decode(&head, stream, &job->notes));
+        const struct attempt attempt = job_try(job);
+        columns_plan(job, columns, &is_short, head, &stream->options);
+        bool is_planned = job_ok(job) && !columns->place;
+        is_decided = all || !is_short || is_planned;
+        (void)attempt_end(job, &attempt, is_decided ? ATTEMPT_KEEP : ATTEMPT_DROP);
         if (!is_decided) {
-            notes_cut(&stream->list.notes, notes);
-            status = pose_lines_fill(lines, lines->size + 1);
+            (void)JOB_CALL(job, pose_lines_fill(lines, lines->size + 1, false));
         }
     }
-    const struct columns *columns = &stream->columns;
     struct space_words of_name = {0};
     if (stream->path && !stream->options.any_space) {
         space_words_hear_name(&of_name, text_from(path_base(stream->path)));
     }
-    if (!status && !columns->place && of_name.may_be_lps && stream->options.space == CONUS_SPACE_RAS &&
-        !columns->said.has_signs && !columns->has[ROLE_SPACE]) {
-        return fail(CONUS_ERROR_DATA, "its name says \"LPS\", and nothing in it: --space lps reads the positions so; "
-                                      "--any-space takes them as RAS, with x to the right");
+    if (!columns->place && of_name.may_be_lps && stream->options.space == CONUS_SPACE_RAS && !columns->said.has_signs &&
+        !columns->has[ROLE_SPACE]) {
+        job_bad(job, "its name says \"LPS\", and nothing in it: --space lps reads the positions so; "
+                     "--any-space takes them as RAS, with x to the right");
     }
-    if (!status && stream->list.coordsystem) {
-        status = end_coordsystem(stream);
-    } else if (!status && !stream->list.space.name[0]) {
+    if (stream->list.coordsystem) {
+        end_coordsystem(job, stream);
+    } else if (!stream->list.space.name[0]) {
         stream->list.space = columns_space(columns);
     }
-    stream->format = !status && !columns->has_header ? CONUS_POSE_FORMAT_POINTS
-                     : columns->pairs                ? CONUS_POSE_FORMAT_LIST
-                                                     : stream->format;
-    return status;
+    stream->format = !columns->has_header ? CONUS_POSE_FORMAT_POINTS
+                     : columns->pairs     ? CONUS_POSE_FORMAT_LIST
+                                          : stream->format;
 }
 
 static bool is_read_whole(const conus_pose_stream *stream)
@@ -374,14 +408,14 @@ static bool is_of_rodents(conus_pose_format format)
 
 /* Points whose names say a side on which they do not lie, of an atlas whose size is known. Of tables columns.c asks; of
  * somebody's own scan the middle is not known. */
-static conus_status check_sides(conus_pose_stream *stream)
+static void check_sides(struct job *job, conus_pose_stream *stream)
 {
-    conus_pose_list *list = &stream->list;
+    const conus_pose_list *list = &stream->list;
     const conus_pose_options *options = &stream->options;
     struct sides sides = {0};
     bool is_own = list->space.brain == POSE_BRAIN_SUBJECT || list->space.brain == POSE_BRAIN_OTHER;
     if (is_own || !(options->longest > 0) || options->space >= CONUS_SPACE_CCF || stream->words.any_sides) {
-        return CONUS_OK;
+        return;
     }
     for (size_t i = 0; i < list->count; i++) {
         const conus_pose_row *row = &list->rows[i];
@@ -390,14 +424,14 @@ static conus_status check_sides(conus_pose_stream *stream)
             sides_count(&sides, sides_of_name(name), name, row->pose.world_from_device[12], options->longest / 36);
         }
     }
-    conus_status status = sides_check(&sides, "are x and y in another space than the file says, or --space?");
-    return status ? status : sides_warn(&sides, sides_of_file(stream->path), &list->notes);
+    sides_check(job, &sides, "are x and y in another space than the file says, or --space?");
+    sides_warn(job, &sides, sides_of_file(stream->path));
 }
 
 /* Warns where a head in metres would be as small: all positions lie within 1 mm of the origin, but not at it, or three
  * and more within 0.2 mm of each other. In the CCF, from bregma and in IBL's files the positions of a probe are as near
  * to each other. */
-static conus_status note_extent(conus_pose_stream *stream)
+static conus_status note_extent(conus_pose_stream *stream, struct notes *notes)
 {
     const struct extent extent = stream->extent;
     stream->extent = (struct extent){0};
@@ -425,23 +459,22 @@ static conus_status note_extent(conus_pose_stream *stream)
     }
     /* Says that they are in mm; "" if none does. */
     const char *source = path_base(conus_pose_list_coordsystem(&stream->list));
-    return notes_warn(&stream->list.notes,
-                      "all positions lie within %s, as if they were in metres; they are taken as mm%s%s%s",
+    return notes_warn(notes, "all positions lie within %s, as if they were in metres; they are taken as mm%s%s%s",
                       near_origin ? "1 mm of the origin" : "0.2 mm of each other", source[0] ? ", as " : "", source,
                       source[0] ? " says" : "");
 }
 
-static conus_status move_from_mni305(conus_pose_stream *stream)
+static void move_from_mni305(struct job *job, conus_pose_stream *stream)
 {
     conus_pose_list *list = &stream->list;
     if (!space_moves(&list->space, &stream->options)) {
-        return CONUS_OK;
+        return;
     }
     for (size_t i = 0; i < list->count; i++) {
         space_move_from_mni305(list->rows[i].pose.world_from_device + 12);
     }
     list->space.brain = POSE_BRAIN_MNI152;
-    return space_note_move(&list->notes, &list->space);
+    space_note_move(job, &list->space);
 }
 
 /* Lets a point look into the head. */
@@ -481,108 +514,144 @@ static conus_status note_inward(conus_pose_stream *stream)
     return status;
 }
 
-static conus_status read_whole(conus_pose_stream *stream)
+static void finish_buffer(void *buffer)
 {
-    struct bytes bytes = {0};
-    conus_status status =
-        (stream->format == CONUS_POSE_FORMAT_ELECTRODES || stream->format == CONUS_POSE_FORMAT_NIBS) && stream->path
-            ? pose_coordsystem_find(&stream->list, stream->path, true)
-            : CONUS_OK;
-    if (!status && stream->format == CONUS_POSE_FORMAT_LIST && stream->path && !stream->columns.pairs) {
-        status = pose_coordsystem_find(&stream->list, stream->path, false);
-        status =
-            status || !stream->list.coordsystem
-                ? status
-                : fail(CONUS_ERROR_DATA, "%s beside it is of a table with the columns x, y and z, which this is not",
-                       path_base(stream->list.coordsystem));
-    }
-    status = status ? status : pose_lines_rest(&bytes, &stream->lines, pose_memory(&stream->options));
-    struct text text = {(const char *)bytes.data, bytes.size};
-    if (!status && !text_starts(text_trim(text), "<")) { /* XML says itself what its letters are */
-        status = decode(&text, stream);
-    }
-    if (!status && stream->columns.pairs) {
-        status = pairs_parse(&stream->list, &stream->columns, text, &stream->options);
-        bytes_finish(&bytes);
-        return status;
-    }
-    if (!status && stream->options.format == CONUS_POSE_FORMAT_AUTO) {
-        status = find_format_of_matlab(&stream->format, &stream->list, text, &stream->options);
-    }
-    bool is_read = !stream->options.format && stream->format == CONUS_POSE_FORMAT_LEAD_DBS;
-    const struct text json = pose_brackets_behind_comments(text);
-    bool is_json = stream->format == CONUS_POSE_FORMAT_MARKUPS && json.size && json.data[0] == '{'; /* no .fcsv */
-    if (!status && !stream->options.format && is_json) {
-        status = pose_json_find(&stream->format, json);
-    }
-    /* Positions in the CCF or from bregma are of tables, points, IBL and NWB; other programs' files are of people. */
-    if (!status && stream->options.space >= CONUS_SPACE_CCF && !is_of_rodents(stream->format)) {
-        status = fail(CONUS_ERROR_DATA,
-                      "positions of format %s are not in space %s, which tables, points, ibl and nwb may be",
-                      conus_pose_format_name(stream->format), conus_space_name((size_t)stream->options.space));
-    }
-    status = status || is_read ? status : formats[stream->format].parse(&stream->list, text, &stream->options);
-    status = status ? status : move_from_mni305(stream);
-    status = status || !stream->list.is_cap ? status : cap_check(&stream->list);
-    if (!status && stream->format == CONUS_POSE_FORMAT_ELECTRODES) {
-        /* The table as it is, for an answer that adds columns to it. */
-        bool is_text = !text.size || !memchr(text.data, '\0', text.size);
-        stream->list.electrodes = is_text ? memory_text(text.data, text.size) : NULL;
-        status = !is_text                  ? fail(CONUS_ERROR_DATA, "a zero byte: not a table of electrodes")
-                 : stream->list.electrodes ? CONUS_OK
-                                           : CONUS_ERROR_MEMORY;
-    }
-    bytes_finish(&bytes);
-    for (size_t i = 0; !status && i < stream->list.count; i++) {
-        extent_add(&stream->extent, &stream->list.rows[i]);
-    }
-    status = status ? status : check_sides(stream);
-    status = status ? status : note_extent(stream);
-    for (size_t i = 0; stream->options.inward && !status && i < stream->list.count; i++) {
-        conus_pose_row *row = &stream->list.rows[i];
-        conus_status bad = row->error || !row->is_point ? CONUS_OK : turn_inward(row, stream);
-        row->error = bad ? memory_text(conus_message(), strlen(conus_message())) : row->error;
-        status = bad == CONUS_ERROR_MEMORY || (bad && !row->error) ? CONUS_ERROR_MEMORY : CONUS_OK;
-    }
-    return status;
+    buffer_finish(buffer);
 }
 
-static conus_status begin_text(conus_pose_stream *stream)
+/* Which program's binary file or JSON it is, which only the whole of it says. */
+static void find_program(struct pose_reading *to, conus_pose_stream *stream, struct text text)
 {
-    conus_status status = pose_lines_begin(&stream->lines);
-    status = status ? status : find_format(stream);
-    status = status || is_read_whole(stream) ? status : plan_table(stream);
-    if (!status && stream->options.along_shafts && stream->format != CONUS_POSE_FORMAT_ELECTRODES) {
-        return fail(CONUS_ERROR_DATA, "shafts are for electrodes (BIDS), not for %s",
-                    conus_pose_format_name(stream->format));
+    const struct text json = pose_brackets_behind_comments(text);
+    if (stream->options.format || !job_ok(to->job)) {
+        return;
     }
-    if (!status && stream->options.keep_count && (is_read_whole(stream) || !stream->columns.has_header)) {
-        return fail(CONUS_ERROR_DATA, "only a table with a header has columns to be kept, and not %s",
-                    conus_pose_format_name(stream->format));
+    if (matlab_is(text)) {
+        stream->format = pose_lead_dbs_is(to, text) ? CONUS_POSE_FORMAT_LEAD_DBS : stream->format;
+    } else if (stream->format == CONUS_POSE_FORMAT_MARKUPS && json.size && json.data[0] == '{') { /* no .fcsv */
+        stream->format = pose_json_find(to, json);
+    }
+}
+
+static void parse_whole(struct job *job, conus_pose_stream *stream, struct text text)
+{
+    conus_pose_list *list = &stream->list;
+    const conus_space space = stream->options.space;
+    struct pose_reading to = {.job = job, .list = list, .options = &stream->options};
+    find_program(&to, stream, text);
+    /* Positions in the CCF or from bregma are of tables, points, IBL and NWB; other programs' files are of people. */
+    if (space >= CONUS_SPACE_CCF && !is_of_rodents(stream->format)) {
+        job_bad(job, "positions of format %s are not in space %s, which tables, points, ibl and nwb may be",
+                conus_pose_format_name(stream->format), conus_space_name((size_t)space));
+    }
+    if (job_ok(job)) {
+        formats[stream->format].parse(&to, text);
+    }
+    move_from_mni305(job, stream);
+    if (list->is_cap) {
+        (void)JOB_CALL(job, cap_check(list, &job->notes));
+    }
+    if (stream->format == CONUS_POSE_FORMAT_ELECTRODES && job_ok(job)) {
+        /* The table as it is, for an answer that adds columns to it. */
+        if (text.size && memchr(text.data, '\0', text.size)) {
+            job_bad(job, "a zero byte: not a table of electrodes");
+            return;
+        }
+        list->electrodes = memory_text(text.data, text.size);
+        (void)job_need(job, list->electrodes);
+    }
+}
+
+static void read_whole(struct job *job, conus_pose_stream *stream)
+{
+    conus_pose_list *list = &stream->list;
+    const conus_pose_format format = stream->format;
+    const bool pairs = stream->columns.pairs;
+    bool is_bids = format == CONUS_POSE_FORMAT_ELECTRODES || format == CONUS_POSE_FORMAT_NIBS;
+    if (stream->path && !pairs && (is_bids || format == CONUS_POSE_FORMAT_LIST)) {
+        pose_coordsystem_find(job, list, stream->path, is_bids);
+    }
+    if (format == CONUS_POSE_FORMAT_LIST && !pairs && list->coordsystem) {
+        job_bad(job, "%s beside it is of a table with the columns x, y and z, which this is not",
+                path_base(list->coordsystem));
+    }
+    struct buffer *bytes = job_new(job, struct buffer);
+    if (!bytes) {
+        return;
+    }
+    job_own(job, finish_buffer, bytes);
+    (void)JOB_CALL(job, pose_lines_rest(bytes, &stream->lines, pose_memory(&stream->options)));
+    struct text text = {bytes->data, bytes->size};
+    if (!text_starts(text_trim(text), "<")) { /* XML says itself what its letters are */
+        (void)JOB_CALL(job, decode(&text, stream, &job->notes));
+    }
+    if (pairs) {
+        pairs_parse(&(struct pose_reading){.job = job, .list = list, .options = &stream->options}, &stream->columns,
+                    text);
+        return;
+    }
+    parse_whole(job, stream, text);
+    for (size_t i = 0; i < list->count; i++) {
+        extent_add(&stream->extent, &list->rows[i]);
+    }
+    check_sides(job, stream);
+    (void)JOB_CALL(job, note_extent(stream, &job->notes));
+    for (size_t i = 0; stream->options.inward && job_ok(job) && i < list->count; i++) {
+        conus_pose_row *row = &list->rows[i];
+        conus_status bad = row->error || !row->is_point ? CONUS_OK : turn_inward(row, stream);
+        row->error = bad ? memory_text(conus_message(), strlen(conus_message())) : row->error;
+        (void)job_need(job, bad == CONUS_ERROR_MEMORY || (bad && !row->error) ? NULL : list);
+    }
+}
+
+static void open_text(struct job *job, conus_pose_stream *stream)
+{
+    (void)JOB_CALL(job, pose_lines_begin(&stream->lines, pose_memory(&stream->options)));
+    find_format(job, stream);
+    if (job_ok(job) && !is_read_whole(stream)) {
+        plan_table(job, stream);
+    }
+    const bool is_whole = is_read_whole(stream);
+    const char *format = conus_pose_format_name(stream->format);
+    if (stream->options.along_shafts && stream->format != CONUS_POSE_FORMAT_ELECTRODES) {
+        job_bad(job, "shafts are for electrodes (BIDS), not for %s", format);
+    }
+    if (stream->options.keep_count && (is_whole || !stream->columns.has_header)) {
+        job_bad(job, "only a table with a header has columns to be kept, and not %s", format);
     }
     const struct columns_words *words = &stream->words;
     bool of_columns = words->at[0].size || words->name.size || words->unit > 0;
-    const struct text head = {stream->lines.data, stream->lines.size};
-    bool has_columns = !is_read_whole(stream) || stream->columns.pairs ||
-                       stream->format == CONUS_POSE_FORMAT_ELECTRODES ||
-                       (stream->format == CONUS_POSE_FORMAT_LIST && pose_brackets_are_rows(head));
-    if (!status && of_columns && !has_columns) {
-        return fail(CONUS_ERROR_DATA, "\"%.60s\" is for tables, points and electrodes (BIDS), and not for %s",
-                    stream->options.columns, conus_pose_format_name(stream->format));
+    bool has_columns = !is_whole || stream->columns.pairs || stream->format == CONUS_POSE_FORMAT_ELECTRODES ||
+                       (stream->format == CONUS_POSE_FORMAT_LIST &&
+                        pose_brackets_are_rows((struct text){stream->lines.data, stream->lines.size}));
+    if (of_columns && !has_columns) {
+        job_bad(job, "\"%.60s\" is for tables, points and electrodes (BIDS), and not for %s", stream->options.columns,
+                format);
     }
-    if (!status && words->place.size && !stream->columns.place) {
-        return fail(CONUS_ERROR_DATA, "\"%.60s\": names of places are read from tables and lists where an atlas is",
-                    stream->options.columns);
+    if (words->place.size && !stream->columns.place) {
+        job_bad(job, "\"%.60s\": names of places are read from tables and lists where an atlas is",
+                stream->options.columns);
     }
-    status = status || !is_read_whole(stream) ? status : read_whole(stream);
-    for (size_t i = 0; !status && i < stream->list.count; i++) {
+    if (job_ok(job) && is_whole) {
+        read_whole(job, stream);
+    }
+    for (size_t i = 0; i < stream->list.count; i++) {
         const conus_pose_row *row = &stream->list.rows[i];
         stream->whole.has_times |= !isnan(row->time_s);
         stream->whole.has_angles |= row->angle != 0;
         stream->whole.has_ranges |= isfinite(row->range[1]);
         stream->whole.has_points |= row->is_point;
     }
-    return status || stream->options.any_space ? status : pose_coordsystem_hear_name(&stream->list, stream->path);
+    if (!stream->options.any_space) {
+        pose_coordsystem_hear_name(job, &stream->list, stream->path);
+    }
+}
+
+static conus_status begin_text(conus_pose_stream *stream)
+{
+    struct job job = {0};
+    open_text(&job, stream);
+    return job_close(&job, &stream->list.notes, NULL);
 }
 
 static conus_status fail_errno(const char *action)
@@ -763,7 +832,7 @@ static conus_status next_row(conus_pose_row *row, struct pose_name *name, conus_
     for (;;) {
         struct pose_line line;
         conus_status status = pose_lines_next(lines, &line, found);
-        status = status || !*found ? status : decode(&line.text, stream);
+        status = status || !*found ? status : decode(&line.text, stream, &stream->list.notes);
         if (status || !*found) {
             return status;
         }
@@ -879,7 +948,7 @@ conus_status conus_pose_stream_read(conus_pose_row *rows, size_t *count, conus_p
         }
     }
     if (!status && !found) {
-        status = note_extent(stream);
+        status = note_extent(stream, &stream->list.notes);
         status = status ? status : note_passed(stream);
         status = status ? status : note_inward(stream);
         status = status ? status : note_equal_names(&stream->list.notes, &stream->names);
@@ -918,7 +987,7 @@ static conus_status count_again(uint64_t *count, conus_pose_stream *stream)
     } else {
         status = fail(CONUS_ERROR_UNSUPPORTED, "rows of a pipe cannot be counted before they are read");
     }
-    status = status ? status : pose_lines_begin(&lines);
+    status = status ? status : pose_lines_begin(&lines, pose_memory(&stream->options));
     for (bool found = true; !status && found; *count += found) {
         status = next_row(NULL, NULL, NULL, NULL, stream, &lines, &found);
         found = !status && found;

@@ -30,15 +30,7 @@ const char *pose_path_name(const char *path);
 /** Checks the rows of a cap, brings them to mm by list->space.scale (0 = the cap names no unit), and sets list->space:
  * CONUS_ERROR_DATA, with what fits better, unless the names that are positions (position_find()) lie where MNI 152 has
  * them. */
-conus_status cap_check(conus_pose_list *list);
-
-/** The format of a text by its first line with data, which ends behind *used bytes; CONUS_POSE_FORMAT_AUTO while that
- * is not @p all there. JSON is CONUS_POSE_FORMAT_MARKUPS and MATLAB's binary CONUS_POSE_FORMAT_SIMNIBS, whichever
- * program wrote it; CONUS_POSE_FORMAT_TABLE is whatever is delimited text. */
-conus_pose_format forms_find(struct text text, bool all, size_t *used);
-
-/** Why a text with these first bytes holds no poses; NULL if they do not show that. */
-const char *forms_why_none(struct text text);
+conus_status cap_check(conus_pose_list *list, struct notes *notes);
 
 enum { POSE_CANDIDATE_ID = 96 }; /**< "e1-t1-k1-r1", each number of at most 20 digits. */
 

@@ -18,7 +18,8 @@ enum role {
     ROLE_TRANSFORM = 1 << 4, /**< Those of several steps; others are told apart by their reader. */
     ROLE_SCENE = 1 << 5,     /**< An atlas that names other files, or has several parts. */
     ROLE_REGION = 1 << 6,    /**< A mesh as a region of interest. */
-    ROLE_POSES = 1 << 7      /**< Binary files; forms.c of the poses knows those of text. */
+    ROLE_POSES = 1 << 7 /**< Without tables and lists, whose readers tell themselves apart. A row without an id says
+                           in its words why such a file holds none. */
 };
 
 /** Formats that readers are chosen by. */
@@ -51,7 +52,11 @@ enum format_id {
     FORMAT_TT,
     FORMAT_TRX,
     FORMAT_ATLAS_XML, /**< FSL's or SPM's. */
-    FORMAT_MANIFEST   /**< JSON with the key "conus_atlas". */
+    FORMAT_MANIFEST,  /**< JSON with the key "conus_atlas". */
+    FORMAT_BRAINSIGHT,
+    FORMAT_LOCALITE,
+    FORMAT_MARKUPS, /**< Slicer's, or another program's JSON of poses. */
+    FORMAT_INVESALIUS
 };
 
 /** The first bytes of a file, unpacked, and what the rows ask of them. */
@@ -90,6 +95,7 @@ struct format {
     const char *root;     /**< The outermost element of XML. */
     const char *begins;   /**< The text begins with one of these. */
     const char *mentions; /**< Words in it. */
+    const char *lines;    /**< A line begins with one of these, '/' between them: a comment, or the first other one. */
     bool (*has)(const uint8_t *data, size_t size);
     bool (*is)(const struct file_head *head);
     const char

@@ -143,6 +143,7 @@ static bool is_no_text(const struct file_head *head)
     {                                                                                                                  \
         .id = FORMAT_##id_, .roles = roles_, .words = words_, .way = way_, __VA_ARGS__                                 \
     }
+#define NO_POSES(why_, ...) HIDDEN(OTHER, ROLE_POSES, .words = why_, __VA_ARGS__)
 #define HIDDEN(id_, roles_, ...)                                                                                       \
     {                                                                                                                  \
         .id = FORMAT_##id_, .roles = roles_, .is_hidden = true, __VA_ARGS__                                            \
@@ -268,11 +269,52 @@ static const struct format formats[] = {
     HIDDEN(OFF, ROLE_SURFACE | ROLE_VERTEX_LABELS, NAMED(".off")),
     HIDDEN(OBJ, ROLE_SURFACE | ROLE_VERTEX_LABELS, NAMED(".obj")),
     HIDDEN(OTHER, ROLE_SURFACE | ROLE_VERTEX_LABELS, NAMED(".vtk/.vtp/.ply/.mz3")), /* whose reader says what it is */
+    NO_POSES("packed by gzip: unpack it, or let gzip -dc write it to standard input", MAGIC("\x1f\x8b")),
+    NO_POSES("packed by xz: unpack it, or let xz -dc write it to standard input", MAGIC("\xfd\x37zXZ")),
+    NO_POSES("packed by bzip2: unpack it, or let bzip2 -dc write it to standard input", MAGIC("BZh")),
+    NO_POSES("packed by zstd: unpack it, or let zstd -dc write it to standard input", MAGIC("\x28\xb5\x2f\xfd")),
+    NO_POSES("a text of a word processor (RTF): save it as plain text", MAGIC("{\\rtf")),
+    NO_POSES("a zip file or a spreadsheet: unpack it, or export it as text with tabs or commas", MAGIC("PK\3\4")),
+    NO_POSES("a spreadsheet: export it as text with tabs or commas", MAGIC("\xd0\xcf\x11\xe0")),
+    NO_POSES(
+        "a table of the sites of SpikeGLX's probe (.imro) says which are on, and not where the probe lies: --probe "
+        "takes it, and a pose is another file",
+        MAGIC("(")),
+    NO_POSES(
+        "a recording by SpikeGLX (.meta) says where contacts are on the probe, and not where it lies: --probe takes "
+        "it, and a pose is another file",
+        MAGIC("acqApLfSy=")),
+    NO_POSES("a layout of a probe's channels (.prb) says where they are on it, and not where it lies",
+             MAGIC("channel_groups")),
+    HIDDEN(BRAINSIGHT, ROLE_POSES,
+           .lines = "# Coordinate system:/# Target Name/# Sample Name/# Electrode Name/#Target Name/#Sample Name/"
+                    "#Electrode Name"),
+    HIDDEN(INVESALIUS, ROLE_POSES, .lines = "##INVESALIUS3_MARKER_FILE_"),
+    HIDDEN(LOCALITE, ROLE_POSES, .lines = "<"),
+    HIDDEN(MARKUPS, ROLE_POSES,
+           .lines = "{/# Markups fiducial file/# Fiducial List file/# columns = id,x,y,z/# columns = label,x,y,z"),
     TOLD("a table of colours", "put it beside the volume as X.lut", NAMED(".lut"), .is = is_no_text,
          .certainty = KIND_BY_NAME),
     TOLD("values of the vertices of a surface, as text", NULL, .is = is_vertex_values),
     TOLD("plain text", NULL, .is = is_text, .certainty = KIND_VAGUE),
 };
+
+/* The lines with # up to the first other one, and this. */
+static bool has_line(struct text rest, const char *beginnings)
+{
+    struct text line;
+    bool found = false;
+    for (bool is_comment = true; !found && is_comment && text_line(&rest, &line);) {
+        struct text all = text_from(beginnings);
+        struct text beginning;
+        line = text_trim(line);
+        is_comment = !line.size || line.data[0] == '#';
+        for (bool more = true; !found && text_field(&all, '/', &more, &beginning);) {
+            found = line.size >= beginning.size && memcmp(line.data, beginning.data, beginning.size) == 0;
+        }
+    }
+    return found;
+}
 
 static bool matches(const struct format *row, const struct file_head *head)
 {
@@ -283,6 +325,7 @@ static bool matches(const struct format *row, const struct file_head *head)
            (!row->intent || row->intent == head->intent) && (!row->root || text_equal(head->root, row->root)) &&
            (!row->begins || (head->start.size && head->start.data[0] && strchr(row->begins, head->start.data[0]))) &&
            (!row->mentions || text_mentions(head->start, row->mentions)) &&
+           (!row->lines || has_line(bytes, row->lines)) &&
            (!row->has || row->has((const uint8_t *)bytes.data, bytes.size)) && (!row->is || row->is(head)) &&
            (!row->is_named || (head->path && ends_with(head->path, row->endings)));
 }

@@ -100,10 +100,17 @@ static int print_failure(const struct overlap *overlap, const char *path, int co
 {
     char why[1024];
     snprintf(why, sizeof why, "%s", error_line());
-    bool changed = atlas_is_region(overlap) && region_is_atlas(overlap, path);
+    struct atlas_name named = {0};
+    bool is_name = !atlas_name_find(&named, path) && named.atlas;
+    bool changed = !is_name && atlas_is_region(overlap) && region_is_atlas(overlap, path);
     messages_hold(false);
-    print_error_line("%s%s%s%s", why, changed ? "; " : "", changed ? path : "",
+    print_error_line("%s%s%s%s%s", why, changed || is_name ? "; " : "",
+                     is_name ? "ROI is a file, that of the installed atlas is " : "",
+                     is_name   ? named.path
+                     : changed ? path
+                               : "",
                      changed ? " is an atlas: ATLAS comes first, then ROI" : "");
+    atlas_name_finish(&named);
     return code;
 }
 

@@ -69,13 +69,12 @@ static void sheet_comments(struct buffer *sheet, struct text lines)
 }
 
 /* Reads the sheet, and ends it. Its second line is line 1. @p why: what is wrong with a line that is no row. */
-static conus_status sheet_read(conus_pose_list *list, struct buffer *sheet, const conus_pose_options *asked,
-                               const char *why)
+static void sheet_read(const struct pose_reading *to, struct buffer *sheet, const char *why)
 {
+    struct job *job = to->job;
     struct columns columns = {0};
-    conus_pose_options options = *asked;
+    conus_pose_options options = *to->options;
     bool is_short = false;
-    conus_status status = buffer_status(sheet);
     struct text rest = {sheet->data, sheet->size};
     struct text line;
     size_t number = 0;
@@ -83,11 +82,12 @@ static conus_status sheet_read(conus_pose_list *list, struct buffer *sheet, cons
     size_t first_absent = 0;
     options.keep_count = 0;
     options.format = CONUS_POSE_FORMAT_AUTO;
-    status = status ? status : columns_plan(&columns, &is_short, &list->notes, rest, &options);
-    if (!status && !list->space.name[0]) {
-        list->space = columns_space(&columns);
+    (void)JOB_CALL(job, buffer_status(sheet));
+    columns_plan(job, &columns, &is_short, rest, &options);
+    if (job_ok(job) && !to->list->space.name[0]) {
+        to->list->space = columns_space(&columns);
     }
-    while (!status && table_next_line(&rest, &line, &number)) {
+    while (job_ok(job) && table_next_line(&rest, &line, &number)) {
         conus_pose_row row = pose_row_at(number - 1);
         struct pose_name name = {.text = {"", 0}};
         conus_status bad = CONUS_OK;
@@ -97,18 +97,15 @@ static conus_status sheet_read(conus_pose_list *list, struct buffer *sheet, cons
         enum columns_line kind = columns_read(&row, &name, &bad, &columns, line, number, &options);
         row.line = number - 1;
         first_absent = kind == LINE_ABSENT && !absent++ ? row.line : first_absent;
-        status = kind == LINE_ABSENT ? CONUS_OK
-                                     : pose_list_add(list, &row, name.text,
-                                                     kind != LINE_ROW ? why
-                                                     : bad            ? conus_message()
-                                                                      : NULL);
+        if (kind != LINE_ABSENT) {
+            pose_add(to, &row, name.text, kind != LINE_ROW ? why : bad ? conus_message() : NULL);
+        }
     }
-    if (!status && absent && !list->count) {
-        status = fail(CONUS_ERROR_DATA, "no poses: it has only %zu rows without coordinates (n/a)", absent);
+    if (absent && !to->list->count) {
+        job_bad(job, "no poses: it has only %zu rows without coordinates (n/a)", absent);
     }
-    status = status ? status : pose_note_absent(&list->notes, absent, first_absent);
+    pose_note_absent(job, absent, first_absent);
     buffer_finish(sheet);
-    return status;
 }
 
 struct text pose_brackets_behind_comments(struct text text)
@@ -145,28 +142,28 @@ static bool begins_in_brackets(struct text text)
 }
 
 struct reading {
-    conus_pose_list *list;
-    const conus_pose_options *options;
+    struct job *job;
+    const struct pose_reading *to;
     double numbers[MATRIX];
     size_t count, width; /* numbers of this row; of each, 0 = not known yet */
     size_t rows;
-    conus_space space;   /* of matrices */
+    conus_space space; /* of matrices, */
+    const char *why_no_matrix;
     struct buffer sheet; /* of points */
     struct buffer comments;
 };
 
 /* Three numbers are a point; four rows of four a matrix. */
-static conus_status end_row(struct reading *reading)
+static void end_row(struct reading *reading)
 {
     size_t width = reading->width == ROW ? reading->count - ROW * (reading->rows % ROW) : reading->count;
-    conus_status status = CONUS_OK;
     if (width == 0) { /* brackets around rows */
-        return CONUS_OK;
+        return;
     }
     if ((width != 3 && width != ROW) || (reading->width && width != reading->width)) {
-        return fail(CONUS_ERROR_DATA,
-                    "row %zu in brackets has %zu numbers; points have three, matrices four rows of four",
-                    reading->rows + 1, width);
+        job_bad(reading->job, "row %zu in brackets has %zu numbers; points have three, matrices four rows of four",
+                reading->rows + 1, width);
+        return;
     }
     reading->width = width;
     reading->rows++;
@@ -179,39 +176,34 @@ static conus_status end_row(struct reading *reading)
         for (size_t i = 0; i < MATRIX; i++) {
             m[i] = reading->numbers[4 * (i % 4) + i / 4];
         }
-        conus_status bad = pose_of_matrix(&row.pose, m, reading->space == CONUS_SPACE_LPS, reading->options->axis);
-        status = pose_list_add(reading->list, &row, text_from(""), bad ? conus_message() : NULL);
+        conus_status bad = pose_of_matrix(&row.pose, m, reading->space == CONUS_SPACE_LPS, reading->to->options->axis);
+        pose_add(reading->to, &row, text_from(""), bad ? conus_message() : NULL);
         reading->count = 0;
     }
-    return status;
 }
 
-static conus_status add_number(struct reading *reading, struct text word)
+static void add_number(struct reading *reading, struct text word)
 {
     double number;
     if (text_find(word, "...")) {
-        return fail(CONUS_ERROR_DATA, "\"...\" in brackets: what was printed is not all of it; save it as a file "
-                                      "(numpy.savetxt, writematrix)");
+        job_bad(reading->job, "\"...\" in brackets: what was printed is not all of it; save it as a file "
+                              "(numpy.savetxt, writematrix)");
+    } else if (!text_to_double(word, &number) || !isfinite(number)) {
+        job_bad(reading->job, "\"%.*s\" in brackets is no number", POSE_QUOTE(word));
+    } else if (reading->count == MATRIX) {
+        job_bad(reading->job,
+                "a row in brackets of more than 16 numbers; points have three, matrices four rows of four");
+    } else {
+        reading->numbers[reading->count++] = number;
     }
-    if (!text_to_double(word, &number) || !isfinite(number)) {
-        return fail(CONUS_ERROR_DATA, "\"%.*s\" in brackets is no number", POSE_QUOTE(word));
-    }
-    if (reading->count == MATRIX) {
-        return fail(CONUS_ERROR_DATA,
-                    "a row in brackets of more than 16 numbers; points have three, matrices four rows "
-                    "of four");
-    }
-    reading->numbers[reading->count++] = number;
-    return CONUS_OK;
 }
 
 /* A row ends at its own bracket, or in the only one at a semicolon or the line's end. */
-static conus_status parse_numbers(struct reading *reading, struct text text)
+static void parse_numbers(struct reading *reading, struct text text)
 {
     static const char marks[] = "[] \t\r\n,;";
     size_t depth = 0;
-    conus_status status = CONUS_OK;
-    for (size_t at = 0; !status && at < text.size;) {
+    for (size_t at = 0; job_ok(reading->job) && at < text.size;) {
         const char c = text.data[at];
         size_t size = 0;
         if (c == '#' || c == '%') { /* to the line's end; read by hear_around() */
@@ -223,20 +215,22 @@ static conus_status parse_numbers(struct reading *reading, struct text text)
         while (at + size < text.size && !memchr(marks, text.data[at + size], sizeof marks - 1)) {
             size++;
         }
-        if (size) {
-            status = depth ? add_number(reading, (struct text){text.data + at, size})
-                           : fail(CONUS_ERROR_DATA, "\"%.*s\" behind the brackets",
-                                  POSE_QUOTE(((struct text){text.data + at, size})));
+        const struct text word = {text.data + at, size};
+        if (size && depth) {
+            add_number(reading, word);
+        } else if (size) {
+            job_bad(reading->job, "\"%.*s\" behind the brackets", POSE_QUOTE(word));
+        } else if (c == ']' && !depth) {
+            job_bad(reading->job, "a bracket ] that was not opened");
         } else if (c == ']' || (depth == 1 && (c == ';' || c == '\n'))) {
-            status = c == ']' && !depth ? fail(CONUS_ERROR_DATA, "a bracket ] that was not opened") : end_row(reading);
+            end_row(reading);
         }
         depth = c == '[' ? depth + 1 : c == ']' && depth ? depth - 1 : depth;
         at += size ? size : 1;
     }
-    if (!status && (depth || reading->count)) {
-        status = fail(CONUS_ERROR_DATA, depth ? "a bracket [ that is not closed" : "the last matrix is not whole");
+    if (depth || reading->count) {
+        job_bad(reading->job, depth ? "a bracket [ that is not closed" : "the last matrix is not whole");
     }
-    return status;
 }
 
 /* Takes the comments of a text in brackets, and the words of the name that it gives them: "tal = [", "pts_lps = [". */
@@ -270,46 +264,44 @@ static void find_comments(struct buffer *comments, struct text text, struct text
 }
 
 /* What is said of matrices, which cannot be brought to another unit. */
-static conus_status hear_of_matrices(struct reading *reading, struct text comments)
+static void hear_of_matrices(struct reading *reading, struct text comments)
 {
+    const conus_pose_options *options = reading->to->options;
     struct space_words said = {0};
     struct text line;
-    while (!reading->options->any_space && text_line(&comments, &line)) {
+    while (!options->any_space && text_line(&comments, &line)) {
         space_words_hear(&said, line);
     }
-    bool has_unit = reading->options->columns || (reading->options->unit > 0 && reading->options->unit != 1);
-    if (reading->width != 3 && has_unit) {
-        return fail(CONUS_ERROR_DATA, "matrices in brackets are in mm: no words behind FILE or other unit fit them");
+    if (options->columns || (options->unit > 0 && options->unit != 1)) {
+        reading->why_no_matrix = "matrices in brackets are in mm: no words behind FILE or other unit fit them";
+    } else if (said.why || said.are_two || (said.mm > 0 && said.mm != 1)) {
+        reading->why_no_matrix =
+            job_format(reading->job, "matrices in brackets that are said to be \"%s\": RAS or LPS mm are needed",
+                       said.heard[0] ? said.heard : "in another unit than mm");
     }
-    reading->list->space = said.space;
-    reading->space = said.has_signs ? said.signs : reading->options->space;
-    return said.why || said.are_two || (said.mm > 0 && said.mm != 1)
-               ? fail(CONUS_ERROR_DATA, "matrices in brackets that are said to be \"%s\": RAS or LPS mm are needed",
-                      said.heard[0] ? said.heard : "in another unit than mm")
-               : CONUS_OK;
+    reading->to->list->space = said.space;
+    reading->space = said.has_signs ? said.signs : options->space;
 }
 
-static conus_status parse_list(conus_pose_list *list, struct text text, const conus_pose_options *options)
+static void parse_list(const struct pose_reading *to, struct text text)
 {
-    struct reading reading = {.list = list, .options = options};
+    struct reading reading = {.job = to->job, .to = to};
     struct text numbers = opened(text);
     find_comments(&reading.comments, text, numbers);
-    sheet_header(&reading.sheet, options, false);
-    conus_status status = buffer_status(&reading.comments);
-    const struct text comments = {reading.comments.data, reading.comments.size};
-    status = status ? status : hear_of_matrices(&reading, comments);
-    bool is_said = status == CONUS_ERROR_DATA; /* against matrices, not against points */
-    status = status && !is_said ? status : parse_numbers(&reading, numbers);
-    if (!status && reading.width == 3) {
-        list->space = (struct pose_space){0};
-        buffer_append(&reading.sheet, comments.data, comments.size);
-        status = sheet_read(list, &reading.sheet, options, "three numbers are needed");
-    } else if (!status && is_said) { /* again, for its message */
-        status = hear_of_matrices(&reading, comments);
+    sheet_header(&reading.sheet, to->options, false);
+    if (JOB_CALL(to->job, buffer_status(&reading.comments))) {
+        hear_of_matrices(&reading, (struct text){reading.comments.data, reading.comments.size});
+    }
+    parse_numbers(&reading, numbers);
+    if (reading.width == 3) {
+        to->list->space = (struct pose_space){0};
+        buffer_append(&reading.sheet, reading.comments.data, reading.comments.size);
+        sheet_read(to, &reading.sheet, "three numbers are needed");
+    } else if (reading.why_no_matrix) {
+        job_bad(to->job, "%s", reading.why_no_matrix);
     }
     buffer_finish(&reading.sheet);
     buffer_finish(&reading.comments);
-    return status;
 }
 
 /* Three numbers, with commas, semicolons or white space between them. */
@@ -400,6 +392,12 @@ static bool cell_point(double point[3], struct text cell)
     return read_three(point, is_open ? (struct text){cell.data + 1, cell.size - 2} : cell);
 }
 
+static bool is_called_coordinates(struct text name)
+{
+    return text_contains(name, text_from("coord")) || text_contains(name, text_from("x, y, z")) ||
+           text_contains(name, text_from("x,y,z"));
+}
+
 /* Looks at the header, of one line or two (SPM), and the first row: the row has fewer than three bare numbers, unless
  * the header calls the column coordinates. */
 static bool find_cells(struct cells *out, struct text head)
@@ -410,7 +408,9 @@ static bool find_cells(struct cells *out, struct text head)
     struct text rest = head;
     struct text line;
     struct text above = {"", 0};
+    struct table_line first;
     bool has_both = table_next_line(&rest, &above, NULL);
+    const struct text top = above;
     for (size_t header = 0; has_both && header < HEADERS; header++, above = line) {
         has_both = table_next_line(&rest, &line, NULL);
         for (enum table_separator mark = TABLE_TABS; has_both && mark <= TABLE_COMMAS; mark++) {
@@ -421,9 +421,7 @@ static bool find_cells(struct cells *out, struct text head)
             for (size_t i = 0; fits && i < row.count; i++) {
                 double point[3];
                 double number;
-                bool is_called = text_contains(names.cells[i], text_from("coord")) ||
-                                 text_contains(names.cells[i], text_from("x, y, z")) ||
-                                 text_contains(names.cells[i], text_from("x,y,z"));
+                bool is_called = is_called_coordinates(names.cells[i]);
                 if (cell_point(point, row.cells[i]) && !cell_point(point, names.cells[i]) && (is_bare || is_called)) {
                     out->at = i;
                     out->called = names.cells[i];
@@ -431,6 +429,12 @@ static bool find_cells(struct cells *out, struct text head)
                 } else if (out->name == SIZE_MAX && row.cells[i].size && !text_to_double(row.cells[i], &number)) {
                     out->name = i;
                 }
+            }
+            /* The second line is one more header where it says so, or the first is a title, else a row. */
+            if (out->count && header && !is_called_coordinates(out->called) && table_split(&first, &out->table, top) &&
+                first.count == row.count) {
+                out->called = first.cells[out->at];
+                out->headers = 1;
             }
             if (out->count) {
                 return true;
@@ -475,7 +479,7 @@ static bool is_other_order(struct text name)
 }
 
 /* Lines that are spoken, or, of a table, have a cell of three numbers. */
-static conus_status parse_lines(conus_pose_list *list, struct text text, const conus_pose_options *options)
+static void parse_lines(const struct pose_reading *to, struct text text)
 {
     struct buffer sheet = {0};
     struct cells cells;
@@ -486,17 +490,17 @@ static conus_status parse_lines(conus_pose_list *list, struct text text, const c
     const bool is_table = !is_spoken(text);
     bool has_target = false;
     if (is_table && (!find_cells(&cells, text) || cells.count != 1)) {
-        return fail(CONUS_ERROR_DATA, "several columns with three numbers in a cell: which are the positions? Take the "
-                                      "others out");
+        job_bad(to->job, "several columns with three numbers in a cell: which are the positions? Take the others out");
+        return;
     }
     if (is_table && is_other_order(cells.called)) {
-        return fail(CONUS_ERROR_DATA, "column \"%.*s\": another order than x, y, z: put them into columns of their own",
-                    POSE_QUOTE(cells.called));
+        job_bad(to->job, "column \"%.*s\": another order than x, y, z: put them into columns of their own",
+                POSE_QUOTE(cells.called));
     }
     while (!is_table && !has_target && table_next_line(&rest, &line, NULL)) {
         has_target = read_spoken(&spoken, line) && spoken.count == 6;
     }
-    sheet_header(&sheet, options, has_target);
+    sheet_header(&sheet, to->options, has_target);
     for (size_t above = is_table ? cells.headers : 0; text_line(&text, &line);) {
         bool is_blank = table_is_blank(line);
         bool is_comment = table_is_comment(&inside, line);
@@ -510,34 +514,38 @@ static conus_status parse_lines(conus_pose_list *list, struct text text, const c
             sheet_row(&sheet, is_row ? spoken.name : nameless, spoken.numbers, is_row ? spoken.count : 0);
         }
     }
-    return sheet_read(list, &sheet, options,
-                      is_table ? "no cell of three numbers"
-                               : "not as the first line: (x, y, z) and a name, or (x, y, z) -> (x, y, z)");
+    sheet_read(to, &sheet,
+               is_table ? "no cell of three numbers"
+                        : "not as the first line: (x, y, z) and a name, or (x, y, z) -> (x, y, z)");
 }
 
 enum pose_brackets pose_brackets_json(json_t *root)
 {
     bool all = json_object_size(root) > 0;
     double point[3];
+    const char *key;
+    json_t *value;
     if (text_equal(json_text_of(json_object_get(root, "data_type")), "fs_pointset")) {
         return BRACKETS_FREEVIEW;
     }
-    for (void *at = json_object_iter(root); all && at; at = json_object_iter_next(root, at)) {
-        all = json_numbers(point, 3, json_object_iter_value(at));
+    json_object_foreach(root, key, value)
+    {
+        all = all && json_numbers(point, 3, value);
     }
     return all ? BRACKETS_NAMES : BRACKETS_NONE;
 }
 
-static conus_status set_freeview_space(conus_pose_list *list, const json_t *root, bool any_space)
+static void set_freeview_space(const struct pose_reading *to, const json_t *root)
 {
     struct text system = json_text_of(json_object_get(root, "vox2ras"));
     bool is_scanner = text_equal(system, "scanner_ras");
-    list->space = is_scanner ? pose_space_named(text_from("FreeSurfer scanner RAS"), POSE_BRAIN_SUBJECT)
-                             : pose_space_named(text_from("FreeSurfer tkRAS"), POSE_BRAIN_OTHER);
+    to->list->space = is_scanner ? pose_space_named(text_from("FreeSurfer scanner RAS"), POSE_BRAIN_SUBJECT)
+                                 : pose_space_named(text_from("FreeSurfer tkRAS"), POSE_BRAIN_OTHER);
     if (!is_scanner && !text_equal(system, "tkreg")) {
-        return fail(CONUS_ERROR_DATA, "vox2ras \"%.*s\", allowed are scanner_ras and tkreg", POSE_QUOTE(system));
+        job_bad(to->job, "vox2ras \"%.*s\", allowed are scanner_ras and tkreg", POSE_QUOTE(system));
+    } else if (!is_scanner && !to->options->any_space) {
+        job_bad(to->job, "%s", space_why_tkras);
     }
-    return is_scanner || any_space ? CONUS_OK : fail(CONUS_ERROR_DATA, "%s", space_why_tkras);
 }
 
 /* The names of objects' values, in the order in which they come first. */
@@ -551,11 +559,12 @@ static bool is_unit(const char *key)
     return text_is_one_of(text_from(key), "unit/units", false);
 }
 
-static conus_status find_keys(struct keys *keys, json_t *object)
+static void find_keys(struct job *job, struct keys *keys, json_t *object)
 {
-    for (void *at = json_object_iter(object); at; at = json_object_iter_next(object, at)) {
-        const char *key = json_object_iter_key(at);
-        const json_t *value = json_object_iter_value(at);
+    const char *key;
+    json_t *value;
+    json_object_foreach(object, key, value)
+    {
         size_t i = 0;
         while (i < keys->count && strcmp(keys->at[i], key) != 0) {
             i++;
@@ -564,29 +573,30 @@ static conus_status find_keys(struct keys *keys, json_t *object)
             continue;
         }
         if (i == KEYS) {
-            return fail(CONUS_ERROR_DATA, "objects with more than %d keys", KEYS);
+            job_bad(job, "objects with more than %d keys", KEYS);
+            return;
         }
         keys->at[keys->count++] = key;
     }
-    return CONUS_OK;
 }
 
-static conus_status hear_unit_key(struct buffer *comments, json_t *object)
+static void hear_unit_key(struct job *job, struct buffer *comments, json_t *object)
 {
-    for (void *at = json_object_iter(object); at; at = json_object_iter_next(object, at)) {
-        struct text unit = json_text_of(json_object_iter_value(at));
+    const char *key;
+    json_t *value;
+    json_object_foreach(object, key, value)
+    {
+        struct text unit = json_text_of(value);
         struct space_words said = {0};
-        if (!is_unit(json_object_iter_key(at))) {
+        if (!is_unit(key)) {
             continue;
         }
         space_words_hear_of(&said, unit);
         if (!(said.mm > 0) || said.are_two) {
-            return fail(CONUS_ERROR_DATA, "\"%s\" is \"%.*s\", allowed are mm, um, cm and m", json_object_iter_key(at),
-                        POSE_QUOTE(unit));
+            job_bad(job, "\"%s\" is \"%.*s\", allowed are mm, um, cm and m", key, POSE_QUOTE(unit));
         }
         buffer_format(comments, "# unit %.*s\n", (int)unit.size, unit.data);
     }
-    return CONUS_OK;
 }
 
 static void sheet_value(struct buffer *sheet, const json_t *value)
@@ -605,28 +615,31 @@ static void sheet_value(struct buffer *sheet, const json_t *value)
 }
 
 /* [{"name": "M1", "x": 1, "y": 2, "z": 3}]: each is a row, its keys are columns, those of "coordinates" among them. */
-static conus_status parse_objects(conus_pose_list *list, json_t *objects, bool is_freeview, struct text above,
-                                  const conus_pose_options *options)
+static void parse_objects(const struct pose_reading *to, json_t *objects, bool is_freeview, struct text above)
 {
+    struct job *job = to->job;
     struct keys keys = {0};
     struct buffer sheet = {0};
     struct buffer comments = {0};
-    conus_status status = CONUS_OK;
     sheet_comments(&comments, above);
-    for (size_t i = 0; !status && i < json_array_size(objects); i++) {
+    for (size_t i = 0; job_ok(job) && i < json_array_size(objects); i++) {
         json_t *object = json_array_get(objects, i);
         json_t *inner = json_object_get(object, "coordinates");
-        status = find_keys(&keys, inner);
-        status = status ? status : hear_unit_key(&comments, inner);
-        status = status || (is_freeview && inner) ? status : find_keys(&keys, object);
-        status = status || is_freeview ? status : hear_unit_key(&comments, object);
+        find_keys(job, &keys, inner);
+        hear_unit_key(job, &comments, inner);
+        if (!is_freeview || !inner) {
+            find_keys(job, &keys, object);
+        }
+        if (!is_freeview) {
+            hear_unit_key(job, &comments, object);
+        }
     }
     for (size_t k = 0; k < keys.count; k++) {
         buffer_text(&sheet, k ? "\t" : "");
         sheet_words(&sheet, text_from(keys.at[k]), true);
     }
     buffer_text(&sheet, "\n");
-    for (size_t i = 0; !status && i < json_array_size(objects); i++) {
+    for (size_t i = 0; job_ok(job) && i < json_array_size(objects); i++) {
         json_t *object = json_array_get(objects, i);
         json_t *inner = json_object_get(object, "coordinates");
         size_t empty = sheet.size;
@@ -638,54 +651,52 @@ static conus_status parse_objects(conus_pose_list *list, json_t *objects, bool i
         buffer_text(&sheet, sheet.size == empty + keys.count - 1 || !keys.count ? "?\n" : "\n");
     }
     buffer_append(&sheet, comments.data, comments.size);
-    if (!status && json_array_size(objects)) {
-        status = buffer_status(&comments);
-        status = status ? status : sheet_read(list, &sheet, options, "the numbers x, y and z are needed");
+    if (json_array_size(objects) && JOB_CALL(job, buffer_status(&comments))) {
+        sheet_read(to, &sheet, "the numbers x, y and z are needed");
     }
     buffer_finish(&sheet);
     buffer_finish(&comments);
-    return status;
 }
 
 /* {"M1": [1, 2, 3]} */
-static conus_status parse_map(conus_pose_list *list, json_t *root, struct text above, const conus_pose_options *options)
+static void parse_map(const struct pose_reading *to, json_t *root, struct text above)
 {
     struct buffer sheet = {0};
-    sheet_header(&sheet, options, false);
-    for (void *at = json_object_iter(root); at; at = json_object_iter_next(root, at)) {
+    const char *key;
+    json_t *value;
+    sheet_header(&sheet, to->options, false);
+    json_object_foreach(root, key, value)
+    {
         double point[3] = {0};
-        struct text key = text_from(json_object_iter_key(at));
-        if (text_is_one_of(key, "x/y/z", false)) { /* of three points, by columns */
-            buffer_finish(&sheet);
-            return fail(CONUS_ERROR_DATA, "the names x, y and z: a table on its side; save it by rows "
-                                          "(orient=\"records\")");
+        bool is_row = json_numbers(point, 3, value);
+        if (text_is_one_of(text_from(key), "x/y/z", false)) { /* of three points, by columns */
+            job_bad(to->job, "the names x, y and z: a table on its side; save it by rows (orient=\"records\")");
         }
-        bool is_row = json_numbers(point, 3, json_object_iter_value(at));
-        sheet_row(&sheet, is_row ? key : nameless, point, is_row ? 3 : 0);
+        sheet_row(&sheet, is_row ? text_from(key) : nameless, point, is_row ? 3 : 0);
     }
     sheet_comments(&sheet, above);
-    return sheet_read(list, &sheet, options, "three numbers are needed");
+    sheet_read(to, &sheet, "three numbers are needed");
 }
 
-conus_status pose_brackets_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
+void pose_brackets_parse(struct pose_reading *to, struct text text)
 {
-    json_t *root = NULL;
     if (begins_in_brackets(text)) {
-        return parse_list(list, text, options);
+        parse_list(to, text);
+        return;
     }
     if (is_spoken(text) || pose_brackets_in_cells(text)) {
-        return parse_lines(list, text, options);
+        parse_lines(to, text);
+        return;
     }
     const struct text json = pose_brackets_behind_comments(text);
     const struct text above = {text.data, (size_t)(json.data - text.data)};
-    conus_status status = json_text_load(&root, json);
-    bool is_freeview = pose_brackets_json(root) == BRACKETS_FREEVIEW;
-    status = status || !is_freeview ? status : set_freeview_space(list, root, options->any_space);
-    if (!status) {
-        status = is_freeview            ? parse_objects(list, json_object_get(root, "points"), true, above, options)
-                 : json_is_object(root) ? parse_map(list, root, above, options)
-                                        : parse_objects(list, root, false, above, options);
+    json_t *root = pose_json(to, json);
+    if (pose_brackets_json(root) == BRACKETS_FREEVIEW) {
+        set_freeview_space(to, root);
+        parse_objects(to, json_object_get(root, "points"), true, above);
+    } else if (json_is_object(root)) {
+        parse_map(to, root, above);
+    } else {
+        parse_objects(to, root, false, above);
     }
-    json_decref(root);
-    return status;
 }

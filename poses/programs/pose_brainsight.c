@@ -8,6 +8,7 @@
 #include "poses/rows/pose_row.h"
 
 #include <stdio.h>
+#include <string.h>
 
 enum column { X, Y, Z, M00, M22 = M00 + 8, DATE, CLOCK, COLUMNS };
 
@@ -22,8 +23,8 @@ static const struct {
 } kinds[KINDS] = {{"Target Name", "target"}, {"Sample Name", "sample"}, {"Electrode Name", "electrode"}};
 
 struct reading {
-    conus_pose_list *list;
-    const conus_pose_options *options;
+    struct job *job;
+    struct pose_reading *to;
     bool lps;
     bool has_space;
     enum kind kind; /* of the section; KINDS if its rows are passed over */
@@ -45,19 +46,9 @@ static bool has_prefix(struct text text, const char *prefix, struct text *rest)
     return true;
 }
 
-bool pose_brainsight_line(struct text line)
-{
-    struct text rest;
-    bool found = has_prefix(line, "# Coordinate system:", &rest);
-    for (size_t i = 0; i < KINDS && has_prefix(line, "#", &rest); i++) {
-        found = found || text_starts(rest, kinds[i].column);
-    }
-    return found;
-}
-
 /* NIfTI:Scanner, NIfTI:S:Scanner (of the sform), World: the image's world in mm. MNI-152 and Talairach stand alone,
  * too, where the project's image is no NIfTI. */
-static conus_status read_space(struct reading *reading, struct text name)
+static void read_space(struct reading *reading, struct text name)
 {
     struct text rest;
     bool nifti = has_prefix(name, "NIfTI:", &rest);
@@ -74,91 +65,87 @@ static conus_status read_space(struct reading *reading, struct text name)
                             : text_equal(rest, "Talairach") ? POSE_BRAIN_TALAIRACH
                                                             : POSE_BRAIN_UNKNOWN;
     if (!nifti && !text_equal(name, "World")) {
-        return fail(CONUS_ERROR_DATA,
-                    "coordinate system \"%.*s\" is not the world of an image; export as NIfTI:Scanner, "
-                    "NIfTI:Aligned, NIfTI:MNI-152, NIfTI:Talairach or World",
-                    POSE_QUOTE(name));
+        job_bad(reading->job,
+                "coordinate system \"%.*s\" is not the world of an image; export as NIfTI:Scanner, "
+                "NIfTI:Aligned, NIfTI:MNI-152, NIfTI:Talairach or World",
+                POSE_QUOTE(name));
     }
     reading->lps = !nifti;
     reading->has_space = true;
-    reading->list->space = pose_space_named(name, brain);
-    return CONUS_OK;
+    reading->to->list->space = pose_space_named(name, brain);
 }
 
 /* "# Target Name, Loc. X, ...", separated by tabs. */
-static conus_status begin_section(struct reading *reading, struct text header)
+static void begin_section(struct reading *reading, struct text header)
 {
     struct named_cells *cells = &reading->cells;
-    conus_status status = named_cells_find(cells, header);
+    named_cells_find(NULL, cells, header);
     reading->has_section = true;
     reading->kind = TARGETS;
     while (reading->kind < KINDS && !text_equal(cells->line.cells[0], kinds[reading->kind].column)) {
         reading->kind++;
     }
-    if (status || reading->kind == KINDS) {
-        return reading->kind == KINDS ? CONUS_OK : status;
+    if (reading->kind == KINDS) {
+        return;
     }
+    named_cells_find(reading->job, cells, header);
     size_t found = 0;
     for (size_t i = X; i <= M22; i++) {
         found += named_cells_has(cells, i);
         if (i == Z && found < 3) {
-            return fail(CONUS_ERROR_DATA, "no columns Loc. X, Loc. Y, Loc. Z");
+            job_bad(reading->job, "no columns Loc. X, Loc. Y, Loc. Z");
         }
     }
-    return found == 3 || found == 12 ? CONUS_OK : fail(CONUS_ERROR_DATA, "only some of the columns m0n0...m2n2");
+    if (found != 3 && found != 12) {
+        job_bad(reading->job, "only some of the columns m0n0...m2n2");
+    }
 }
 
-static conus_status read_comment(struct reading *reading, struct text line)
+static void read_comment(struct reading *reading, struct text line)
 {
-    struct text rest = {line.data + 1, line.size - 1};
+    struct text rest = text_trim((struct text){line.data + 1, line.size - 1});
     struct text value;
-    rest = text_trim(rest);
     if (has_prefix(rest, "Coordinate system:", &value)) {
-        return read_space(reading, value);
+        read_space(reading, value);
+    } else if (has_prefix(rest, "Units:", &value) || has_prefix(rest, "units:", &value)) {
+        if (!text_starts(value, "millimetres") && !text_starts(value, "millimeters") && !text_starts(value, "mm")) {
+            job_bad(reading->job, "units \"%.*s\", millimetres are needed", POSE_QUOTE(value));
+        }
+    } else if (memchr(rest.data, '\t', rest.size)) {
+        begin_section(reading, rest);
     }
-    if (has_prefix(rest, "Units:", &value) || has_prefix(rest, "units:", &value)) {
-        return text_starts(value, "millimetres") || text_starts(value, "millimeters") || text_starts(value, "mm")
-                   ? CONUS_OK
-                   : fail(CONUS_ERROR_DATA, "units \"%.*s\", millimetres are needed", POSE_QUOTE(value));
-    }
-    return memchr(rest.data, '\t', rest.size) ? begin_section(reading, rest) : CONUS_OK;
 }
 
 /* m0n0 m0n1 m0n2 is where the device's x points, and so on. */
-static conus_status read_matrix(conus_pose *out, const struct reading *reading, const double position[3])
+static void read_matrix(conus_pose *out, const struct reading *reading, const double position[3])
 {
-    double axes[9];
-    conus_status status = named_cells_numbers(axes, &reading->cells, M00, 9);
-    if (status) {
-        return status;
-    }
+    double axes[9] = {0};
     double m[16] = {[15] = 1};
+    named_cells_numbers(reading->job, axes, &reading->cells, M00, 9);
     for (int i = 0; i < 3; i++) {
         memcpy(m + 4 * i, axes + 3 * i, 3 * sizeof *m);
     }
     memcpy(m + 12, position, 3 * sizeof *m);
-    return pose_of_matrix(out, m, reading->lps, reading->options->axis);
+    (void)JOB_CALL(reading->job, pose_of_matrix(out, m, reading->lps, reading->to->options->axis));
 }
 
-static conus_status read_pose(conus_pose_row *row, const struct reading *reading)
+static void read_pose(conus_pose_row *row, const struct reading *reading)
 {
-    double position[3];
-    conus_status status = named_cells_numbers(position, &reading->cells, X, 3);
+    double position[3] = {0};
+    named_cells_numbers(reading->job, position, &reading->cells, X, 3);
     row->time_s = pose_clock(named_cell(&reading->cells, DATE), named_cell(&reading->cells, CLOCK));
-    if (status) {
-        return status;
-    }
-    row->is_point = true;
+    row->is_point = job_ok(reading->job);
     for (size_t i = M00; i <= M22; i++) {
         row->is_point = row->is_point && named_cell_is_absent(&reading->cells, i);
     }
     if (!row->is_point) {
-        return read_matrix(&row->pose, reading, position);
+        read_matrix(&row->pose, reading, position);
+        return;
     }
     if (reading->lps) {
         pose_flip_point(position);
     }
-    return pose_of_point(&row->pose, position);
+    (void)JOB_CALL(reading->job, pose_of_point(&row->pose, position));
 }
 
 /* Targets, samples and electrodes may have the same names: where there are several kinds, names say which. */
@@ -174,11 +161,11 @@ static struct text full_name(char out[POSE_ID_LIMIT + 1], const struct reading *
     return size > 0 && size <= POSE_ID_LIMIT ? (struct text){out, (size_t)size} : name;
 }
 
-static conus_status read_row(struct reading *reading, struct text line)
+static void read_row(struct reading *reading, struct text line)
 {
     if (reading->kind == KINDS) {
         reading->passed_over++;
-        return CONUS_OK;
+        return;
     }
     if (reading->counting) {
         struct text field;
@@ -186,41 +173,40 @@ static conus_status read_row(struct reading *reading, struct text line)
             table_add_comma(&reading->cells.table, field);
         }
         reading->rows[reading->kind]++;
-        return CONUS_OK;
+        return;
     }
     if (!reading->has_space) {
-        return fail(CONUS_ERROR_DATA, "a pose, but no coordinate system was named before");
+        job_bad(reading->job, "a pose, but no coordinate system was named before");
     }
     char buffer[POSE_ID_LIMIT + 1];
     conus_pose_row row = pose_row_at(reading->line);
-    conus_status bad = named_cells_split(&reading->cells, line);
-    bad = bad ? bad : read_pose(&row, reading);
-    struct text name = reading->cells.line.cells[0];
-    return pose_list_add(reading->list, &row, full_name(buffer, reading, name), bad ? conus_message() : NULL);
+    const struct attempt attempt = job_try(reading->job);
+    named_cells_split(reading->job, &reading->cells, line);
+    if (job_ok(reading->job)) { /* else its time is not known */
+        read_pose(&row, reading);
+    }
+    const char *bad = attempt_end(reading->job, &attempt, ATTEMPT_TRY);
+    pose_add(reading->to, &row, full_name(buffer, reading, reading->cells.line.cells[0]), bad);
 }
 
-static conus_status read_lines(struct reading *reading, struct text text)
+static void read_lines(struct reading *reading, struct text text)
 {
     struct text line;
-    char where[POSE_ORDINAL_SIZE + 8];
-    conus_status status = CONUS_OK;
     reading->kind = KINDS;
     reading->passed_over = 0;
-    for (reading->line = 1; text_line(&text, &line); reading->line++) {
+    const size_t mark = job_in(reading->job, "line ", 0);
+    for (reading->line = 1; job_ok(reading->job) && text_line(&text, &line); reading->line++) {
+        job_at(reading->job, "line ", reading->line);
         if (text_trim(line).size) {
-            status = line.data[0] == '#' ? read_comment(reading, line) : read_row(reading, line);
-        }
-        if (status) {
-            snprintf(where, sizeof where, "line %zu", reading->line);
-            return fail_in(status, where);
+            (line.data[0] == '#' ? read_comment : read_row)(reading, line);
         }
     }
-    return CONUS_OK;
+    job_out(reading->job, mark);
 }
 
-conus_status pose_brainsight_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
+void pose_brainsight_parse(struct pose_reading *to, struct text text)
 {
-    struct reading reading = {.list = list, .options = options, .counting = true};
+    struct reading reading = {.job = to->job, .to = to, .counting = true};
     reading.cells = (struct named_cells){
         .names = names,
         .count = COLUMNS,
@@ -228,18 +214,16 @@ conus_status pose_brainsight_parse(conus_pose_list *list, struct text text, cons
         .may_be_longer = true,
         .table = {TABLE_TABS, .quotes_are_plain = true},
     };
-    conus_status status = read_lines(&reading, text);
+    read_lines(&reading, text);
     reading.counting = false;
     reading.has_space = false;
-    status = status ? status : read_lines(&reading, text);
-    if (!status && !reading.has_section && reading.passed_over) {
-        status =
-            fail(CONUS_ERROR_DATA, "no header of a section with tabs between its columns, as Brainsight writes them: "
-                                   "was it saved with commas or semicolons?");
+    read_lines(&reading, text);
+    if (!reading.has_section && reading.passed_over) {
+        job_bad(to->job, "no header of a section with tabs between its columns, as Brainsight writes them: "
+                         "was it saved with commas or semicolons?");
     }
-    if (!status && reading.passed_over) {
-        status =
-            notes_add(&list->notes, "%zu rows of landmarks and other sections were passed over", reading.passed_over);
+    if (reading.passed_over) {
+        job_note(to->job, "%zu rows of landmarks and other sections were passed over", reading.passed_over);
     }
-    return status ? status : pose_note_space(&list->notes, options, reading.lps);
+    pose_note_space(to->job, to->options, reading.lps);
 }

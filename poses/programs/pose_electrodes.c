@@ -25,11 +25,11 @@ struct contact {
 };
 
 struct reading {
-    const conus_pose_options *options;
+    struct job *job;
+    struct pose_reading to;
     struct columns columns;
     struct named_cells header;
-    struct contact *contacts;
-    size_t count, capacity;
+    LIST(struct contact) contacts;
     size_t absent, first_absent; /* rows without a position, and the line of the first */
 };
 
@@ -37,7 +37,7 @@ static bool find_columns(struct named_cells *out, struct text line)
 {
     bool all = true;
     *out = (struct named_cells){.names = names, .count = COLUMNS, .table.quotes_are_plain = true};
-    (void)named_cells_find(out, line); /* a column that is there twice is an error of such a table */
+    named_cells_find(NULL, out, line); /* a column that is there twice is an error of such a table */
     for (size_t i = NAME; i < COLUMNS; i++) {
         all = all && (i == GROUP || i == PROBE_NAME || named_cells_has(out, i) == (i < GROUP));
     }
@@ -51,25 +51,22 @@ bool pose_electrodes_header(struct text line)
 }
 
 /* "LA12" is contact 12 of LA, unless it has a group. */
-static conus_status add_contact(struct reading *reading, struct text name, struct text group, size_t row)
+static void add_contact(struct reading *reading, struct text name, struct text group)
 {
+    const size_t row = reading->to.list->count - 1;
     struct contact contact = {.shaft = name, .row = row};
-    if (!memory_reserve(&reading->contacts, &reading->capacity, reading->count + 1, sizeof *reading->contacts)) {
-        return CONUS_ERROR_MEMORY;
-    }
     while (contact.shaft.size && strchr("0123456789", contact.shaft.data[contact.shaft.size - 1])) {
         contact.shaft.size--;
     }
     struct text digits = {name.size ? name.data + contact.shaft.size : "", name.size - contact.shaft.size};
     contact.number = text_to_uint(digits, UINT64_MAX, &contact.number) ? contact.number : row + 1;
     contact.shaft = columns_is_absent(group) ? contact.shaft : group;
-    reading->contacts[reading->count++] = contact;
-    return CONUS_OK;
+    *LIST_ADD(reading->job, &reading->contacts) = contact;
 }
 
-static conus_status read_line(struct reading *reading, conus_pose_list *list, struct text line, size_t number)
+static void read_line(struct reading *reading, struct text line, size_t number)
 {
-    const conus_pose_options *options = reading->options;
+    const conus_pose_options *options = reading->to.options;
     const struct columns *columns = &reading->columns;
     struct table_line cells;
     struct pose_name name = {.text = {"", 0}};
@@ -77,29 +74,32 @@ static conus_status read_line(struct reading *reading, conus_pose_list *list, st
     conus_pose_row row = pose_row_at(number);
     conus_status bad = CONUS_OK;
     enum columns_line kind = columns_read(&row, &name, &bad, columns, line, number, options);
-    conus_status status = kind == LINE_ROW && !bad ? CONUS_OK : columns_hear_late(columns, line, number, options);
-    if (status || kind == LINE_NOTHING || kind == LINE_AGAIN || !table_split(&cells, &columns->table, line)) {
-        return status;
+    const char *error = kind == LINE_ABSENT ? "x: not known (n/a)"
+                        : kind != LINE_ROW  ? "no number in it"
+                        : bad               ? conus_message()
+                                            : NULL; /* an answer has as many rows as the table */
+    if (error && !JOB_CALL(reading->job, columns_hear_late(columns, line, number, options))) {
+        return;
+    }
+    if (kind == LINE_NOTHING || kind == LINE_AGAIN || !table_split(&cells, &columns->table, line)) {
+        return;
     }
     if (kind == LINE_ABSENT && !options->all_rows) {
         reading->first_absent = reading->absent++ ? reading->first_absent : number;
-        return CONUS_OK;
-    }
-    if (kind != LINE_ROW) { /* an answer has as many rows as the table */
-        bad = fail(CONUS_ERROR_DATA, kind == LINE_ABSENT ? "x: not known (n/a)" : "no number in it");
+        return;
     }
     for (size_t i = 0; i < cells.count && i < columns->count; i++) {
         whole = columns->role_of[i] == ROLE_NAME ? cells.cells[i] : whole;
     }
     size_t group = reading->header.at[GROUP];
     row.is_point = !options->along_shafts;
-    status = pose_list_add(list, &row, whole, bad ? conus_message() : NULL);
-    return status || bad || row.is_point
-               ? status
-               : add_contact(reading, whole, group < cells.count ? cells.cells[group] : text_from(""), list->count - 1);
+    pose_add(&reading->to, &row, whole, error);
+    if (job_ok(reading->job) && !error && !row.is_point) {
+        add_contact(reading, whole, group < cells.count ? cells.cells[group] : text_from(""));
+    }
 }
 
-static conus_status read_table(struct reading *reading, conus_pose_list *list, struct text text)
+static void read_table(struct reading *reading, struct text text)
 {
     bool is_short = false;
     struct text line = {"", 0};
@@ -107,22 +107,23 @@ static conus_status read_table(struct reading *reading, conus_pose_list *list, s
     while (!text_trim(line).size && text_line(&rest, &line)) {
     }
     if (!find_columns(&reading->header, line)) {
-        return fail(CONUS_ERROR_DATA, "header: the columns name, x, y and z, separated by tabs, are needed");
+        job_bad(reading->job, "header: the columns name, x, y and z, separated by tabs, are needed");
     }
     size_t size = text.size < TABLE_HEAD ? text.size : TABLE_HEAD;
     while (size < text.size && size && text.data[size - 1] != '\n') { /* whole lines */
         size--;
     }
-    reading->columns.is_bids = true;
-    conus_status status = columns_plan(&reading->columns, &is_short, &list->notes,
-                                       (struct text){text.data, size ? size : text.size}, reading->options);
-    if (!status && reading->columns.pairs) {
-        return pairs_parse(list, &reading->columns, text, reading->options);
+    const struct text head = {text.data, size ? size : text.size};
+    struct columns *columns = &reading->columns;
+    columns->is_bids = true;
+    columns_plan(reading->job, columns, &is_short, head, reading->to.options);
+    if (job_ok(reading->job) && columns->pairs) {
+        pairs_parse(&reading->to, columns, text);
+        return;
     }
-    for (size_t number = 1; !status && text_line(&text, &line); number++) {
-        status = read_line(reading, list, line, number);
+    for (size_t number = 1; job_ok(reading->job) && text_line(&text, &line); number++) {
+        read_line(reading, line, number);
     }
-    return status;
 }
 
 /* By shaft, then outward. */
@@ -138,17 +139,19 @@ static int compare_contacts(const void *left, const void *right)
 /* Whether contact @p index, of those in order, is on the shaft of the one before. */
 static bool goes_on(const struct reading *reading, size_t index)
 {
-    return index > 0 && index < reading->count &&
-           text_compare(reading->contacts[index - 1].shaft, reading->contacts[index].shaft) == 0;
+    const struct contact *contacts = reading->contacts.at;
+    return index > 0 && index < reading->contacts.count &&
+           text_compare(contacts[index - 1].shaft, contacts[index].shaft) == 0;
 }
 
 /* Each points at the next one outward; the last one of a shaft as its neighbour does. */
-static conus_status point_along_shafts(conus_pose_list *list, struct reading *reading)
+static void point_along_shafts(struct reading *reading)
 {
-    const struct contact *contacts = reading->contacts;
-    conus_status status = CONUS_OK;
-    order_sort(reading->contacts, reading->count, sizeof *contacts, compare_contacts);
-    for (size_t i = 0; !status && i < reading->count; i++) {
+    const conus_pose_list *list = reading->to.list;
+    const struct contact *contacts = reading->contacts.at;
+    const size_t count = job_ok(reading->job) ? reading->contacts.count : 0;
+    order_sort(reading->contacts.at, count, sizeof *contacts, compare_contacts);
+    for (size_t i = 0; i < count; i++) {
         conus_pose_row *row = &list->rows[contacts[i].row];
         size_t from = goes_on(reading, i + 1) ? i : i - 1;
         bool has_other = from == i || goes_on(reading, i);
@@ -165,14 +168,15 @@ static conus_status point_along_shafts(conus_pose_list *list, struct reading *re
                              POSE_QUOTE(contacts[i].shaft));
         if (bad && !row->error) {
             row->error = memory_text(conus_message(), strlen(conus_message()));
-            status = row->error ? CONUS_OK : CONUS_ERROR_MEMORY;
+            (void)job_need(reading->job, row->error);
         }
     }
-    return status;
 }
 
-conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
+void pose_electrodes_parse(struct pose_reading *to, struct text text)
 {
+    conus_pose_list *list = to->list;
+    const conus_pose_options *options = to->options;
     bool is_named = list->space.brain != POSE_BRAIN_UNKNOWN && list->space.brain != POSE_BRAIN_OTHER; /* it is RAS */
     const conus_frame ras = {.space = CONUS_SPACE_RAS};
     conus_pose_options own = *options;
@@ -183,21 +187,20 @@ conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, cons
     own.unit = list->space.scale > 0 ? list->space.scale : options->unit;
     own.any_space = options->any_space || list->coordsystem; /* which says what they are */
     own.format = CONUS_POSE_FORMAT_AUTO;
-    struct reading reading = {.options = &own};
-    conus_status status = pose_no_axis(options, "contacts");
-    status = status ? status : pose_note_space(&list->notes, options, !is_ras);
-    status = status ? status : read_table(&reading, list, text);
-    if (!status && named_cells_has(&reading.header, PROBE_NAME) && !list->coordsystem) {
-        status =
-            fail(CONUS_ERROR_DATA, "column probe_name: a table of BEP032 without a *_coordsystem.json, whose x, y, z "
-                                   "are micrometres on the probe; a probe is answered from its ProbeInterface file");
+    struct reading reading = {.job = to->job, .to = {.job = to->job, .list = list, .options = &own}};
+    pose_refuse_axis(to, "contacts");
+    pose_note_space(to->job, to->options, !is_ras);
+    read_table(&reading, text);
+    if (named_cells_has(&reading.header, PROBE_NAME) && !list->coordsystem) {
+        job_bad(to->job, "column probe_name: a table of BEP032 without a *_coordsystem.json, whose x, y, z "
+                         "are micrometres on the probe; a probe is answered from its ProbeInterface file");
     }
-    status = status ? status : pose_note_absent(&list->notes, reading.absent, reading.first_absent);
+    pose_note_absent(to->job, reading.absent, reading.first_absent);
     const struct pose_space said = columns_space(&reading.columns);
     if (!list->space.name[0] || (list->space.is_of_path && said.name[0])) { /* the content counts */
         list->space = said;
     }
-    status = status || !options->along_shafts ? status : point_along_shafts(list, &reading);
-    memory_free(reading.contacts);
-    return status;
+    if (options->along_shafts) {
+        point_along_shafts(&reading);
+    }
 }

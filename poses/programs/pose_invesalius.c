@@ -16,45 +16,37 @@ static const char *const names[COLUMNS] = {"label",   "marker_type", "alpha",   
                                            "z_world", "alpha_world", "beta_world", "gamma_world"};
 
 struct reading {
-    conus_pose_list *list;
-    const conus_pose_options *options;
+    struct job *job;
+    struct pose_reading *to;
     struct named_cells cells;
     size_t fiducials;
 };
 
-bool pose_invesalius_line(struct text line)
-{
-    return text_starts(line, first_line);
-}
-
-static conus_status read_version(struct reading *reading, struct text line)
+static void read_version(const struct reading *reading, struct text line)
 {
     enum { SKIPPED = sizeof first_line - 1 };
     struct text number = text_trim((struct text){line.data + SKIPPED, line.size - SKIPPED});
     uint64_t version;
     if (!text_to_uint(number, UINT32_MAX, &version)) {
-        return fail(CONUS_ERROR_DATA, "%s: \"%.*s\" is no version", first_line, POSE_QUOTE(number));
+        job_bad(reading->job, "%s: \"%.*s\" is no version", first_line, POSE_QUOTE(number));
+    } else if (version > NEWEST_VERSION) {
+        job_note(reading->job,
+                 "markers of InVesalius, version %llu; 0 to %d are known, and this one is read as they are",
+                 (unsigned long long)version, NEWEST_VERSION);
     }
-    return version <= NEWEST_VERSION
-               ? CONUS_OK
-               : notes_add(&reading->list->notes,
-                           "markers of InVesalius, version %llu; 0 to %d are known, and this one is read as they are",
-                           (unsigned long long)version, NEWEST_VERSION);
 }
 
-static conus_status read_header(struct reading *reading, struct text line)
+static void read_header(struct reading *reading, struct text line)
 {
-    conus_status status = named_cells_find(&reading->cells, line);
-    for (size_t i = X; !status && i < COLUMNS; i++) {
+    named_cells_find(reading->job, &reading->cells, line);
+    for (size_t i = X; i < COLUMNS; i++) {
         if (!named_cells_has(&reading->cells, i)) {
-            status =
-                fail(CONUS_ERROR_DATA,
-                     "markers of InVesalius without the column %s: x, y and z are in its own space, which only its "
-                     "image tells; save them anew with a version that writes x_world",
-                     names[i]);
+            job_bad(reading->job,
+                    "markers of InVesalius without the column %s: x, y and z are in its own space, which only its "
+                    "image tells; save them anew with a version that writes x_world",
+                    names[i]);
         }
     }
-    return status;
 }
 
 /* Angles about fixed axes, first x, then y, then z, in degrees. */
@@ -77,67 +69,71 @@ static void turn_by(double m[16], const double degrees[3])
 }
 
 /* The world columns of a marker without orientation have one nevertheless. */
-static conus_status read_pose(conus_pose_row *row, const struct reading *reading)
+static void read_pose(conus_pose_row *row, const struct reading *reading)
 {
-    double position[3];
-    double angles[3];
+    double position[3] = {0};
+    double angles[3] = {0};
     double m[16] = {[15] = 1};
     if (named_cell_is_absent(&reading->cells, X)) {
-        return fail(CONUS_ERROR_DATA, "x_world: not known; InVesalius knows the world of NIfTI images only");
+        job_bad(reading->job, "x_world: not known; InVesalius knows the world of NIfTI images only");
+        return;
     }
-    conus_status status = named_cells_numbers(position, &reading->cells, X, 3);
+    named_cells_numbers(reading->job, position, &reading->cells, X, 3);
     row->is_point = named_cells_has(&reading->cells, ALPHA) && named_cell_is_absent(&reading->cells, ALPHA);
-    if (status || row->is_point) {
-        return status ? status : pose_of_point(&row->pose, position);
+    if (row->is_point) {
+        (void)JOB_CALL(reading->job, pose_of_point(&row->pose, position));
+        return;
     }
-    status = named_cells_numbers(angles, &reading->cells, ALPHA_WORLD, 3);
-    if (status) {
-        return status;
-    }
+    named_cells_numbers(reading->job, angles, &reading->cells, ALPHA_WORLD, 3);
     turn_by(m, angles);
     memcpy(m + 12, position, sizeof position);
-    return pose_of_matrix(&row->pose, m, false, reading->options->axis);
+    (void)JOB_CALL(reading->job, pose_of_matrix(&row->pose, m, false, reading->to->options->axis));
 }
 
-static conus_status read_row(struct reading *reading, struct text line, size_t number)
+static void read_row(struct reading *reading, struct text line, size_t number)
 {
     conus_pose_row row = pose_row_at(number);
-    conus_status bad = named_cells_split(&reading->cells, line);
+    const struct attempt attempt = job_try(reading->job);
+    named_cells_split(reading->job, &reading->cells, line);
     struct text label = named_cell(&reading->cells, LABEL);
     struct text type = named_cell(&reading->cells, TYPE);
     /* Points on the head, for registration. Old files know them by their labels. */
     bool is_fiducial = type.size ? text_equal(type, "0") : text_is_one_of(label, "LEI/REI/NAI", true);
-    if (!bad && is_fiducial) {
-        reading->fiducials++;
-        return CONUS_OK;
+    is_fiducial = is_fiducial && job_ok(reading->job);
+    if (job_ok(reading->job) && !is_fiducial) {
+        read_pose(&row, reading);
     }
-    bad = bad ? bad : read_pose(&row, reading);
-    return pose_list_add(reading->list, &row, label, bad ? conus_message() : NULL);
+    const char *bad = attempt_end(reading->job, &attempt, ATTEMPT_TRY);
+    reading->fiducials += is_fiducial;
+    if (!is_fiducial) {
+        pose_add(reading->to, &row, label, bad);
+    }
 }
 
-conus_status pose_invesalius_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
+void pose_invesalius_parse(struct pose_reading *to, struct text text)
 {
-    struct reading reading = {.list = list, .options = options, .cells = {.names = names, .count = COLUMNS}};
-    list->space = pose_space_named(text_from("InVesalius world"), POSE_BRAIN_SUBJECT);
-    conus_status status = pose_note_space(&list->notes, options, false);
-    if (status) {
-        return status;
-    }
+    struct reading reading = {.job = to->job, .to = to, .cells = {.names = names, .count = COLUMNS}};
+    to->list->space = pose_space_named(text_from("InVesalius world"), POSE_BRAIN_SUBJECT);
+    pose_note_space(to->job, to->options, false);
     struct text line;
-    if (!text_line(&text, &line) || !pose_invesalius_line(line)) {
-        return fail(CONUS_ERROR_DATA, "the first line is not %s0 to %d", first_line, NEWEST_VERSION);
+    if (!text_line(&text, &line) || !text_starts(line, first_line)) {
+        job_bad(to->job, "the first line is not %s0 to %d", first_line, NEWEST_VERSION);
+        return;
     }
-    status = read_version(&reading, line);
+    read_version(&reading, line);
     bool begun = false;
-    for (size_t number = 2; !status && text_line(&text, &line); number++) {
-        if (text_trim(line).size) {
-            status = begun ? read_row(&reading, line, number) : read_header(&reading, line);
+    for (size_t number = 2; job_ok(to->job) && text_line(&text, &line); number++) {
+        if (text_trim(line).size && begun) {
+            read_row(&reading, line, number);
+        } else if (text_trim(line).size) {
+            read_header(&reading, line);
             begun = true;
         }
     }
-    if (!status && !begun) {
-        return fail(CONUS_ERROR_DATA, "markers of InVesalius without a header");
+    if (!begun) {
+        job_bad(to->job, "markers of InVesalius without a header");
     }
-    return status || !reading.fiducials ? status
-                                        : notes_add(&list->notes, "%zu fiducials were passed over", reading.fiducials);
+    if (reading.fiducials) {
+        job_note(to->job, "%zu fiducials were passed over", reading.fiducials);
+    }
 }

@@ -209,21 +209,22 @@ static bool names_positions(struct text text, const conus_pose_options *options)
     return names > 0 && names == lines;
 }
 
-static conus_status read_names(conus_pose_list *list, struct text text)
+static void read_names(const struct pose_reading *to, struct text text)
 {
+    conus_pose_list *list = to->list;
     struct text line;
     size_t number = 0;
-    conus_status status =
-        notes_add(&list->notes, "names of the 10-10 system, taken as positions on the scalp of MNI 152");
+    job_note(to->job, "names of the 10-10 system, taken as positions on the scalp of MNI 152");
     list->space = pose_space_named(text_from("MNI 152 (10-10)"), POSE_BRAIN_MNI152);
-    while (!status && next_name(&line, &number, &text)) {
+    while (job_ok(to->job) && next_name(&line, &number, &text)) {
         const struct position *position = position_in(line);
-        status = position ? pose_list_add_point(list, number, position->point, false, line, CONUS_OK) : CONUS_OK;
-        if (position && !status) {
+        if (position) {
+            pose_add_point(to, number, position->point, false, line, NULL);
+        }
+        if (position && job_ok(to->job)) {
             memcpy(list->rows[list->count - 1].normal, position->outward, sizeof position->outward);
         }
     }
-    return status;
 }
 
 bool pose_lists_know(struct text head, const char *path, const conus_pose_options *options)
@@ -241,57 +242,54 @@ static bool is_passed_over(const struct layout *layout, struct text line)
            (layout->rows && !text_starts(line, layout->rows));
 }
 
-static conus_status read_points(conus_pose_list *list, const struct layout *layout, struct text text, bool is_lps)
+static void read_points(const struct pose_reading *to, const struct layout *layout, struct text text, bool is_lps)
 {
     struct text line;
-    conus_status status = CONUS_OK;
-    for (size_t number = 1; !status && text_line(&text, &line); number++) {
+    for (size_t number = 1; job_ok(to->job) && text_line(&text, &line); number++) {
         double point[3];
         struct text name = {"", 0};
         if ((layout->flags & ENDS_EARLY) && text_equal(text_trim(line), "info")) {
             break;
         }
         bool is_read = !is_passed_over(layout, line) && read_line(point, &name, layout, line);
-        if (is_passed_over(layout, line) || (!is_read && !list->count)) { /* or a title, or names of columns */
+        if (is_passed_over(layout, line) || (!is_read && !to->list->count)) { /* or a title, or names of columns */
             continue;
         }
         bool is_none = name.size && name.data[0] == '-'; /* as a vertex -1 */
-        status = pose_list_add_point(list, number, point, is_lps, is_none ? text_from("") : name,
-                                     is_read ? CONUS_OK : CONUS_ERROR_DATA);
+        pose_add_point(to, number, point, is_lps, is_none ? text_from("") : name, is_read ? NULL : conus_message());
     }
-    return status;
 }
 
-static conus_status check_count(const conus_pose_list *list, const struct layout *layout, struct text text)
+static void check_count(const struct pose_reading *to, const struct layout *layout, struct text text)
 {
     const char *at = layout->count ? text_find(text, layout->count) : NULL;
-    struct text rest = at ? (struct text){at, text.size - (size_t)(at - text.data)} : (struct text){"", 0};
     struct text line = {"", 0};
-    uint64_t stated = list->count;
-    if (at) {
-        rest.data += strlen(layout->count);
-        rest.size -= strlen(layout->count);
-        (void)text_line(&rest, &line);
+    uint64_t stated;
+    if (!at) {
+        return;
     }
-    return !at || (text_to_uint(text_trim(line), UINT64_MAX, &stated) && stated == list->count)
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "numpoints: it says \"%.*s\" points, there are %zu: the file is not whole",
-                      POSE_QUOTE(line), list->count);
+    at += strlen(layout->count);
+    (void)text_line(&(struct text){at, text.size - (size_t)(at - text.data)}, &line);
+    if (!text_to_uint(text_trim(line), UINT64_MAX, &stated) || stated != to->list->count) {
+        job_bad(to->job, "numpoints: it says \"%.*s\" points, there are %zu: the file is not whole", POSE_QUOTE(line),
+                to->list->count);
+    }
 }
 
 /* FSL's maxima: numbers of voxels count from 0. */
-static conus_status check_minus(const conus_pose_list *list, const char *path)
+static void check_minus(const struct pose_reading *to)
 {
-    bool is_mm = path && strstr(path, "_std");
+    const conus_pose_list *list = to->list;
+    bool is_mm = list->sink.path && strstr(list->sink.path, "_std");
     for (size_t i = 0; !is_mm && i < list->count; i++) {
         const double *p = list->rows[i].pose.world_from_device + 12;
         is_mm = !list->rows[i].error && (p[0] < 0 || p[1] < 0 || p[2] < 0);
     }
-    return is_mm ? CONUS_OK
-                 : fail(CONUS_ERROR_DATA,
-                        "local maxima of FSL's cluster without a unit, none of them negative: these "
-                        "are voxels; run cluster with --mm, or take FEAT's lmax_*_std.txt; if they are mm, call the "
-                        "columns x (mm), y (mm), z (mm)");
+    if (!is_mm) {
+        job_bad(to->job, "local maxima of FSL's cluster without a unit, none of them negative: these "
+                         "are voxels; run cluster with --mm, or take FEAT's lmax_*_std.txt; if they are mm, call the "
+                         "columns x (mm), y (mm), z (mm)");
+    }
 }
 
 /* The first word of @p text behind the line that begins with @p key; "" where there is no such line. */
@@ -319,7 +317,7 @@ static bool read_electrode(double point[3], struct text *name, struct text line)
     return fine;
 }
 
-static conus_status parse_elc(conus_pose_list *list, struct text text)
+static void parse_elc(const struct pose_reading *to, struct text text)
 {
     static const char unit_key[] = "UnitPosition";
     const char *unit_at = text_find(text, unit_key);
@@ -332,10 +330,10 @@ static conus_status parse_elc(conus_pose_list *list, struct text text)
     struct text labels = section(text, "Labels");
     struct text positions = section(text, "Positions");
     struct text line;
-    conus_status status =
-        scale > 0 ? CONUS_OK
-                  : fail(CONUS_ERROR_DATA, "UnitPosition \"%.*s\", allowed are mm, cm and m", POSE_QUOTE(unit));
-    for (size_t i = 0; !status && text_line(&positions, &line) && !text_starts(line, "Labels"); i++) {
+    if (!(scale > 0)) {
+        job_bad(to->job, "UnitPosition \"%.*s\", allowed are mm, cm and m", POSE_QUOTE(unit));
+    }
+    for (size_t i = 0; job_ok(to->job) && text_line(&positions, &line) && !text_starts(line, "Labels"); i++) {
         struct text name = {"", 0};
         struct text label = {"", 0};
         double point[3];
@@ -344,57 +342,61 @@ static conus_status parse_elc(conus_pose_list *list, struct text text)
             continue;
         }
         (void)text_word(&labels, &label); /* in the order of the positions */
-        conus_status bad = is_read ? CONUS_OK : fail(CONUS_ERROR_DATA, "x y z are needed");
-        status = pose_list_add_point(list, i + 1, point, false, name.size ? name : label, bad);
+        pose_add_point(to, i + 1, point, false, name.size ? name : label, is_read ? NULL : "x y z are needed");
     }
-    list->is_cap = true;
-    list->space.scale = scale;
-    return status;
+    to->list->is_cap = true;
+    to->list->space.scale = scale;
 }
 
-conus_status pose_lists_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
+static void parse_layout(const struct pose_reading *to, const struct layout *layout, struct text text)
 {
-    const char *path = list->sink.path;
-    struct text begin = pose_brackets_behind_comments(text);
-    const struct layout *layout = is_elc(text) ? NULL : find_layout(text, path);
-    bool is_in_brackets = pose_brackets_are_rows(text) || (begin.size && memchr("{[", begin.data[0], 2)) ||
-                          (!layout && !is_elc(text) && pose_brackets_in_cells(text));
-    bool follows = layout && (layout->flags & FOLLOWS_SPACE);
-    bool is_lps = layout && ((layout->flags & (IS_LPS | NEEDS_LPS)) || (follows && options->space == CONUS_SPACE_LPS));
-    if (is_in_brackets) {
-        return pose_brackets_parse(list, text, options);
-    }
-    if (options->space >= CONUS_SPACE_CCF) {
-        return fail(CONUS_ERROR_DATA, "lists of other programs are of people, and not in space %s",
-                    conus_space_name((size_t)options->space));
-    }
-    conus_status status = pose_no_axis(options, "points");
-    if (status) {
-        return status;
-    }
-    if (is_elc(text)) {
-        return parse_elc(list, text);
-    }
-    if (names_positions(text, options)) {
-        return read_names(list, text);
-    }
-    if (!layout || layout->refused) {
-        return fail(CONUS_ERROR_DATA, "%s", layout ? layout->refused : "a list of no program that conus knows");
+    const conus_pose_options *options = to->options;
+    bool follows = layout->flags & FOLLOWS_SPACE;
+    bool is_lps = (layout->flags & (IS_LPS | NEEDS_LPS)) || (follows && options->space == CONUS_SPACE_LPS);
+    if (layout->refused) {
+        job_bad(to->job, "%s", layout->refused);
     }
     if ((layout->flags & NEEDS_LPS) && options->space != CONUS_SPACE_LPS) {
-        return fail(CONUS_ERROR_DATA, "x,y,z,t,label is how ANTs has points, which are LPS: --space lps reads them so; "
-                                      "if these are RAS, take the column t out");
+        job_bad(to->job, "x,y,z,t,label is how ANTs has points, which are LPS: --space lps reads them so; "
+                         "if these are RAS, take the column t out");
     }
     if (layout->brain == POSE_BRAIN_OTHER && !options->any_space) {
-        return fail(CONUS_ERROR_DATA, "%s", space_why_tkras);
+        job_bad(to->job, "%s", space_why_tkras);
     }
     if (layout->space) {
-        list->space = pose_space_named(text_from(layout->space), layout->brain);
+        to->list->space = pose_space_named(text_from(layout->space), layout->brain);
     }
-    status = pose_note_space(&list->notes, options, is_lps);
-    status = status ? status : read_points(list, layout, text, is_lps);
-    status = status ? status : check_count(list, layout, text);
-    status = status || !(layout->flags & NEEDS_MINUS) ? status : check_minus(list, path);
-    list->is_cap = layout->flags & IS_CAP;
-    return status;
+    pose_note_space(to->job, to->options, is_lps);
+    read_points(to, layout, text, is_lps);
+    check_count(to, layout, text);
+    if (layout->flags & NEEDS_MINUS) {
+        check_minus(to);
+    }
+    to->list->is_cap = layout->flags & IS_CAP;
+}
+
+void pose_lists_parse(struct pose_reading *to, struct text text)
+{
+    struct text begin = pose_brackets_behind_comments(text);
+    const struct layout *layout = is_elc(text) ? NULL : find_layout(text, to->list->sink.path);
+    bool is_in_brackets = pose_brackets_are_rows(text) || (begin.size && memchr("{[", begin.data[0], 2)) ||
+                          (!layout && !is_elc(text) && pose_brackets_in_cells(text));
+    if (is_in_brackets) {
+        pose_brackets_parse(to, text);
+        return;
+    }
+    if (to->options->space >= CONUS_SPACE_CCF) {
+        job_bad(to->job, "lists of other programs are of people, and not in space %s",
+                conus_space_name((size_t)to->options->space));
+    }
+    pose_refuse_axis(to, "points");
+    if (is_elc(text)) {
+        parse_elc(to, text);
+    } else if (names_positions(text, to->options)) {
+        read_names(to, text);
+    } else if (layout) {
+        parse_layout(to, layout, text);
+    } else {
+        job_bad(to->job, "a list of no program that conus knows");
+    }
 }

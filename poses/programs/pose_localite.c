@@ -17,134 +17,126 @@ struct marker {
     size_t matrices;
     double m[16];
     double time_ms;
-    conus_status bad;
-    char message[256]; /* of bad */
+    const char *bad; /* the first fault in it */
     size_t line;
 };
 
 struct reading {
-    conus_pose_list *list;
-    const conus_pose_options *options;
+    struct job *job;
+    struct pose_reading *to;
     bool lps;
     int depth;
     struct marker marker;
 };
 
-static conus_status begin_list(struct reading *reading, const struct xml_event *event)
+static void begin_list(struct reading *reading, const struct xml_event *event)
 {
+    struct job *job = reading->job;
+    struct pose_space *named = &reading->to->list->space;
     const char *space = xml_attribute(event, "coordinateSpace");
     if (!text_is_one_of(text_from(event->name), "InstrumentMarkerList/TriggerMarkerList/GUMMarkerList", true)) {
-        return fail(CONUS_ERROR_DATA,
-                    "line %zu: <%.40s>, allowed are InstrumentMarkerList, TriggerMarkerList and GUMMarkerList",
-                    event->line, event->name);
-    }
-    if (!space) {
-        reading->lps = reading->options->space == CONUS_SPACE_LPS;
-        reading->list->space = pose_space_named(text_from("Localite, no coordinateSpace"), POSE_BRAIN_SUBJECT);
-        return notes_warn(&reading->list->notes, "<%s> names no coordinateSpace; taken as %s", event->name,
-                          reading->lps ? "LPS" : "RAS");
-    }
-    if (text_equal_ignoring_case(text_from(space), "MNI")) { /* Localite's own: RAS, by its registration */
-        reading->list->space = pose_space_named(text_from("Localite MNI"), POSE_BRAIN_MNI152);
-        conus_status status = pose_note_space(&reading->list->notes, reading->options, false);
-        return status ? status
-                      : notes_add(&reading->list->notes, "Localite brought these positions from the patient's scan to "
-                                                         "MNI space; a list in RAS or LPS has them as they were "
-                                                         "tracked");
-    }
-    reading->lps = text_equal_ignoring_case(text_from(space), "LPS"); /* either is of the scan that was loaded */
-    reading->list->space =
-        pose_space_named(text_from(reading->lps ? "Localite LPS" : "Localite RAS"), POSE_BRAIN_SUBJECT);
-    return reading->lps || text_equal_ignoring_case(text_from(space), "RAS")
-               ? pose_note_space(&reading->list->notes, reading->options, reading->lps)
-               : fail(CONUS_ERROR_DATA, "line %zu: coordinateSpace \"%.40s\", allowed are RAS, LPS and MNI",
-                      event->line, space);
-}
-
-static void note_bad(struct marker *marker, conus_status bad)
-{
-    if (bad && !marker->bad) {
-        marker->bad = bad;
-        snprintf(marker->message, sizeof marker->message, "%s", conus_message());
+        job_bad(job, "line %zu: <%.40s>, allowed are InstrumentMarkerList, TriggerMarkerList and GUMMarkerList",
+                event->line, event->name);
+    } else if (!space) {
+        reading->lps = reading->to->options->space == CONUS_SPACE_LPS;
+        *named = pose_space_named(text_from("Localite, no coordinateSpace"), POSE_BRAIN_SUBJECT);
+        job_warn(job, "<%s> names no coordinateSpace; taken as %s", event->name, reading->lps ? "LPS" : "RAS");
+    } else if (text_equal_ignoring_case(text_from(space), "MNI")) { /* Localite's own: RAS, by its registration */
+        *named = pose_space_named(text_from("Localite MNI"), POSE_BRAIN_MNI152);
+        pose_note_space(reading->to->job, reading->to->options, false);
+        job_note(job, "Localite brought these positions from the patient's scan to MNI space; a list in RAS or LPS has "
+                      "them as they were tracked");
+    } else { /* either is of the scan that was loaded */
+        reading->lps = text_equal_ignoring_case(text_from(space), "LPS");
+        *named = pose_space_named(text_from(reading->lps ? "Localite LPS" : "Localite RAS"), POSE_BRAIN_SUBJECT);
+        if (!reading->lps && !text_equal_ignoring_case(text_from(space), "RAS")) {
+            job_bad(job, "line %zu: coordinateSpace \"%.40s\", allowed are RAS, LPS and MNI", event->line, space);
+        }
+        pose_note_space(reading->to->job, reading->to->options, reading->lps);
     }
 }
 
-static conus_status read_number(double *out, const struct xml_event *event, const char *name)
+static void read_number(struct job *job, double *out, const struct xml_event *event, const char *name)
 {
     const char *value = xml_attribute(event, name);
     struct text text = text_from(value ? value : "");
-    return text_to_double(text, out) && isfinite(*out) ? CONUS_OK : pose_no_number(name, text);
+    if (!text_to_double(text, out) || !isfinite(*out)) {
+        (void)JOB_CALL(job, pose_no_number(name, text));
+    }
 }
 
 /* dataRC: row R, column C of world_from_device. */
-static conus_status read_matrix(struct marker *marker, const struct xml_event *event)
+static void read_matrix(struct job *job, struct marker *marker, const struct xml_event *event)
 {
-    conus_status status = CONUS_OK;
-    for (int i = 0; !status && i < 16; i++) {
+    for (int i = 0; i < 16; i++) {
         const char name[] = {'d', 'a', 't', 'a', (char)('0' + i / 4), (char)('0' + i % 4), '\0'};
-        status = read_number(&marker->m[4 * (i % 4) + i / 4], event, name);
+        read_number(job, &marker->m[4 * (i % 4) + i / 4], event, name);
     }
-    return status || marker->matrices++ == 0 ? status : fail(CONUS_ERROR_DATA, "two matrices");
+    if (job_ok(job) && marker->matrices++) {
+        job_bad(job, "two matrices");
+    }
 }
 
 static conus_status on_start(void *user, const struct xml_event *event)
 {
     struct reading *reading = user;
+    struct job *job = reading->job;
     struct marker *marker = &reading->marker;
     int depth = reading->depth++;
     if (depth == 0) {
-        return begin_list(reading, event);
+        begin_list(reading, event);
+        return job->status;
     }
     if (depth == 1) {
         *marker = (struct marker){.line = event->line, .time_ms = NAN};
         marker->is_trigger = text_equal(text_from(event->name), "TriggerMarker");
         marker->is_other = !text_mentions(text_from(event->name), "Marker");
     }
-    if (text_equal(text_from(event->name), "Matrix4D")) {
-        note_bad(marker, read_matrix(marker, event));
-        return CONUS_OK;
-    }
     /* Name, state and time stand at the marker or at what is in it, as the kind of list has it. */
-    const char *name = xml_attribute(event, "description");
-    const char *set = xml_attribute(event, "set");
+    bool is_matrix = text_equal(text_from(event->name), "Matrix4D");
+    const char *name = is_matrix ? NULL : xml_attribute(event, "description");
+    const char *set = is_matrix ? NULL : xml_attribute(event, "set");
     if (name) {
         snprintf(marker->name, sizeof marker->name, "%s", name);
     }
     marker->unset = marker->unset || (set && text_equal(text_from(set), "false"));
-    if (xml_attribute(event, "recordingTime")) {
-        note_bad(marker, read_number(&marker->time_ms, event, "recordingTime"));
+    const struct attempt attempt = job_try(job);
+    if (is_matrix) {
+        read_matrix(job, marker, event);
+    } else if (xml_attribute(event, "recordingTime")) {
+        read_number(job, &marker->time_ms, event, "recordingTime");
     }
-    return CONUS_OK;
+    const char *bad = attempt_end(job, &attempt, ATTEMPT_TRY);
+    marker->bad = marker->bad ? marker->bad : bad;
+    return job->status;
 }
 
-static conus_status read_pose(conus_pose_row *row, const struct reading *reading, struct marker *marker)
+static void read_pose(conus_pose_row *row, const struct reading *reading, const struct marker *marker)
 {
-    if (marker->bad) {
-        return fail(marker->bad, "%s", marker->message);
-    }
-    if (marker->unset) {
-        return fail(CONUS_ERROR_DATA, "the marker is not set");
-    }
-    if (!marker->matrices) {
-        return fail(CONUS_ERROR_DATA, "the marker has no Matrix4D");
-    }
+    struct job *job = reading->job;
+    conus_axis axis = reading->to->options->axis;
     double identity[16];
-    mat4_identity(identity);
     bool is_identity = true;
+    mat4_identity(identity);
     for (int i = 0; i < 16; i++) {
         is_identity = is_identity && marker->m[i] == identity[i];
     }
-    if (is_identity) {
-        return fail(CONUS_ERROR_DATA, "the matrix is the identity, as of a coil that was not tracked");
+    if (marker->bad) {
+        job_bad(job, "%s", marker->bad);
+    } else if (marker->unset) {
+        job_bad(job, "the marker is not set");
+    } else if (!marker->matrices) {
+        job_bad(job, "the marker has no Matrix4D");
+    } else if (is_identity) {
+        job_bad(job, "the matrix is the identity, as of a coil that was not tracked");
     }
-    conus_axis axis = reading->options->axis;
-    return pose_of_matrix(&row->pose, marker->m, reading->lps, axis ? axis : CONUS_AXIS_PLUS_X);
+    (void)JOB_CALL(job, pose_of_matrix(&row->pose, marker->m, reading->lps, axis ? axis : CONUS_AXIS_PLUS_X));
 }
 
 static conus_status on_end(void *user, const struct xml_event *event)
 {
     struct reading *reading = user;
-    struct marker *marker = &reading->marker;
+    const struct marker *marker = &reading->marker;
     (void)event;
     if (--reading->depth != 1 || (marker->is_other && !marker->matrices)) {
         return CONUS_OK;
@@ -152,13 +144,16 @@ static conus_status on_end(void *user, const struct xml_event *event)
     conus_pose_row row = pose_row_at(marker->line);
     row.trigger = marker->is_trigger;
     row.time_s = marker->time_ms / 1000;
-    conus_status bad = read_pose(&row, reading, marker);
-    return pose_list_add(reading->list, &row, text_trim(text_from(marker->name)), bad ? conus_message() : NULL);
+    const struct attempt attempt = job_try(reading->job);
+    read_pose(&row, reading, marker);
+    const char *bad = attempt_end(reading->job, &attempt, ATTEMPT_TRY);
+    pose_add(reading->to, &row, text_trim(text_from(marker->name)), bad);
+    return reading->job->status;
 }
 
-conus_status pose_localite_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
+void pose_localite_parse(struct pose_reading *to, struct text text)
 {
-    struct reading reading = {.list = list, .options = options};
-    const struct xml_handler handler = {.start = on_start, .end = on_end, .user = &reading, .notes = &list->notes};
-    return xml_parse(&handler, text);
+    struct reading reading = {.job = to->job, .to = to};
+    const struct xml_handler handler = {.start = on_start, .end = on_end, .user = &reading, .notes = &to->job->notes};
+    (void)JOB_CALL(to->job, xml_parse(&handler, text));
 }

@@ -3,7 +3,6 @@
  * its matrix point: a target decides, or the caller. */
 #include "poses/programs/pose_programs.h"
 
-#include "base/formats/json_text.h"
 #include "base/geometry/math3.h"
 #include "poses/rows/named_cells.h"
 #include "poses/rows/pose_row.h"
@@ -45,8 +44,8 @@ static const char *const names[COLUMNS] = {
 };
 
 struct reading {
-    conus_pose_list *list;
-    const conus_pose_options *options;
+    struct job *job;
+    struct pose_reading *to;
     struct named_cells cells;
     double scale; /* mm per unit */
     bool lps;
@@ -58,146 +57,155 @@ struct reading {
 bool pose_nibs_header(struct text line)
 {
     struct named_cells cells = {.names = names, .count = COLUMNS};
-    (void)named_cells_find(&cells, line); /* a column that is there twice is an error of such a table */
+    named_cells_find(NULL, &cells, line); /* a column that is there twice is an error of such a table */
     return (cells.at[ID] == 0 || cells.at[EVENT] == 0) && !named_cells_has(&cells, PLAIN_X);
 }
 
-static conus_status read_vectors(struct reading *reading)
+static void read_vectors(struct reading *reading)
 {
     const struct named_cells *cells = &reading->cells;
-    conus_status status = CONUS_OK;
-    for (size_t i = TARGET; !status && i < MATRIX; i += 3) {
+    for (size_t i = TARGET; job_ok(reading->job) && i < MATRIX; i += 3) {
         double *at = reading->at[i];
         reading->has[i] = !named_cell_is_absent(cells, i) || !named_cell_is_absent(cells, i + 1) ||
                           !named_cell_is_absent(cells, i + 2);
-        status = reading->has[i] ? named_cells_numbers(at, cells, i, 3) : CONUS_OK;
+        if (reading->has[i]) {
+            named_cells_numbers(reading->job, at, cells, i, 3);
+        }
         vec3_scale(at, at, reading->scale);
         if (reading->lps) {
             pose_flip_point(at);
         }
     }
     reading->has[MATRIX] = !named_cell_is_absent(cells, MATRIX);
-    return status;
 }
 
 /* [[row 0], [row 1], [row 2], [row 3]] */
-static conus_status pose_by_matrix(conus_pose *out, const struct reading *reading)
+static void pose_by_matrix(conus_pose *out, const struct reading *reading)
 {
+    struct job *job = reading->job;
     double m[16];
-    json_t *root = NULL;
-    conus_status status = json_text_load(&root, named_cell(&reading->cells, MATRIX));
+    const size_t mark = job_in(job, "the coil's matrix", JOB_ALONE);
+    json_t *root = job_json(job, named_cell(&reading->cells, MATRIX));
     bool fine = json_array_size(root) == 4;
     for (size_t i = 0; i < 4 && fine; i++) {
         double row[4];
         fine = json_numbers(row, 4, json_array_get(root, i));
         for (size_t k = 0; k < 4 && fine; k++) {
-            m[4 * k + i] = row[k];
+            m[4 * k + i] = row[k] * (k == 3 && i < 3 ? reading->scale : 1);
         }
     }
-    status = status || fine ? status : fail(CONUS_ERROR_DATA, "four lists of four numbers are needed");
-    json_decref(root);
-    if (status) {
-        return fail_in(status, "the coil's matrix");
+    if (!fine) {
+        job_bad(job, "four lists of four numbers are needed");
     }
-    for (int i = 0; i < 3; i++) {
-        m[12 + i] *= reading->scale;
-    }
-    return pose_of_matrix(out, m, reading->lps, reading->options->axis);
+    job_out(job, mark);
+    (void)JOB_CALL(job, pose_of_matrix(out, m, reading->lps, reading->to->options->axis));
 }
 
 /* Along the normal or against it: towards the target, or as the caller says. */
-static conus_status pose_by_normal(conus_pose *out, const struct reading *reading)
+static void pose_by_normal(conus_pose *out, const struct reading *reading)
 {
     const double *device = reading->at[DEVICE];
-    conus_axis axis = reading->options->axis;
+    conus_axis axis = reading->to->options->axis;
     double along[3];
     double way[3];
     if (!vec3_normalise(along, reading->at[NORMAL])) {
-        return fail(CONUS_ERROR_DATA, "a normal of length 0");
+        job_bad(reading->job, "a normal of length 0");
+        return;
     }
     if (axis == CONUS_AXIS_OF_FORMAT && reading->has[TARGET]) {
         vec3_sub(way, reading->at[TARGET], device);
         double cosine = vec3_normalise(way, way) ? vec3_dot(way, along) : 0;
         if (fabs(cosine) < 0.5) {
-            return fail(CONUS_ERROR_DATA, "the normal is %.0f degrees off the target, up to 60 are allowed",
-                        degrees_from_radians(acos(fabs(cosine))));
+            job_bad(reading->job, "the normal is %.0f degrees off the target, up to 60 are allowed",
+                    degrees_from_radians(acos(fabs(cosine))));
         }
         axis = cosine > 0 ? CONUS_AXIS_PLUS_Z : CONUS_AXIS_MINUS_Z;
     }
     if (axis != CONUS_AXIS_PLUS_Z && axis != CONUS_AXIS_MINUS_Z) {
-        return fail(CONUS_ERROR_DATA, "a normal without a target: the proposal does not say whether it points into the "
-                                      "head; --axis +z points along it, -z against it");
+        job_bad(reading->job, "a normal without a target: the proposal does not say whether it points into the "
+                              "head; --axis +z points along it, -z against it");
     }
     vec3_scale(along, along, axis == CONUS_AXIS_PLUS_Z ? 1 : -1);
-    return conus_pose_along(out, device, along, NULL);
+    (void)JOB_CALL(reading->job, conus_pose_along(out, device, along, NULL));
 }
 
-static conus_status marker_pose(conus_pose_row *row, const struct reading *reading)
+static void marker_pose(conus_pose_row *row, const struct reading *reading)
 {
+    struct job *job = reading->job;
     const bool *has = reading->has;
     const double *from = has[DEVICE] ? reading->at[DEVICE] : reading->at[ENTRY];
     bool has_from = has[DEVICE] || has[ENTRY];
-    if (has[MATRIX] && reading->options->axis != CONUS_AXIS_OF_FORMAT) {
-        return pose_by_matrix(&row->pose, reading);
+    if (has[MATRIX] && reading->to->options->axis != CONUS_AXIS_OF_FORMAT) {
+        pose_by_matrix(&row->pose, reading);
+    } else if (has_from && has[BEAM]) {
+        (void)JOB_CALL(job, conus_pose_along(&row->pose, from, reading->at[BEAM], NULL));
+    } else if (has[DEVICE] && has[NORMAL]) {
+        pose_by_normal(&row->pose, reading);
+    } else if (has_from && has[TARGET]) {
+        (void)JOB_CALL(job, pose_row_toward(row, from, reading->at[TARGET], NULL));
+    } else if (has[MATRIX]) {
+        job_bad(job, "a matrix: the proposal does not say along which of its axes the coil points; "
+                     "--axis says so (Localite +x, SimNIBS +z, Brainsight -z)");
+    } else if (has[TARGET]) {
+        row->is_point = true;
+        (void)JOB_CALL(job, pose_of_point(&row->pose, reading->at[TARGET]));
+    } else {
+        job_bad(job, "no coordinates of a target, nor of a coil or entry with a direction");
     }
-    if (has_from && has[BEAM]) {
-        return conus_pose_along(&row->pose, from, reading->at[BEAM], NULL);
-    }
-    if (has[DEVICE] && has[NORMAL]) {
-        return pose_by_normal(&row->pose, reading);
-    }
-    if (has_from && has[TARGET]) {
-        return pose_row_toward(row, from, reading->at[TARGET], NULL);
-    }
-    if (has[MATRIX]) {
-        return fail(CONUS_ERROR_DATA, "a matrix: the proposal does not say along which of its axes the coil points; "
-                                      "--axis says so (Localite +x, SimNIBS +z, Brainsight -z)");
-    }
-    row->is_point = has[TARGET];
-    return has[TARGET] ? pose_of_point(&row->pose, reading->at[TARGET])
-                       : fail(CONUS_ERROR_DATA, "no coordinates of a target, nor of a coil or entry with a direction");
 }
 
-static conus_status read_row(struct reading *reading, struct text line, size_t number)
+static void read_row(struct reading *reading, struct text line, size_t number)
 {
     conus_pose_row row = pose_row_at(number);
-    conus_status bad = named_cells_split(&reading->cells, line);
-    bad = bad ? bad : read_vectors(reading);
-    bad = bad ? bad : marker_pose(&row, reading);
-    return pose_list_add(reading->list, &row, named_cell(&reading->cells, ID), bad ? conus_message() : NULL);
+    const struct job_mark mark = job_mark(reading->job);
+    const struct attempt attempt = job_try(reading->job);
+    named_cells_split(reading->job, &reading->cells, line);
+    read_vectors(reading);
+    if (job_ok(reading->job)) { /* else it is no point either */
+        marker_pose(&row, reading);
+    }
+    const char *bad = attempt_end(reading->job, &attempt, ATTEMPT_TRY);
+    pose_add(reading->to, &row, named_cell(&reading->cells, ID), bad);
+    job_release(reading->job, mark);
 }
 
-static conus_status read_header(struct reading *reading, struct text line)
+static void read_header(struct reading *reading, struct text line)
 {
-    conus_status status = named_cells_find(&reading->cells, line);
-    if (!status && reading->cells.at[ID] != 0) {
-        status = fail(CONUS_ERROR_DATA,
-                      "header: the first column is none of %s; of NIBS-BIDS only *_markers.tsv has "
-                      "positions, not *_nibs.tsv",
-                      names[ID]);
+    const conus_axis axis = reading->to->options->axis;
+    named_cells_find(reading->job, &reading->cells, line);
+    if (reading->cells.at[ID] != 0) {
+        job_bad(reading->job,
+                "header: the first column is none of %s; of NIBS-BIDS only *_markers.tsv has positions, not *_nibs.tsv",
+                names[ID]);
     }
-    bool has_axes = named_cells_has(&reading->cells, MATRIX) || named_cells_has(&reading->cells, NORMAL);
-    if (!status && reading->options->axis != CONUS_AXIS_OF_FORMAT && !has_axes) {
-        status = fail(CONUS_ERROR_DATA, "neither a matrix nor a normal, so that no axis (%s) can be chosen",
-                      pose_axis_name(reading->options->axis));
+    if (axis != CONUS_AXIS_OF_FORMAT && !named_cells_has(&reading->cells, MATRIX) &&
+        !named_cells_has(&reading->cells, NORMAL)) {
+        job_bad(reading->job, "neither a matrix nor a normal, so that no axis (%s) can be chosen",
+                pose_axis_name(axis));
     }
-    return status;
 }
 
-conus_status pose_nibs_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
+void pose_nibs_parse(struct pose_reading *to, struct text text)
 {
-    struct reading reading = {.list = list, .options = options, .cells = {.names = names, .count = COLUMNS}};
+    const struct pose_space *space = &to->list->space;
+    bool is_named = space->brain != POSE_BRAIN_UNKNOWN && space->brain != POSE_BRAIN_OTHER; /* it is RAS */
+    struct reading reading = {.job = to->job,
+                              .to = to,
+                              .cells = {.names = names, .count = COLUMNS},
+                              .scale = space->scale > 0 ? space->scale : 1,
+                              .lps = to->options->space == CONUS_SPACE_LPS && !is_named};
     struct text line;
     bool begun = false;
-    reading.scale = list->space.scale > 0 ? list->space.scale : 1;
-    bool is_named = list->space.brain != POSE_BRAIN_UNKNOWN && list->space.brain != POSE_BRAIN_OTHER; /* it is RAS */
-    reading.lps = options->space == CONUS_SPACE_LPS && !is_named;
-    conus_status status = pose_note_space(&list->notes, options, reading.lps);
-    for (size_t number = 1; !status && text_line(&text, &line); number++) {
-        if (text_trim(line).size) {
-            status = begun ? read_row(&reading, line, number) : read_header(&reading, line);
+    pose_note_space(to->job, to->options, reading.lps);
+    for (size_t number = 1; job_ok(to->job) && text_line(&text, &line); number++) {
+        if (text_trim(line).size && begun) {
+            read_row(&reading, line, number);
+        } else if (text_trim(line).size) {
+            read_header(&reading, line);
             begun = true;
         }
     }
-    return status || begun ? status : fail(CONUS_ERROR_DATA, "no header");
+    if (!begun) {
+        job_bad(to->job, "no header");
+    }
 }

@@ -35,17 +35,18 @@ static const struct text in_table = {TABLE, sizeof TABLE - 1};
 #define ANY_COUNT SIZE_MAX
 
 /* A column of a table, with @p count rows unless that is ANY_COUNT; NULL where it is not there. */
-static conus_status find_column(const struct hdf5_value **out, const struct hdf5 *hdf5, struct text table,
-                                const char *name, bool is_text, size_t count)
+static const struct hdf5_value *find_column(struct job *job, const struct hdf5 *hdf5, struct text table,
+                                            const char *name, bool is_text, size_t count)
 {
     const struct hdf5_object *object = hdf5_find_in(hdf5, table, name);
     const struct hdf5_value *value = object ? &object->value : NULL;
     bool fine = !value || (value->rank == 1 && (is_text ? value->class == HDF5_STRING : hdf5_is_number(value)) &&
                            (count == ANY_COUNT || value->count == count));
-    *out = value;
-    return fine ? CONUS_OK
-                : fail(CONUS_ERROR_DATA, "%.*s/%s: %s for each electrode is needed", TEXT_SHOW(table, 200U), name,
-                       is_text ? "a text" : "a number");
+    if (!fine) {
+        job_bad(job, "%.*s/%s: %s for each electrode is needed", TEXT_SHOW(table, 200U), name,
+                is_text ? "a text" : "a number");
+    }
+    return value;
 }
 
 static struct text get_text(const struct hdf5_object *object, const char *name)
@@ -53,22 +54,19 @@ static struct text get_text(const struct hdf5_object *object, const char *name)
     return hdf5_text(object ? hdf5_attribute(object, name) : NULL);
 }
 
-static conus_status find_places(struct table *out, const struct hdf5 *hdf5, struct text group)
+static void find_places(struct job *job, struct table *out, const struct hdf5 *hdf5, struct text group)
 {
     static const char *const names[AXES] = {"x", "y", "z"};
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < AXES; i++) {
-        status = find_column(&out->columns[i], hdf5, group, names[i], false, i ? out->count : ANY_COUNT);
+    for (size_t i = 0; job_ok(job) && i < AXES; i++) {
+        out->columns[i] = find_column(job, hdf5, group, names[i], false, i ? out->count : ANY_COUNT);
         out->count = out->columns[0] ? out->columns[0]->count : 0;
         out->from[i] = i;
         out->sign[i] = 1;
-        if (!status && !out->columns[i]) {
-            status =
-                fail(CONUS_ERROR_DATA, "HDF5, but neither of MATLAB nor electrodes of NWB with positions: no %.*s/%s",
-                     TEXT_SHOW(group, 200U), names[i]);
+        if (!out->columns[i]) {
+            job_bad(job, "HDF5, but neither of MATLAB nor electrodes of NWB with positions: no %.*s/%s",
+                    TEXT_SHOW(group, 200U), names[i]);
         }
     }
-    return status;
 }
 
 /* Which way the columns lead: "PIR" and the like, positive directions. */
@@ -86,7 +84,7 @@ static bool take_orientation(struct table *out, struct text letters)
     return seen == 7;
 }
 
-static conus_status take_space(struct table *out, const struct hdf5_object *space)
+static void take_space(struct job *job, struct table *out, const struct hdf5_object *space)
 {
     struct text origin = get_text(space, "origin");
     struct text units = get_text(space, "units");
@@ -96,59 +94,56 @@ static conus_status take_space(struct table *out, const struct hdf5_object *spac
     /* The CCF counts from one corner only, whatever the words for it. */
     bool is_ccf = text_contains(get_text(space, "space_name"), text_from("ccf")) &&
                   text_contains(origin, text_from("corner")) && text_equal(ways, "PIR");
-    return take_orientation(out, ways) && out->um > 0 && (out->from_bregma || is_ccf)
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA,
-                      PLACES
-                      ": found origin \"%.*s\", units \"%.*s\", orientation \"%.*s\"; allowed are bregma and the "
-                      "PIR corner of the CCF, um and mm",
-                      TEXT_SHOW(origin, 60U), TEXT_SHOW(units, 20U), TEXT_SHOW(ways, 20U));
+    if (!take_orientation(out, ways) || !(out->um > 0) || !(out->from_bregma || is_ccf)) {
+        job_bad(job,
+                PLACES ": found origin \"%.*s\", units \"%.*s\", orientation \"%.*s\"; allowed are bregma and the "
+                       "PIR corner of the CCF, um and mm",
+                TEXT_SHOW(origin, 60U), TEXT_SHOW(units, 20U), TEXT_SHOW(ways, 20U));
+    }
 }
 
-/* The one table of ndx-anatomical-localization that is of electrodes; *found = NULL without one. */
-static conus_status find_localization(const struct hdf5_object **found, const struct hdf5 *hdf5)
+/* The one table of ndx-anatomical-localization that is of electrodes; NULL without one. */
+static const struct hdf5_object *find_localization(struct job *job, const struct hdf5 *hdf5)
 {
     const struct hdf5_object *electrodes = hdf5_find(hdf5, TABLE);
     const struct hdf5_object *object;
+    const struct hdf5_object *found = NULL;
     size_t at = 0;
-    *found = NULL;
     while ((object = hdf5_next_in(hdf5, &at, text_from(PLACES)))) {
         const struct hdf5_object *entity = hdf5_find_in(hdf5, object->value.name, "localized_entity");
         const struct hdf5_value *table = entity ? hdf5_attribute(entity, "table") : NULL;
         bool is_ours = electrodes && table && table->class == HDF5_REFERENCE && table->count == 1 &&
                        (uint64_t)hdf5_whole(table, 0) == electrodes->address;
-        if (is_ours && *found) {
-            return fail(CONUS_ERROR_DATA, PLACES ": found more than one table of electrodes, allowed is one");
+        if (is_ours && found) {
+            job_bad(job, PLACES ": found more than one table of electrodes, allowed is one");
         }
-        *found = is_ours ? object : *found;
+        found = is_ours ? object : found;
     }
-    return CONUS_OK;
+    return found;
 }
 
-static conus_status find_table(struct table *out, const struct hdf5 *hdf5, bool from_bregma)
+static void find_table(struct job *job, struct table *out, const struct hdf5 *hdf5, bool from_bregma)
 {
-    const struct hdf5_object *places = NULL;
-    conus_status status = find_localization(&places, hdf5);
+    const struct hdf5_object *places = find_localization(job, hdf5);
     struct text group = places ? places->value.name : in_table;
-    status = status ? status : find_places(out, hdf5, group);
+    find_places(job, out, hdf5, group);
     out->from_bregma = from_bregma;
-    if (!status && places) {
-        status = take_space(out, hdf5_find_in(hdf5, group, "space"));
-        status = status ? status : find_column(&out->rows, hdf5, group, "localized_entity", false, out->count);
+    if (job_ok(job) && places) {
+        take_space(job, out, hdf5_find_in(hdf5, group, "space"));
+        out->rows = find_column(job, hdf5, group, "localized_entity", false, out->count);
     }
-    status = status ? status : find_column(&out->ids, hdf5, in_table, "id", false, places ? ANY_COUNT : out->count);
-    if (!status && (!out->ids || out->ids->class == HDF5_FLOAT)) {
-        status = fail(CONUS_ERROR_DATA, TABLE "/id: a whole number for each electrode is needed");
+    out->ids = find_column(job, hdf5, in_table, "id", false, places ? ANY_COUNT : out->count);
+    if (!out->ids || out->ids->class == HDF5_FLOAT) {
+        job_bad(job, TABLE "/id: a whole number for each electrode is needed");
     }
-    status = status ? status : find_column(&out->groups, hdf5, in_table, "group_name", true, out->ids->count);
-    for (size_t i = 0; !status && out->rows && i < out->count; i++) {
+    out->groups = find_column(job, hdf5, in_table, "group_name", true, out->ids ? out->ids->count : 0);
+    for (size_t i = 0; job_ok(job) && out->rows && i < out->count; i++) {
         double row = hdf5_number(out->rows, i);
         if (!(row >= 0 && row < (double)out->ids->count) || out->rows->class == HDF5_FLOAT) {
-            status = fail(CONUS_ERROR_DATA, "%.*s/localized_entity: found %g, allowed are the %zu rows of " TABLE,
-                          TEXT_SHOW(group, 200U), row, out->ids->count);
+            job_bad(job, "%.*s/localized_entity: found %g, allowed are the %zu rows of " TABLE, TEXT_SHOW(group, 200U),
+                    row, out->ids->count);
         }
     }
-    return status;
 }
 
 /* To posterior, inferior and right, in the file's unit. False where a number is missing. */
@@ -163,7 +158,7 @@ static bool get_point(double out[AXES], const struct table *table, size_t index)
 }
 
 /* Finds the unit, and what shows that the positions are not those in the brain. */
-static conus_status judge(conus_pose_list *list, struct table *table)
+static void judge(struct job *job, struct table *table)
 {
     size_t far = 0;  /* as no place in a mouse is in mm, */
     size_t near = 0; /* or nearer; but 0 and -1 mean that a place is not known */
@@ -183,21 +178,19 @@ static conus_status judge(conus_pose_list *list, struct table *table)
         }
     }
     if (known && twice) {
-        return fail(CONUS_ERROR_DATA, "columns y and z are equal in every row, as AllenSDK wrote them: left and right "
-                                      "are missing");
+        job_bad(job, "columns y and z are equal in every row, as AllenSDK wrote them: left and right are missing");
     }
-    conus_status status = known > 1 && flat
-                              ? notes_warn(&list->notes, "all positions have one z, and y in steps of 20: "
-                                                         "are they on the probe, not in the brain?")
-                              : CONUS_OK;
-    if (status || table->um > 0) {
-        return status || !table->rows ? status
-                                      : notes_add(&list->notes, "positions are those of " PLACES ", from %s",
-                                                  table->from_bregma ? "bregma" : "the corner of the CCF");
+    if (known > 1 && flat) {
+        job_warn(job, "all positions have one z, and y in steps of 20: are they on the probe, not in the brain?");
     }
-    table->um = far > near ? 1 : 1000; /* no single electrode decides for all */
-    return notes_add(&list->notes, "NWB states no unit: positions are taken as %s, to posterior, inferior and right",
-                     table->um == 1 ? "micrometres" : "mm");
+    if (table->um > 0 && table->rows) {
+        job_note(job, "positions are those of " PLACES ", from %s",
+                 table->from_bregma ? "bregma" : "the corner of the CCF");
+    } else if (!(table->um > 0)) {
+        table->um = far > near ? 1 : 1000; /* no single electrode decides for all */
+        job_note(job, "NWB states no unit: positions are taken as %s, to posterior, inferior and right",
+                 table->um == 1 ? "micrometres" : "mm");
+    }
 }
 
 /* To the frame's space: CCF, or AP, ML, DV from bregma, to anterior, right and up. */
@@ -213,8 +206,7 @@ static conus_status find_point(double world[AXES], const struct table *table, co
     return conus_frame_to_world(world, frame, frame->space == CONUS_SPACE_CCF ? ccf : mm);
 }
 
-static conus_status add_electrode(conus_pose_list *list, const struct table *table, const conus_frame *frame,
-                                  size_t index)
+static void add_electrode(const struct pose_reading *to, const struct table *table, size_t index)
 {
     char name[POSE_ID_LIMIT + 2]; /* a byte more than allowed, to notice longer names */
     double p[AXES];
@@ -224,23 +216,30 @@ static conus_status add_electrode(conus_pose_list *list, const struct table *tab
     int size = snprintf(name, sizeof name, "%.*s%s%lld", TEXT_SHOW(group, sizeof name), group.size ? "-" : "",
                         (long long)hdf5_whole(table->ids, electrode));
     struct text id = {name, (size_t)size < sizeof name ? (size_t)size : sizeof name - 1};
-    conus_status bad =
-        get_point(p, table, index) ? find_point(world, table, frame, p) : fail(CONUS_ERROR_DATA, "x, y, z: not known");
-    return pose_list_add_point(list, list->count + 1, world, false, id, bad);
+    const char *bad = !get_point(p, table, index)                       ? "x, y, z: not known"
+                      : find_point(world, table, to->options->frame, p) ? conus_message()
+                                                                        : NULL;
+    pose_add_point(to, to->list->count + 1, world, false, id, bad);
 }
 
-conus_status pose_nwb_from_hdf5(conus_pose_list *list, const struct hdf5 *hdf5, const conus_pose_options *options)
+void pose_nwb_from_hdf5(const struct pose_reading *to, const struct hdf5 *hdf5)
 {
     struct table table = {0};
-    conus_status status = find_table(&table, hdf5, options->frame->space == CONUS_SPACE_BREGMA);
-    status = status ? status : judge(list, &table);
-    for (size_t i = 0; !status && i < table.count; i++) {
-        status = add_electrode(list, &table, options->frame, i);
+    find_table(to->job, &table, hdf5, to->options->frame->space == CONUS_SPACE_BREGMA);
+    if (job_ok(to->job)) {
+        judge(to->job, &table);
     }
-    return status;
+    for (size_t i = 0; job_ok(to->job) && i < table.count; i++) {
+        add_electrode(to, &table, i);
+    }
 }
 
-conus_status pose_nwb_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
+static void destroy_hdf5(void *hdf5)
+{
+    hdf5_destroy(hdf5);
+}
+
+void pose_nwb_parse(struct pose_reading *to, struct text text)
 {
     static const char *const wanted[] = {TABLE,
                                          TABLE "/id",
@@ -255,14 +254,13 @@ conus_status pose_nwb_parse(conus_pose_list *list, struct text text, const conus
                                          PLACES "/*/localized_entity",
                                          PLACES "/*/space"};
     struct hdf5 *hdf5 = NULL;
-    uint64_t left = pose_memory(options) - text.size;
-    conus_status status = pose_no_axis(options, "electrodes");
-    status = status ? status : hdf5_read_bytes(&hdf5, text, wanted, sizeof wanted / sizeof wanted[0], left ? left : 1);
-    if (!status && hdf5_find(hdf5, TABLE) && options->space < CONUS_SPACE_CCF) {
-        status = fail(CONUS_ERROR_DATA,
-                      "electrodes of NWB lie in the CCF or count from bregma: space ccf or bregma is needed");
+    uint64_t left = pose_memory(to->options) - text.size;
+    pose_refuse_axis(to, "electrodes");
+    if (JOB_CALL(to->job, hdf5_read_bytes(&hdf5, text, wanted, sizeof wanted / sizeof wanted[0], left ? left : 1))) {
+        job_own(to->job, destroy_hdf5, hdf5);
+        if (hdf5_find(hdf5, TABLE) && to->options->space < CONUS_SPACE_CCF) {
+            job_bad(to->job, "electrodes of NWB lie in the CCF or count from bregma: space ccf or bregma is needed");
+        }
+        pose_nwb_from_hdf5(to, hdf5);
     }
-    status = status ? status : pose_nwb_from_hdf5(list, hdf5, options);
-    hdf5_destroy(hdf5);
-    return status;
 }

@@ -1,76 +1,70 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Poses in the files of other programs: the parsers of pose_stream.c's table, and how each file is recognised.
- * A parser adds the rows of the text, with notes and the space that it names, to the list; a bad pose is a row with its
- * error. */
+ * A parser adds the rows of the text to the list, with the space that it names, and notes to the job. */
 #ifndef CONUS_POSES_PROGRAMS_POSE_PROGRAMS_H
 #define CONUS_POSES_PROGRAMS_POSE_PROGRAMS_H
 
 #include "base/buffer.h"
 #include "base/child/hdf5.h"
-#include "base/formats/json_text.h"
+#include "base/formats/matlab.h"
+#include "base/job/json.h"
 #include "base/text.h"
 #include "conus/pose_file.h"
 #include "conus/probe.h"
 #include "poses/rows/pose_row.h"
 
 /** Brainsight's export: sections of targets, samples and electrodes; landmarks are passed over. */
-conus_status pose_brainsight_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
-/** Whether a line that begins with # is one of Brainsight's, not a comment. */
-bool pose_brainsight_line(struct text line);
+void pose_brainsight_parse(struct pose_reading *to, struct text text);
 
 /** Electrodes of BIDS, *_electrodes.tsv, in units of list->space: points, or poses along their shafts. */
-conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+void pose_electrodes_parse(struct pose_reading *to, struct text text);
 /** Whether @p line is the header of such a table. */
 bool pose_electrodes_header(struct text line);
 
 /** The *_markers.tsv of the proposal NIBS-BIDS (BEP037), in units of list->space: poses, or points where there is only
  * a target. */
-conus_status pose_nibs_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+void pose_nibs_parse(struct pose_reading *to, struct text text);
 /** Whether @p line is the header of such a table. */
 bool pose_nibs_header(struct text line);
 
 /** The space that a *_coordsystem.json of BIDS names: that of the first of the @p modalities that it has, "iEEG/EEG",
- * or else of its only one. CONUS_ERROR_DATA for a space that is no image's world, and for units that are no lengths. */
-conus_status pose_coordsystem_parse(struct pose_space *out, struct text text, const char *modalities);
+ * or else of its only one. It fails for a space that is no image's world, and for units that are no lengths. */
+struct pose_space pose_coordsystem_parse(struct job *job, struct text text, const char *modalities);
 /** Sets list->space from the *_coordsystem.json beside the table @p path, and list->coordsystem to its path; without
  * that file, if it @p is_needed, from the table's name, with a note. */
-conus_status pose_coordsystem_find(conus_pose_list *list, const char *path, bool is_needed);
+void pose_coordsystem_find(struct job *job, conus_pose_list *list, const char *path, bool is_needed);
 /** Compares list->space with what the name of the file at @p path says behind "space-": a warning where it is another
  * one. Of a file that says nothing itself it is that, by which no position is moved. @p path NULL: none. */
-conus_status pose_coordsystem_hear_name(conus_pose_list *list, const char *path);
+void pose_coordsystem_hear_name(struct job *job, conus_pose_list *list, const char *path);
 
 /** The International Brain Laboratory's xyz_picks.json, points, or channel_locations.json, channels: micrometres ML,
  * AP, DV from bregma, to the right, anterior, dorsal. They need a frame in CCF or from bregma. */
-conus_status pose_ibl_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+void pose_ibl_parse(struct pose_reading *to, struct text text);
 /** Whether @p root is such JSON: it has the key xyz_picks, or channel_N of any number. */
 bool pose_ibl_is(json_t *root);
-/** Which program's JSON @p text is, by its keys; CONUS_ERROR_DATA where it is none of poses. */
-conus_status pose_json_find(conus_pose_format *out, struct text text);
+/** Which program's JSON @p text is, by its keys; a failure where it is none of poses. */
+conus_pose_format pose_json_find(struct pose_reading *to, struct text text);
 
 /** InVesalius's markers, .mkss, by their world columns: poses of the coil, and points. */
-conus_status pose_invesalius_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
-/** Whether @p line is the first one of such a file. */
-bool pose_invesalius_line(struct text line);
+void pose_invesalius_parse(struct pose_reading *to, struct text text);
 
 /** The contacts of Lead-DBS's reconstruction, ea_reconstruction.mat or *_desc-reconstruction.mat, as points in MNI
  * space, or in the patient's own where it has no other. @p text is no longer than pose_memory(). */
-conus_status pose_lead_dbs_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+void pose_lead_dbs_parse(struct pose_reading *to, struct text text);
 /** The same in the patient's own space. */
-conus_status pose_lead_dbs_parse_native(conus_pose_list *list, struct text text, const conus_pose_options *options);
-/** pose_lead_dbs_parse() of a MAT-file that may be another program's: *found is false then, and @p list as it was. It
- * is set on failure, too. */
-conus_status pose_lead_dbs_find(bool *found, conus_pose_list *list, struct text text,
-                                const conus_pose_options *options);
+void pose_lead_dbs_parse_native(struct pose_reading *to, struct text text);
+/** Whether this MAT-file is such a reconstruction. */
+bool pose_lead_dbs_is(struct pose_reading *to, struct text text);
 
 /** Points of programs whose lists have their columns in known places (pose_lists.c), FreeSurfer's and caps among them.
- * A list that is known, but holds no positions of a brain, is CONUS_ERROR_DATA. */
-conus_status pose_lists_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+ * A list that is known, but holds no positions of a brain, is refused. */
+void pose_lists_parse(struct pose_reading *to, struct text text);
 /** Whether a text with this @p head is such a list, by its words or by how the name @p path ends; NULL: it has none. */
 bool pose_lists_know(struct text head, const char *path, const conus_pose_options *options);
 
 /** Numbers in brackets (Python, MATLAB, JSON), points or matrices; JSON of names or objects that are points; lines of
  * "name: (x, y, z)". */
-conus_status pose_brackets_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+void pose_brackets_parse(struct pose_reading *to, struct text text);
 /** Whether @p text begins as numbers in brackets, "NAME =" in front or not, or its first line is "name: (x, y, z)",
  * "(x, y, z) name" or "(x, y, z) -> (x, y, z)". */
 bool pose_brackets_are_rows(struct text text);
@@ -83,25 +77,28 @@ enum pose_brackets { BRACKETS_NONE, BRACKETS_FREEVIEW, BRACKETS_NAMES };
 enum pose_brackets pose_brackets_json(json_t *root);
 
 /** Localite's markers, InstrumentMarker*.xml and TriggerMarkers*.xml. */
-conus_status pose_localite_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+void pose_localite_parse(struct pose_reading *to, struct text text);
 
 /** The electrodes of NWB, in HDF5: points, in a frame in CCF or from bregma. @p text is no longer than pose_memory().
  */
-conus_status pose_nwb_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+void pose_nwb_parse(struct pose_reading *to, struct text text);
 /** The same of the columns of electrodes in @p hdf5. */
-conus_status pose_nwb_from_hdf5(conus_pose_list *list, const struct hdf5 *hdf5, const conus_pose_options *options);
+void pose_nwb_from_hdf5(const struct pose_reading *to, const struct hdf5 *hdf5);
 
 /** 3D Slicer's markups: .mrk.json, lines and points, or .fcsv, points. */
-conus_status pose_markups_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+void pose_markups_parse(struct pose_reading *to, struct text text);
 /** The points of an .fcsv, named by their labels; of Slicer 3 (label,x,y,z,sel,vis) and since 4 (id,x,y,z, …, label,
  * …). */
-conus_status pose_fcsv_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
-/** Whether a line stands at the head of an .fcsv and of no other file. */
-bool pose_fcsv_line(struct text line);
+void pose_fcsv_parse(struct pose_reading *to, struct text text);
+
+/** What the MAT-file @p text has, which is no longer than pose_memory(), or JSON; nothing after a failure. Each text is
+ * parsed once. */
+const struct matlab *pose_matlab(struct pose_reading *to, struct text text);
+json_t *pose_json(struct pose_reading *to, struct text text);
 
 /** SimNIBS's matsimnibs: in a MAT-file of a SESSION, a TMSLIST or a POSITION, or as a text of 16 numbers each. @p text
  * is no longer than pose_memory(). */
-conus_status pose_simnibs_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+void pose_simnibs_parse(struct pose_reading *to, struct text text);
 
 /** Whether @p text is of a recording: SpikeGLX's .ap.meta or .imro, or XML. */
 bool probe_recording_is(struct text text);

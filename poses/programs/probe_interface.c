@@ -27,7 +27,8 @@ struct one_probe {
 };
 
 struct conus_probe {
-    conus_probe_contact *contacts; /* ids and shanks are owned */
+    struct job job; /* which owns the rest */
+    conus_probe_contact *contacts;
     size_t count;
     struct one_probe *probes; /* [probe_count] */
     size_t probe_count;
@@ -35,6 +36,7 @@ struct conus_probe {
 
 /* One probe of the file. */
 struct reading {
+    struct job *job;
     conus_probe *out;
     const json_t *json;
     size_t index;        /* of the probe */
@@ -45,8 +47,6 @@ struct reading {
     double tip;        /* mm from the tip to the lowest contact; 0 = by the contour */
 };
 
-#define refuse(reading, format, ...) fail(CONUS_ERROR_DATA, "probes[%zu]: " format, (reading)->index, __VA_ARGS__)
-
 /* A key's value; NULL where it is absent or null. */
 static const json_t *value_of(const json_t *object, const char *key)
 {
@@ -55,13 +55,14 @@ static const json_t *value_of(const json_t *object, const char *key)
 }
 
 /* A list with an entry for each contact; NULL where it is absent. */
-static conus_status find_list(const json_t **out, const struct reading *reading, const char *key)
+static const json_t *find_list(const struct reading *reading, const char *key)
 {
-    *out = value_of(reading->json, key);
-    return !*out || (json_is_array(*out) && json_array_size(*out) == reading->count)
-               ? CONUS_OK
-               : refuse(reading, "%s: found %zu entries, wanted is a list of %zu, one for each contact", key,
-                        json_array_size(*out), reading->count);
+    const json_t *list = value_of(reading->json, key);
+    if (list && (!json_is_array(list) || json_array_size(list) != reading->count)) {
+        job_bad(reading->job, "%s: found %zu entries, wanted is a list of %zu, one for each contact", key,
+                json_array_size(list), reading->count);
+    }
+    return list;
 }
 
 /* The coordinates that the file has; the third is 0 of two dimensions. */
@@ -72,43 +73,42 @@ static bool read_numbers(double out[3], const json_t *list, size_t dims)
 }
 
 /* Position `i` of a list, micrometres. */
-static conus_status read_position(double out[3], const struct reading *reading, const char *key, const json_t *list,
-                                  size_t i)
+static void read_position(double out[3], const struct reading *reading, const char *key, const json_t *list, size_t i)
 {
     if (!read_numbers(out, json_array_get(list, i), reading->dims)) {
-        return refuse(reading, "%s[%zu]: %zu numbers are needed", key, i, reading->dims);
+        job_bad(reading->job, "%s[%zu]: %zu numbers are needed", key, i, reading->dims);
+        return;
     }
     vec3_scale(out, out, reading->scale);
     double most = fmax(fmax(fabs(out[0]), fabs(out[1])), fabs(out[2]));
-    return most <= FARTHEST_UM ? CONUS_OK
-                               : refuse(reading, "%s[%zu]: found %g mm, allowed are up to 1000; is si_units right?",
-                                        key, i, most / 1000);
+    if (!(most <= FARTHEST_UM)) {
+        job_bad(reading->job, "%s[%zu]: found %g mm, allowed are up to 1000; is si_units right?", key, i, most / 1000);
+    }
 }
 
-static conus_status read_frame(struct reading *reading)
+static void read_frame(struct reading *reading)
 {
     const json_t *dims = value_of(reading->json, "ndim");
     struct text unit = json_text_of(value_of(reading->json, "si_units"));
     reading->dims = json_is_integer(dims) ? (size_t)json_integer_value(dims) : 0;
-    if (reading->dims != 2 && reading->dims != 3) {
-        return refuse(reading, "%s", "ndim: 2 or 3 is needed");
-    }
     reading->scale = 1000 * space_unit_mm(unit);
-    return reading->scale > 0 ? CONUS_OK
-                              : refuse(reading, "si_units: \"%.*s\", allowed are um, mm, cm and m", POSE_QUOTE(unit));
+    if (reading->dims != 2 && reading->dims != 3) {
+        job_bad(reading->job, "ndim: 2 or 3 is needed");
+    } else if (!(reading->scale > 0)) {
+        job_bad(reading->job, "si_units: \"%.*s\", allowed are um, mm, cm and m", POSE_QUOTE(unit));
+    }
 }
 
 /* In three dimensions the plane of the contacts says which way the shanks run; else they run along y. In two a plane
  * that is turned may be that of the probe, or of the contacts alone. */
-static conus_status read_axes(struct reading *reading)
+static void read_axes(struct reading *reading)
 {
-    const json_t *planes;
-    conus_status status = find_list(&planes, reading, "contact_plane_axes");
+    const json_t *planes = find_list(reading, "contact_plane_axes");
     for (size_t a = 0; a < 3; a++) {
         reading->axes[0][a] = a == 0;
         reading->axes[1][a] = a == 1;
     }
-    for (size_t i = 0; i < reading->count && planes && !status; i++) {
+    for (size_t i = 0; i < reading->count && planes && job_ok(reading->job); i++) {
         const json_t *plane = json_array_get(planes, i);
         double axes[2][3];
         bool whole = json_array_size(plane) == 2 && read_numbers(axes[0], json_array_get(plane, 0), reading->dims) &&
@@ -116,18 +116,17 @@ static conus_status read_axes(struct reading *reading)
                      vec3_normalise(axes[0], axes[0]) && vec3_normalise(axes[1], axes[1]) &&
                      fabs(vec3_dot(axes[0], axes[1])) <= 1 - PARALLEL;
         if (!whole) {
-            status = refuse(reading, "contact_plane_axes[%zu]: two axes at right angles are needed", i);
+            job_bad(reading->job, "contact_plane_axes[%zu]: two axes at right angles are needed", i);
         } else if (i == 0 && reading->dims == 3) {
             memcpy(reading->axes, axes, sizeof axes);
         } else if (vec3_dot(axes[1], reading->axes[1]) < PARALLEL) {
-            status = refuse(reading,
-                            "contact_plane_axes[%zu]: the second axis is not %s, so that it is not known which way the "
-                            "shank runs; where contacts are turned on a shank along y, leave this key out",
-                            i, reading->dims == 3 ? "that of the first contact" : "y");
+            job_bad(reading->job,
+                    "contact_plane_axes[%zu]: the second axis is not %s, so that it is not known which way the "
+                    "shank runs; where contacts are turned on a shank along y, leave this key out",
+                    i, reading->dims == 3 ? "that of the first contact" : "y");
         }
     }
     vec3_cross(reading->axes[2], reading->axes[0], reading->axes[1]);
-    return status;
 }
 
 /* Coordinates across, along and off the plane of the shanks. */
@@ -139,18 +138,18 @@ static void to_plane(double out[3], const struct reading *reading, const double 
 }
 
 /* Entry `i` of a list of texts that tables can hold; "" where there is no list. */
-static conus_status read_text(const char **out, const struct reading *reading, const char *key, const json_t *list,
-                              size_t i)
+static const char *read_text(const struct reading *reading, const char *key, const json_t *list, size_t i)
 {
     const char *text = list ? json_string_value(json_array_get(list, i)) : "";
     bool is_plain = text && strlen(text) <= POSE_ID_LIMIT - NAME_SIZE;
     for (size_t k = 0; is_plain && text[k]; k++) {
         is_plain = (unsigned char)text[k] >= 0x20 && text[k] != 0x7f;
     }
-    *out = text;
-    return is_plain ? CONUS_OK
-                    : refuse(reading, "%s[%zu]: a text of up to %d bytes without control characters is needed", key, i,
-                             POSE_ID_LIMIT - NAME_SIZE);
+    if (!is_plain) {
+        job_bad(reading->job, "%s[%zu]: a text of up to %d bytes without control characters is needed", key, i,
+                POSE_ID_LIMIT - NAME_SIZE);
+    }
+    return is_plain ? text : "";
 }
 
 /* NULL for a list whose texts are all empty. */
@@ -165,58 +164,45 @@ static const json_t *unless_empty(const json_t *list)
 }
 
 /* "e3"; of several probes "probe2:e3". */
-static conus_status name_contact(conus_probe_contact *contact, const struct reading *reading, const json_t *ids,
-                                 const json_t *shanks, size_t i)
+static void name_contact(conus_probe_contact *contact, const struct reading *reading, const json_t *ids,
+                         const json_t *shanks, size_t i)
 {
-    const char *id;
-    const char *shank;
-    char name[POSE_ID_LIMIT + 1];
-    char number[NAME_SIZE];
-    conus_status status = read_text(&id, reading, "contact_ids", ids, i);
-    status = status ? status : read_text(&shank, reading, "shank_ids", shanks, i);
-    if (!status && ids && !*id) {
-        status = refuse(reading, "contact_ids[%zu]: empty, but others are not", i);
-    }
-    if (status) {
-        return status;
-    }
+    struct job *job = reading->job;
+    const char *id = read_text(reading, "contact_ids", ids, i);
+    const char *shank = read_text(reading, "shank_ids", shanks, i);
     bool is_alone = reading->out->probe_count == 1;
-    snprintf(number, sizeof number, "%zu", i);
-    snprintf(name, sizeof name, "%s%s%s", is_alone ? "" : contact->probe, is_alone ? "" : ":", ids ? id : number);
-    contact->id = memory_text(name, strlen(name));
-    contact->shank = memory_text(shank, strlen(shank));
-    return contact->id && contact->shank ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (ids && !*id) {
+        job_bad(job, "contact_ids[%zu]: empty, but others are not", i);
+    }
+    contact->id = job_format(job, "%s%s%s", is_alone ? "" : contact->probe, is_alone ? "" : ":",
+                             ids ? id : job_format(job, "%zu", i));
+    contact->shank = job_copy(job, text_from(shank));
 }
 
-static conus_status read_channel(int64_t *out, const struct reading *reading, const json_t *channels, size_t i)
+static int64_t read_channel(const struct reading *reading, const json_t *channels, size_t i)
 {
     const json_t *entry = json_array_get(channels, i);
-    *out = channels ? json_integer_value(entry) : -2;
-    return !channels || (json_is_integer(entry) && *out >= -1 && *out <= CHANNEL_LIMIT)
-               ? CONUS_OK
-               : refuse(reading, "device_channel_indices[%zu]: a whole number from -1 to %d is needed", i,
-                        CHANNEL_LIMIT);
+    const int64_t channel = channels ? json_integer_value(entry) : -2;
+    if (channels && (!json_is_integer(entry) || channel < -1 || channel > CHANNEL_LIMIT)) {
+        job_bad(reading->job, "device_channel_indices[%zu]: a whole number from -1 to %d is needed", i, CHANNEL_LIMIT);
+    }
+    return channel;
 }
 
-static conus_status read_contacts(struct reading *reading, const json_t *positions)
+static void read_contacts(struct reading *reading, const json_t *positions)
 {
-    const json_t *ids;
-    const json_t *shanks;
-    const json_t *channels;
-    conus_status status = find_list(&ids, reading, "contact_ids");
-    status = status ? status : find_list(&shanks, reading, "shank_ids");
-    status = status ? status : find_list(&channels, reading, "device_channel_indices");
-    ids = status ? NULL : unless_empty(ids);
-    for (size_t i = 0; i < reading->count && !status; i++) {
-        conus_probe_contact *contact = &reading->out->contacts[reading->first + i];
+    const json_t *ids = find_list(reading, "contact_ids");
+    const json_t *shanks = find_list(reading, "shank_ids");
+    const json_t *channels = find_list(reading, "device_channel_indices");
+    ids = unless_empty(ids);
+    for (size_t i = 0; i < reading->count && job_ok(reading->job); i++) {
+        conus_probe_contact *contact = &reading->out->contacts[reading->out->count++];
         *contact = (conus_probe_contact){.probe = reading->out->probes[reading->index].name, .index = reading->index};
-        reading->out->count++; /* what it owns is freed from now on */
-        status = read_position(contact->position, reading, "contact_positions", positions, i);
+        read_position(contact->position, reading, "contact_positions", positions, i);
         to_plane(contact->offset, reading, contact->position);
-        status = status ? status : name_contact(contact, reading, ids, shanks, i);
-        status = status ? status : read_channel(&contact->channel, reading, channels, i);
+        name_contact(contact, reading, ids, shanks, i);
+        contact->channel = read_channel(reading, channels, i);
     }
-    return status;
 }
 
 static bool is_level(const double *points, size_t count, size_t i, double height)
@@ -253,25 +239,22 @@ static bool find_lowest(double tip[3], const double *points, size_t count)
     return isfinite(tip[0]);
 }
 
-static conus_status tip_of_contour(double tip[3], const struct reading *reading, const json_t *contour)
+static void tip_of_contour(double tip[3], const struct reading *reading, const json_t *contour)
 {
+    struct job *job = reading->job;
     size_t count = json_array_size(contour);
     if (!count) {
-        return refuse(reading, "%s",
-                      "probe_planar_contour: there is none, so that the tip is not known; --probe-tip says how many mm "
-                      "it is from the lowest contact");
+        job_bad(job, "probe_planar_contour: there is none, so that the tip is not known; --probe-tip says how many mm "
+                     "it is from the lowest contact");
     }
-    double *points = memory_raw(count, 3 * sizeof *points);
-    conus_status status = points ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; i < count && !status; i++) {
-        status = read_position(points + 3 * i, reading, "probe_planar_contour", contour, i);
+    double *points = job_array(job, &count, 3 * sizeof *points);
+    for (size_t i = 0; i < count && job_ok(job); i++) {
+        read_position(points + 3 * i, reading, "probe_planar_contour", contour, i);
         to_plane(points + 3 * i, reading, points + 3 * i);
     }
-    if (!status && !find_lowest(tip, points, count)) {
-        status = refuse(reading, "%s", "probe_planar_contour: has no lowest point");
+    if (job_ok(job) && !find_lowest(tip, points, count)) {
+        job_bad(job, "probe_planar_contour: has no lowest point");
     }
-    memory_free(points);
-    return status;
 }
 
 /* Below the lowest contact, of several the one of the least x, in the middle of its shank. */
@@ -296,35 +279,33 @@ static void tip_of_contacts(double tip[3], const struct reading *reading)
 }
 
 /* Lets the contacts count from the tip, in the device's frame; no contact is below it. */
-static conus_status find_tip(struct reading *reading)
+static void find_tip(struct reading *reading)
 {
     double tip[3] = {0};
-    conus_status status = CONUS_OK;
     if (reading->tip > 0) {
         tip_of_contacts(tip, reading);
     } else {
-        status = tip_of_contour(tip, reading, value_of(reading->json, "probe_planar_contour"));
+        tip_of_contour(tip, reading, value_of(reading->json, "probe_planar_contour"));
     }
-    for (size_t i = 0; i < reading->count && !status; i++) {
+    for (size_t i = 0; i < reading->count && job_ok(reading->job); i++) {
         conus_probe_contact *contact = &reading->out->contacts[reading->first + i];
         const double *at = contact->offset;
         if (at[1] < tip[1]) {
-            return refuse(reading, "contact \"%s\" lies %g um below the tip, the lowest point of probe_planar_contour",
-                          contact->id, tip[1] - at[1]);
+            job_bad(reading->job, "contact \"%s\" lies %g um below the tip, the lowest point of probe_planar_contour",
+                    contact->id, tip[1] - at[1]);
         }
         const double offset[3] = {(at[0] - tip[0]) / 1000, (tip[2] - at[2]) / 1000, (at[1] - tip[1]) / 1000};
         memcpy(contact->offset, offset, sizeof offset);
         contact->position[2] = reading->dims == 3 ? contact->position[2] : NAN;
     }
     double *out = reading->out->probes[reading->index].tip;
-    for (size_t a = 0; a < 3 && !status; a++) {
+    for (size_t a = 0; a < 3; a++) {
         out[a] = tip[0] * reading->axes[0][a] + tip[1] * reading->axes[1][a] + tip[2] * reading->axes[2][a];
     }
     out[2] = reading->dims == 3 ? out[2] : NAN;
-    return status;
 }
 
-static conus_status read_probe(struct reading *reading)
+static void read_probe(struct reading *reading)
 {
     conus_probe *out = reading->out;
     const json_t *positions = value_of(reading->json, "contact_positions");
@@ -332,12 +313,16 @@ static conus_status read_probe(struct reading *reading)
     reading->first = out->count;
     snprintf(out->probes[reading->index].name, sizeof out->probes->name, "probe%zu", reading->index + 1);
     if (!reading->count) {
-        return refuse(reading, "%s", "contact_positions: a list of at least one contact is needed");
+        job_bad(reading->job, "contact_positions: a list of at least one contact is needed");
     }
-    conus_status status = read_frame(reading);
-    status = status ? status : read_axes(reading);
-    status = status ? status : read_contacts(reading, positions);
-    return status ? status : find_tip(reading);
+    read_frame(reading);
+    if (job_ok(reading->job)) {
+        read_axes(reading);
+        read_contacts(reading, positions);
+    }
+    if (job_ok(reading->job)) {
+        find_tip(reading);
+    }
 }
 
 static int by_id(const void *a, const void *b)
@@ -354,52 +339,61 @@ static int by_channel(const void *a, const void *b)
 }
 
 /* Contacts have names of their own, and those of a probe that are wired have channels of their own. */
-static conus_status check_unique(const conus_probe *probe)
+static void check_unique(conus_probe *probe)
 {
-    conus_probe_contact *sorted = memory_copy(probe->contacts, probe->count, sizeof *sorted);
-    conus_status status = CONUS_OK;
+    struct job *job = &probe->job;
+    const struct job_mark mark = job_mark(job);
+    size_t count = probe->count;
+    conus_probe_contact *sorted = job_array(job, &count, sizeof *sorted);
     if (!sorted) {
-        return CONUS_ERROR_MEMORY;
+        return;
     }
-    order_sort(sorted, probe->count, sizeof *sorted, by_id);
-    for (size_t i = 1; i < probe->count && !status; i++) {
+    memcpy(sorted, probe->contacts, count * sizeof *sorted);
+    order_sort(sorted, count, sizeof *sorted, by_id);
+    for (size_t i = 1; i < count; i++) {
         if (!by_id(&sorted[i - 1], &sorted[i])) {
-            status = fail(CONUS_ERROR_DATA, "contact_ids: two contacts are called \"%s\"", sorted[i].id);
+            job_bad(job, "contact_ids: two contacts are called \"%s\"", sorted[i].id);
         }
     }
-    order_sort(sorted, probe->count, sizeof *sorted, by_channel);
-    for (size_t i = 1; i < probe->count && !status; i++) {
+    order_sort(sorted, count, sizeof *sorted, by_channel);
+    for (size_t i = 1; i < count; i++) {
         if (sorted[i].channel >= 0 && !by_channel(&sorted[i - 1], &sorted[i])) {
-            status = fail(CONUS_ERROR_DATA, "device_channel_indices: two contacts of %s have the channel %lld",
-                          sorted[i].probe, (long long)sorted[i].channel);
+            job_bad(job, "device_channel_indices: two contacts of %s have the channel %lld", sorted[i].probe,
+                    (long long)sorted[i].channel);
         }
     }
-    memory_free(sorted);
-    return status;
+    job_release(job, mark);
 }
 
-static conus_status reserve(conus_probe *out, const json_t *probes, uint64_t max_memory)
+/* A probe without contacts, and room for these; NULL without memory. */
+static conus_probe *new_probe(size_t probes, size_t contacts, uint64_t max_memory)
 {
-    size_t contacts = 0;
-    for (size_t i = 0; i < json_array_size(probes); i++) {
-        contacts += json_array_size(value_of(json_array_get(probes, i), "contact_positions"));
+    conus_probe *probe = memory_zeroed(1, sizeof *probe);
+    if (probe && JOB_CALL(&probe->job, pose_check_count(contacts, max_memory))) {
+        probe->probe_count = probes;
+        probe->probes = job_zeroed(&probe->job, probes, sizeof *probe->probes);
+        probe->contacts = job_zeroed(&probe->job, contacts, sizeof *probe->contacts);
     }
-    conus_status status = pose_check_count(contacts, max_memory);
-    if (status) {
+    return probe;
+}
+
+static conus_status hand_over(conus_probe **out, conus_probe *probe)
+{
+    if (!probe || !job_ok(&probe->job)) {
+        conus_status status = probe ? fail(probe->job.status, "%s", probe->job.message) : CONUS_ERROR_MEMORY;
+        conus_probe_destroy(probe);
         return status;
     }
-    out->probe_count = json_array_size(probes);
-    out->probes = memory_zeroed(out->probe_count, sizeof *out->probes);
-    out->contacts = memory_zeroed(contacts, sizeof *out->contacts);
-    return out->probes && out->contacts ? CONUS_OK : CONUS_ERROR_MEMORY;
+    *out = probe;
+    return CONUS_OK;
 }
 
-static conus_status read_root(conus_probe *out, const json_t *root, const conus_probe_options *options)
+static conus_status read_root(conus_probe **out, const json_t *root, const conus_probe_options *options)
 {
-    const json_t *kind = value_of(root, "specification");
     const json_t *probes = value_of(root, "probes");
     size_t count = json_array_size(probes);
-    if (!json_is_string(kind) || strcmp(json_string_value(kind), "probeinterface") != 0) {
+    size_t contacts = 0;
+    if (!text_equal(json_text_of(value_of(root, "specification")), "probeinterface")) {
         return fail(CONUS_ERROR_DATA,
                     "specification: \"probeinterface\" is needed: not a file of ProbeInterface, nor a "
                     ".ap.meta, .imro or settings.xml of a recording");
@@ -407,12 +401,21 @@ static conus_status read_root(conus_probe *out, const json_t *root, const conus_
     if (!count || count > PROBE_LIMIT) {
         return fail(CONUS_ERROR_DATA, "probes: found %zu, allowed are 1 to %d", count, PROBE_LIMIT);
     }
-    conus_status status = reserve(out, probes, options->max_memory);
-    for (size_t i = 0; i < count && !status; i++) {
-        struct reading reading = {.out = out, .json = json_array_get(probes, i), .index = i, .tip = options->tip};
-        status = read_probe(&reading);
+    for (size_t i = 0; i < count; i++) {
+        contacts += json_array_size(value_of(json_array_get(probes, i), "contact_positions"));
     }
-    return status ? status : check_unique(out);
+    conus_probe *probe = new_probe(count, contacts, options->max_memory);
+    for (size_t i = 0; probe && i < count && job_ok(&probe->job); i++) {
+        struct reading reading = {
+            .job = &probe->job, .out = probe, .json = json_array_get(probes, i), .index = i, .tip = options->tip};
+        const size_t mark = job_in(&probe->job, "probes", i);
+        read_probe(&reading);
+        job_out(&probe->job, mark);
+    }
+    if (probe && job_ok(&probe->job)) {
+        check_unique(probe);
+    }
+    return hand_over(out, probe);
 }
 
 conus_status probe_parse(conus_probe **out, struct text text, const conus_probe_options *options)
@@ -424,24 +427,18 @@ conus_status probe_parse(conus_probe **out, struct text text, const conus_probe_
     json_t *root = NULL;
     struct buffer json = {0}; /* of a recording */
     conus_probe_options own = *options;
-    conus_probe *probe = memory_zeroed(1, sizeof *probe);
-    conus_status status = probe ? CONUS_OK : CONUS_ERROR_MEMORY;
-    if (!status && probe_recording_is(text)) {
+    conus_status status = CONUS_OK;
+    if (probe_recording_is(text)) {
         status = probe_recording_write(&json, text, own.tip);
         own.tip = 0; /* its contour has it */
         text = (struct text){json.data, json.size};
     }
     bool is_object = !status && text_starts(text_trim(text), "{"); /* else no root is found */
     status = is_object ? json_text_load(&root, text) : status;
-    status = status ? status : read_root(probe, root, &own);
+    status = status ? status : read_root(out, root, &own);
     json_decref(root);
     buffer_finish(&json);
-    if (status) {
-        conus_probe_destroy(probe);
-        return status;
-    }
-    *out = probe;
-    return CONUS_OK;
+    return status;
 }
 
 conus_status conus_probe_load(conus_probe **out, const char *path, const conus_probe_options *options)
@@ -460,16 +457,10 @@ conus_status conus_probe_load(conus_probe **out, const char *path, const conus_p
 
 void conus_probe_destroy(conus_probe *probe)
 {
-    if (!probe) {
-        return;
+    if (probe) {
+        job_end(&probe->job);
+        memory_free(probe);
     }
-    for (size_t i = 0; i < probe->count; i++) {
-        memory_free((char *)probe->contacts[i].id);
-        memory_free((char *)probe->contacts[i].shank);
-    }
-    memory_free(probe->contacts);
-    memory_free(probe->probes);
-    memory_free(probe);
 }
 
 size_t conus_probe_count(const conus_probe *probe)
@@ -495,22 +486,19 @@ void conus_probe_tip(double out[3], const conus_probe *probe, size_t index)
 }
 
 /* A contact of probe `index` of `out` is like this one. */
-static conus_status repeat_contact(conus_probe *out, size_t index, const conus_probe_contact *contact)
+static void repeat_contact(conus_probe *out, size_t index, const conus_probe_contact *contact)
 {
     conus_probe_contact *copy = &out->contacts[out->count++];
-    char id[2 * POSE_ID_LIMIT + 2];
+    const char *name = out->probes[index].name;
     *copy = *contact;
     copy->index = index;
-    copy->probe = out->probes[index].name;
-    size_t size = (size_t)snprintf(id, sizeof id, "%s:%s", copy->probe, contact->id);
-    copy->id = memory_text(id, size);
-    copy->shank = memory_text(contact->shank, strlen(contact->shank));
-    return !copy->id || !copy->shank ? CONUS_ERROR_MEMORY
-           : size <= POSE_ID_LIMIT   ? CONUS_OK
-                                     : fail(CONUS_ERROR_ARGUMENT,
-                                            "names: \"%.40s...\" is too long: with the name of a contact 255 bytes are "
-                                              "allowed",
-                                            copy->probe);
+    copy->probe = name;
+    copy->id = job_format(&out->job, "%s:%s", name, contact->id);
+    copy->shank = job_copy(&out->job, text_from(contact->shank));
+    if (strlen(copy->id) > POSE_ID_LIMIT) {
+        job_fail(&out->job, CONUS_ERROR_ARGUMENT,
+                 "names: \"%.40s...\" is too long: with the name of a contact 255 bytes are allowed", name);
+    }
 }
 
 conus_status conus_probe_repeat(conus_probe **out, const conus_probe *probe, const char *const *names, size_t count)
@@ -519,29 +507,19 @@ conus_status conus_probe_repeat(conus_probe **out, const conus_probe *probe, con
         return fail(CONUS_ERROR_ARGUMENT, "probes: %zu of a file of %zu, allowed are 1 to %d of a file of one", count,
                     probe->probe_count, PROBE_LIMIT);
     }
-    conus_status status = pose_check_count(count * probe->count, 0);
-    conus_probe *made = status ? NULL : memory_zeroed(1, sizeof *made);
-    if (!made) {
-        return status ? status : CONUS_ERROR_MEMORY;
-    }
-    made->probe_count = count;
-    made->probes = memory_zeroed(count, sizeof *made->probes);
-    made->contacts = memory_zeroed(count * probe->count, sizeof *made->contacts);
-    status = made->probes && made->contacts ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; i < count && !status; i++) {
+    conus_probe *made = new_probe(count, count * probe->count, 0);
+    for (size_t i = 0; made && i < count && job_ok(&made->job); i++) {
         made->probes[i] = probe->probes[0];
         snprintf(made->probes[i].name, sizeof made->probes->name, "%s", names[i]);
-        for (size_t k = 0; k < probe->count && !status; k++) {
-            status = repeat_contact(made, i, &probe->contacts[k]);
+        for (size_t k = 0; k < probe->count && job_ok(&made->job); k++) {
+            repeat_contact(made, i, &probe->contacts[k]);
         }
     }
-    status = status ? status : check_unique(made);
-    if (status) {
-        conus_probe_destroy(made);
-        return status == CONUS_ERROR_DATA ? CONUS_ERROR_ARGUMENT : status; /* by names */
+    if (made && job_ok(&made->job)) {
+        check_unique(made);
     }
-    *out = made;
-    return CONUS_OK;
+    conus_status status = hand_over(out, made);
+    return status == CONUS_ERROR_DATA ? CONUS_ERROR_ARGUMENT : status; /* by names */
 }
 
 conus_status conus_probe_place(conus_pose_list **out, const conus_probe *probe, const conus_pose *poses, size_t count,
@@ -551,22 +529,24 @@ conus_status conus_probe_place(conus_pose_list **out, const conus_probe *probe, 
         return fail(CONUS_ERROR_ARGUMENT, "poses: found %zu, wanted are %zu: each probe of the file has one of its own",
                     count, probe->probe_count);
     }
+    struct job job = {0};
     conus_pose_list *list = memory_zeroed(1, sizeof *list);
-    conus_pose *turned = memory_copy(poses, count, sizeof *poses);
-    conus_status status = list && turned ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; i < count && !status; i++) {
-        status = pose_roll(&turned[i], roll);
+    conus_pose *turned = job_array(&job, &count, sizeof *turned);
+    (void)job_need(&job, list);
+    for (size_t i = 0; i < count; i++) {
+        turned[i] = poses[i];
+        (void)JOB_CALL(&job, pose_roll(&turned[i], roll));
     }
-    for (size_t i = 0; i < probe->count && !status; i++) {
+    for (size_t i = 0; i < probe->count && job_ok(&job); i++) {
         const conus_probe_contact *contact = &probe->contacts[i];
         double point[3];
         conus_pose_row row = pose_row_at(i + 1);
         row.is_point = true;
         mat4_point(point, turned[contact->index].world_from_device, contact->offset);
-        status = pose_of_point(&row.pose, point);
-        status = status ? status : pose_list_add(list, &row, text_from(contact->id), NULL);
+        (void)(JOB_CALL(&job, pose_of_point(&row.pose, point)) &&
+               JOB_CALL(&job, pose_list_add(list, &row, text_from(contact->id), NULL)));
     }
-    memory_free(turned);
+    conus_status status = job_close(&job, NULL, NULL);
     if (status) {
         conus_pose_list_destroy(list);
         return status;

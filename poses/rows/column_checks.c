@@ -42,7 +42,7 @@ static struct space_words hear_column(const struct head *head, size_t column)
     return all_brains && !(best.why && !all_refused) ? best : (struct space_words){0};
 }
 
-static conus_status hear_rows(struct head *head)
+static void hear_rows(struct head *head)
 {
     struct columns *out = head->out;
     struct space_words *said = &out->said;
@@ -54,9 +54,9 @@ static conus_status hear_rows(struct head *head)
         const struct space_words own =
             out->role_of[i] == ROLE_SPACE && !head->options->any_space ? hear_column(head, i) : (struct space_words){0};
         if (said->space.brain && own.space.brain && said->space.brain != own.space.brain) {
-            return fail(CONUS_ERROR_DATA,
-                        "\"%s\" is said in one place, and \"%s\" in column \"%.*s\": in which space are the positions?",
-                        said->space.name, own.heard, POSE_QUOTE(head->line.cells[i]));
+            job_bad(head->job,
+                    "\"%s\" is said in one place, and \"%s\" in column \"%.*s\": in which space are the positions?",
+                    said->space.name, own.heard, POSE_QUOTE(head->line.cells[i]));
         }
         said->space = said->space.brain ? said->space : own.space;
         said->why = said->why ? said->why : own.why;
@@ -64,11 +64,11 @@ static conus_status hear_rows(struct head *head)
             memcpy(said->heard, own.heard, sizeof said->heard);
         }
     }
-    return CONUS_OK;
 }
 
-conus_status columns_hear_words(struct head *head, struct notes *notes)
+void columns_hear_words(struct head *head)
 {
+    struct job *job = head->job;
     struct columns *out = head->out;
     struct space_words *said = &out->said;
     struct text rest = head->text;
@@ -80,36 +80,35 @@ conus_status columns_hear_words(struct head *head, struct notes *notes)
             space_words_hear(said, inside);
         }
     }
-    conus_status status = hear_rows(head);
-    if (status) {
-        return status;
-    }
+    hear_rows(head);
     if (said->why && !(said->why == space_why_unit && out->is_own_unit)) {
-        return fail(CONUS_ERROR_DATA, "positions are said to be \"%s\": %s; %s", said->heard, said->why,
-                    said->why == space_why_unit ? "',unit=mm' behind FILE takes them as mm"
-                                                : "--any-space takes them as they are");
+        job_bad(job, "positions are said to be \"%s\": %s; %s", said->heard, said->why,
+                said->why == space_why_unit ? "',unit=mm' behind FILE takes them as mm"
+                                            : "--any-space takes them as they are");
     }
     if (said->may_be_lps && !said->has_signs && head->options->space == CONUS_SPACE_RAS) {
-        return fail(CONUS_ERROR_DATA, "a line says \"LPS\", but not of what: --space lps reads the positions so; "
-                                      "--any-space takes them as RAS, with x to the right");
+        job_bad(job, "a line says \"LPS\", but not of what: --space lps reads the positions so; "
+                     "--any-space takes them as RAS, with x to the right");
     }
     if (said->are_two && !out->is_own_unit) {
-        return fail(CONUS_ERROR_DATA, "two units are named: which is that of the positions?");
+        job_bad(job, "two units are named: which is that of the positions?");
     }
     if (said->mm > 0 && !out->is_own_unit) {
         double scale = said->mm / columns_space_mm(head->options->space);
         if (out->scale > 0 && out->scale != scale) {
-            return fail(CONUS_ERROR_DATA, "a line names another unit than the header has");
+            job_bad(job, "a line names another unit than the header has");
         }
         out->scale = scale;
     }
-    bool is_of_people = head->options->space < CONUS_SPACE_CCF;
-    if (said->has_signs && is_of_people) {
+    if (said->has_signs && head->options->space < CONUS_SPACE_CCF) { /* of people */
         out->space = said->signs;
-        return pose_note_space(notes, head->options, said->signs == CONUS_SPACE_LPS);
+        pose_note_space(job, head->options, said->signs == CONUS_SPACE_LPS);
+        return;
     }
     out->moves = space_moves(&said->space, head->options);
-    return out->moves ? space_note_move(notes, &said->space) : CONUS_OK;
+    if (out->moves) {
+        space_note_move(job, &said->space);
+    }
 }
 
 enum { SIDE_COLUMNS = 4 };
@@ -189,89 +188,86 @@ static void count_row(struct census *census, const struct head *head, const conu
 }
 
 /* What names and columns say of sides: each is evidence. Half of two points or more is refused, one is warned of. */
-static conus_status judge_sides(bool *are_right, const struct census *c, const struct head *head, struct notes *notes)
+static bool judge_sides(const struct census *c, const struct head *head)
 {
     const char *other = head->options->space == CONUS_SPACE_LPS ? "ras" : "lps";
-    conus_status status = CONUS_OK;
-    *are_right = false;
-    for (size_t i = 0; i <= c->column_count && !status; i++) {
+    bool are_right = false;
+    for (size_t i = 0; i <= c->column_count; i++) {
         const struct sides *sides = &c->sides[i];
         const struct text column = i ? head->line.cells[c->columns[i - 1]] : text_from("");
         size_t wrong = sides->left_on_right + sides->right_on_left;
         char why[256];
         snprintf(why, sizeof why, "%s%.*s%s--space %s would turn x and y", i ? "by column \"" : "", POSE_QUOTE(column),
                  i ? "\", if these are sides of the brain; " : "", other);
-        *are_right = *are_right || (sides->left && sides->right && !wrong);
-        status = head->out->is_of_points ? sides_check(sides, why) : CONUS_OK;
-        if (!status && wrong) {
-            status = i ? notes_warn(notes, "%zu rows lie on the other side than column \"%.*s\" says", wrong,
-                                    POSE_QUOTE(column))
-                       : notes_warn(notes, "%zu rows lie on the other side than their name says", wrong);
+        are_right = are_right || (sides->left && sides->right && !wrong);
+        if (head->out->is_of_points) {
+            sides_check(head->job, sides, why);
+        }
+        if (wrong && i) {
+            job_warn(head->job, "%zu rows lie on the other side than column \"%.*s\" says", wrong, POSE_QUOTE(column));
+        } else if (wrong) {
+            job_warn(head->job, "%zu rows lie on the other side than their name says", wrong);
         }
     }
-    return status;
+    return are_right;
 }
 
-static conus_status judge(const struct census *c, const struct head *head, struct notes *notes, double longest,
-                          const char *first_fault)
+static void judge(const struct census *c, const struct head *head, double longest, const char *first_fault)
 {
+    enum { LEAST = 3 };
+    struct job *job = head->job;
     conus_space space = head->options->space;
     bool of_people = space < CONUS_SPACE_CCF;
     bool is_known = head->options->longest > 0;
-    enum { LEAST = 3 };
     bool is_list = c->points >= LEAST && head->out->is_of_points;
-    bool is_said = head->out->has_unit;
+    bool is_unsaid = is_list && !head->out->has_unit;
     if (c->rows > 1 && 2 * c->bad > c->rows && head->out->has_header) {
-        return fail(CONUS_ERROR_DATA,
-                    "%zu of %zu rows have no number where the header has x y z or a direction: is the order of the "
-                    "columns another? The first: %s",
-                    c->bad, c->rows, first_fault);
+        job_bad(job,
+                "%zu of %zu rows have no number where the header has x y z or a direction: is the order of the "
+                "columns another? The first: %s",
+                c->bad, c->rows, first_fault);
     }
     bool is_asked = is_known && !head->words.any_sides;
-    bool are_right = false;
-    conus_status status = is_asked ? judge_sides(&are_right, c, head, notes) : CONUS_OK;
-    if (status) {
-        return status;
-    }
-    if (is_list && !is_said && (of_people || space == CONUS_SPACE_BREGMA) && c->farthest > 0 &&
+    bool are_right = is_asked && judge_sides(c, head);
+    if (is_unsaid && (of_people || space == CONUS_SPACE_BREGMA) && c->farthest > 0 &&
         c->farthest <= (of_people ? 1 : 0.02)) {
-        return fail(CONUS_ERROR_DATA,
-                    "all positions lie within %s mm of the origin, as if they were in metres; ',unit=m' behind FILE "
-                    "takes them so, ',unit=mm' as mm",
-                    of_people ? "1" : "0.02");
+        job_bad(job,
+                "all positions lie within %s mm of the origin, as if they were in metres; ',unit=m' behind FILE "
+                "takes them so, ',unit=mm' as mm",
+                of_people ? "1" : "0.02");
     }
-    if (c->farthest > fmax(10 * longest, 1000) && of_people && is_known && !is_said) {
-        return fail(CONUS_ERROR_DATA,
-                    "a position lies %g mm from the origin, as if it were in micrometres; ',unit=um' behind FILE takes "
-                    "them so, ',unit=mm' as mm",
-                    c->farthest);
+    if (c->farthest > fmax(10 * longest, 1000) && of_people && is_known && !head->out->has_unit) {
+        job_bad(job,
+                "a position lies %g mm from the origin, as if it were in micrometres; ',unit=um' behind FILE takes "
+                "them so, ',unit=mm' as mm",
+                c->farthest);
     }
-    if (is_list && is_known && !is_said && space == CONUS_SPACE_CCF && c->farthest < 1000 * longest / 14) {
-        return fail(
-            CONUS_ERROR_DATA,
-            "all positions lie within %.0f um of the corner, outside of any brain: are they voxels? space ccf is "
-            "in micrometres; ',unit=um' behind FILE takes them so",
-            1000 * longest / 14);
+    if (is_unsaid && is_known && space == CONUS_SPACE_CCF && c->farthest < 1000 * longest / 14) {
+        job_bad(job,
+                "all positions lie within %.0f um of the corner, outside of any brain: are they voxels? space ccf is "
+                "in micrometres; ',unit=um' behind FILE takes them so",
+                1000 * longest / 14);
     }
     if (space == CONUS_SPACE_BREGMA && is_list && 2 * c->shallow > c->points) {
-        return fail(
-            CONUS_ERROR_DATA,
-            "%zu of %zu positions have a DV above 0, above bregma: DV is up in space bregma, depths are negative",
-            c->shallow, c->points);
+        job_bad(job,
+                "%zu of %zu positions have a DV above 0, above bregma: DV is up in space bregma, depths are negative",
+                c->shallow, c->points);
     }
     bool are_ends = head->out->ends_at_target || c->farthest_target > 1.5 * c->nearest_target;
     if (is_known && c->axes && are_ends && 2 * c->short_axes >= c->axes) {
-        return columns_refuse_short(c->short_axes, c->axes, longest);
+        columns_refuse_short(job, c->short_axes, c->axes, longest);
     }
-    if (is_list && of_people && is_known && !is_said && c->farthest < longest / 14) {
-        status = notes_warn(notes,
-                            "all positions lie within %g mm of the origin: are they in centimetres? ',unit=cm' "
-                            "behind FILE takes them so",
-                            longest / 14);
+    if (is_unsaid && of_people && is_known && c->farthest < longest / 14) {
+        job_warn(job,
+                 "all positions lie within %g mm of the origin: are they in centimetres? ',unit=cm' "
+                 "behind FILE takes them so",
+                 longest / 14);
     } else if (is_list && of_people && is_known && !c->negatives && !are_right) {
-        status = notes_warn(notes, "no position has a negative number: are they voxels, or positions in a frame?");
+        job_warn(job, "no position has a negative number: are they voxels, or positions in a frame?");
     }
-    return status || !is_asked || !is_list ? status : sides_warn(&c->sides[0], head->out->side, notes);
+    if (is_asked && is_list) {
+        sides_warn(job, &c->sides[0], head->out->side);
+    }
 }
 
 /* Whether a word stands where a number is to be, and a character that is no sign before a coordinate. */
@@ -291,7 +287,7 @@ static void find_faults(bool *has_word, bool *has_glyph, const struct columns *c
     }
 }
 
-conus_status columns_check_numbers(const struct head *head, struct notes *notes)
+void columns_check_numbers(const struct head *head)
 {
     struct census census = {0};
     struct text rest = head->text;
@@ -314,16 +310,15 @@ conus_status columns_check_numbers(const struct head *head, struct notes *notes)
             count_row(&census, head, &row, text, name.text, longest);
         }
         if (has_glyph) {
-            char where[128];
-            snprintf(where, sizeof where, "line %zu: a character before a number that is no minus (as PDFs lose them)",
-                     number);
-            return fail_in(CONUS_ERROR_DATA, where);
+            job_bad(head->job, "line %zu: a character before a number that is no minus (as PDFs lose them): %s", number,
+                    conus_message());
+            return;
         }
         if (has_word && !census.bad++) {
             snprintf(first_fault, sizeof first_fault, "%s", conus_message());
         }
     }
-    return judge(&census, head, notes, longest, first_fault);
+    judge(&census, head, longest, first_fault);
 }
 
 /* Words of at least so many letters count, and none beside one of a hand or the like. */
@@ -413,32 +408,32 @@ void sides_count(struct sides *sides, int side, struct text name, double x, doub
     }
 }
 
-conus_status sides_check(const struct sides *s, const char *why)
+void sides_check(struct job *job, const struct sides *s, const char *why)
 {
     bool is_wrong = (s->left && 2 * s->left_on_right >= s->left) || (s->right && 2 * s->right_on_left >= s->right);
-    return !is_wrong || s->left + s->right < 2
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA,
-                      "sides: %zu of %zu rows called left lie on the right, %zu of %zu called right on the left; %s, "
-                      "and ',sides=anyway' behind FILE takes them as they are",
-                      s->left_on_right, s->left, s->right_on_left, s->right, why);
+    if (is_wrong && s->left + s->right >= 2) {
+        job_bad(job,
+                "sides: %zu of %zu rows called left lie on the right, %zu of %zu called right on the left; %s, "
+                "and ',sides=anyway' behind FILE takes them as they are",
+                s->left_on_right, s->left, s->right_on_left, s->right, why);
+    }
 }
 
-static conus_status warn_of_file(const struct sides *sides, int of_file, struct notes *notes)
+static void warn_of_file(struct job *job, const struct sides *sides, int of_file)
 {
     enum { LEAST = 3 };
     const size_t wrong = of_file ? sides->beyond[of_file < 0] : 0;
-    return sides->points < LEAST || 2 * wrong <= sides->points
-               ? CONUS_OK
-               : notes_warn(notes,
-                            "its name says %s, and %zu of %zu points lie on the %s; is x mirrored? ',sides=anyway' "
-                            "behind FILE says that it is not",
-                            of_file < 0 ? "left" : "right", wrong, sides->points, of_file < 0 ? "right" : "left");
+    if (sides->points >= LEAST && 2 * wrong > sides->points) {
+        job_warn(job,
+                 "its name says %s, and %zu of %zu points lie on the %s; is x mirrored? ',sides=anyway' "
+                 "behind FILE says that it is not",
+                 of_file < 0 ? "left" : "right", wrong, sides->points, of_file < 0 ? "right" : "left");
+    }
 }
 
-conus_status sides_warn(const struct sides *sides, int of_file, struct notes *notes)
+void sides_warn(struct job *job, const struct sides *sides, int of_file)
 {
-    conus_status status = warn_of_file(sides, of_file, notes);
+    warn_of_file(job, sides, of_file);
     char shown[4 * SIDES_SHAFT_SIZE] = "";
     size_t of_letter[2] = {0};
     size_t wrong = 0;
@@ -458,10 +453,10 @@ conus_status sides_warn(const struct sides *sides, int of_file, struct notes *no
             snprintf(shown + used, sizeof shown - used, "%s%s", used ? ", " : "", shaft->letters);
         }
     }
-    return status || !wrong
-               ? status
-               : notes_warn(notes,
-                            "%zu of %zu electrodes lie on the other side than the first letter of their names says "
-                            "(%s%s); is x mirrored? ',sides=anyway' behind FILE says that it is not",
-                            wrong, sides->shaft_count, shown, wrong > 3 ? ", ..." : "");
+    if (wrong) {
+        job_warn(job,
+                 "%zu of %zu electrodes lie on the other side than the first letter of their names says "
+                 "(%s%s); is x mirrored? ',sides=anyway' behind FILE says that it is not",
+                 wrong, sides->shaft_count, shown, wrong > 3 ? ", ..." : "");
+    }
 }

@@ -162,13 +162,12 @@ enum columns_end columns_end_of(struct text cell)
                                                               : END_NONE;
 }
 
-conus_status columns_refuse_short(size_t count, size_t axes, double longest)
+void columns_refuse_short(struct job *job, size_t count, size_t axes, double longest)
 {
-    return fail(
-        CONUS_ERROR_DATA,
-        "%zu of %zu axes from entry to target are shorter than %g mm: are they planned and reached positions, or "
-        "two spaces?",
-        count, axes, longest / 20);
+    job_bad(job,
+            "%zu of %zu axes from entry to target are shorter than %g mm: are they planned and reached positions, or "
+            "two spaces?",
+            count, axes, longest / 20);
 }
 
 static conus_status pose_from_values(conus_pose_row *row, const struct columns *columns, double v[ROLE_NAME],
@@ -291,7 +290,7 @@ static conus_status read_unit(const struct columns *columns, struct text cell, c
                       POSE_QUOTE(cell));
 }
 
-static conus_status read_value(double *out, const struct columns *columns, enum role role, struct text cell)
+static conus_status read_value(double *out, const struct columns *columns, enum column_role role, struct text cell)
 {
     if (role >= ROLE_ANGLE && columns_is_absent(cell)) {
         *out = NAN;
@@ -368,7 +367,7 @@ static conus_status read_values(double values[ROLE_NAME], struct pose_name *name
         status = fail(CONUS_ERROR_DATA, "%zu fields, the header has %zu", line->count, columns->count);
     }
     for (size_t i = 0; i < columns->count && i < line->count; i++) {
-        enum role role = columns->role_of[i];
+        enum column_role role = columns->role_of[i];
         struct text cell = line->cells[i];
         if (role == ROLE_NAME || role == ROLE_CONTACT) {
             names[role - ROLE_NAME] = cell;
@@ -421,7 +420,7 @@ static conus_status read_row(conus_pose_row *row, struct pose_name *name, const 
     row->range[0] = values[ROLE_NEAR];
     row->range[1] = values[ROLE_FAR];
     row->radius = values[ROLE_RADIUS];
-    for (enum role role = ROLE_DEPTH; role <= ROLE_RADIUS && !status; role++) {
+    for (enum column_role role = ROLE_DEPTH; role <= ROLE_RADIUS && !status; role++) {
         const double length = columns->has[role] ? values[role] : NAN; /* mm */
         if (length < 0 || (length == 0 && role == ROLE_DEPTH)) {
             status = fail(CONUS_ERROR_DATA, "column %s: %g mm, allowed is %s0", columns->shown[role], length,
@@ -601,29 +600,34 @@ static int compare_lines(const void *left, const void *right)
 }
 
 /* Adds the row that a line is to `ends`; one with an error goes to the list at once. */
-static conus_status add_line(conus_pose_list *ends, conus_pose_list *list, const struct columns *columns,
-                             struct text line, size_t number, const conus_pose_options *options)
+static void add_line(const struct pose_reading *ends, const struct pose_reading *to, const struct columns *columns,
+                     struct text line, size_t number)
 {
+    struct job *job = to->job;
     struct table_line cells;
     struct pose_name name = {.text = {"", 0}};
     conus_pose_row row = pose_row_at(number);
     conus_status bad = CONUS_OK;
-    enum columns_line kind = columns_read(&row, &name, &bad, columns, line, number, options);
-    conus_status status = kind == LINE_ROW ? CONUS_OK : columns_hear_late(columns, line, number, options);
-    if (status || kind != LINE_ROW || bad) {
-        return status || kind != LINE_ROW ? status : pose_list_add(list, &row, name.text, conus_message());
+    enum columns_line kind = columns_read(&row, &name, &bad, columns, line, number, to->options);
+    if (kind != LINE_ROW) {
+        (void)JOB_CALL(job, columns_hear_late(columns, line, number, to->options));
+        return;
+    }
+    if (bad) {
+        pose_add(to, &row, name.text, conus_message());
+        return;
     }
     bool fits = table_split(&cells, &columns->table, line) && columns->pairs <= cells.count;
     struct text word = fits ? cells.cells[columns->pairs - 1] : (struct text){"", 0};
     row.trigger = columns_end_of(word) == END_TARGET;
-    return columns_end_of(word) != END_NONE
-               ? pose_list_add(ends, &row, name.text, NULL)
-               : fail(CONUS_ERROR_DATA, "line %zu: \"%.*s\", wanted is entry or target, as above", number,
-                      POSE_QUOTE(word));
+    if (columns_end_of(word) == END_NONE) {
+        job_bad(job, "line %zu: \"%.*s\", wanted is entry or target, as above", number, POSE_QUOTE(word));
+    }
+    pose_add(ends, &row, name.text, NULL);
 }
 
 /* Each name has an entry and a target, and they are not the same place in two spaces. */
-static conus_status check_pairs(const conus_pose_list *ends, double longest)
+static void check_pairs(struct job *job, const conus_pose_list *ends, double longest)
 {
     size_t near = 0;
     for (size_t i = 0; i < ends->count; i += 2) {
@@ -632,37 +636,41 @@ static conus_status check_pairs(const conus_pose_list *ends, double longest)
         bool fits = i + 1 < ends->count && strcmp(end[0].id, end[1].id) == 0 && !end[0].trigger && end[1].trigger;
         fits = fits && (i + 2 == ends->count || strcmp(end[1].id, end[2].id) != 0);
         if (!fits) {
-            return fail(CONUS_ERROR_DATA,
-                        "line %zu: \"%.60s\" has not one entry and one target: rows of an axis have one name, and no "
-                        "other axis has it",
-                        end->line, end->id);
+            job_bad(job,
+                    "line %zu: \"%.60s\" has not one entry and one target: rows of an axis have one name, and no "
+                    "other axis has it",
+                    end->line, end->id);
+            return;
         }
         vec3_sub(way, end[1].pose.world_from_device + 12, end[0].pose.world_from_device + 12);
         near += vec3_length(way) < longest / 20;
     }
-    return !ends->count || 4 * near < ends->count ? CONUS_OK : columns_refuse_short(near, ends->count / 2, longest);
+    if (ends->count && 4 * near >= ends->count) {
+        columns_refuse_short(job, near, ends->count / 2, longest);
+    }
 }
 
-conus_status pairs_parse(conus_pose_list *list, const struct columns *columns, struct text text,
-                         const conus_pose_options *options)
+void pairs_parse(const struct pose_reading *to, const struct columns *columns, struct text text)
 {
+    struct job *job = to->job;
     conus_pose_list ends = {0};
+    const struct pose_reading of_ends = {.job = job, .list = &ends, .options = to->options};
     struct text line;
-    conus_status status = CONUS_OK;
-    for (size_t number = 1; !status && text_line(&text, &line); number++) {
-        status = add_line(&ends, list, columns, line, number, options);
+    for (size_t number = 1; job_ok(job) && text_line(&text, &line); number++) {
+        add_line(&of_ends, to, columns, line, number);
     }
     order_sort(ends.rows, ends.count, sizeof *ends.rows, compare_names);
-    status = status ? status : check_pairs(&ends, options->longest);
-    order_sort(ends.rows, status ? 0 : ends.count / 2, 2 * sizeof *ends.rows, compare_lines);
-    for (size_t i = 0; !status && i < ends.count; i += 2) {
+    if (job_ok(job)) {
+        check_pairs(job, &ends, to->options->longest);
+    }
+    order_sort(ends.rows, job_ok(job) ? ends.count / 2 : 0, 2 * sizeof *ends.rows, compare_lines);
+    for (size_t i = 0; job_ok(job) && i < ends.count; i += 2) {
         const conus_pose_row *end = &ends.rows[i];
         conus_pose_row row = pose_row_at(end->line);
         conus_status bad =
             pose_row_toward(&row, end[0].pose.world_from_device + 12, end[1].pose.world_from_device + 12, NULL);
         row.range[1] = row.target_mm;
-        status = pose_list_add(list, &row, text_from(end->id), bad ? conus_message() : NULL);
+        pose_add(to, &row, text_from(end->id), bad ? conus_message() : NULL);
     }
     pose_list_finish(&ends);
-    return status;
 }

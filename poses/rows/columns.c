@@ -22,7 +22,7 @@ static const char *const measures[] = {"", "a length", "an angle", "a time"};
 /* Columns of one number or text, by exact names, perhaps with a unit behind, and by others; of the same role the first
  * name that is there. */
 static const struct {
-    enum role role;
+    enum column_role role;
     enum measure measure;
     const char *names; /* normalised, see normalise(); in the order of preference */
 } roles[] = {
@@ -370,7 +370,7 @@ static bool is_whole(const struct family *family)
     return family->at[0] != COLUMN_NONE && family->at[1] != COLUMN_NONE && family->at[2] != COLUMN_NONE;
 }
 
-static void set_role(struct head *head, size_t column, enum role role)
+static void set_role(struct head *head, size_t column, enum column_role role)
 {
     struct columns *out = head->out;
     const uint8_t before = out->role_of[column];
@@ -382,7 +382,7 @@ static void set_role(struct head *head, size_t column, enum role role)
     snprintf(out->shown[role], COLUMN_NAME_SIZE, "%.*s", TEXT_SHOW(head->line.cells[column], COLUMN_NAME_SIZE - 1));
 }
 
-static size_t count_roles(const struct columns *columns, enum role first, size_t count)
+static size_t count_roles(const struct columns *columns, enum column_role first, size_t count)
 {
     size_t found = 0;
     for (size_t i = 0; i < count; i++) {
@@ -408,7 +408,7 @@ static const char *show_family(char out[3 * COLUMN_NAME_SIZE], const struct head
 #define FAMILY_SHOWN(head, family) show_family((char[3 *COLUMN_NAME_SIZE]){0}, head, family)
 
 /* Gives the columns of a family their roles, or says what it lacks. */
-static void take_family(struct head *head, const struct family *family, enum role first, const char *what)
+static void take_family(struct head *head, const struct family *family, enum column_role first, const char *what)
 {
     struct columns *out = head->out;
     double unit = 0; /* mm */
@@ -423,7 +423,7 @@ static void take_family(struct head *head, const struct family *family, enum rol
         double own = head->unit[family->at[k]];
         FAULT_IF(own != 0 && unit != 0 && own != unit, head, "%s: two units, %s", what, FAMILY_SHOWN(head, family));
         unit = own != 0 ? own : unit;
-        set_role(head, family->at[k], first + (enum role)k);
+        set_role(head, family->at[k], first + (enum column_role)k);
     }
     const char *behind = family->at[0] != COLUMN_NONE ? strrchr(head->names[family->at[0]], ' ') : NULL;
     FAULT_IF(first <= ROLE_TX && behind && text_is_one_of(text_from(behind + 1), "cm/m", true) && unit == 0 &&
@@ -497,7 +497,7 @@ static const struct family *find_kind(struct head *head, enum family_kind kind)
     return found;
 }
 
-static void drop_role(struct head *head, enum role role)
+static void drop_role(struct head *head, enum column_role role)
 {
     for (size_t i = 0; i < head->line.count && head->out->has[role]; i++) {
         head->out->role_of[i] = head->out->role_of[i] == role ? ROLES : head->out->role_of[i];
@@ -511,7 +511,7 @@ static void find_roles(struct head *head)
     for (size_t r = 0; r < sizeof roles / sizeof roles[0]; r++) {
         struct text rest = text_from(roles[r].names);
         struct text name;
-        enum role role = roles[r].role;
+        enum column_role role = roles[r].role;
         for (bool more = true; !head->out->has[role] && text_field(&rest, '/', &more, &name);) {
             char copy[COLUMN_NAME_SIZE];
             snprintf(copy, sizeof copy, "%.*s", (int)name.size, name.data);
@@ -555,7 +555,7 @@ static void find_roles(struct head *head)
         snprintf(name, sizeof name, "m%zu%zu", i / 4, i % 4);
         size_t column = find_name(head, name, 0);
         if (column != COLUMN_NONE && head->out->role_of[column] == ROLES) {
-            set_role(head, column, ROLE_M00 + (enum role)i);
+            set_role(head, column, ROLE_M00 + (enum column_role)i);
         }
     }
 }
@@ -815,7 +815,7 @@ static void choose_families(struct head *head)
 
 /* Where nothing else names the rows: the first column if it has no name of its own, or the first one of texts; all of
  * its cells differ. */
-static conus_status find_row_names(struct head *head, struct notes *notes)
+static void find_row_names(struct head *head)
 {
     struct columns *out = head->out;
     enum { COMPARED = 500 };
@@ -837,11 +837,10 @@ static conus_status find_row_names(struct head *head, struct notes *notes)
         if (fits && rows) {
             set_role(head, column, ROLE_NAME);
             if (!is_index) {
-                return notes_add(notes, "rows are called by column \"%.*s\"", POSE_QUOTE(head->line.cells[column]));
+                job_note(head->job, "rows are called by column \"%.*s\"", POSE_QUOTE(head->line.cells[column]));
             }
         }
     }
-    return CONUS_OK;
 }
 
 /* The known column that was perhaps meant: it is not there, and little is to be changed; "" if there is none. */
@@ -860,7 +859,7 @@ static struct text column_meant(const struct columns *columns, const char *field
     struct text meant = {"", 0};
     size_t length = strlen(field);
     size_t least = (length + 1) / 3;
-    for (enum role role = ROLE_TX; role < ROLE_NAME; role++) {
+    for (enum column_role role = ROLE_TX; role < ROLE_NAME; role++) {
         struct text names = text_from(role == ROLE_SPACE ? "space" : role < ROLE_M00 ? of_axes[role] : "");
         struct text name = {"", 0};
         for (size_t r = 0; role >= ROLE_ANGLE && r < sizeof roles / sizeof roles[0]; r++) {
@@ -902,28 +901,32 @@ static void list_columns(struct buffer *out, const struct head *head, bool known
     }
 }
 
-static conus_status note_unknown(struct notes *notes, const struct head *head)
+/* With a list of all or of unknown columns, as a text of the job. */
+static const char *shown_columns(const struct head *head, bool known)
 {
     struct buffer list = {0};
-    list_columns(&list, head, false);
-    conus_status status = buffer_status(&list);
-    status = status || !list.size ? status : notes_add(notes, "columns passed over: %s", list.data);
+    list_columns(&list, head, known);
+    const char *shown =
+        JOB_CALL(head->job, buffer_status(&list)) ? job_copy(head->job, (struct text){list.data, list.size}) : "";
     buffer_finish(&list);
-    return status;
+    return shown;
 }
 
-static conus_status refuse(struct head *head)
+static void note_unknown(const struct head *head)
 {
-    struct buffer *faults = &head->faults;
-    const struct columns *out = head->out;
-    buffer_format(faults, "; taken as %s; columns found: ",
-                  out->is_of_points ? "points at x y z" : "poses, a position and a direction each");
-    list_columns(faults, head, true);
-    if (out->space < CONUS_SPACE_CCF && find_name(head, "ap", 0) != COLUMN_NONE) {
-        buffer_text(faults, "; ap, dv and ml are read in space ccf or bregma");
+    const char *list = shown_columns(head, false);
+    if (list[0]) {
+        job_note(head->job, "columns passed over: %s", list);
     }
-    conus_status status = buffer_status(faults);
-    return status ? status : fail(CONUS_ERROR_DATA, "header: %s", faults->data);
+}
+
+static void refuse(const struct head *head)
+{
+    const struct columns *out = head->out;
+    bool is_of_rodents = out->space < CONUS_SPACE_CCF && find_name(head, "ap", 0) != COLUMN_NONE;
+    job_bad(head->job, "header: %s; taken as %s; columns found: %s%s", head->faults.data,
+            out->is_of_points ? "points at x y z" : "poses, a position and a direction each", shown_columns(head, true),
+            is_of_rodents ? "; ap, dv and ml are read in space ccf or bregma" : "");
 }
 
 /* A column "target" or "entry" of names beside points may be the other end of an axis, or a word about the row. */
@@ -1123,7 +1126,7 @@ static bool fits_rows(const struct head *head)
         bool all = true;
         for (size_t i = 0; i < head->out->count; i++) {
             double value;
-            const enum role role = head->out->role_of[i];
+            const enum column_role role = head->out->role_of[i];
             const struct text cell = columns_cell(head, r, i);
             all = all && (role >= ROLE_SPACE || role == ROLE_TRIGGER || table_number(&value, &head->out->table, cell) ||
                           (role >= ROLE_ANGLE && columns_is_absent(cell)));
@@ -1179,7 +1182,7 @@ static void show_reading(char out[COLUMN_NAME_SIZE * 4], const struct head *head
     size_t used = 0;
     out[0] = '\0';
     for (size_t i = 0; i < head->out->count; i++) {
-        const enum role role = head->out->role_of[i];
+        const enum column_role role = head->out->role_of[i];
         const struct text cell = columns_cell(head, row, i);
         if (role == ROLE_NAME || role < ROLE_ANGLE) {
             used +=
@@ -1340,7 +1343,7 @@ static void decide_by_header(struct head *head)
 }
 
 /* Finds the columns whose texts are kept, by their names as they stand in the header. */
-static conus_status find_kept(struct head *head)
+static void find_kept(struct head *head)
 {
     const conus_pose_options *options = head->options;
     for (size_t i = 0; i < options->keep_count; i++) {
@@ -1352,54 +1355,47 @@ static conus_status find_kept(struct head *head)
             }
         }
         if (found != 1) {
-            buffer_format(&head->faults,
-                          "keep: %s column is called \"%.60s\"; columns found: ", found ? "more than one" : "no",
-                          options->keep[i]);
-            list_columns(&head->faults, head, true);
-            conus_status status = buffer_status(&head->faults);
-            return status ? status : fail(CONUS_ERROR_DATA, "%s", head->faults.data);
+            job_bad(head->job, "keep: %s column is called \"%.60s\"; columns found: %s", found ? "more than one" : "no",
+                    options->keep[i], shown_columns(head, true));
         }
     }
     head->out->kept_count = options->keep_count;
-    return CONUS_OK;
 }
 
 /* What is meant by columns that other programs mean otherwise. */
-static conus_status note_angles(const struct head *head, struct notes *notes)
+static void note_angles(const struct head *head)
 {
     const struct columns *out = head->out;
     bool has_direction = out->has[ROLE_TX] || out->has[ROLE_DX] || out->has[ROLE_QW] || out->has[ROLE_TILT_ML];
     if (out->has[ROLE_PHI]) {
-        return notes_add(
-            notes,
-            "phi and theta are IBL's, degrees: azimuth (0 to the right, 90 to anterior) and polar angle of "
-            "the way from the tip to the top; theta 0 is straight down%s",
-            out->is_mlapdv ? "; x y z are ML, AP, DV from bregma" : "");
+        job_note(head->job,
+                 "phi and theta are IBL's, degrees: azimuth (0 to the right, 90 to anterior) and polar angle of "
+                 "the way from the tip to the top; theta 0 is straight down%s",
+                 out->is_mlapdv ? "; x y z are ML, AP, DV from bregma" : "");
+    } else if (!has_direction && out->has[ROLE_DEPTH]) {
+        job_note(head->job, "depth without an angle: straight down");
     }
-    return has_direction || !out->has[ROLE_DEPTH] ? CONUS_OK
-                                                  : notes_add(notes, "depth without an angle: straight down");
 }
 
-static conus_status check_options(const struct head *head)
+static void check_options(const struct head *head)
 {
     const struct columns *out = head->out;
     const conus_pose_options *options = head->options;
     bool turns = out->has[ROLE_QW] || out->has[ROLE_M00];
     if (options->axis != CONUS_AXIS_OF_FORMAT && !turns) {
-        return fail(CONUS_ERROR_DATA,
-                    "header: it gives %s, so that no axis (%s) is to be chosen; qw qx qy qz or m00...m33 have axes",
-                    out->is_of_points ? "points" : "a direction", pose_axis_name(options->axis));
+        job_bad(head->job,
+                "header: it gives %s, so that no axis (%s) is to be chosen; qw qx qy qz or m00...m33 have axes",
+                out->is_of_points ? "points" : "a direction", pose_axis_name(options->axis));
     }
-    /* The names of rotations' columns are of axes that space ccf and bregma do not have. */
     if (options->inward && out->has[ROLE_RADIUS]) {
-        return fail(CONUS_ERROR_DATA, "header: column \"%s\" is that of a ball, but rows point into the head",
-                    out->shown[ROLE_RADIUS]);
+        job_bad(head->job, "header: column \"%s\" is that of a ball, but rows point into the head",
+                out->shown[ROLE_RADIUS]);
     }
-    return options->space < CONUS_SPACE_CCF || !turns ? CONUS_OK
-                                                      : fail(CONUS_ERROR_DATA,
-                                                             "header: rotations (qw qx qy qz or m00...m33) are not "
-                                                             "read in space %s; tx ty tz or dx dy dz are",
-                                                             conus_space_name((size_t)options->space));
+    if (options->space >= CONUS_SPACE_CCF && turns) { /* the columns' names are of axes that these do not have */
+        job_bad(head->job,
+                "header: rotations (qw qx qy qz or m00...m33) are not read in space %s; tx ty tz or dx dy dz are",
+                conus_space_name((size_t)options->space));
+    }
 }
 
 /* What stands between cells, to be written into an example. */
@@ -1410,7 +1406,7 @@ static const char *separator_of(const struct table *table)
 }
 
 /* A table without a header whose first row is no point: what it could be, and the line that says so. */
-static conus_status refuse_bare(const struct head *head)
+static void refuse_bare(const struct head *head)
 {
     const struct table *table = &head->out->table;
     const char *s = separator_of(table);
@@ -1433,29 +1429,27 @@ static conus_status refuse_bare(const struct head *head)
                  is_number ? (const char *const[]){"x", "y", "z"}[found % 3] : word);
         found += is_number;
     }
-    if (numbers == 3) {
-        return fail(
-            CONUS_ERROR_DATA,
-            "no header, and other words beside the x y z of a point than a name: \"%.*s\"; put a line of names in "
-            "front: \"%s\"",
-            TEXT_SHOW(text_trim(text), 60), names);
-    }
+    const struct text shown = text_trim(text);
     const char *commas = table->separator == TABLE_COMMAS && numbers <= 6
                              ? "; are they decimal commas? Put a semicolon or a tab between numbers then"
                              : "";
-    return numbers == 4
-               ? fail(
-                     CONUS_ERROR_DATA,
-                     "no header, and 4 numbers in a line: in \"%.*s\" the point is in the first three (then a value or "
-                     "radius) or in the last three (before them the row's number); put a line in front that says "
-                     "which: "
-                     "\"x%sy%sz%svalue\" or \"row%sx%sy%sz\"%s%s",
-                     TEXT_SHOW(text_trim(text), 60), s, s, s, s, s, s,
-                     is_in_front ? "" : ", with a word for each column", commas)
-               : fail(CONUS_ERROR_DATA,
-                      "no header, and %zu numbers in a line, neither the 16 of a matrix nor the x y z of a point: "
-                      "\"%.*s\"; put a line of names in front, a word for each column, x%sy%sz among them%s",
-                      numbers, TEXT_SHOW(text_trim(text), 60), s, s, commas);
+    if (numbers == 3) {
+        job_bad(head->job,
+                "no header, and other words beside the x y z of a point than a name: \"%.*s\"; put a line of names in "
+                "front: \"%s\"",
+                TEXT_SHOW(shown, 60), names);
+    } else if (numbers == 4) {
+        job_bad(head->job,
+                "no header, and 4 numbers in a line: in \"%.*s\" the point is in the first three (then a value or "
+                "radius) or in the last three (before them the row's number); put a line in front that says which: "
+                "\"x%sy%sz%svalue\" or \"row%sx%sy%sz\"%s%s",
+                TEXT_SHOW(shown, 60), s, s, s, s, s, s, is_in_front ? "" : ", with a word for each column", commas);
+    } else {
+        job_bad(head->job,
+                "no header, and %zu numbers in a line, neither the 16 of a matrix nor the x y z of a point: "
+                "\"%.*s\"; put a line of names in front, a word for each column, x%sy%sz among them%s",
+                numbers, TEXT_SHOW(shown, 60), s, s, commas);
+    }
 }
 
 /* Whether more than half of the rows of the head are points. */
@@ -1473,16 +1467,19 @@ static bool has_points(const struct head *head)
     return points && 2 * points >= rows;
 }
 
-static conus_status note_places(const struct head *head, struct notes *notes)
+static void note_places(const struct head *head)
 {
     const struct columns *out = head->out;
     const struct text column = out->has_header ? head->line.cells[out->place - 1] : text_from("");
-    return notes_add(notes, "%s%.*s%s names places: each row is the point that --point NAME means",
-                     out->has_header ? "column \"" : "each line", POSE_QUOTE(column), out->has_header ? "\"" : "");
+    bool are_called_so = head->words.place.size && out->role_of[out->place - 1] == ROLE_NAME && out->count > 1;
+    job_note(head->job, "%s%.*s%s names places: each row is the point that --point NAME means%s",
+             out->has_header ? "column \"" : "each line", POSE_QUOTE(column), out->has_header ? "\"" : "",
+             are_called_so ? ", and is called so; ',name=COLUMN' behind FILE calls rows by another" : "");
 }
 
-static conus_status plan_bare(struct head *head, struct notes *notes)
+static void plan_bare(struct head *head)
 {
+    struct job *job = head->job;
     const conus_pose_options *options = head->options;
     struct columns *out = head->out;
     bool is_table = options->format == CONUS_POSE_FORMAT_TABLE;
@@ -1490,82 +1487,60 @@ static conus_status plan_bare(struct head *head, struct notes *notes)
     out->count = 0;
     out->is_of_points = true;
     if (head->is_on_its_side) {
-        return fail(CONUS_ERROR_DATA, "%s", on_its_side);
-    }
-    if (out->place) {
-        return note_places(head, notes);
-    }
-    if (is_table || (!has_points(head) && !out->table.cells)) {
+        job_bad(job, "%s", on_its_side);
+    } else if (out->place) {
+        note_places(head);
+    } else if (is_table || (!has_points(head) && !out->table.cells)) {
         struct text line = {"", 0};
         struct text rest = head->text;
         while (table_is_blank(line) && text_line(&rest, &line)) {
         }
-        return is_table ? fail(CONUS_ERROR_DATA,
-                               "header: \"%.*s\": no names of columns, but the first line of a table has names",
-                               POSE_QUOTE(line))
-                        : fail(CONUS_ERROR_DATA,
-                               "\"%.*s\": neither names of columns nor three numbers in a line; " POSE_FORMATS
-                               " is needed; a list of names has those of areas or positions (C3)",
-                               POSE_QUOTE(line));
-    }
-    if (!has_points(head)) {
-        return refuse_bare(head);
-    }
-    if (head->words.at[0].size || head->words.name.size) {
+        job_bad(job,
+                is_table ? "header: \"%.*s\": no names of columns, but the first line of a table has names"
+                         : "\"%.*s\": neither names of columns nor three numbers in a line; " POSE_FORMATS
+                           " is needed; a list of names has those of areas or positions (C3)",
+                POSE_QUOTE(line));
+    } else if (!has_points(head)) {
+        refuse_bare(head);
+    } else if (head->words.at[0].size || head->words.name.size) {
         struct text word = head->words.at[0].size ? head->words.at[0] : head->words.name;
-        return fail(CONUS_ERROR_DATA, "no header, so that no column is called \"%.*s\"", POSE_QUOTE(word));
+        job_bad(job, "no header, so that no column is called \"%.*s\"", POSE_QUOTE(word));
+    } else if (options->axis != CONUS_AXIS_OF_FORMAT) {
+        job_bad(job, "points have no direction, so that no axis (%s) can be chosen", pose_axis_name(options->axis));
     }
-    return options->axis == CONUS_AXIS_OF_FORMAT
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "points have no direction, so that no axis (%s) can be chosen",
-                      pose_axis_name(options->axis));
 }
 
 /* Takes the rows of the head to pieces, once. */
-static conus_status find_rows(struct head *head)
+static void find_rows(struct head *head)
 {
     struct text rest = head->text;
     struct text text;
     struct table_line line;
-    while (head->text.size - rest.size < TABLE_HEAD && table_next_line(&rest, &text, NULL)) {
+    while (job_ok(head->job) && head->text.size - rest.size < TABLE_HEAD && table_next_line(&rest, &text, NULL)) {
         if (!table_split(&line, &head->out->table, text) || table_numbers(&line) < 3) {
             continue;
         }
-        if (!memory_reserve(&head->rows, &head->row_capacity, head->row_count + 1, sizeof *head->rows) ||
-            !memory_reserve(&head->cells, &head->cell_capacity, head->cell_count + line.count, sizeof *head->cells)) {
-            return CONUS_ERROR_MEMORY;
+        struct text *cells = job_raw(head->job, line.count, sizeof *cells);
+        struct head_row *row =
+            list_add(head->job, &head->rows, &head->row_count, &head->row_capacity, sizeof *head->rows);
+        *row = (struct head_row){cells, cells ? line.count : 0};
+        if (cells) {
+            memcpy(cells, line.cells, line.count * sizeof *cells);
         }
-        memcpy(head->cells + head->cell_count, line.cells, line.count * sizeof *line.cells);
-        head->rows[head->row_count++].count = line.count;
-        head->cell_count += line.count;
-    }
-    for (size_t i = 0, at = 0; i < head->row_count; at += head->rows[i++].count) {
-        head->rows[i].cells = head->cells + at; /* which stay where they are from now on */
     }
     head->is_on_its_side = is_on_its_side(head);
-    return CONUS_OK;
 }
 
-conus_status columns_plan(struct columns *out, bool *is_short, struct notes *notes, struct text head_text,
-                          const conus_pose_options *options)
+static void finish_faults(void *head)
 {
-    struct head *head = memory_zeroed(1, sizeof *head);
-    if (!head) {
-        return CONUS_ERROR_MEMORY;
-    }
-    *out = (struct columns){.space = options->space,
-                            .is_bids = out->is_bids,
-                            .side = out->side,
-                            .beside_mm = out->beside_mm,
-                            .table.quotes_are_plain = out->is_bids};
-    head->out = out;
-    head->options = options;
-    head->text = head_text;
-    conus_status status = columns_words_parse(&head->words, options->columns);
-    if (status) {
-        memory_free(head);
-        return status;
-    }
+    buffer_finish(&((struct head *)head)->faults);
+}
+
+static void plan(struct head *head, bool *is_short)
+{
+    struct columns *out = head->out;
+    const conus_pose_options *options = head->options;
+    (void)JOB_CALL(head->job, columns_words_parse(&head->words, options->columns));
     head->is_named = head->words.at[0].size;
     if (out->is_bids) {
         static const char *const xyz[3] = {"x", "y", "z"};
@@ -1574,19 +1549,17 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
         }
         head->words.name = head->words.name.size ? head->words.name : text_from("name");
     }
-    table_decide(&out->table, head_text);
+    table_decide(&out->table, head->text);
     *is_short = out->table.cells == 0;
     if (!out->table.cells) {
         decide_by_header(head);
     }
-    status = find_rows(head);
-    out->has_header = !status && options->format != CONUS_POSE_FORMAT_POINTS && find_header(head);
+    find_rows(head);
+    out->has_header = options->format != CONUS_POSE_FORMAT_POINTS && find_header(head);
     bool has_none = !head->family_count && !out->has[ROLE_M00] && !head->is_named;
-    bool may_name = options->atlas && !status && !out->is_bids && (has_none || head->words.place.size) &&
-                    options->format <= CONUS_POSE_FORMAT_POINTS;
-    if (may_name) {
+    if (options->atlas && !out->is_bids && (has_none || head->words.place.size) &&
+        options->format <= CONUS_POSE_FORMAT_POINTS) {
         columns_find_places(head, roles[sizeof roles / sizeof roles[0] - 1].names);
-        status = head->lacks_memory ? CONUS_ERROR_MEMORY : status;
     }
     if (out->place && out->has_header) {
         find_columns(head);
@@ -1595,45 +1568,75 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
              "a comma before three digits, or commas of two kinds: 1,250 may be 1250 or 1.25");
     FAULT_IF(out->has_header && has_row_of_units(head), head,
              "a row of units below it: write them behind the names, as in x (mm)");
-    if (status) {
-        out->has_header = false;
-    } else if (!out->has_header) {
-        status = plan_bare(head, notes);
+    (void)JOB_CALL(head->job, buffer_status(&head->faults));
+    if (!out->has_header) {
+        plan_bare(head);
     } else if (head->line.spoilt.data) {
-        status = fail(CONUS_ERROR_DATA, "header: a quotation mark inside a name, or one that is not closed: \"%.*s",
-                      POSE_QUOTE(head->line.spoilt));
+        job_bad(head->job, "header: a quotation mark inside a name, or one that is not closed: \"%.*s",
+                POSE_QUOTE(head->line.spoilt));
     } else if (head->faults.size) {
-        status = buffer_status(&head->faults);
-        status = status ? status : refuse(head);
+        refuse(head);
     } else {
-        status = check_options(head);
-        status = status || !out->place ? status : note_places(head, notes);
-        status = status ? status : note_angles(head, notes);
-        status = status ? status : find_row_names(head, notes);
-        status = status ? status : find_kept(head);
-        status = status || out->is_bids ? status : note_unknown(notes, head);
+        check_options(head);
+        if (out->place) {
+            note_places(head);
+        }
+        note_angles(head);
+        find_row_names(head);
+        find_kept(head);
+        if (!out->is_bids) {
+            note_unknown(head);
+        }
     }
-    double unit = head->words.unit > 0 ? head->words.unit : options->unit; /* the user's word */
+}
+
+/* The unit of positions and of lengths beside them. */
+static void plan_units(struct head *head)
+{
+    struct columns *out = head->out;
+    const double mm = columns_space_mm(head->options->space);
+    const double unit = head->words.unit > 0 ? head->words.unit : head->options->unit; /* the user's word */
+    const double beside = out->beside_mm / mm;
     out->is_own_unit = unit > 0;
-    const double beside = out->beside_mm / columns_space_mm(options->space);
-    if (!status && !out->is_own_unit && beside > 0 && out->scale > 0 && out->scale != beside) {
-        status = fail(CONUS_ERROR_DATA, "its header names another unit than the *_coordsystem.json beside it");
+    if (!out->is_own_unit && beside > 0 && out->scale > 0 && out->scale != beside) {
+        job_bad(head->job, "its header names another unit than the *_coordsystem.json beside it");
     }
     out->scale = beside > 0 ? beside : out->scale;
-    status = status || out->place ? status : columns_hear_words(head, notes); /* names have neither space nor unit */
-    if (unit > 0) {
-        out->scale = unit / columns_space_mm(options->space);
+    if (!out->place) { /* names have neither space nor unit */
+        columns_hear_words(head);
     }
+    out->scale = unit > 0 ? unit / mm : out->scale;
     out->has_unit = out->scale > 0;
-    const double own = (out->has_unit ? out->scale : 1) * columns_space_mm(options->space); /* that of positions */
-    for (enum role role = ROLE_DEPTH; role <= ROLE_RADIUS; role++) {
-        out->factor[role] = out->factor[role] > 0 ? out->factor[role] : out->place ? 1 : own;
-    }
     out->scale = out->has_unit ? out->scale : 1;
-    status = status || out->place ? status : columns_check_numbers(head, notes);
-    buffer_finish(&head->faults);
-    memory_free(head->rows);
-    memory_free(head->cells);
-    memory_free(head);
-    return status;
+    for (enum column_role role = ROLE_DEPTH; role <= ROLE_RADIUS; role++) {
+        out->factor[role] = out->factor[role] > 0 ? out->factor[role] : out->place ? 1 : out->scale * mm;
+    }
+}
+
+void columns_plan(struct job *job, struct columns *out, bool *is_short, struct text text,
+                  const conus_pose_options *options)
+{
+    const struct job_mark mark = job_mark(job);
+    struct head *head = job_new(job, struct head);
+    *out = (struct columns){.space = options->space,
+                            .is_bids = out->is_bids,
+                            .side = out->side,
+                            .beside_mm = out->beside_mm,
+                            .table.quotes_are_plain = out->is_bids};
+    if (!head) {
+        return;
+    }
+    head->job = job;
+    head->out = out;
+    head->options = options;
+    head->text = text;
+    job_own(job, finish_faults, head);
+    plan(head, is_short);
+    if (job_ok(job)) {
+        plan_units(head);
+    }
+    if (job_ok(job) && !out->place) {
+        columns_check_numbers(head);
+    }
+    job_release(job, mark);
 }

@@ -5,15 +5,15 @@
 #define CONUS_POSES_ROWS_COLUMNS_H
 
 #include "base/formats/table.h"
+#include "base/job/job.h"
 #include "base/name_set.h"
-#include "base/notes.h"
 #include "base/text.h"
 #include "conus/pose_file.h"
 #include "poses/rows/pose_row.h"
 #include "poses/rows/space_words.h"
 
 /** What a column may be. Before ROLE_NAME they are numbers. m00 … m33 are row-major. */
-enum role {
+enum column_role {
     ROLE_X,
     ROLE_TX = ROLE_X + 3,
     ROLE_DX = ROLE_TX + 3,
@@ -87,11 +87,11 @@ struct columns {
     size_t heard_lines;       /**< Lines of the head, whose words are in @p said. */
 };
 
-/** Reads the head of a text: its first lines, @p all of them or TABLE_HEAD bytes. CONUS_ERROR_DATA with what it is
+/** Reads the head of a text: its first lines, @p all of them or TABLE_HEAD bytes. Fails with what it is
  * taken for, which roles were found in which columns, and all that is missing, or what its numbers cannot be. Notes
  * name the columns that have no role. *is_short: the head has no row yet. */
-conus_status columns_plan(struct columns *out, bool *is_short, struct notes *notes, struct text head,
-                          const conus_pose_options *options);
+void columns_plan(struct job *job, struct columns *out, bool *is_short, struct text head,
+                  const conus_pose_options *options);
 
 /** The space of the rows that are read: MNI 152 of those that are moved there. */
 struct pose_space columns_space(const struct columns *columns);
@@ -117,8 +117,8 @@ bool columns_is_absent(struct text cell);
 enum columns_end { END_NONE, END_ENTRY, END_TARGET };
 enum columns_end columns_end_of(struct text cell);
 
-/** CONUS_ERROR_DATA: so many of the axes are shorter than 1/20 of the @p longest edge. */
-conus_status columns_refuse_short(size_t count, size_t axes, double longest);
+/** Fails: so many of the axes are shorter than 1/20 of the @p longest edge. */
+void columns_refuse_short(struct job *job, size_t count, size_t axes, double longest);
 
 /** What a line is. */
 enum columns_line {
@@ -159,10 +159,9 @@ conus_status named_rows_find(conus_pose_row *row, struct named_rows *known, cons
 /** Whether @p text is sixteen numbers and nothing else: then @p row or its error (in *bad) is the pose they are. */
 bool columns_plain_matrix(conus_pose_row *row, conus_status *bad, struct text text, const conus_pose_options *options);
 
-/** Adds the axes of a table with columns.pairs to @p list, in the order of their entries; each ends at its target.
- * CONUS_ERROR_DATA where a name has not one of each. */
-conus_status pairs_parse(conus_pose_list *list, const struct columns *columns, struct text text,
-                         const conus_pose_options *options);
+/** Adds the axes of a table with columns.pairs, in the order of their entries; each ends at its target. Fails where a
+ * name has not one of each. */
+void pairs_parse(const struct pose_reading *to, const struct columns *columns, struct text text);
 
 enum { SIDES_SHAFTS = 64, SIDES_SHAFT_SIZE = 12 };
 
@@ -188,14 +187,13 @@ int sides_of_file(const char *path);
  * that is more than @p edge on the other side. */
 void sides_count(struct sides *sides, int side, struct text name, double x, double edge);
 
-/** CONUS_ERROR_DATA where half of the points called left, or right, lie on the other side; @p why: what they may be. */
-conus_status sides_check(const struct sides *sides, const char *why);
+/** Fails where half of the points called left, or right, lie on the other side; @p why: what they may be. */
+void sides_check(struct job *job, const struct sides *sides, const char *why);
 
 /** Warns where half of the points, three at least, lie beyond the edge on the other side than their file's name says,
- * by
- * @p of_file; and of shafts of electrodes (LA1, LPH-2) whose contacts, three at least, all lie on the other side than
- * the first letter says. It says a side only where there is the same shaft of the other one (RPH), or where all names
- * with a number begin so: of both letters, or of three shafts. */
-conus_status sides_warn(const struct sides *sides, int of_file, struct notes *notes);
+ * by @p of_file; and of shafts of electrodes (LA1, LPH-2) whose contacts, three at least, all lie on the other side
+ * than the first letter says. It says a side only where there is the same shaft of the other one (RPH), or where all
+ * names with a number begin so: of both letters, or of three shafts. */
+void sides_warn(struct job *job, const struct sides *sides, int of_file);
 
 #endif

@@ -42,12 +42,10 @@ struct head_row {
 };
 
 struct head {
+    struct job *job;
     struct table_line line; /**< The header. */
     struct head_row *rows;
     size_t row_count, row_capacity;
-    struct text *cells; /**< Of the rows. */
-    size_t cell_count, cell_capacity;
-    bool lacks_memory;   /**< columns_find_places() had none. */
     bool is_on_its_side; /**< Rows are called x, y and z. */
     char names[TABLE_CELLS][COLUMN_NAME_SIZE];
     double unit[TABLE_CELLS]; /**< mm, as space_unit_mm(). */
@@ -63,11 +61,11 @@ struct head {
 };
 
 /** Sets in head->out what lines and columns say of the space and unit of positions; the user's word, and a column of
- * LPS or RAS, beat it. CONUS_ERROR_DATA where positions cannot be taken. */
-conus_status columns_hear_words(struct head *head, struct notes *notes);
+ * LPS or RAS, beat it. Fails where positions cannot be taken. */
+void columns_hear_words(struct head *head);
 
 /** Judges the numbers of the head's rows. The unit that the user or the file states is not questioned. */
-conus_status columns_check_numbers(const struct head *head, struct notes *notes);
+void columns_check_numbers(const struct head *head);
 
 /** Adds a fault to those that there are. */
 #define FAULT(head, ...)                                                                                               \

@@ -4,7 +4,7 @@
 #define CONUS_POSES_ROWS_NAMED_CELLS_H
 
 #include "base/formats/table.h"
-#include "base/status.h"
+#include "base/job/job.h"
 
 enum { NAMED_CELLS_MOST = 32 };
 
@@ -21,16 +21,16 @@ struct named_cells {
     struct table_line line;               /**< The row. */
 };
 
-/** Looks for the columns in the line @p header, which must live as long: CONUS_ERROR_DATA for one that is there
- * twice. */
-conus_status named_cells_find(struct named_cells *cells, struct text header);
+/** Looks for the columns in the line @p header, which must live as long. One that is there twice is an error; @p job
+ * NULL: it is not asked. */
+void named_cells_find(struct job *job, struct named_cells *cells, struct text header);
 
 /** Whether the table has this column. */
 bool named_cells_has(const struct named_cells *cells, size_t column);
 
-/** Takes a row to pieces, until the next one. CONUS_ERROR_DATA where a cell that is needed is missing, where there are
- * more than in the header, or a quotation mark is not closed. */
-conus_status named_cells_split(struct named_cells *cells, struct text line);
+/** Takes a row to pieces, until the next one. An error where a cell that is needed is missing, where there are more
+ * than in the header, or a quotation mark is not closed. */
+void named_cells_split(struct job *job, struct named_cells *cells, struct text line);
 
 /** The row's cell of @p column; empty where the table lacks it. */
 struct text named_cell(const struct named_cells *cells, size_t column);
@@ -39,6 +39,6 @@ struct text named_cell(const struct named_cells *cells, size_t column);
 bool named_cell_is_absent(const struct named_cells *cells, size_t column);
 
 /** The numbers of @p count columns from @p first. */
-conus_status named_cells_numbers(double *out, const struct named_cells *cells, size_t first, size_t count);
+void named_cells_numbers(struct job *job, double *out, const struct named_cells *cells, size_t first, size_t count);
 
 #endif

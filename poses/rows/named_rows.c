@@ -49,7 +49,9 @@ static bool is_name(struct head *head, struct text cell, bool may_be_number)
         return cell.size <= POSE_ID_LIMIT && words.form != PLACE_NUMBERS;
     }
     conus_status status = conus_atlas_find(&object, atlas, text);
-    head->lacks_memory = head->lacks_memory || status == CONUS_ERROR_MEMORY;
+    if (status == CONUS_ERROR_MEMORY) {
+        (void)JOB_CALL(head->job, status);
+    }
     bool is_one = status != CONUS_ERROR_ARGUMENT || strncmp(conus_message(), "no ", 3) != 0; /* it may be several */
     return is_one && (!text_to_double(cell, &number) ||
                       (may_be_number && (status == CONUS_ERROR_ARGUMENT || is_called_number(atlas, text))));

@@ -75,32 +75,26 @@ static size_t put_character(char *out, uint32_t c)
     return count;
 }
 
-/* UTF-16 as UTF-8: how much there is. Half a character waits for the next bytes; half a pair is U+FFFD. */
-static size_t narrow(char *out, struct pose_lines *lines, const char *wide, size_t size)
+/* UTF-16 as UTF-8: how much there is. Half a pair is U+FFFD. */
+static size_t narrow(char *out, struct text wide, bool is_big)
 {
     size_t written = 0;
-    for (size_t i = 0; i < size; i++) {
-        const uint32_t first = lines->half;
-        const uint32_t second = (unsigned char)wide[i];
-        lines->half = (unsigned char)second;
-        lines->has_half = !lines->has_half;
-        if (lines->has_half) {
-            continue;
-        }
-        const uint32_t unit = lines->wide == POSE_WIDE_BIG ? first << 8 | second : second << 8 | first;
-        const uint32_t high = lines->high;
+    uint32_t high = 0; /* of a pair only this unit */
+    for (size_t i = 0; i + 1 < wide.size; i += 2) {
+        const uint32_t first = (unsigned char)wide.data[i + !is_big];
+        const uint32_t unit = first << 8 | (unsigned char)wide.data[i + is_big];
+        const uint32_t before = high;
         bool is_half = unit >= 0xD800 && unit < 0xE000;
-        bool is_pair = high && unit >= 0xDC00 && is_half;
-        lines->high = !high && is_half && unit < 0xDC00 ? unit : 0;
-        if (lines->high) {
-            continue;
-        }
-        if (high && !is_pair) {
+        bool is_pair = before && unit >= 0xDC00 && is_half;
+        high = !before && is_half && unit < 0xDC00 ? unit : 0;
+        if (before && !is_pair) {
             written += put_character(out + written, 0xFFFD);
         }
-        written += put_character(out + written, is_pair   ? 0x10000 + ((high - 0xD800) << 10) + (unit - 0xDC00)
-                                                : is_half ? 0xFFFD
-                                                          : unit);
+        if (!high) {
+            written += put_character(out + written, is_pair   ? 0x10000 + ((before - 0xD800) << 10) + (unit - 0xDC00)
+                                                    : is_half ? 0xFFFD
+                                                              : unit);
+        }
     }
     return written;
 }
@@ -113,10 +107,8 @@ static conus_status read_within(struct pose_lines *lines, int most_ms, bool *sil
     }
     lines->data = lines->own;
     bool stopped = false;
-    char wide[4096];
-    size_t room = (size_t)(lines->wide ? 2 : 1) * CAPACITY - lines->size;
-    char *at = lines->wide ? wide : lines->own + lines->size;
-    ptrdiff_t got = read_some(lines, at, lines->wide ? sizeof wide : room, &stopped, most_ms, silent);
+    char *at = lines->own + lines->size;
+    ptrdiff_t got = read_some(lines, at, CAPACITY - lines->size, &stopped, most_ms, silent);
     if (got < 0) {
         return fail_to_read();
     }
@@ -128,8 +120,7 @@ static conus_status read_within(struct pose_lines *lines, int most_ms, bool *sil
         return fail(CONUS_ERROR_IO, FILE_CHANGED);
     }
     sha256_update(&lines->hash, (size_t)got, (const uint8_t *)at);
-    size_t added = lines->wide ? narrow(lines->own + lines->size, lines, wide, (size_t)got) : (size_t)got;
-    lines->size = stopped ? 0 : lines->size + added; /* half a line is no row */
+    lines->size = stopped ? 0 : lines->size + (size_t)got; /* half a line is no row */
     lines->offset += (uint64_t)got;
     lines->ended = got == 0;
     return CONUS_OK;
@@ -141,40 +132,7 @@ static void take_bytes(struct pose_lines *lines, size_t size)
     lines->size -= size;
 }
 
-/* What was read as bytes becomes UTF-8. */
-static conus_status narrow_all(struct pose_lines *lines)
-{
-    size_t size = lines->size;
-    char *own = memory_raw(lines->own ? (size_t)2 * CAPACITY : 2 * size + 8, 1);
-    if (!own) {
-        return CONUS_ERROR_MEMORY;
-    }
-    lines->size = narrow(own, lines, lines->data, size);
-    memory_free(lines->own);
-    lines->own = own;
-    lines->data = own;
-    return CONUS_OK;
-}
-
-conus_status pose_lines_begin(struct pose_lines *lines)
-{
-    static const struct {
-        const char *bytes;
-        size_t size;
-        enum pose_wide wide;
-    } known[] = {{"\xef\xbb\xbf", 3, POSE_NARROW}, {"\xff\xfe", 2, POSE_WIDE_LITTLE}, {"\xfe\xff", 2, POSE_WIDE_BIG}};
-    conus_status status = pose_lines_fill(lines, 3);
-    for (size_t i = 0; !status && i < sizeof known / sizeof known[0]; i++) {
-        if (lines->size >= known[i].size && memcmp(lines->data, known[i].bytes, known[i].size) == 0) {
-            take_bytes(lines, known[i].size);
-            lines->wide = known[i].wide;
-            return lines->wide ? narrow_all(lines) : CONUS_OK;
-        }
-    }
-    return status;
-}
-
-static conus_status fill(struct pose_lines *lines, size_t size, bool may_be_silent)
+conus_status pose_lines_fill(struct pose_lines *lines, size_t size, bool may_be_silent)
 {
     conus_status status = CONUS_OK;
     bool silent = false;
@@ -184,14 +142,33 @@ static conus_status fill(struct pose_lines *lines, size_t size, bool may_be_sile
     return status;
 }
 
-conus_status pose_lines_fill_head(struct pose_lines *lines, size_t size)
+/* All of it becomes UTF-8. */
+static conus_status narrow_all(struct pose_lines *lines, bool is_big, uint64_t limit)
 {
-    return fill(lines, size, true);
+    struct buffer wide = {0};
+    conus_status status = pose_lines_rest(&wide, lines, limit);
+    char *own = status ? NULL : memory_raw(2 * wide.size + 8, 1);
+    if (own) {
+        lines->size = narrow(own, (struct text){wide.data, wide.size}, is_big);
+        memory_free(lines->own);
+        lines->own = own;
+        lines->data = own;
+    }
+    buffer_finish(&wide);
+    return status || own ? status : CONUS_ERROR_MEMORY;
 }
 
-conus_status pose_lines_fill(struct pose_lines *lines, size_t size)
+conus_status pose_lines_begin(struct pose_lines *lines, uint64_t limit)
 {
-    return fill(lines, size, false);
+    static const struct text marks[] = {{"\xef\xbb\xbf", 3}, {"\xff\xfe", 2}, {"\xfe\xff", 2}};
+    conus_status status = pose_lines_fill(lines, 3, false);
+    for (size_t i = 0; !status && i < sizeof marks / sizeof marks[0]; i++) {
+        if (lines->size >= marks[i].size && memcmp(lines->data, marks[i].data, marks[i].size) == 0) {
+            take_bytes(lines, marks[i].size);
+            return i ? narrow_all(lines, i == 2, limit) : CONUS_OK;
+        }
+    }
+    return status;
 }
 
 /* Bytes before the first LF or CR; lines->size if there is none. */
@@ -217,7 +194,7 @@ static void take_ending(struct pose_lines *lines)
 /* The second half of a CRLF, when the first ended the line before. */
 static conus_status take_late_feed(struct pose_lines *lines)
 {
-    conus_status status = lines->after_cr ? pose_lines_fill(lines, 1) : CONUS_OK;
+    conus_status status = lines->after_cr ? pose_lines_fill(lines, 1, false) : CONUS_OK;
     if (!status && lines->after_cr && lines->size && lines->data[0] == '\n') {
         take_bytes(lines, 1);
     }
@@ -233,7 +210,7 @@ static conus_status drop_long_line(struct pose_lines *lines)
         if (lines->ended) {
             return CONUS_OK;
         }
-        status = pose_lines_fill(lines, lines->size + 1);
+        status = pose_lines_fill(lines, lines->size + 1, false);
     }
     if (!status) {
         take_bytes(lines, line_length(lines));
@@ -247,7 +224,7 @@ conus_status pose_lines_next(struct pose_lines *lines, struct pose_line *line, b
     conus_status status = take_late_feed(lines);
     size_t length = line_length(lines);
     while (!status && length == lines->size && length <= POSE_LINE_LIMIT && !lines->ended) {
-        status = pose_lines_fill(lines, lines->size + 1);
+        status = pose_lines_fill(lines, lines->size + 1, false);
         length = line_length(lines);
     }
     if (status) {
@@ -270,35 +247,21 @@ conus_status pose_lines_next(struct pose_lines *lines, struct pose_line *line, b
     return CONUS_OK;
 }
 
-conus_status pose_lines_rest(struct bytes *out, struct pose_lines *lines, uint64_t limit)
+conus_status pose_lines_rest(struct buffer *out, struct pose_lines *lines, uint64_t limit)
 {
-    struct bytes bytes = {0};
     conus_status status = CONUS_OK;
-    for (size_t capacity = 0; !status && (lines->size || !lines->ended);) {
-        if (bytes.size + lines->size > limit) {
-            status =
-                fail(CONUS_ERROR_MEMORY, "more than %llu bytes, allowed of a format that is read whole (--max-memory)",
-                     (unsigned long long)limit);
+    while (!status && (lines->size || !lines->ended)) {
+        if (out->size + lines->size > limit) {
+            return fail(CONUS_ERROR_MEMORY,
+                        "more than %llu bytes, allowed of a format that is read whole (--max-memory)",
+                        (unsigned long long)limit);
         }
-        if (!status && bytes.size + lines->size > capacity) {
-            capacity = 2 * (bytes.size + lines->size);
-            uint8_t *data = memory_resize(bytes.data, capacity, 1);
-            bytes.data = data ? data : bytes.data;
-            status = data ? CONUS_OK : CONUS_ERROR_MEMORY;
-        }
-        if (!status && lines->size) {
-            memcpy(bytes.data + bytes.size, lines->data, lines->size);
-            bytes.size += lines->size;
-            take_bytes(lines, lines->size);
-        }
-        status = status || lines->ended ? status : pose_lines_fill(lines, lines->size + 1);
+        buffer_append(out, lines->data, lines->size);
+        take_bytes(lines, lines->size);
+        status = buffer_status(out);
+        status = status || lines->ended ? status : pose_lines_fill(lines, lines->size + 1, false);
     }
-    if (status) {
-        bytes_finish(&bytes);
-        return status;
-    }
-    *out = bytes;
-    return CONUS_OK;
+    return status;
 }
 
 conus_status pose_lines_sha256(char out[65], struct pose_lines *lines)
@@ -306,7 +269,7 @@ conus_status pose_lines_sha256(char out[65], struct pose_lines *lines)
     conus_status status = CONUS_OK;
     while (!status && !lines->ended) {
         take_bytes(lines, lines->size);
-        status = pose_lines_fill(lines, lines->size + 1);
+        status = pose_lines_fill(lines, lines->size + 1, false);
     }
     if (!status) {
         struct sha256_ctx hash = lines->hash;

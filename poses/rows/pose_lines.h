@@ -3,6 +3,7 @@
 #ifndef CONUS_POSES_ROWS_POSE_LINES_H
 #define CONUS_POSES_ROWS_POSE_LINES_H
 
+#include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/system/system.h"
 #include "base/text.h"
@@ -22,10 +23,6 @@ struct pose_lines {
     size_t size;
     char *own; /**< NULL where `data` is borrowed. */
     bool ended;
-    enum pose_wide { POSE_NARROW, POSE_WIDE_LITTLE, POSE_WIDE_BIG } wide; /**< UTF-16, which becomes UTF-8. */
-    bool has_half; /**< Of a unit of UTF-16 only this byte is there. */
-    unsigned char half;
-    uint32_t high; /**< Of a pair only this unit; 0 = none. */
     bool after_cr; /**< A LF that comes now belongs to the line before. */
     size_t number; /**< Lines taken. */
 
@@ -47,22 +44,20 @@ conus_status pose_lines_init(struct pose_lines *lines, int descriptor, bool seek
 void pose_lines_init_text(struct pose_lines *lines, struct text text);
 void pose_lines_finish(struct pose_lines *lines);
 
-/** Begins the text, after pose_lines_init(): takes off a byte order mark, and knows UTF-16 by it. */
-conus_status pose_lines_begin(struct pose_lines *lines);
+/** Begins the text, after pose_lines_init(): takes off a byte order mark. UTF-16, which it tells, is read as a whole
+ * and becomes UTF-8; CONUS_ERROR_MEMORY above @p limit bytes. */
+conus_status pose_lines_begin(struct pose_lines *lines, uint64_t limit);
 
-/** Reads on until @p size bytes (at most POSE_LINE_LIMIT) lie in `data`, or all there are, or until a pipe is silent
- * for a fifth of a second and something is there. */
-conus_status pose_lines_fill_head(struct pose_lines *lines, size_t size);
-
-/** Reads on until @p size bytes (at most POSE_LINE_LIMIT) lie in `data`, or all there are. */
-conus_status pose_lines_fill(struct pose_lines *lines, size_t size);
+/** Reads on until @p size bytes (at most POSE_LINE_LIMIT) lie in `data`, or all there are, or, where that is enough,
+ * until a pipe is silent for a fifth of a second and something is there. */
+conus_status pose_lines_fill(struct pose_lines *lines, size_t size, bool may_be_silent);
 
 /** Takes the next line, ended by LF, CR, CRLF or the end; *found = false when there is none. The line's text lives
  * until the next call. */
 conus_status pose_lines_next(struct pose_lines *lines, struct pose_line *line, bool *found);
 
-/** Takes all that is left, CONUS_ERROR_MEMORY above @p limit bytes. @p out is the caller's to finish. */
-conus_status pose_lines_rest(struct bytes *out, struct pose_lines *lines, uint64_t limit);
+/** Appends all that is left, CONUS_ERROR_MEMORY above @p limit bytes. @p out is the caller's to finish. */
+conus_status pose_lines_rest(struct buffer *out, struct pose_lines *lines, uint64_t limit);
 
 /** SHA-256 of all that was read, and of what is left, which is taken, too. Seekable only. */
 conus_status pose_lines_sha256(char out[65], struct pose_lines *lines);

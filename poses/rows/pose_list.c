@@ -90,16 +90,36 @@ conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, str
     return CONUS_OK;
 }
 
-conus_status pose_list_add_point(conus_pose_list *list, size_t line, const double point[3], bool lps, struct text id,
-                                 conus_status bad)
+void pose_add(const struct pose_reading *to, const conus_pose_row *row, struct text id, const char *error)
+{
+    (void)JOB_CALL(to->job, pose_list_add(to->list, row, id, error));
+}
+
+void pose_add_point(const struct pose_reading *to, size_t line, const double point[3], bool lps, struct text id,
+                    const char *error)
 {
     conus_pose_row row = pose_row_at(line);
     row.is_point = true;
-    bad = bad ? bad : pose_of_point(&row.pose, point);
-    if (!bad && lps) {
+    error = error || !pose_of_point(&row.pose, point) ? error : conus_message();
+    if (!error && lps) {
         pose_flip_point(row.pose.world_from_device + 12);
     }
-    return pose_list_add(list, &row, id, bad ? conus_message() : NULL);
+    pose_add(to, &row, id, error);
+}
+
+void pose_refuse_axis(const struct pose_reading *of, const char *what)
+{
+    const conus_axis axis = of->options->axis;
+    if (axis != CONUS_AXIS_OF_FORMAT) {
+        job_bad(of->job, "%s have no direction, so that no axis (%s) can be chosen", what, pose_axis_name(axis));
+    }
+}
+
+void pose_note_absent(struct job *job, size_t count, size_t first)
+{
+    if (count) {
+        job_note(job, "%zu rows without coordinates (n/a) passed over, the first in line %zu", count, first);
+    }
 }
 
 conus_status pose_list_hear(conus_pose_list *list, const struct note_sink *sink)

@@ -57,14 +57,6 @@ conus_status pose_no_number(const char *what, struct text field)
                 has_comma ? "; decimals are written with a point" : "");
 }
 
-conus_status pose_no_axis(const conus_pose_options *options, const char *what)
-{
-    return options->axis == CONUS_AXIS_OF_FORMAT
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "%s have no direction, so that no axis (%s) can be chosen", what,
-                      pose_axis_name(options->axis));
-}
-
 conus_status pose_check_angle(double angle)
 {
     return angle > 0 && angle < MATH3_PI
@@ -231,16 +223,12 @@ double pose_clock(struct text date, struct text time)
     return days_of_date(d[0], d[1], d[2]) * 86400 + t[0] * 3600 + t[1] * 60 + t[2];
 }
 
-conus_status pose_note_absent(struct notes *notes, size_t count, size_t first)
-{
-    return count
-               ? notes_add(notes, "%zu rows without coordinates (n/a) passed over, the first in line %zu", count, first)
-               : CONUS_OK;
-}
-
-conus_status pose_note_space(struct notes *notes, const conus_pose_options *options, bool lps)
+void pose_note_space(struct job *job, const conus_pose_options *options, bool lps)
 {
     static const char text[] = "the file says that its positions are RAS, and as such they are taken";
-    bool said = notes->count && strcmp(notes->lines[notes->count - 1], text) == 0;
-    return options->space == CONUS_SPACE_LPS && !lps && !said ? notes_add(notes, "%s", text) : CONUS_OK;
+    const struct notes *notes = &job->notes;
+    if (options->space == CONUS_SPACE_LPS && !lps &&
+        !(notes->count && strcmp(notes->lines[notes->count - 1], text) == 0)) {
+        job_note(job, "%s", text);
+    }
 }

@@ -3,7 +3,7 @@
 #ifndef CONUS_POSES_ROWS_POSE_ROW_H
 #define CONUS_POSES_ROWS_POSE_ROW_H
 
-#include "base/notes.h"
+#include "base/job/job.h"
 #include "base/text.h"
 #include "conus/pose_file.h"
 
@@ -100,16 +100,10 @@ conus_status pose_of_matrix(conus_pose *out, const double m[16], bool lps, conus
 double pose_clock(struct text date, struct text time);
 
 /** A note where the caller asked for LPS and the file says itself that it is RAS, by @p lps. */
-conus_status pose_note_space(struct notes *notes, const conus_pose_options *options, bool lps);
-
-/** A note that @p count rows without a position were passed over, the first in line @p first; of 0 none. */
-conus_status pose_note_absent(struct notes *notes, size_t count, size_t first);
+void pose_note_space(struct job *job, const conus_pose_options *options, bool lps);
 
 /** "+x" and so on; "" for CONUS_AXIS_OF_FORMAT. */
 const char *pose_axis_name(conus_axis axis);
-
-/** CONUS_ERROR_DATA where the caller chooses an axis: @p what, "contacts" say, have none. */
-conus_status pose_no_axis(const conus_pose_options *options, const char *what);
 
 /** A pose that is only a position. */
 conus_status pose_of_point(conus_pose *out, const double point[3]);
@@ -182,15 +176,36 @@ struct conus_pose_list {
  * UTF-8, too, and then the row has an error. @p error NULL: none. */
 conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, struct text id, const char *error);
 
-/** Adds a point, in LPS if @p lps, or, where that is not CONUS_OK, what is @p bad about the row. */
-conus_status pose_list_add_point(conus_pose_list *list, size_t line, const double point[3], bool lps, struct text id,
-                                 conus_status bad);
-
 /** Gives the last row copies of texts that are kept. All rows of a list have as many. */
 conus_status pose_list_keep(conus_pose_list *list, const struct kept_text *texts, size_t count);
 
 /** Gives the sink the notes of the list, which keeps a copy of the sink and of its path. */
 conus_status pose_list_hear(conus_pose_list *list, const struct note_sink *sink);
+
+/** @name Files that are read as a whole
+ * @{ */
+struct pose_reading {
+    struct job *job;       /**< Its notes become the list's. */
+    conus_pose_list *list; /**< Gets the rows; a bad pose is a row with its error. */
+    const conus_pose_options *options;
+    struct text parsed;          /**< By pose_json() or pose_matlab(), as: */
+    struct json_t *json;         /**< the job's; */
+    const struct matlab *matlab; /**< likewise. */
+};
+
+/** As pose_list_add(). */
+void pose_add(const struct pose_reading *to, const conus_pose_row *row, struct text id, const char *error);
+
+/** Adds a point, in LPS if @p lps, or a row with the @p error; NULL: there is none. */
+void pose_add_point(const struct pose_reading *to, size_t line, const double point[3], bool lps, struct text id,
+                    const char *error);
+
+/** A failure where the caller chooses an axis: @p what, "contacts" say, have none. */
+void pose_refuse_axis(const struct pose_reading *of, const char *what);
+
+/** A note that @p count rows without a position were passed over, the first in line @p first; of 0 none. */
+void pose_note_absent(struct job *job, size_t count, size_t first);
+/** @} */
 
 /** Takes all rows out, and keeps their memory for the next ones. */
 void pose_list_clear(conus_pose_list *list);

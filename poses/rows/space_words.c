@@ -405,9 +405,9 @@ bool space_moves(const struct pose_space *space, const conus_pose_options *optio
     return space->brain == POSE_BRAIN_MNI305 && !space->is_of_path && !options->of_mni305 && !options->any_space;
 }
 
-conus_status space_note_move(struct notes *notes, const struct pose_space *space)
+void space_note_move(struct job *job, const struct pose_space *space)
 {
-    return notes_add(notes, "positions in MNI 305 (\"%s\"), moved to MNI 152 by FreeSurfer's matrix", space->name);
+    job_note(job, "positions in MNI 305 (\"%s\"), moved to MNI 152 by FreeSurfer's matrix", space->name);
 }
 
 void space_move_from_mni305(double p[3])

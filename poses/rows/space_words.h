@@ -51,7 +51,7 @@ extern const char space_why_tkras[];
 /** Whether positions of @p space are moved to MNI 152: those of MNI 305, unless the caller or the file's name says
  * otherwise. A note says so. */
 bool space_moves(const struct pose_space *space, const conus_pose_options *options);
-conus_status space_note_move(struct notes *notes, const struct pose_space *space);
+void space_note_move(struct job *job, const struct pose_space *space);
 
 /** Moves a point of MNI 305 to MNI 152, RAS mm (FreeSurfer's wiki, CoordinateSystems, 8b). */
 void space_move_from_mni305(double p[3]);

@@ -72,8 +72,8 @@ LIBRARY = {
     "atlas/warp": "base base/geometry atlas/deformation atlas",
     "atlas/fit": "base base/geometry atlas/surface atlas",
     "atlas/phantom": "base base/geometry atlas/labels atlas/surface atlas",
-    "poses/rows": "base base/files base/formats base/geometry base/system",
-    "poses/programs": "base base/files base/child base/geometry base/formats poses/rows",
+    "poses/rows": "base base/files base/formats base/geometry base/job base/system",
+    "poses/programs": "base base/files base/child base/geometry base/formats base/job poses/rows",
     "poses": "base base/child base/geometry base/formats base/system sources poses/rows poses/programs",
     # What a file is, for every room that reads files. It knows none of their readers.
     "sources": "base base/files base/formats base/child base/job",

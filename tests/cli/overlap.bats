@@ -136,6 +136,7 @@ nested.nii.gz is an atlas: ATLAS comes first, then ROI" overlap map.nrrd nested.
 @test "files that are no regions, and overwriting, are refused" {
     scene
     fails 3 "cannot open" overlap nested.nii.gz nothing.nii.gz
+    [ ! -e /usr/share/mricron/templates/aal.nii.gz ] || fails 3 "; ROI is a file, that of the installed atlas is /usr/share/mricron/templates/aal.nii.gz" overlap nested.nii.gz aal
     fails 2 "is no mask: a threshold is needed" overlap cone.nii.gz nested.nii.gz
     fails 2 "threshold 5000000000, but its values are from 0 to 4000000001" \
         overlap cone.nii.gz nested.nii.gz --threshold 5e9

@@ -8,9 +8,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct pose_space space = {0};
-    conus_status status =
-        pose_coordsystem_parse(&space, (struct text){(const char *)data, size}, size % 2 ? "NIRS" : "iEEG/EEG/EMG");
+    struct job job = {0};
+    const struct pose_space space =
+        pose_coordsystem_parse(&job, (struct text){(const char *)data, size}, size % 2 ? "NIRS" : "iEEG/EEG/EMG");
+    conus_status status = job_close(&job, NULL, NULL);
     if (!status && !(space.name[0] && space.scale >= 1)) {
         abort();
     }

@@ -17,7 +17,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     conus_pose_list list = {0};
     struct bytes stream = {memory_copy(data, size, 1), size};
     conus_status status = stream.data ? hdf5_parse(&hdf5, &stream) : CONUS_ERROR_MEMORY;
-    status = status ? status : pose_nwb_from_hdf5(&list, hdf5, &options);
+    struct job job = {0};
+    if (JOB_CALL(&job, status)) {
+        pose_nwb_from_hdf5(&(struct pose_reading){.job = &job, .list = &list, .options = &options}, hdf5);
+    }
+    status = job_close(&job, NULL, NULL);
     for (size_t i = 0; !status && i < list.count; i++) {
         if (!list.rows[i].error && !vec3_is_finite(list.rows[i].pose.world_from_device + 12)) {
             abort();

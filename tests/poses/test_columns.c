@@ -565,6 +565,20 @@ static void texts_of_columns_are_kept(void **state)
                  CONUS_ERROR_ARGUMENT);
 }
 
+/* Only a second line that calls the cell coordinates is one more header. */
+static void a_name_in_place_of_a_cell_of_numbers_is_a_bad_row(void **state)
+{
+    (void)state;
+    conus_pose_list *list = pose_text_parse(text_from("name\tcoords\nA\tCz\nB\t-42 -20 50\n"), NULL);
+    assert_int_equal(list->count, 2);
+    assert_string_equal(list->rows[0].error, "no cell of three numbers");
+    assert_row_at(pose_row_of(list, 1, "B"), -42, -20, 50);
+    conus_pose_list_destroy(list);
+    list = pose_text_parse(text_from("set\tpeak\np\tx,y,z {mm}\nA\t-42 -20 50\n"), NULL);
+    assert_int_equal(list->count, 1);
+    conus_pose_list_destroy(list);
+}
+
 static void every_failing_allocation_is_clean(void **state)
 {
     (void)state;
@@ -596,6 +610,7 @@ TEST_GROUP(columns)
         cmocka_unit_test(other_encodings_are_read),
         cmocka_unit_test(every_failing_allocation_is_clean),
         cmocka_unit_test(texts_of_columns_are_kept),
+        cmocka_unit_test(a_name_in_place_of_a_cell_of_numbers_is_a_bad_row),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -393,6 +393,14 @@ static void a_name_contradicts_its_coordinate_system(void **state)
     remove(test_scratch("sub-07_coordsystem.json"));
 }
 
+/* The space of a *_coordsystem.json. */
+static conus_status parse_system(struct pose_space *out, const char *json, const char *modalities)
+{
+    struct job job = {0};
+    *out = pose_coordsystem_parse(&job, text_from(json), modalities);
+    return job_close(&job, NULL, NULL);
+}
+
 static void coordinate_systems_are_read_strictly(void **state)
 {
     (void)state;
@@ -406,11 +414,10 @@ static void coordinate_systems_are_read_strictly(void **state)
                  {"{\"iEEGCoordinateSystem\":\"ACPC\",\"iEEGCoordinateUnits\":\"inch\"}", "\"inch\", allowed are mm"}};
     struct pose_space space;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        assert_fails(pose_coordsystem_parse(&space, text_from(cases[i].json), "iEEG/EEG"), CONUS_ERROR_DATA);
+        assert_fails(parse_system(&space, cases[i].json, "iEEG/EEG"), CONUS_ERROR_DATA);
         assert_non_null(strstr(conus_message(), cases[i].part));
     }
-    assert_ok(pose_coordsystem_parse(
-        &space, text_from("{\"iEEGCoordinateSystem\":\"ScanRAS\",\"iEEGCoordinateUnits\":\"m\"}"), "iEEG"));
+    assert_ok(parse_system(&space, "{\"iEEGCoordinateSystem\":\"ScanRAS\",\"iEEGCoordinateUnits\":\"m\"}", "iEEG"));
     assert_near(space.scale, 1000, 0);
     assert_int_equal(space.brain, POSE_BRAIN_SUBJECT);
 }
@@ -449,7 +456,7 @@ static void whose_brain_a_name_means(void **state)
         char json[128];
         struct pose_space space;
         snprintf(json, sizeof json, "{\"iEEGCoordinateSystem\":\"%s\",\"iEEGCoordinateUnits\":\"mm\"}", cases[i].name);
-        assert_ok(pose_coordsystem_parse(&space, text_from(json), "iEEG"));
+        assert_ok(parse_system(&space, json, "iEEG"));
         if (space.brain != cases[i].brain) {
             fail_msg("%s: %d", cases[i].name, (int)space.brain);
         }
@@ -665,7 +672,10 @@ static void localite_says_whose_brain(void **state)
         char text[256];
         snprintf(text, sizeof text, "<InstrumentMarkerList%s></InstrumentMarkerList>", cases[i].space);
         conus_pose_list list = {0};
-        assert_ok(pose_localite_parse(&list, text_from(text), &(conus_pose_options){0}));
+        struct job job = {0};
+        struct pose_reading reading = {.job = &job, .list = &list, .options = &(conus_pose_options){0}};
+        pose_localite_parse(&reading, text_from(text));
+        assert_ok(job_close(&job, NULL, NULL));
         assert_string_equal(list.space.name, cases[i].name);
         assert_int_equal(list.space.brain, cases[i].brain);
         pose_list_finish(&list);

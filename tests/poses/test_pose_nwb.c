@@ -134,7 +134,11 @@ static conus_status parse_built(conus_pose_list *list, const struct hdf5_builder
     const conus_pose_options options = {.frame = frame, .space = frame->space};
     struct bytes stream = {memory_copy(builder->bytes.data, builder->bytes.size, 1), builder->bytes.size};
     conus_status status = stream.data ? hdf5_parse(&hdf5, &stream) : CONUS_ERROR_MEMORY;
-    status = status ? status : pose_nwb_from_hdf5(list, hdf5, &options);
+    struct job job = {0};
+    if (JOB_CALL(&job, status)) {
+        pose_nwb_from_hdf5(&(struct pose_reading){.job = &job, .list = list, .options = &options}, hdf5);
+    }
+    status = job_close(&job, &list->notes, NULL);
     hdf5_destroy(hdf5);
     return status;
 }

@@ -205,7 +205,7 @@ static void cuts_do_not_matter(void **state)
         struct pose_lines lines;
         assert_ok(pose_lines_init(&lines, ends[0], false, 0));
         assert_true(system_write(ends[1], text, cut));
-        assert_ok(cut ? pose_lines_fill(&lines, cut) : CONUS_OK);
+        assert_ok(cut ? pose_lines_fill(&lines, cut, false) : CONUS_OK);
         assert_true(system_write(ends[1], text + cut, sizeof text - 1 - cut));
         close(ends[1]);
         struct pose_line line;
