@@ -2,6 +2,8 @@
 /* Bridge: mesh_file.c reports a status, the readers of its formats are on a job. It goes when that is on one, too. */
 #include "base/memory.h"
 #include "loaders/cifti/cifti_file.h"
+#include "loaders/surfaces/freesurfer_labels.h"
+#include "loaders/surfaces/freesurfer_surface.h"
 #include "loaders/surfaces/gifti.h"
 #include "loaders/surfaces/surface_find.h"
 
@@ -14,6 +16,15 @@ static conus_status give_labels(struct job *job, uint32_t **labels, size_t *coun
         memory_free(*labels);
         *labels = NULL;
         *count = 0;
+    }
+    return status;
+}
+
+static conus_status end_mesh(struct job *job, struct mesh *out, struct notes *notes)
+{
+    conus_status status = job_close(job, notes, NULL);
+    if (status) {
+        mesh_finish(out);
     }
     return status;
 }
@@ -65,12 +76,7 @@ conus_status gifti_mesh(struct mesh *out, const struct gifti *gifti, bool as_sto
 {
     struct job job = {0};
     gifti_surface(&job, out, gifti, as_stored);
-    conus_status status = job_close(&job, notes, NULL);
-    if (status) {
-        mesh_finish(out);
-        *out = (struct mesh){0};
-    }
-    return status;
+    return end_mesh(&job, out, notes);
 }
 
 conus_status gifti_labels(uint32_t **labels, size_t *count, const struct gifti *gifti, size_t map, struct notes *notes)
@@ -143,4 +149,32 @@ conus_status cifti_choice_vertices(uint32_t **labels, struct label_table *table,
     struct job job = {0};
     size_t count = model->vertex_count;
     return give_labels(&job, labels, &count, cifti_vertices(&job, table, choice, model), NULL);
+}
+
+static struct text text_of(const uint8_t *data, size_t size)
+{
+    return (struct text){(const char *)data, size};
+}
+
+conus_status freesurfer_surface_parse(struct mesh *out, const uint8_t *data, size_t size, bool as_stored,
+                                      struct notes *notes)
+{
+    struct job job = {0};
+    struct reader r = reader_of(&job, text_of(data, size));
+    freesurfer_surface_read(&r, out, as_stored);
+    return end_mesh(&job, out, notes);
+}
+
+conus_status freesurfer_annot_parse(uint32_t **labels, size_t *count, struct label_table *table, const uint8_t *data,
+                                    size_t size, struct notes *notes)
+{
+    struct job job = {0};
+    struct reader r = reader_of(&job, text_of(data, size));
+    return give_labels(&job, labels, count, freesurfer_annot_read(&r, table, count), notes);
+}
+
+conus_status freesurfer_label_parse(uint32_t **labels, size_t *count, struct text text)
+{
+    struct job job = {0};
+    return give_labels(&job, labels, count, freesurfer_label_read(&job, text, count), NULL);
 }

@@ -89,7 +89,9 @@ static conus_status use_file(void *data)
         const struct cifti *cifti = &file->choice->cifti;
         (void)cifti_voxels(&job, labels_new(&job), file->choice);
         for (size_t i = 0; i < cifti->model_count; i++) {
-            (void)cifti_vertices(&job, labels_new(&job), file->choice, &cifti->models[i]);
+            if (cifti->models[i].is_surface) {
+                (void)cifti_vertices(&job, labels_new(&job), file->choice, &cifti->models[i]);
+            }
         }
     }
     return job_close(&job, NULL, NULL);
