@@ -186,13 +186,13 @@ static struct label_table *make_table(struct job *job, const conus_label *labels
 /* Ends the job, and gives its atlas. */
 static conus_status give_atlas(struct job *job, conus_atlas **out, conus_atlas *atlas, const char *name)
 {
-    if (job_ok(job)) {
+    if (atlas && job_ok(job)) {
         atlas->path = memory_text(name, strlen(name));
         job_need(job, atlas->path);
     }
     (void)JOB_CALL(job, conflicting_sides_note(atlas));
     conus_status status = job_close(job, NULL, NULL);
-    if (status) {
+    if (status || !atlas) {
         conus_atlas_destroy(atlas);
         return status;
     }
@@ -299,8 +299,7 @@ conus_status conus_atlas_add_surface(conus_atlas *atlas, const conus_label *area
     check_new_area(&job, atlas, area);
     if (!positions || !triangles) {
         job_fail(&job, CONUS_ERROR_ARGUMENT, "%s: NULL", positions ? "triangles" : "positions");
-    }
-    if (JOB_CALL(&job, mesh_init(&mesh, vertex_count, triangle_count))) {
+    } else if (JOB_CALL(&job, mesh_init(&mesh, vertex_count, triangle_count))) {
         memcpy(mesh.positions, positions, 3 * vertex_count * sizeof *positions);
         memcpy(mesh.triangles, triangles, 3 * triangle_count * sizeof *triangles);
     }

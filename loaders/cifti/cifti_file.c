@@ -65,7 +65,7 @@ bool cifti_choice_has_voxels(const struct cifti_choice *choice)
 uint32_t *cifti_list(struct job *job, size_t *count, const struct cifti_choice *choice, const struct cifti_model *model)
 {
     size_t kept = 0;
-    uint32_t *list = job_raw(job, choice ? choice->cifti.count : 0, sizeof *list);
+    uint32_t *list = job_raw(job, choice->cifti.count, sizeof *list);
     for (size_t i = 0; list && i < choice->cifti.model_count; i++) {
         const struct cifti_model *at = &choice->cifti.models[i];
         bool wanted = model ? at == model : !at->is_surface;

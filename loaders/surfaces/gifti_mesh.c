@@ -263,8 +263,9 @@ size_t gifti_map(struct job *job, const struct gifti *gifti, struct text wanted)
 {
     size_t map = 0;
     size_t count = 0;
-    const char **names = job_zeroed(job, gifti ? gifti->arrays.count : 0, sizeof *names);
-    for (size_t i = 0; names && i < gifti->arrays.count; i++) {
+    const size_t arrays = gifti ? gifti->arrays.count : 0;
+    const char **names = job_zeroed(job, arrays, sizeof *names);
+    for (size_t i = 0; names && i < arrays; i++) {
         if (gifti->arrays.at[i].intent == GIFTI_LABEL) {
             names[count++] = gifti->arrays.at[i].name;
         }

@@ -51,7 +51,7 @@ conus_status gifti_parse(struct gifti *out, const uint8_t *data, size_t size, co
         job_need(job, name);
     }
     (void)JOB_CALL(job, notes_move(notes, &job->notes));
-    if (!job_ok(job)) {
+    if (!gifti || !job_ok(job)) {
         memory_free(name);
         return end_own(job, notes);
     }
@@ -127,7 +127,7 @@ conus_status cifti_choice_read(struct cifti_choice *out, const struct bytes *byt
     job->max_memory = max_memory;
     struct cifti_choice *choice = cifti_choose(job, bytes, wanted);
     (void)JOB_CALL(job, notes_move(notes, &job->notes));
-    if (!job_ok(job)) {
+    if (!choice || !job_ok(job)) {
         return end_own(job, notes);
     }
     *out = *choice;

@@ -241,7 +241,7 @@ static void find_sites(struct job *job, size_t *out, const conus_sites *sites, d
     for (size_t i = 0; i < sites->count && cubes.first; i++) {
         site_cubes_add(&cubes, sites->points[i]);
     }
-    for (size_t v = 0; v < sites->vertex_count && job_ok(job); v++) {
+    for (size_t v = 0; mesh.positions && v < sites->vertex_count && job_ok(job); v++) {
         const float *p = mesh.positions + 3 * v;
         const double point[3] = {(double)p[0], (double)p[1], (double)p[2]};
         out[v] = cubes.first ? site_cubes_nearest(&cubes, sites, point) : SIZE_MAX;
