@@ -6,6 +6,8 @@
 #include "base/memory.h"
 #include "sources/map_choice.h"
 
+#include <string.h>
+
 /* Unpacks the first bytes where they are packed; of damaged ones there are none. */
 static conus_status look_at_head(struct source *source, const char *path)
 {
@@ -40,6 +42,32 @@ struct source *source_open(struct job *job, const char *path)
 struct reader source_reader(struct job *job, const struct source *source)
 {
     return job_ok(job) ? reader_on(job, &source->file) : (struct reader){.job = job};
+}
+
+struct bytes source_whole(struct job *job, struct source *source)
+{
+    struct bytes stored = {0};
+    const uint64_t limit = memory_limit(job->max_memory);
+    if (!source || !JOB_CALL(job, file_read_here(&stored, &source->file, SIZE_MAX, limit, FILE_MAX_MEMORY))) {
+        return (struct bytes){0};
+    }
+    bytes_finish(&source->whole);
+    if (source->is_packed) {
+        (void)JOB_CALL(job, gzip_unpack_all(&source->whole, stored.data, stored.size, limit));
+        bytes_finish(&stored);
+    } else {
+        source->whole = stored;
+    }
+    return source->whole;
+}
+
+void source_sum(struct job *job, char sha256[65], const struct source *source)
+{
+    struct file_sums sums = {0};
+    if (source && JOB_CALL(job, file_sums_add_open(&sums, &source->file))) {
+        memcpy(sha256, sums.items[0].sha256, sizeof sums.items[0].sha256);
+    }
+    file_sums_finish(&sums);
 }
 
 void source_made_of(struct job *job, const struct source *source)
@@ -93,11 +121,15 @@ enum format_id source_scene(const struct source *source)
 
 void source_close(struct source *source)
 {
+    if (!source) {
+        return;
+    }
     if (source->is_open) {
         file_close(&source->file);
     }
     bytes_finish(&source->stored);
     bytes_finish(&source->unpacked);
+    bytes_finish(&source->whole);
     memory_free(source->path);
     *source = (struct source){0};
 }

@@ -237,16 +237,18 @@ void reader_skip(struct reader *r, uint64_t count)
     }
 }
 
-/* Whether so many bytes can follow; of what is packed as many as gzip can make of its bytes. */
+uint64_t reader_most(const struct reader *r)
+{
+    const struct reader_source *source = r->source;
+    uint64_t all = source ? source->file.before.size * (source->is_packed ? INFLATE_RATIO : 1) : r->end_offset;
+    return job_ok(r->job) ? all - reader_at(r) : 0;
+}
+
+/* Whether so many bytes can follow. */
 static bool can_follow(const struct reader *r, size_t count, size_t bytes_each)
 {
     size_t bytes;
-    const struct reader_source *source = r->source;
-    uint64_t most = r->end_offset;
-    if (source) {
-        most = source->file.before.size * (source->is_packed ? INFLATE_RATIO : 1);
-    }
-    return memory_multiply(count, bytes_each, &bytes) && job_ok(r->job) && bytes <= most - reader_at(r);
+    return memory_multiply(count, bytes_each, &bytes) && job_ok(r->job) && bytes <= reader_most(r);
 }
 
 size_t reader_count(struct reader *r, size_t bytes_each)

@@ -39,6 +39,10 @@ struct reader reader_of(struct job *job, struct text text);
 /** Bytes before the position. */
 uint64_t reader_at(const struct reader *r);
 
+/** Bytes that can be left, from a file whose size bounds them: of what gzip packs as many as it can make of its bytes.
+ */
+uint64_t reader_most(const struct reader *r);
+
 /** Whether @p count bytes are left; they are at hand then, from r->at on. */
 bool reader_has_more(struct reader *r, size_t count);
 static inline bool reader_has(struct reader *r, size_t count)

@@ -5,6 +5,7 @@
 #include "atlas/space.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "loaders/labels/labels_on_job.h"
 #include "loaders/maps/load_scalar.h"
 #include "loaders/scene/load_parcellation.h"
 #include "loaders/volumes/volume_file.h"
@@ -27,38 +28,41 @@ static const int datatypes[] = {
     [CONUS_SCALAR_FLOAT32] = VOLUME_FLOAT32, [CONUS_SCALAR_FLOAT64] = VOLUME_FLOAT64,
 };
 
-static conus_status check_shape(const conus_voxels *voxels)
+static void check_shape(struct job *job, const conus_voxels *voxels)
 {
     if (!voxels->data) {
-        return fail(CONUS_ERROR_ARGUMENT, "data: NULL, voxels are needed");
+        job_fail(job, CONUS_ERROR_ARGUMENT, "data: NULL, voxels are needed");
     }
     if (voxels->type < CONUS_SCALAR_UINT8 || voxels->type > CONUS_SCALAR_FLOAT64) {
-        return fail(CONUS_ERROR_ARGUMENT, "type: %d, allowed are CONUS_SCALAR_UINT8 (%d) to CONUS_SCALAR_FLOAT64 (%d)",
-                    (int)voxels->type, CONUS_SCALAR_UINT8, CONUS_SCALAR_FLOAT64);
+        job_fail(job, CONUS_ERROR_ARGUMENT,
+                 "type: %d, allowed are CONUS_SCALAR_UINT8 (%d) to CONUS_SCALAR_FLOAT64 (%d)", (int)voxels->type,
+                 CONUS_SCALAR_UINT8, CONUS_SCALAR_FLOAT64);
     }
     for (int axis = 0; axis < 3; axis++) {
         if (voxels->dim[axis] < 1 || voxels->dim[axis] > INT32_MAX) {
-            return fail(CONUS_ERROR_ARGUMENT, "dim: %zu x %zu x %zu voxels, each is 1 to %d", voxels->dim[0],
-                        voxels->dim[1], voxels->dim[2], INT32_MAX);
+            job_fail(job, CONUS_ERROR_ARGUMENT, "dim: %zu x %zu x %zu voxels, each is 1 to %d", voxels->dim[0],
+                     voxels->dim[1], voxels->dim[2], INT32_MAX);
         }
     }
-    return CONUS_OK;
 }
 
-static conus_status array_describe(struct volume_header *header, const conus_voxels *voxels)
+static struct volume_header array_describe(struct job *job, const conus_voxels *voxels)
 {
     const int64_t dim[7] = {(int64_t)voxels->dim[0], (int64_t)voxels->dim[1], (int64_t)voxels->dim[2], 1, 1, 1, 1};
-    header->info = (conus_volume_info){.slope = 1, .space_code = voxels->space_code};
-    snprintf(header->info.format, sizeof header->info.format, "array");
-    char words[sizeof header->info.transform] = "the caller's world_from_voxel";
+    struct volume_header header = {.info = {.slope = 1, .space_code = voxels->space_code}};
+    char words[sizeof header.info.transform] = "the caller's world_from_voxel";
     size_t used = strlen(words);
+    snprintf(header.info.format, sizeof header.info.format, "array");
     if (voxels->space_code) { /* as of NIfTI: by these words a file of poses is matched */
         snprintf(words + used, sizeof words - used, ", code %d (%s)", voxels->space_code,
                  space_code_name(voxels->space_code));
     }
-    conus_status status = volume_header_set_datatype(header, datatypes[voxels->type]);
-    status = status ? status : volume_header_set_dim(header, dim);
-    return status ? status : space_describe(&header->info, voxels->world_from_voxel, words);
+    if (job_ok(job)) { /* the type is one */
+        (void)JOB_CALL(job, volume_header_set_datatype(&header, datatypes[voxels->type]));
+        (void)JOB_CALL(job, volume_header_set_dim(&header, dim));
+        (void)JOB_CALL(job, space_describe(&header.info, voxels->world_from_voxel, words));
+    }
+    return header;
 }
 
 /* Whether the voxels lie one after the other, i fastest. */
@@ -73,21 +77,18 @@ static bool is_dense(const conus_voxels *voxels, size_t voxel_size)
     return equal || (!voxels->stride[0] && !voxels->stride[1] && !voxels->stride[2]);
 }
 
-static conus_status take_voxels(struct array_volume *array, const conus_voxels *voxels, size_t size)
+static void take_voxels(struct job *job, struct array_volume *array, const conus_voxels *voxels, size_t size)
 {
     size_t voxel_size = volume_datatype_size(array->file.datatype);
     array->is_borrowed = is_dense(voxels, voxel_size);
     array->file.voxels.size = size;
     if (array->is_borrowed) {
         array->file.voxels.data = (uint8_t *)voxels->data; /* only read */
-        return CONUS_OK;
+        return;
     }
-    array->file.voxels.data = memory_raw(size, 1);
-    if (!array->file.voxels.data) {
-        return CONUS_ERROR_MEMORY;
-    }
-    uint8_t *out = array->file.voxels.data;
-    for (size_t k = 0; k < voxels->dim[2]; k++) {
+    uint8_t *out = memory_raw(size, 1);
+    array->file.voxels.data = out;
+    for (size_t k = 0; job_need(job, out) && k < voxels->dim[2]; k++) {
         for (size_t j = 0; j < voxels->dim[1]; j++) {
             const uint8_t *in = voxels->data;
             in += (ptrdiff_t)j * voxels->stride[1] + (ptrdiff_t)k * voxels->stride[2];
@@ -96,119 +97,102 @@ static conus_status take_voxels(struct array_volume *array, const conus_voxels *
             }
         }
     }
-    return CONUS_OK;
 }
 
-static void array_volume_finish(struct array_volume *array)
+static void finish_array(void *thing)
 {
+    struct array_volume *array = thing;
     if (array->is_borrowed) {
         array->file.voxels = (struct bytes){0};
     }
     volume_file_finish(&array->file);
-    *array = (struct array_volume){0};
 }
 
-/* Checks voxels, which must outlive out. CONUS_ERROR_ARGUMENT for what is out of its range, CONUS_ERROR_DATA for
- * a matrix that cannot be inverted. */
-static conus_status array_volume_open(struct array_volume *out, const conus_voxels *voxels)
+/* What the array is called. */
+static const char *name_of(const conus_voxels *voxels)
 {
-    struct volume_header header = {0};
-    struct array_volume array = {0};
-    voxels = options_of(conus_voxels, voxels);
-    const char *name = voxels->name ? voxels->name : "array";
-    conus_status status = check_shape(voxels);
-    status = status ? status : array_describe(&header, voxels);
-    if (status) {
-        return fail_in(status, name);
-    }
-    array.file.info = header.info;
-    array.file.datatype = header.datatype;
-    array.file.swapped = voxels->swapped;
-    array.file.path = memory_text(name, strlen(name));
-    array.file.info.path = array.file.path;
-    status = array.file.path ? take_voxels(&array, voxels, header.volume_size) : CONUS_ERROR_MEMORY;
-    if (status) {
-        array_volume_finish(&array);
-        return status;
-    }
-    file_sha256(array.file.info.sha256, &array.file.voxels);
-    *out = array;
-    return CONUS_OK;
+    return voxels->name ? voxels->name : "array";
 }
 
-static conus_status check_label(const conus_label *label)
+/* Checks voxels, which must outlive the job. CONUS_ERROR_ARGUMENT for what is out of its range, CONUS_ERROR_DATA for
+ * a matrix that cannot be inverted. NULL after a failure. */
+static struct volume_file *array_volume_open(struct job *job, const conus_voxels *voxels)
+{
+    struct array_volume *array = job_new(job, struct array_volume);
+    if (!array) {
+        return NULL;
+    }
+    job_own(job, finish_array, array);
+    const size_t place = job_in(job, name_of(voxels), JOB_ALONE);
+    check_shape(job, voxels);
+    const struct volume_header header = array_describe(job, voxels);
+    job_out(job, place);
+    if (!job_ok(job)) {
+        return NULL;
+    }
+    struct volume_file *file = &array->file;
+    file->info = header.info;
+    file->datatype = header.datatype;
+    file->swapped = voxels->swapped;
+    file->path = memory_text(name_of(voxels), strlen(name_of(voxels)));
+    file->info.path = file->path;
+    if (job_need(job, file->path)) {
+        take_voxels(job, array, voxels, header.volume_size);
+    }
+    if (job_ok(job)) {
+        file_sha256(file->info.sha256, &file->voxels);
+    }
+    return job_ok(job) ? file : NULL;
+}
+
+static void check_label(struct job *job, const conus_label *label)
 {
     if (!label->number) {
-        return fail(CONUS_ERROR_ARGUMENT, "number: 0 is background, allowed is 1 to 4294967295");
+        job_fail(job, CONUS_ERROR_ARGUMENT, "number: 0 is background, allowed is 1 to 4294967295");
     }
-    return !label->hemisphere || strchr("LRB", label->hemisphere)
-               ? CONUS_OK
-               : fail(CONUS_ERROR_ARGUMENT, "hemisphere of label %u: character %d, allowed are 'L', 'R', 'B' and 0",
-                      label->number, label->hemisphere);
+    if (label->hemisphere && !strchr("LRB", label->hemisphere)) {
+        job_fail(job, CONUS_ERROR_ARGUMENT, "hemisphere of label %u: character %d, allowed are 'L', 'R', 'B' and 0",
+                 label->number, label->hemisphere);
+    }
 }
 
 /* Adds a copy of the label to the table. */
-static conus_status add_label(struct label_table *table, const conus_label *label)
+static void add_label(struct job *job, struct label_table *table, const conus_label *label)
 {
-    conus_status status = check_label(label);
-    struct label *entry = status ? NULL : label_table_add(table, label->number);
-    if (!entry) {
-        return status ? status : CONUS_ERROR_MEMORY;
-    }
-    status = label_set_text(&entry->name, text_from(label->name ? label->name : ""));
-    status = status ? status
-                    : label_set_text(&entry->abbreviation, text_from(label->abbreviation ? label->abbreviation : ""));
+    check_label(job, label);
+    struct label *entry = labels_add(job, table, label->number);
+    labels_set(job, &entry->name, text_from(label->name ? label->name : ""));
+    labels_set(job, &entry->abbreviation, text_from(label->abbreviation ? label->abbreviation : ""));
     entry->hemisphere = label->hemisphere;
     entry->has_rgb = label->has_rgb;
     memcpy(entry->rgb, label->rgb, sizeof entry->rgb);
     entry->has_parent = label->parent != 0;
     entry->parent = label->parent;
-    return status;
 }
 
-static conus_status add_labels(struct label_table *table, const conus_label *labels, size_t count, struct notes *notes)
+static struct label_table *make_table(struct job *job, const conus_label *labels, size_t count)
 {
+    struct label_table *table = labels_new(job);
     if (count > LABEL_LIMIT) {
-        return fail(CONUS_ERROR_ARGUMENT, "labels: %zu, allowed are up to %d", count, LABEL_LIMIT);
+        job_fail(job, CONUS_ERROR_ARGUMENT, "labels: %zu, allowed are up to %d", count, LABEL_LIMIT);
     }
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; i < count && !status; i++) {
-        status = add_label(table, &labels[i]);
+    for (size_t i = 0; i < count && job_ok(job); i++) {
+        add_label(job, table, &labels[i]);
     }
-    return status ? status : label_table_sort(table, notes);
+    labels_sort(job, table);
+    return table;
 }
 
-static conus_status set_words(conus_atlas *atlas, const char *name)
+/* Ends the job, and gives its atlas. */
+static conus_status give_atlas(struct job *job, conus_atlas **out, conus_atlas *atlas, const char *name)
 {
-    atlas->path = memory_text(name, strlen(name));
-    return atlas->path ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
-static conus_status create_of_voxels(conus_atlas **out, struct volume_file *file, const conus_label *labels,
-                                     size_t label_count, const conus_create_options *options)
-{
-    const struct note_sink sink = {options->log, options->log_user, file->path};
-    struct label_table table = {0};
-    struct notes notes = {.sink = &sink};
-    struct label_voxels numbers = {0};
-    struct labelled_volume volume = {.info = &file->info, .labels = &numbers};
-    conus_atlas *atlas = NULL;
-    file->info.role = CONUS_ROLE_PARCELLATION;
-    conus_status status = volume_file_labels(&numbers, file);
-    status = status ? status : add_labels(&table, labels, label_count, &notes);
-    if (!status) {
-        struct job job = {0}; /* Bridge: this room reports a status */
-        parcellation_check_grey(&job, file, &numbers, &table, false, options->labels_anyway);
-        status = job_close(&job, &notes, NULL);
+    if (atlas && job_ok(job)) {
+        atlas->path = memory_text(name, strlen(name));
+        job_need(job, atlas->path);
     }
-    status = status ? status
-                    : atlas_create_of(&atlas, &volume, 1, &table, label_count ? "the program" : "none found", &notes);
-    status = status ? status : set_words(atlas, file->path);
-    status = status ? status : conflicting_sides_note(atlas);
-    label_voxels_finish(&numbers);
-    label_table_finish(&table);
-    notes_finish(&notes);
-    if (status) {
+    (void)JOB_CALL(job, conflicting_sides_note(atlas));
+    conus_status status = job_close(job, NULL, NULL);
+    if (status || !atlas) {
         conus_atlas_destroy(atlas);
         return status;
     }
@@ -217,10 +201,35 @@ static conus_status create_of_voxels(conus_atlas **out, struct volume_file *file
     return CONUS_OK;
 }
 
+static conus_status create_of_voxels(conus_atlas **out, const conus_voxels *voxels, const conus_label *labels,
+                                     size_t label_count, const conus_create_options *options)
+{
+    const struct note_sink sink = {options->log, options->log_user, name_of(voxels)};
+    struct job job = {.sink = &sink};
+    struct label_voxels numbers = {0};
+    struct volume_file *file = array_volume_open(&job, voxels);
+    struct labelled_volume volume = {.info = file ? &file->info : NULL, .labels = &numbers};
+    conus_atlas *atlas = NULL;
+    if (file) {
+        file->info.role = CONUS_ROLE_PARCELLATION;
+    }
+    (void)JOB_CALL(&job, volume_file_labels(&numbers, file));
+    const struct label_table *table = make_table(&job, labels, label_count);
+    if (job_ok(&job)) {
+        parcellation_check_grey(&job, file, &numbers, table, false, options->labels_anyway);
+    }
+    struct notes notes = {.sink = &sink};
+    (void)JOB_CALL(&job, notes_move(&notes, &job.notes));
+    (void)JOB_CALL(&job,
+                   atlas_create_of(&atlas, &volume, 1, table, label_count ? "the program" : "none found", &notes));
+    notes_finish(&notes);
+    label_voxels_finish(&numbers);
+    return give_atlas(&job, out, atlas, name_of(voxels));
+}
+
 conus_status conus_atlas_create(conus_atlas **out, const conus_voxels *voxels, const conus_label *labels,
                                 size_t label_count, const conus_create_options *options)
 {
-    struct array_volume array = {0};
     options = options_of(conus_create_options, options);
     if (!out || (label_count && (!labels || !voxels))) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_create: %s",
@@ -228,21 +237,13 @@ conus_status conus_atlas_create(conus_atlas **out, const conus_voxels *voxels, c
                     : !labels ? "labels: NULL, though there are some"
                               : "labels without voxels; areas that are surfaces bring their own");
     }
-    if (!voxels) {
-        conus_atlas *atlas = NULL;
-        conus_status status = atlas_create_empty(&atlas, "the program");
-        status = status ? status : set_words(atlas, "arrays");
-        if (status) {
-            conus_atlas_destroy(atlas);
-            return status;
-        }
-        *out = atlas;
-        return CONUS_OK;
+    if (voxels) {
+        return create_of_voxels(out, options_of(conus_voxels, voxels), labels, label_count, options);
     }
-    conus_status status = array_volume_open(&array, voxels);
-    status = status ? status : create_of_voxels(out, &array.file, labels, label_count, options);
-    array_volume_finish(&array);
-    return status;
+    struct job job = {0};
+    conus_atlas *atlas = NULL;
+    (void)JOB_CALL(&job, atlas_create_empty(&atlas, "the program"));
+    return give_atlas(&job, out, atlas, "arrays");
 }
 
 /* Number of the area with this label, 0 if there is none. */
@@ -256,34 +257,32 @@ static uint32_t find_area(const conus_atlas *atlas, uint32_t label)
     return 0;
 }
 
-static conus_status check_new_area(const conus_atlas *atlas, const conus_label *area)
+static void check_new_area(struct job *job, const conus_atlas *atlas, const conus_label *area)
 {
-    conus_status status = check_label(area);
-    if (!status && find_area(atlas, area->number)) {
-        status = fail(CONUS_ERROR_ARGUMENT, "number: %u is that of another area", area->number);
+    const uint32_t parent = area->parent ? find_area(atlas, area->parent) : 0;
+    check_label(job, area);
+    if (find_area(atlas, area->number)) {
+        job_fail(job, CONUS_ERROR_ARGUMENT, "number: %u is that of another area", area->number);
     }
-    if (!status && area->parent && !find_area(atlas, area->parent)) {
-        status = fail(CONUS_ERROR_ARGUMENT, "parent: no area has the number %u", area->parent);
+    if (area->parent && !parent) {
+        job_fail(job, CONUS_ERROR_ARGUMENT, "parent: no area has the number %u", area->parent);
     }
-    if (!status && area->parent && conus_atlas_depth(atlas, find_area(atlas, area->parent)) > ATLAS_DEPTH_LIMIT) {
-        status = fail(CONUS_ERROR_ARGUMENT, "parent: number %u has %d areas above it, and no more are allowed",
-                      area->parent, ATLAS_DEPTH_LIMIT);
+    if (parent && conus_atlas_depth(atlas, parent) > ATLAS_DEPTH_LIMIT) {
+        job_fail(job, CONUS_ERROR_ARGUMENT, "parent: number %u has %d areas above it, and no more are allowed",
+                 area->parent, ATLAS_DEPTH_LIMIT);
     }
-    return status;
 }
 
-static conus_status add_mesh(conus_atlas *atlas, const conus_label *area, struct mesh *mesh)
+static void add_mesh(struct job *job, conus_atlas *atlas, const conus_label *area, struct mesh *mesh)
 {
-    struct label_table table = {0};
     char digits[LABEL_DIGITS];
-    conus_status status = add_label(&table, area);
-    if (!status) {
-        conus_object object = label_object(&table.entries[0], atlas->object_count, digits);
+    struct label_table *table = labels_new(job);
+    add_label(job, table, area);
+    if (job_ok(job)) {
+        conus_object object = label_object(&table->entries[0], atlas->object_count, digits);
         object.parent = area->parent ? find_area(atlas, area->parent) : 0;
-        status = atlas_add_mesh(atlas, &object, mesh);
+        (void)JOB_CALL(job, atlas_add_mesh(atlas, &object, mesh));
     }
-    label_table_finish(&table);
-    return status;
 }
 
 conus_status conus_atlas_add_surface(conus_atlas *atlas, const conus_label *area, const float *positions,
@@ -291,92 +290,82 @@ conus_status conus_atlas_add_surface(conus_atlas *atlas, const conus_label *area
 {
     char where[24];
     struct mesh mesh = {0};
-    struct notes notes = {0};
     if (!atlas || !area) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_surface: an atlas and an area are needed");
     }
-    size_t note_count = atlas->notes.count;
-    conus_status status = check_new_area(atlas, area);
-    if (!status && (!positions || !triangles)) {
-        status = fail(CONUS_ERROR_ARGUMENT, "%s: NULL", positions ? "triangles" : "positions");
-    }
-    status = status ? status : mesh_init(&mesh, vertex_count, triangle_count);
-    if (!status) {
+    struct job job = {0};
+    const size_t note_count = atlas->notes.count;
+    const size_t place = job_in(&job, area->name ? area->name : "surface", JOB_ALONE);
+    check_new_area(&job, atlas, area);
+    if (!positions || !triangles) {
+        job_fail(&job, CONUS_ERROR_ARGUMENT, "%s: NULL", positions ? "triangles" : "positions");
+    } else if (JOB_CALL(&job, mesh_init(&mesh, vertex_count, triangle_count))) {
         memcpy(mesh.positions, positions, 3 * vertex_count * sizeof *positions);
         memcpy(mesh.triangles, triangles, 3 * triangle_count * sizeof *triangles);
-        status = mesh_check(&mesh, &notes);
     }
-    if (status) {
-        status = fail_in(status, area->name ? area->name : "surface");
-    }
+    (void)JOB_CALL(&job, mesh_check(&mesh, &job.notes));
+    job_out(&job, place);
     snprintf(where, sizeof where, "area %u", area->number);
-    status = status ? status : notes_move_in(&atlas->notes, &notes, where);
-    status = status ? status : add_mesh(atlas, area, &mesh);
-    if (status) {
+    (void)JOB_CALL(&job, notes_move_in(&atlas->notes, &job.notes, where));
+    add_mesh(&job, atlas, area, &mesh);
+    if (!job_ok(&job)) {
         notes_cut(&atlas->notes, note_count);
     }
-    notes_finish(&notes);
     mesh_finish(&mesh);
-    return status;
+    return job_close(&job, NULL, NULL);
 }
 
 conus_status conus_atlas_add_values(conus_atlas *atlas, const conus_voxels *voxels,
                                     const conus_pathway_options *options)
 {
-    struct array_volume array = {0};
     if (!atlas || !voxels) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_values: an atlas and voxels are needed");
     }
     options = options_of(conus_pathway_options, options);
-    conus_status status = array_volume_open(&array, voxels);
-    const struct note_sink sink = {options->log, options->log_user, array.file.path};
+    voxels = options_of(conus_voxels, voxels);
+    const struct note_sink sink = {options->log, options->log_user, name_of(voxels)};
+    struct job job = {.sink = &sink};
+    const struct atlas_mark mark = atlas_mark(atlas);
+    struct volume_file *file = array_volume_open(&job, voxels);
     conus_pathway_options named = *options;
     bool is_named = (options->name && *options->name) || options->band_count;
-    named.name = is_named ? options->name : array.file.path;
-    if (!status) {
-        struct job job = {.sink = &sink};
-        const struct atlas_mark mark = atlas_mark(atlas);
-        pathway_add(&job, atlas, &array.file, &named);
-        status = atlas_close(&job, atlas, mark);
+    named.name = is_named ? options->name : name_of(voxels);
+    if (file) {
+        pathway_add(&job, atlas, file, &named);
     }
-    array_volume_finish(&array);
-    return status;
+    return atlas_close(&job, atlas, mark);
 }
 
 conus_status conus_atlas_set_context_values(conus_atlas *atlas, const conus_voxels *voxels,
                                             const conus_context_options *options)
 {
-    struct array_volume array = {0};
     if (!atlas || !voxels) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_set_context_values: an atlas and voxels are needed");
     }
     options = options_of(conus_context_options, options);
-    conus_status status = array_volume_open(&array, voxels);
-    const struct note_sink sink = {options->log, options->log_user, array.file.path};
-    if (!status) {
-        struct job job = {.sink = &sink};
-        const struct atlas_mark mark = atlas_mark(atlas);
-        context_set(&job, atlas, &array.file, options);
-        status = atlas_close(&job, atlas, mark);
+    voxels = options_of(conus_voxels, voxels);
+    const struct note_sink sink = {options->log, options->log_user, name_of(voxels)};
+    struct job job = {.sink = &sink};
+    const struct atlas_mark mark = atlas_mark(atlas);
+    struct volume_file *file = array_volume_open(&job, voxels);
+    if (file) {
+        context_set(&job, atlas, file, options);
     }
-    array_volume_finish(&array);
-    return status;
+    return atlas_close(&job, atlas, mark);
 }
 
 conus_status conus_roi_create(conus_roi **out, const conus_voxels *voxels, const conus_roi_options *options)
 {
-    struct array_volume array = {0};
     if (!out || !voxels) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_roi_create: a result and voxels are needed");
     }
     options = options_of(conus_roi_options, options);
-    conus_status status = array_volume_open(&array, voxels);
-    const struct note_sink sink = {options->log, options->log_user, array.file.path};
-    if (!status) {
-        struct job job = {.sink = &sink};
-        roi_of_volume(&job, out, &array.file, options->threshold);
-        status = job_close(&job, NULL, NULL);
+    voxels = options_of(conus_voxels, voxels);
+    const struct note_sink sink = {options->log, options->log_user, name_of(voxels)};
+    struct job job = {.sink = &sink};
+    struct volume_file *file = array_volume_open(&job, voxels);
+    if (file) {
+        roi_of_volume(&job, out, file, options->threshold);
     }
-    array_volume_finish(&array);
-    return status;
+    return job_close(&job, NULL, NULL);
 }

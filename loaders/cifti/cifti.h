@@ -5,7 +5,8 @@
 #ifndef CONUS_LOADERS_CIFTI_CIFTI_H
 #define CONUS_LOADERS_CIFTI_CIFTI_H
 
-#include "atlas/labels/labels.h"
+#include "base/files/file.h"
+#include "loaders/labels/label_cells.h"
 
 /** Most bytes before the values: header and XML. */
 enum { CIFTI_HEAD_LIMIT = 64 << 20 };
@@ -23,35 +24,41 @@ struct cifti_model {
     bool is_surface;
     size_t offset, count; /**< Its grayordinates.                                                                */
     size_t vertex_count;  /**< Vertices of the whole surface.                                                    */
-    uint32_t *indices;    /**< [count] vertices, ascending; or [count] voxels of the volume, i fastest; owned.   */
+    uint32_t *indices;    /**< [count] vertices, ascending; or [count] voxels of the volume, i fastest.          */
+};
+
+/** A Label of a LabelTable, not yet judged. */
+struct cifti_label {
+    struct label_entry entry;
+    struct text name;
 };
 
 struct cifti_map {
-    char *name;               /**< NULL if it is empty. */
-    struct label_table table; /**< Sorted; label 0 is nothing. */
-    struct notes notes;       /**< About the table. */
+    char *name; /**< NULL if it is empty. */
+    LIST(struct cifti_label) labels;
 };
 
+/** What it points to is the job's. */
 struct cifti {
-    struct cifti_map *maps;
-    size_t map_count;
+    LIST(struct cifti_map) maps;
     struct cifti_model *models; /**< By their first grayordinate; they follow each other without gap. */
-    size_t model_count;
+    size_t model_count, model_capacity;
     size_t count;       /**< Grayordinates. */
-    const void *values; /**< [count][map_count], borrowed from the file's bytes. */
+    const void *values; /**< [count][maps.count], borrowed from the file's bytes. */
     int datatype;
     bool swapped;
     size_t dim[3];               /**< Size of the volume in which the voxels lie; 0 if there is none. */
     double world_from_voxel[16]; /**< RAS mm. */
 };
 
-void cifti_finish(struct cifti *cifti);
+/** Parses the whole file @p file. No array has more bytes than the job's max_memory. */
+void cifti_parse(struct job *job, struct cifti *out, const struct bytes *file);
 
-/** Parses the whole file @p data, which must outlive @p out. No array has more than @p max_memory bytes. */
-conus_status cifti_parse(struct cifti *out, const uint8_t *data, size_t size, uint64_t max_memory);
+/** Makes the table of a map into the empty @p out, sorted; label 0 is nothing. */
+void cifti_table(struct job *job, struct label_table *out, const struct cifti_map *map);
 
-/** Labels of all grayordinates in map @p map: *out has cifti->count, 0 = no area; the caller's to memory_free().
- * Negative ones become 0, with a note. CONUS_ERROR_DATA for one that is not whole, or that the map's table lacks. */
-conus_status cifti_labels(uint32_t **out, const struct cifti *cifti, size_t map, struct notes *notes);
+/** Labels of all grayordinates in map @p map, whose table is @p table: cifti->count, 0 = no area. Negative ones become
+ * 0, with a note. CONUS_ERROR_DATA for one that is not whole, or that the table lacks. */
+uint32_t *cifti_labels(struct job *job, const struct cifti *cifti, size_t map, const struct label_table *table);
 
 #endif

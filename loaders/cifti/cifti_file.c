@@ -2,52 +2,43 @@
 /* Opens a .dlabel.nii, and spreads the labels of a map over vertices and voxels. */
 #include "loaders/cifti/cifti_file.h"
 
-#include "base/formats/gzip.h"
-#include "base/memory.h"
 #include "base/order.h"
-#include "loaders/volumes/nifti.h"
 #include "sources/map_choice.h"
+#include "sources/source.h"
 
 #include <string.h>
 
-void cifti_choice_finish(struct cifti_choice *choice)
+static size_t choose_map(struct job *job, const struct cifti *cifti, struct text wanted)
 {
-    cifti_finish(&choice->cifti);
-    memory_free(choice->labels);
-    *choice = (struct cifti_choice){0};
+    size_t map = 0;
+    const char **names = job_zeroed(job, cifti->maps.count, sizeof *names);
+    for (size_t i = 0; names && i < cifti->maps.count; i++) {
+        names[i] = cifti->maps.at[i].name;
+    }
+    (void)JOB_CALL(job, map_choice_make(&map, names, cifti->maps.count, wanted, "maps", &job->notes));
+    if (map >= cifti->maps.count) {
+        job_fail(job, CONUS_ERROR_ARGUMENT, "map: found %zu, allowed are 0 to %zu", map, cifti->maps.count - 1);
+    }
+    return map;
 }
 
-static conus_status choose_map(struct cifti_choice *choice, struct text wanted, struct notes *notes)
+struct cifti_choice *cifti_choose(struct job *job, const struct bytes *file, struct text wanted)
 {
-    const struct cifti *cifti = &choice->cifti;
-    const char **names = memory_zeroed(cifti->map_count, sizeof *names);
-    if (!names) {
-        return CONUS_ERROR_MEMORY;
+    struct cifti_choice *choice = job_new(job, struct cifti_choice);
+    if (!choice) {
+        return NULL;
     }
-    for (size_t i = 0; i < cifti->map_count; i++) {
-        names[i] = cifti->maps[i].name;
+    struct cifti *cifti = &choice->cifti;
+    labels_own(job, &choice->table);
+    cifti_parse(job, cifti, file);
+    choice->map = choose_map(job, cifti, wanted);
+    if (!job_ok(job)) {
+        return NULL;
     }
-    conus_status status = map_choice_make(&choice->map, names, cifti->map_count, wanted, "maps", notes);
-    memory_free(names);
-    return status || choice->map < cifti->map_count
-               ? status
-               : fail(CONUS_ERROR_ARGUMENT, "map: found %zu, allowed are 0 to %zu", choice->map, cifti->map_count - 1);
-}
-
-conus_status cifti_choice_read(struct cifti_choice *out, const struct bytes *bytes, struct text wanted,
-                               uint64_t max_memory, struct notes *notes)
-{
-    struct cifti_choice choice = {0};
-    conus_status status = cifti_parse(&choice.cifti, bytes->data, bytes->size, max_memory);
-    status = status ? status : choose_map(&choice, wanted, notes);
-    status = status ? status : notes_move(notes, &choice.cifti.maps[choice.map].notes);
-    status = status ? status : cifti_labels(&choice.labels, &choice.cifti, choice.map, notes);
-    if (status) {
-        cifti_choice_finish(&choice);
-        return status;
-    }
-    *out = choice;
-    return CONUS_OK;
+    cifti_table(job, &choice->table, &cifti->maps.at[choice->map]);
+    choice->labels = cifti_labels(job, cifti, choice->map, &choice->table);
+    cifti->values = NULL; /* of the file, which the caller may let go */
+    return job_ok(job) ? choice : NULL;
 }
 
 const struct cifti_model *cifti_choice_surface(const struct cifti_choice *choice, const char *structure)
@@ -71,52 +62,39 @@ bool cifti_choice_has_voxels(const struct cifti_choice *choice)
     return false;
 }
 
-conus_status cifti_choice_list(uint32_t **labels, size_t *count, const struct cifti_choice *choice,
-                               const struct cifti_model *model)
+uint32_t *cifti_list(struct job *job, size_t *count, const struct cifti_choice *choice, const struct cifti_model *model)
 {
-    const struct cifti *cifti = &choice->cifti;
     size_t kept = 0;
-    uint32_t *list = memory_raw(cifti->count, sizeof *list);
-    if (!list) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t i = 0; i < cifti->model_count; i++) {
-        const struct cifti_model *at = &cifti->models[i];
+    uint32_t *list = job_raw(job, choice->cifti.count, sizeof *list);
+    for (size_t i = 0; list && i < choice->cifti.model_count; i++) {
+        const struct cifti_model *at = &choice->cifti.models[i];
         bool wanted = model ? at == model : !at->is_surface;
         for (size_t n = 0; wanted && n < at->count; n++) {
             list[kept] = choice->labels[at->offset + n];
             kept += list[kept] != 0;
         }
     }
-    *labels = list;
-    *count = u32_sort_unique(list, kept);
-    return CONUS_OK;
-}
-
-static conus_status copy_entry(struct label_table *table, const struct label *from)
-{
-    struct label *entry = label_table_add(table, from->number);
-    if (!entry) {
-        return CONUS_ERROR_MEMORY;
-    }
-    entry->has_rgb = from->has_rgb;
-    memcpy(entry->rgb, from->rgb, sizeof entry->rgb);
-    return from->name ? label_set_text(&entry->name, text_from(from->name)) : CONUS_OK;
+    *count = list ? u32_sort_unique(list, kept) : 0;
+    return list;
 }
 
 /* The entries of the labels that `model`, or all voxels, have. */
-static conus_status copy_table(struct label_table *table, const struct cifti_choice *choice,
-                               const struct cifti_model *model)
+static void copy_table(struct job *job, struct label_table *table, const struct cifti_choice *choice,
+                       const struct cifti_model *model)
 {
-    uint32_t *list = NULL;
-    size_t count = 0;
-    const struct label_table *from = &choice->cifti.maps[choice->map].table;
-    conus_status status = cifti_choice_list(&list, &count, choice, model);
-    for (size_t i = 0; !status && i < count; i++) {
-        status = copy_entry(table, label_table_find(from, list[i])); /* in ascending order, so the table is sorted */
+    size_t count;
+    const struct job_mark mark = job_mark(job);
+    const uint32_t *list = cifti_list(job, &count, choice, model);
+    for (size_t i = 0; i < count; i++) { /* in ascending order, so the table is sorted */
+        const struct label *from = label_table_find(&choice->table, list[i]);
+        struct label *entry = labels_add(job, table, list[i]);
+        entry->has_rgb = from->has_rgb;
+        memcpy(entry->rgb, from->rgb, sizeof entry->rgb);
+        if (from->name) {
+            labels_set(job, &entry->name, text_from(from->name));
+        }
     }
-    memory_free(list);
-    return status;
+    job_release(job, mark);
 }
 
 static void spread_labels(uint32_t *out, const struct cifti_choice *choice, const struct cifti_model *model)
@@ -126,18 +104,15 @@ static void spread_labels(uint32_t *out, const struct cifti_choice *choice, cons
     }
 }
 
-conus_status cifti_choice_vertices(uint32_t **labels, struct label_table *table, const struct cifti_choice *choice,
-                                   const struct cifti_model *model)
+uint32_t *cifti_vertices(struct job *job, struct label_table *table, const struct cifti_choice *choice,
+                         const struct cifti_model *model)
 {
-    uint32_t *out = memory_zeroed(model->vertex_count, sizeof *out);
-    conus_status status = out ? copy_table(table, choice, model) : CONUS_ERROR_MEMORY;
-    if (status) {
-        memory_free(out);
-        return status;
+    copy_table(job, table, choice, model);
+    uint32_t *labels = job_zeroed(job, model->vertex_count, sizeof *labels);
+    if (labels) {
+        spread_labels(labels, choice, model);
     }
-    spread_labels(out, choice, model);
-    *labels = out;
-    return CONUS_OK;
+    return labels;
 }
 
 /* A label's voxels may be on one side, on both, or somewhere else, too. */
@@ -159,53 +134,43 @@ static void set_sides(struct label_table *table, const struct cifti_choice *choi
     }
 }
 
-conus_status cifti_choice_voxels(uint32_t **labels, struct label_table *table, const struct cifti_choice *choice)
+uint32_t *cifti_voxels(struct job *job, struct label_table *table, const struct cifti_choice *choice)
 {
     const struct cifti *cifti = &choice->cifti;
-    uint32_t *out = memory_zeroed(cifti->dim[0] * cifti->dim[1] * cifti->dim[2], sizeof *out);
-    conus_status status = out ? copy_table(table, choice, NULL) : CONUS_ERROR_MEMORY;
-    if (status) {
-        memory_free(out);
-        return status;
-    }
-    for (size_t i = 0; i < cifti->model_count; i++) {
+    copy_table(job, table, choice, NULL);
+    uint32_t *labels = job_zeroed(job, cifti->dim[0] * cifti->dim[1] * cifti->dim[2], sizeof *labels);
+    for (size_t i = 0; labels && i < cifti->model_count; i++) {
         if (!cifti->models[i].is_surface) {
-            spread_labels(out, choice, &cifti->models[i]);
+            spread_labels(labels, choice, &cifti->models[i]);
         }
     }
-    set_sides(table, choice);
-    *labels = out;
-    return CONUS_OK;
+    if (labels) {
+        set_sides(table, choice);
+    }
+    return labels;
 }
 
-void cifti_file_finish(struct cifti_file *file)
+struct cifti_file *cifti_file_open(struct job *job, const char *path)
 {
-    memory_free(file->path);
-    bytes_finish(&file->bytes);
-    cifti_choice_finish(&file->choice);
-    *file = (struct cifti_file){0};
-}
-
-conus_status cifti_file_open(struct cifti_file *out, const char *path, uint64_t max_memory, struct notes *notes)
-{
-    struct cifti_file file = {0};
-    struct text map;
-    struct notes own = {0};
-    uint64_t limit = memory_limit(max_memory);
-    struct file_sums sums = {0};
-    conus_status status = map_choice_split(&file.path, &map, path);
-    status = status ? status : gzip_read(&file.bytes, file.path, limit, &sums);
-    if (!status) {
-        memcpy(file.sha256, sums.items[0].sha256, sizeof file.sha256);
-        status = cifti_choice_read(&file.choice, &file.bytes, map, limit, &own);
-        status = status ? fail_in(status, file.path) : notes_move_in(notes, &own, file.path);
+    struct cifti_file *file = job_new(job, struct cifti_file);
+    char *plain = NULL;
+    struct text map = {0};
+    (void)JOB_CALL(job, map_choice_split(&plain, &map, path));
+    plain = job_adopt(job, plain);
+    if (!file || !plain) {
+        return NULL;
     }
-    notes_finish(&own);
-    file_sums_finish(&sums);
-    if (status) {
-        cifti_file_finish(&file);
-        return status;
-    }
-    *out = file;
-    return CONUS_OK;
+    file->path = plain;
+    const size_t place = job_in(job, plain, JOB_ALONE);
+    struct attempt own = job_try(job);
+    struct source *source = source_open(job, plain);
+    const struct bytes bytes = source_whole(job, source);
+    source_sum(job, file->sha256, source);
+    file->choice = cifti_choose(job, &bytes, map);
+    source_close(source); /* the choice has what is needed of it */
+    struct notes *notes = attempt_notes(job, &own);
+    (void)attempt_end(job, &own, ATTEMPT_SILENT);
+    job_out(job, place);
+    (void)JOB_CALL(job, notes_move_in(&job->notes, notes, plain));
+    return job_ok(job) ? file : NULL;
 }

@@ -3,20 +3,19 @@
 #ifndef CONUS_LOADERS_CIFTI_CIFTI_FILE_H
 #define CONUS_LOADERS_CIFTI_CIFTI_FILE_H
 
-#include "base/files/file_sums.h"
 #include "loaders/cifti/cifti.h"
 
-/** One map of a file. */
+/** One map of a file. What it points to is the job's. */
 struct cifti_choice {
-    struct cifti cifti;
+    struct cifti cifti; /**< Without values. */
     size_t map;
-    uint32_t *labels; /**< [cifti.count] of the grayordinates; 0 = no area; owned. */
+    struct label_table table; /**< Of the map, sorted; label 0 is nothing. */
+    uint32_t *labels;         /**< [cifti.count] of the grayordinates; 0 = no area. */
+    struct job *own;          /**< Of cifti_choice_read(). */
 };
 
-/** Parses @p bytes, which must outlive @p out, and takes the map @p wanted (map_choice_make()). */
-conus_status cifti_choice_read(struct cifti_choice *out, const struct bytes *bytes, struct text wanted,
-                               uint64_t max_memory, struct notes *notes);
-void cifti_choice_finish(struct cifti_choice *choice);
+/** Parses @p file and takes the map @p wanted (map_choice_make()). NULL after a failure. */
+struct cifti_choice *cifti_choose(struct job *job, const struct bytes *file, struct text wanted);
 
 /** The surface that GIFTI calls @p structure, or NULL. */
 const struct cifti_model *cifti_choice_surface(const struct cifti_choice *choice, const char *structure);
@@ -24,30 +23,37 @@ const struct cifti_model *cifti_choice_surface(const struct cifti_choice *choice
 /** Whether the file has voxels. */
 bool cifti_choice_has_voxels(const struct cifti_choice *choice);
 
-/** The labels that @p model has, or all voxels where that is NULL: *labels has *count, sorted, each once, without 0;
- * the caller's to memory_free(). */
-conus_status cifti_choice_list(uint32_t **labels, size_t *count, const struct cifti_choice *choice,
-                               const struct cifti_model *model);
+/** The labels that @p model has, or all voxels where that is NULL: *count, sorted, each once, without 0. */
+uint32_t *cifti_list(struct job *job, size_t *count, const struct cifti_choice *choice,
+                     const struct cifti_model *model);
 
-/** Labels of all vertices of the surface @p model: [model->vertex_count], 0 for those that the file leaves out, the
- * caller's to memory_free(). @p table gets what the map says of those that there are. */
-conus_status cifti_choice_vertices(uint32_t **labels, struct label_table *table, const struct cifti_choice *choice,
-                                   const struct cifti_model *model);
+/** Labels of all vertices of the surface @p model: [model->vertex_count], 0 for those that the file leaves out. The
+ * empty @p table gets what the map says of those that there are. NULL after a failure. */
+uint32_t *cifti_vertices(struct job *job, struct label_table *table, const struct cifti_choice *choice,
+                         const struct cifti_model *model);
 
 /** Labels of all voxels of the volume, [dim[0] dim[1] dim[2]], i fastest, likewise. The hemisphere of a label is that
  * of the structures that have it, if it is one. */
-conus_status cifti_choice_voxels(uint32_t **labels, struct label_table *table, const struct cifti_choice *choice);
+uint32_t *cifti_voxels(struct job *job, struct label_table *table, const struct cifti_choice *choice);
 
 /** A file, opened by its path with ",map=K" or ",map=NAME" behind it. */
 struct cifti_file {
-    char *path;         /**< Without what chooses the map. */
-    struct bytes bytes; /**< Unpacked. */
-    char sha256[65];    /**< SHA-256 of the file as it is stored. */
-    struct cifti_choice choice;
+    char *path;      /**< Without what chooses the map. */
+    char sha256[65]; /**< SHA-256 of the file as it is stored. */
+    struct cifti_choice *choice;
 };
 
-/** Opens @p path, a .dlabel.nii (FORMAT_CIFTI). @p max_memory 0 = 8 GiB. Notes and errors carry the path. */
-conus_status cifti_file_open(struct cifti_file *out, const char *path, uint64_t max_memory, struct notes *notes);
-void cifti_file_finish(struct cifti_file *file);
+/** Opens @p path, a .dlabel.nii (FORMAT_CIFTI), plain or gzip. Notes and errors carry the path. NULL after a failure.
+ */
+struct cifti_file *cifti_file_open(struct job *job, const char *path);
+
+/** @name For mesh_file.c, until that is on a job: mesh_bridge.c @{ */
+conus_status cifti_choice_read(struct cifti_choice *out, const struct bytes *bytes, struct text wanted,
+                               uint64_t max_memory, struct notes *notes);
+void cifti_choice_finish(struct cifti_choice *choice);
+/** *labels is the caller's to memory_free(). */
+conus_status cifti_choice_vertices(uint32_t **labels, struct label_table *table, const struct cifti_choice *choice,
+                                   const struct cifti_model *model);
+/** @} */
 
 #endif

@@ -115,13 +115,12 @@ static const char *key_of(const struct xml_event *event)
     return key ? key : xml_attribute(event, "Index"); /* of old files */
 }
 
-void label_element(struct job *job, struct label *out, const struct xml_event *event)
+static void read_element(struct job *job, struct label *out, const struct xml_event *event)
 {
     static const char *const channels[] = {"Red", "Green", "Blue"};
     const char *key = key_of(event);
     struct text cells[3];
     bool coloured = false;
-    size_t place = job_in(job, "line ", event->line);
     for (int i = 0; i < 3; i++) {
         const char *value = xml_attribute(event, channels[i]);
         cells[i] = text_from(value ? value : "");
@@ -131,6 +130,12 @@ void label_element(struct job *job, struct label *out, const struct xml_event *e
     if (coloured) {
         label_colour(job, out, cells, label_cell_fraction);
     }
+}
+
+void label_element(struct job *job, struct label *out, const struct xml_event *event)
+{
+    size_t place = job_in(job, "line ", event->line);
+    read_element(job, out, event);
     job_out(job, place);
 }
 
@@ -140,7 +145,7 @@ void label_entry_start(struct job *job, struct label_entry *entry, const struct 
     int64_t number;
     *entry = (struct label_entry){.negative = key && text_to_int(text_from(key), &number) && number < 0};
     if (!entry->negative) {
-        label_element(job, &entry->label, event);
+        read_element(job, &entry->label, event);
     }
 }
 

@@ -35,7 +35,7 @@ struct label_entry {
     bool negative;
 };
 
-/** At its start tag. */
+/** At its start tag, whose line is the caller's place. */
 void label_entry_start(struct job *job, struct label_entry *entry, const struct xml_event *event);
 
 /** At its end tag, with the name in between: appends it to @p table. 0 and what lies below stand for no area; a note

@@ -210,17 +210,14 @@ static void load_surface(struct load *load, const char *path, const struct state
 static void load_cifti(struct load *load, const char *path)
 {
     struct job *job = &load->job;
-    struct cifti_file file = {0};
     struct manifest manifest = {0};
     const char *labels = load->options->labels;
     if (labels) {
         job_fail(job, CONUS_ERROR_ARGUMENT, "--labels %s: %s names its labels itself", labels, path);
     }
-    (void)JOB_CALL(job, cifti_file_open(&file, path, job->max_memory, &job->notes));
-    plan_cifti(job, &manifest, &file);
-    const char *name = job_format(job, "%s", file.path ? file.path : "");
-    cifti_file_finish(&file); /* before the surfaces need memory */
-    manifest_load_made(load, &manifest, name, "the label table in it");
+    const struct cifti_file *file = cifti_file_open(job, path);
+    plan_cifti(job, &manifest, file);
+    manifest_load_made(load, &manifest, file ? file->path : "", "the label table in it");
 }
 
 enum { JSON_LIMIT = 64 << 20 };

@@ -188,7 +188,8 @@ static void load_map(struct job *job, conus_atlas *atlas, const char *path, cons
         job_fail(job, CONUS_ERROR_ARGUMENT, "%s: opacity of %g, allowed is above 0 to 1", path, options->opacity);
     }
     (void)JOB_CALL(job, file_state_find(&state, path));
-    if (JOB_CALL(job, vertex_map_read(&map, path, array, options->max_memory, &job->notes))) {
+    map = vertex_map_read(job, path, array);
+    if (job_ok(job)) {
         size_t place = job_in(job, path, JOB_ALONE);
         find_map_range(job, range, &map, options->range);
         surface = find_surface(job, atlas, &map);
@@ -207,7 +208,7 @@ conus_status conus_atlas_set_context_map(conus_atlas *atlas, const char *path, c
     }
     options = options_of(conus_context_map_options, options);
     const struct note_sink sink = {options->log, options->log_user, path};
-    struct job job = {.sink = &sink};
+    struct job job = {.sink = &sink, .max_memory = options->max_memory};
     load_map(&job, atlas, path, options);
     return job_close(&job, NULL, NULL);
 }

@@ -36,13 +36,13 @@ static void set_range(conus_volume_info *info, const uint32_t *labels, size_t co
 /* Describes the volume of the file as a file without voxels. */
 static void describe_cifti(struct job *job, struct volume_file *out, const struct cifti_file *file)
 {
-    const struct cifti *cifti = &file->choice.cifti;
+    const struct cifti *cifti = &file->choice->cifti;
     conus_volume_info *info = &out->info;
     out->path = job_give(job, file->path, strlen(file->path) + 1);
     out->datatype = cifti->datatype;
     out->max_memory = job->max_memory;
     *info = (conus_volume_info){
-        .path = out->path, .volume = file->choice.map, .volume_count = cifti->map_count, .slope = 1};
+        .path = out->path, .volume = file->choice->map, .volume_count = cifti->maps.count, .slope = 1};
     snprintf(info->format, sizeof info->format, "CIFTI-2");
     snprintf(info->datatype, sizeof info->datatype, "%s", volume_datatype_name(cifti->datatype));
     memcpy(info->sha256, file->sha256, sizeof info->sha256);
@@ -53,10 +53,9 @@ static void describe_cifti(struct job *job, struct volume_file *out, const struc
 /* Takes voxels and table of the map that the file has chosen. CONUS_ERROR_DATA where the file has no voxels. */
 static void take_cifti(struct job *job, struct parcellation *out, const struct cifti_file *file)
 {
-    const struct cifti_choice *choice = &file->choice;
+    const struct cifti_choice *choice = file->choice;
     const size_t *dim = choice->cifti.dim;
     const size_t count = dim[0] * dim[1] * dim[2];
-    uint32_t *labels = NULL;
     if (!cifti_choice_has_voxels(choice)) {
         job_bad(job,
                 "%s: no voxels, its labels are of vertices only: \"vertex_labels\" in a manifest, or --labels, takes "
@@ -64,7 +63,8 @@ static void take_cifti(struct job *job, struct parcellation *out, const struct c
                 file->path);
     }
     describe_cifti(job, &out->file, file);
-    if (!JOB_CALL(job, cifti_choice_voxels(&labels, out->table, choice))) {
+    uint32_t *labels = cifti_voxels(job, out->table, choice);
+    if (!labels) {
         return;
     }
     if (!out->table->count) {
@@ -72,17 +72,17 @@ static void take_cifti(struct job *job, struct parcellation *out, const struct c
     }
     set_range(&out->file.info, labels, count);
     (void)JOB_CALL(job, label_voxels_of(&out->labels, labels, count));
-    memory_free(labels);
-    out->source = job_format(job, "label table in %s", file->path);
 }
 
 static void read_cifti(struct job *job, struct parcellation *out, const char *path)
 {
-    struct cifti_file file = {0};
-    if (JOB_CALL(job, cifti_file_open(&file, path, job->max_memory, &job->notes))) {
-        take_cifti(job, out, &file);
+    const struct job_mark mark = job_mark(job);
+    const struct cifti_file *file = cifti_file_open(job, path);
+    if (file) {
+        take_cifti(job, out, file);
     }
-    cifti_file_finish(&file);
+    job_release(job, mark);
+    out->source = job_format(job, "label table in %s", out->file.path ? out->file.path : path);
 }
 
 static void read_override(struct job *job, struct parcellation *part, const char *path)

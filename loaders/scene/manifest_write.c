@@ -431,16 +431,15 @@ static void take_labelled(struct job *job, struct manifest_draft *draft, const s
 static bool take_cifti(struct job *job, struct manifest_draft *draft, const char *name)
 {
     struct job trial = {.max_memory = job->max_memory};
-    struct cifti_file file = {0};
     struct manifest manifest = {0};
     const char *path = job_beside(&trial, draft->folder, name);
-    (void)JOB_CALL(&trial, cifti_file_open(&file, path, trial.max_memory, &trial.notes));
-    plan_cifti(&trial, &manifest, &file);
+    const struct cifti_file *file = cifti_file_open(&trial, path);
+    plan_cifti(&trial, &manifest, file);
     const char *why = find_fault(job, &trial);
     if (why) {
         manifest_draft_leave_out(job, draft, name, why);
-    } else if (file.choice.cifti.maps) {
-        const struct label_table *table = &file.choice.cifti.maps[file.choice.map].table;
+    } else if (file) {
+        const struct label_table *table = &file->choice->table;
         const char *voxels = manifest.parcellations.count ? manifest.parcellations.at[0].source.file : NULL;
         uint32_t offset = draft->label_offset;
         if (voxels && set_parcellation(job, draft, voxels)) {
@@ -452,7 +451,6 @@ static bool take_cifti(struct job *job, struct manifest_draft *draft, const char
     for (size_t i = 0; i < trial.notes.count; i++) {
         manifest_draft_log(job, draft, "%s", trial.notes.lines[i]);
     }
-    cifti_file_finish(&file);
     job_end(&trial);
     return !why;
 }

@@ -22,7 +22,7 @@ struct planning {
 static char *name_map(const struct planning *planning)
 {
     const struct cifti_file *file = planning->file;
-    return job_format(planning->job, "%s,map=%zu", path_base(file->path), file->choice.map);
+    return job_format(planning->job, "%s,map=%zu", path_base(file->path), file->choice->map);
 }
 
 /* The least multiple of the step by which no label of `list`, sorted, becomes one that is taken: 0 if none is; else
@@ -60,19 +60,19 @@ static void take_labels(struct planning *planning, const uint32_t *list, size_t 
 static void plan_surface(struct planning *planning, const struct cifti_model *model, const uint32_t *list, size_t count)
 {
     struct job *job = planning->job;
-    const struct surface_item *surface = NULL;
-    const char *kind = NULL;
+    const struct surface_item *surface;
+    const char *kind;
     const char *path = planning->file->path;
     const char *structure = model->structure->name;
     const size_t mark = job_in(job, path, JOB_ALONE);
-    (void)JOB_CALL(job, surface_list_find(&surface, &kind, &planning->surfaces, structure, model->vertex_count));
+    surface = surface_list_find(job, &kind, &planning->surfaces, structure, model->vertex_count);
     const uint32_t offset = choose_offset(planning, list, count);
     job_out(job, mark);
     if (!job_step(job) || !surface) {
         return;
     }
     /* names the map: sidecars of two maps with the same labels differ in nothing else */
-    job_note(job, "%s: map %zu: labels of %s are on %s (%s)", path, planning->file->choice.map, structure,
+    job_note(job, "%s: map %zu: labels of %s are on %s (%s)", path, planning->file->choice->map, structure,
              surface->name, kind);
     if (offset) {
         job_note(job, "%s: labels of %s are raised by %u, since others have them, too", path, structure, offset);
@@ -96,10 +96,8 @@ static void plan_voxels(struct planning *planning, const uint32_t *list, size_t 
 static void plan_model(struct planning *planning, const struct cifti_model *model)
 {
     struct job *job = planning->job;
-    uint32_t *list = NULL;
-    size_t count = 0;
-    (void)JOB_CALL(job, cifti_choice_list(&list, &count, &planning->file->choice, model));
-    list = job_adopt(job, list);
+    size_t count;
+    const uint32_t *list = cifti_list(job, &count, planning->file->choice, model);
     if (!count) {
         job_note(job, "%s: no label in this map for %s, left out", planning->file->path,
                  model ? model->structure->name : "voxels");
@@ -112,15 +110,15 @@ static void plan_model(struct planning *planning, const struct cifti_model *mode
 
 void plan_cifti(struct job *job, struct manifest *out, const struct cifti_file *file)
 {
-    const struct cifti_choice *choice = &file->choice;
-    const struct cifti *cifti = &choice->cifti;
     struct planning planning = {.job = job, .file = file, .manifest = out};
     if (!job_step(job)) { /* there is no file */
         return;
     }
+    const struct cifti_choice *choice = file->choice;
+    const struct cifti *cifti = &choice->cifti;
     const int folder = (int)(path_base(file->path) - file->path);
     const char *where = folder ? job_format(job, "%.*s", folder, file->path) : "./";
-    (void)JOB_CALL(job, surface_list_make(&planning.surfaces, where, job->max_memory));
+    planning.surfaces = surface_list_make(job, where);
     if (cifti_choice_has_voxels(choice)) {
         plan_model(&planning, NULL);
     }
@@ -130,8 +128,7 @@ void plan_cifti(struct job *job, struct manifest *out, const struct cifti_file *
         }
     }
     if (!planning.taken_count) {
-        const char *name = cifti->maps[choice->map].name;
+        const char *name = cifti->maps.at[choice->map].name;
         job_bad(job, "%s: map %zu, \"%.60s\", has no label but 0", file->path, choice->map, name ? name : "");
     }
-    surface_list_finish(&planning.surfaces);
 }

@@ -4,20 +4,23 @@
 #ifndef CONUS_LOADERS_SURFACES_FREESURFER_LABELS_H
 #define CONUS_LOADERS_SURFACES_FREESURFER_LABELS_H
 
-#include "atlas/labels/labels.h"
-#include "base/status.h"
-#include "base/text.h"
+#include "base/job/reader.h"
+#include "loaders/labels/labels_on_job.h"
 
-#include <stdint.h>
+/** Reads an annotation: one label per vertex, *count of them (0 = none); the empty @p table is sorted. A label is its
+ * entry's number in the file's colour table; vertices name it by its packed colour. Entry 0 is no area if it is called
+ * so ("unknown"), else the label behind the last, with a note. NULL after a failure. */
+uint32_t *freesurfer_annot_read(struct reader *r, struct label_table *table, size_t *count);
 
-/** Parses an annotation: *labels has one label per vertex (0 = none), the caller's to memory_free(); @p table is
- * sorted, and the caller's to finish. A label is its entry's number in the file's colour table; vertices name it by its
- * packed colour. Entry 0 is no area if it is called so ("unknown"), else the label behind the last, with a note. */
+/** Reads a label: 1 for each vertex of the list and 0 for the others up to the last of it, *count in all.
+ * CONUS_ERROR_DATA where the file is cut off, or lists voxels. NULL after a failure. */
+uint32_t *freesurfer_label_read(struct job *job, struct text text, size_t *count);
+
+/** @name For mesh_file.c, until that is on a job: mesh_bridge.c @{ */
+/** *labels are the caller's to memory_free(). */
 conus_status freesurfer_annot_parse(uint32_t **labels, size_t *count, struct label_table *table, const uint8_t *data,
                                     size_t size, struct notes *notes);
-
-/** Parses a label: *labels has 1 for each vertex of the list and 0 for the others up to the last of it; the caller's to
- * memory_free(). CONUS_ERROR_DATA where the file is cut off, or lists voxels. */
 conus_status freesurfer_label_parse(uint32_t **labels, size_t *count, struct text text);
+/** @} */
 
 #endif

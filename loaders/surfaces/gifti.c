@@ -76,45 +76,43 @@ static bool fits_type(double value, int type)
     return type >> 8 == 'f' || (value == floor(value) && value >= (is_signed ? -end : 0) && value < end);
 }
 
-static conus_status decode_ascii(double *values, const struct gifti_storage *storage, struct text text)
+static void decode_ascii(struct job *job, double *values, const struct gifti_storage *storage, struct text text)
 {
     struct text word;
     size_t n = 0;
     for (; text_word(&text, &word); n++) {
         double value;
         if (n < storage->count && (!text_to_double(word, &value) || !fits_type(value, storage->type))) {
-            return fail(CONUS_ERROR_DATA, "Data: number %zu is \"%.*s\", one of the array's DataType is needed", n,
-                        TEXT_SHOW(word, SHOWN));
+            job_bad(job, "Data: number %zu is \"%.*s\", one of the array's DataType is needed", n,
+                    TEXT_SHOW(word, SHOWN));
+            return;
         }
         if (n < storage->count) {
             values[gifti_place_of(n, storage)] = value;
         }
     }
-    return n == storage->count
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "Data: %zu numbers, the Dim attributes ask for %zu", n, storage->count);
+    if (n != storage->count) {
+        job_bad(job, "Data: %zu numbers, the Dim attributes ask for %zu", n, storage->count);
+    }
 }
 
 /* RFC 4648 with white space anywhere, and with its padding. */
-static conus_status decode_base64(struct bytes *out, struct text text)
+static struct bytes decode_base64(struct job *job, struct text text)
 {
-    struct bytes bytes = {memory_raw(text.size / 4 + 1, 3), 0};
+    struct bytes bytes = {job_raw(job, text.size / 4 + 1, 3), 0};
     uint32_t group = 0;
     size_t digits = 0;
     size_t padding = 0;
-    if (!bytes.data) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t i = 0; i < text.size; i++) {
+    for (size_t i = 0; bytes.data && i < text.size; i++) {
         int value = base64_value(text.data[i]);
         if (text.data[i] == ' ' || (text.data[i] >= '\t' && text.data[i] <= '\r')) {
             continue;
         }
         bool pad = text.data[i] == '=' && digits % 4 >= 2;
         if (pad ? padding == 2 : value < 0 || padding) {
-            bytes_finish(&bytes);
-            return fail(CONUS_ERROR_DATA, "Data: byte 0x%02x at %zu, which base64 does not allow there",
-                        (unsigned)(unsigned char)text.data[i], i);
+            job_bad(job, "Data: byte 0x%02x at %zu, which base64 does not allow there",
+                    (unsigned)(unsigned char)text.data[i], i);
+            return bytes;
         }
         padding += pad;
         group = group << 6 | (pad ? 0 : (uint32_t)value);
@@ -125,150 +123,108 @@ static conus_status decode_base64(struct bytes *out, struct text text)
         }
     }
     if (digits % 4) {
-        bytes_finish(&bytes);
-        return fail(CONUS_ERROR_DATA, "Data: %zu base64 digits, a multiple of 4 is needed", digits);
+        job_bad(job, "Data: %zu base64 digits, a multiple of 4 is needed", digits);
     }
-    *out = bytes;
-    return CONUS_OK;
+    return bytes;
 }
 
-/* `packed` as `size` bytes. */
-static conus_status unpack_bytes(struct bytes *out, const struct bytes *packed, size_t size)
+/* `packed` as `size` bytes; NULL after a failure. */
+static const uint8_t *unpack_bytes(struct job *job, const struct bytes *packed, size_t size)
 {
     if (size / INFLATE_RATIO > packed->size) {
-        return fail(CONUS_ERROR_DATA, "Data: %zu packed bytes, which cannot be the %zu that the Dim attributes ask for",
-                    packed->size, size);
+        job_bad(job, "Data: %zu packed bytes, which cannot be the %zu that the Dim attributes ask for", packed->size,
+                size);
     }
-    struct bytes bytes = {memory_raw(size, 1), size};
-    if (!bytes.data) {
-        return CONUS_ERROR_MEMORY;
-    }
-    struct libdeflate_decompressor *decompressor = libdeflate_alloc_decompressor();
+    uint8_t *data = job_raw(job, size, 1);
+    struct libdeflate_decompressor *decompressor = data ? libdeflate_alloc_decompressor() : NULL;
     if (!decompressor) {
-        bytes_finish(&bytes);
-        return fail(CONUS_ERROR_MEMORY, "no memory to unpack");
+        job_fail(job, CONUS_ERROR_MEMORY, "no memory to unpack");
+        return NULL;
     }
     size_t used = 0;
     size_t got = 0;
     /* gzip is what the encoding's name says, and no known program writes */
     enum libdeflate_result result =
         (gzip_is(packed->data, packed->size) ? libdeflate_gzip_decompress_ex : libdeflate_zlib_decompress_ex)(
-            decompressor, packed->data, packed->size, bytes.data, size, &used, &got);
+            decompressor, packed->data, packed->size, data, size, &used, &got);
     libdeflate_free_decompressor(decompressor);
-    conus_status status = CONUS_OK;
     if (result == LIBDEFLATE_INSUFFICIENT_SPACE || (!result && got != size)) {
-        status = fail(CONUS_ERROR_DATA, "Data: unpacks to %s than the %zu bytes that the Dim attributes ask for",
-                      result ? "more" : "fewer", size);
+        job_bad(job, "Data: unpacks to %s than the %zu bytes that the Dim attributes ask for",
+                result ? "more" : "fewer", size);
     } else if (result || used != packed->size) {
-        status =
-            fail(CONUS_ERROR_DATA, "Data: %s", result ? "the packed bytes are damaged" : "bytes after the packed ones");
+        job_bad(job, "Data: %s", result ? "the packed bytes are damaged" : "bytes after the packed ones");
     }
-    if (status) {
-        bytes_finish(&bytes);
-        return status;
-    }
-    *out = bytes;
-    return CONUS_OK;
+    return data;
 }
 
-static conus_status read_external_bytes(struct bytes *out, const struct gifti_storage *storage, size_t size)
+static const uint8_t *read_external_bytes(struct job *job, const struct gifti_storage *storage, size_t size)
 {
     struct bytes file = {0};
-    conus_status status = file_read(&file, storage->path, UINT64_C(1) << 40);
-    if (status) {
-        return status;
-    }
+    (void)JOB_CALL(job, file_read(&file, storage->path, UINT64_C(1) << 40));
+    const uint8_t *data = job_adopt(job, file.data);
     if (storage->offset > file.size || size > file.size - storage->offset) {
-        status = fail(CONUS_ERROR_DATA, "%s: %zu bytes, the array needs %zu from %llu on", storage->path, file.size,
-                      size, (unsigned long long)storage->offset);
-        bytes_finish(&file);
-        return status;
+        job_bad(job, "%s: %zu bytes, the array needs %zu from %llu on", storage->path, file.size, size,
+                (unsigned long long)storage->offset);
     }
-    memmove(file.data, file.data + storage->offset, size);
-    *out = (struct bytes){file.data, size};
-    return CONUS_OK;
+    return job_ok(job) ? data + storage->offset : NULL;
 }
 
-static conus_status decode_bytes(struct bytes *out, const struct gifti_storage *storage, struct text text)
+/* The numbers as they are stored, in this many bytes; NULL after a failure. */
+static const uint8_t *decode_bytes(struct job *job, const struct gifti_storage *storage, struct text text)
 {
-    struct bytes stored = {0};
-    size_t size = storage->count * size_of(storage->type);
+    const size_t size = storage->count * size_of(storage->type);
     if (storage->encoding == GIFTI_EXTERNAL) {
-        return read_external_bytes(out, storage, size);
+        return read_external_bytes(job, storage, size);
     }
-    conus_status status = decode_base64(&stored, text);
-    if (!status && storage->encoding == GIFTI_GZIP_BASE64) {
-        status = unpack_bytes(out, &stored, size);
-        bytes_finish(&stored);
-    } else if (!status && stored.size != size) {
-        status = fail(CONUS_ERROR_DATA, "Data: %zu bytes, the Dim attributes ask for %zu", stored.size, size);
-        bytes_finish(&stored);
-    } else if (!status) {
-        *out = stored;
+    const struct bytes stored = decode_base64(job, text);
+    if (storage->encoding == GIFTI_GZIP_BASE64) {
+        return unpack_bytes(job, &stored, size);
     }
-    return status;
+    if (stored.size != size) {
+        job_bad(job, "Data: %zu bytes, the Dim attributes ask for %zu", stored.size, size);
+    }
+    return stored.data;
 }
 
-/* Decodes exactly storage->count numbers into *out, the last index fastest; the caller's to memory_free(). Nothing is
- * allocated for more numbers than `text` can hold. */
-static conus_status gifti_data_decode(double **out, const struct gifti_storage *storage, struct text text)
+/* Exactly storage->count numbers, the last index fastest. Nothing is allocated for more numbers than `text` can hold.
+ */
+static double *gifti_data_decode(struct job *job, const struct gifti_storage *storage, struct text text)
 {
-    struct bytes bytes = {0};
-    bool ascii = storage->encoding == GIFTI_ASCII;
+    const bool ascii = storage->encoding == GIFTI_ASCII;
+    const struct job_mark mark = job_mark(job);
     if (ascii && storage->count > text.size / 2 + 1) { /* a digit and a space each */
-        return fail(CONUS_ERROR_DATA, "Data: %zu bytes of text, too few for the %zu numbers of the Dim attributes",
-                    text.size, storage->count);
+        job_bad(job, "Data: %zu bytes of text, too few for the %zu numbers of the Dim attributes", text.size,
+                storage->count);
     }
-    conus_status status = ascii ? CONUS_OK : decode_bytes(&bytes, storage, text);
-    double *values = status ? NULL : memory_raw(storage->count, sizeof *values);
-    status = status || values ? status : CONUS_ERROR_MEMORY;
-    if (!status && ascii) {
-        status = decode_ascii(values, storage, text);
+    const uint8_t *bytes = ascii ? NULL : decode_bytes(job, storage, text);
+    double *values = job_step(job) ? memory_raw(storage->count, sizeof *values) : NULL; /* outlives the bytes */
+    if (job_need(job, values) && ascii) {
+        decode_ascii(job, values, storage, text);
     }
-    for (size_t n = 0; !status && !ascii && n < storage->count; n++) {
+    for (size_t n = 0; job_ok(job) && !ascii && n < storage->count; n++) {
         values[gifti_place_of(n, storage)] =
-            gifti_number_at(bytes.data + n * size_of(storage->type), storage->type, storage->swapped);
+            gifti_number_at(bytes + n * size_of(storage->type), storage->type, storage->swapped);
     }
-    bytes_finish(&bytes);
-    if (status) {
-        memory_free(values);
-        return status;
-    }
-    *out = values;
-    return CONUS_OK;
+    job_release(job, mark);
+    return job_adopt(job, values);
 }
 
 enum { ARRAY_LIMIT = 100000, TRANSFORM_LIMIT = 16 };
 
 struct parsing {
-    struct gifti gifti;
-    const struct gifti_options *options;
-    struct notes *notes;
+    struct job *job;
+    struct gifti *gifti;
+    const char *beside; /* the document's path, where arrays may lie in other files; else NULL */
+    bool is_outline;
     bool in_gifti;
     bool counted;                 /* NumberOfDataArrays was given: */
     uint64_t array_count;         /* ... this */
     struct gifti_array *array;    /* the DataArray that is open */
     struct gifti_storage storage; /* of it */
-    char *external;               /* storage.path, owned */
-    char *md_name;                /* Name of the MD that is open */
+    const char *md_name;          /* Name of the MD that is open, or was last */
     struct label_entry entry;     /* the Label that is open */
+    char where[64];               /* in the document */
 };
-
-void gifti_finish(struct gifti *gifti)
-{
-    for (size_t i = 0; i < gifti->array_count; i++) {
-        memory_free(gifti->arrays[i].values);
-        memory_free(gifti->arrays[i].name);
-        memory_free(gifti->arrays[i].transforms);
-    }
-    memory_free(gifti->arrays);
-    memory_free(gifti->name);
-    memory_free(gifti->structure);
-    memory_free(gifti->layer);
-    memory_free(gifti->geometric_type);
-    label_table_finish(&gifti->labels);
-    *gifti = (struct gifti){0};
-}
 
 /* A word and what it stands for; a list ends with NULL. */
 struct word {
@@ -319,229 +275,227 @@ static int gifti_value_of(const struct word *words, struct text text)
     return words->value;
 }
 
-/* Looks up an attribute that must be there and in the list. */
-static conus_status read_word(int *out, const struct xml_event *event, const char *attribute, const struct word *words,
-                              const char *allowed)
+/* Looks up an attribute that must be there and in the list; 0 after a failure. */
+static int read_word(struct job *job, const struct xml_event *event, const char *attribute, const struct word *words,
+                     const char *allowed)
 {
     const char *given = xml_attribute(event, attribute);
     int value = given ? gifti_value_of(words, text_trim(text_from(given))) : -1;
     if (value < 0) {
-        return fail(CONUS_ERROR_DATA, "%s: found \"%.60s\", allowed are %s", attribute, given ? given : "", allowed);
+        job_bad(job, "%s: found \"%.60s\", allowed are %s", attribute, given ? given : "", allowed);
     }
-    *out = value;
-    return CONUS_OK;
+    return value < 0 ? 0 : value;
 }
 
-static conus_status gifti_read_whole(uint64_t *out, const struct xml_event *event, const char *attribute, uint64_t low,
-                                     uint64_t high)
+static uint64_t gifti_read_whole(struct job *job, const struct xml_event *event, const char *attribute, uint64_t low,
+                                 uint64_t high)
 {
     const char *given = xml_attribute(event, attribute);
-    if (!given || !text_to_uint(text_trim(text_from(given)), high, out) || *out < low) {
-        return fail(CONUS_ERROR_DATA, "%s: found \"%.60s\", allowed are whole numbers from %llu to %llu", attribute,
-                    given ? given : "", (unsigned long long)low, (unsigned long long)high);
+    uint64_t value = 0;
+    if (!given || !text_to_uint(text_trim(text_from(given)), high, &value) || value < low) {
+        job_bad(job, "%s: found \"%.60s\", allowed are whole numbers from %llu to %llu", attribute, given ? given : "",
+                (unsigned long long)low, (unsigned long long)high);
     }
-    return CONUS_OK;
+    return value;
 }
 
-static conus_status start_gifti(struct parsing *parsing, const struct xml_event *event)
+static void start_gifti(struct parsing *parsing, const struct xml_event *event)
 {
     const char *version = xml_attribute(event, "Version");
     if (version && strcmp(version, "1") != 0 && strncmp(version, "1.", 2) != 0) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "Version: found \"%.20s\", 1.x is read", version);
+        job_refuse(parsing->job, "Version: found \"%.20s\", 1.x is read", version);
     }
     parsing->in_gifti = true;
     parsing->counted = xml_attribute(event, "NumberOfDataArrays") != NULL;
-    return parsing->counted ? gifti_read_whole(&parsing->array_count, event, "NumberOfDataArrays", 0, ARRAY_LIMIT)
-                            : CONUS_OK;
+    if (parsing->counted) {
+        parsing->array_count = gifti_read_whole(parsing->job, event, "NumberOfDataArrays", 0, ARRAY_LIMIT);
+    }
 }
 
-static conus_status end_gifti(struct parsing *parsing, struct text text)
+static void end_gifti(struct parsing *parsing, struct text text)
 {
     (void)text;
-    if (parsing->counted && parsing->array_count != parsing->gifti.array_count) {
-        return fail(CONUS_ERROR_DATA, "NumberOfDataArrays: found %llu, but %zu are there",
-                    (unsigned long long)parsing->array_count, parsing->gifti.array_count);
+    if (parsing->counted && parsing->array_count != parsing->gifti->arrays.count) {
+        job_bad(parsing->job, "NumberOfDataArrays: found %llu, but %zu are there",
+                (unsigned long long)parsing->array_count, parsing->gifti->arrays.count);
     }
-    return CONUS_OK;
 }
 
-static conus_status read_dims(struct gifti_array *array, const struct xml_event *event, uint64_t max_memory)
+static void read_dims(struct job *job, struct gifti_array *array, const struct xml_event *event)
 {
-    uint64_t rank;
-    conus_status status = gifti_read_whole(&rank, event, "Dimensionality", 1, GIFTI_RANK_LIMIT);
-    array->rank = status ? 0 : (size_t)rank;
+    const uint64_t max_memory = memory_limit(job->max_memory);
+    array->rank = (size_t)gifti_read_whole(job, event, "Dimensionality", 1, GIFTI_RANK_LIMIT);
     array->count = 1;
     for (size_t d = 0; d < GIFTI_RANK_LIMIT; d++) {
         char name[16];
-        uint64_t dim = 1;
         snprintf(name, sizeof name, "Dim%zu", d);
-        status = status || d >= array->rank ? status : gifti_read_whole(&dim, event, name, 1, INT64_MAX);
-        array->dim[d] = (size_t)dim;
-        if (!status && (!memory_multiply(array->count, array->dim[d], &array->count) ||
-                        array->count > max_memory / sizeof *array->values)) {
-            status = fail(CONUS_ERROR_MEMORY, "%s: found %llu, more numbers than fit in %llu bytes", name,
-                          (unsigned long long)dim, (unsigned long long)max_memory);
+        const bool has = d < array->rank && job_ok(job);
+        array->dim[d] = has ? (size_t)gifti_read_whole(job, event, name, 1, INT64_MAX) : 1;
+        if (!memory_multiply(array->count, array->dim[d], &array->count) ||
+            array->count > max_memory / sizeof *array->values) {
+            job_fail(job, CONUS_ERROR_MEMORY, "%s: found %zu, more numbers than fit in %llu bytes", name, array->dim[d],
+                     (unsigned long long)max_memory);
         }
     }
-    return status;
 }
 
 /* A plain name: an array can neither leave its folder nor be read from a device. */
-static conus_status read_external(struct parsing *parsing, const struct xml_event *event)
+static void read_external(struct parsing *parsing, const struct xml_event *event)
 {
-    const struct gifti_options *options = parsing->options;
+    struct job *job = parsing->job;
     const char *name = xml_attribute(event, "ExternalFileName");
     const char *offset = xml_attribute(event, "ExternalFileOffset");
-    if (!options || !options->external || !options->path) {
-        return fail(CONUS_ERROR_UNSUPPORTED,
-                    "Encoding: found ExternalFileBinary, arrays in other files are not read unless that is allowed");
+    if (!parsing->beside) {
+        job_refuse(job, "Encoding: found ExternalFileBinary, arrays in other files are not read unless that is "
+                        "allowed");
+    } else if (!name || !*name || *name == '.' || !path_is_name(name)) {
+        job_bad(job, "ExternalFileName: found \"%.60s\", allowed is the name of a file beside this one",
+                name ? name : "");
+    } else {
+        parsing->storage.path = job_beside(job, parsing->beside, name);
     }
-    if (!name || !*name || *name == '.' || !path_is_name(name)) {
-        return fail(CONUS_ERROR_DATA,
-                    "ExternalFileName: found \"%.60s\", allowed is the name of a file beside this one",
-                    name ? name : "");
+    if (offset && *offset) {
+        parsing->storage.offset = gifti_read_whole(job, event, "ExternalFileOffset", 0, INT64_MAX);
     }
-    memory_free(parsing->external);
-    parsing->external = file_beside(options->path, name);
-    parsing->storage.path = parsing->external;
-    return !parsing->external  ? CONUS_ERROR_MEMORY
-           : offset && *offset ? gifti_read_whole(&parsing->storage.offset, event, "ExternalFileOffset", 0, INT64_MAX)
-                               : CONUS_OK;
 }
 
-static conus_status read_storage(struct parsing *parsing, const struct xml_event *event)
+static void read_storage(struct parsing *parsing, const struct xml_event *event)
 {
+    struct job *job = parsing->job;
     struct gifti_array *array = parsing->array;
     const char *intent = xml_attribute(event, "Intent");
     if (!intent || strncmp(intent, "NIFTI_INTENT_", strlen("NIFTI_INTENT_")) != 0) {
-        return fail(CONUS_ERROR_DATA, "Intent: found \"%.60s\", allowed are the names of NIfTI intents",
-                    intent ? intent : "");
+        job_bad(job, "Intent: found \"%.60s\", allowed are the names of NIfTI intents", intent ? intent : "");
+        return;
     }
     array->intent = (enum gifti_intent)gifti_value_of(intents, text_from(intent));
-    uint64_t max_memory = memory_limit(parsing->options ? parsing->options->max_memory : 0);
-    int encoding = 0;
-    int type = 0;
-    int column_major = false;
-    int swapped = false;
-    conus_status status;
-    if ((status = read_dims(array, event, max_memory)) ||
-        (status = read_word(&encoding, event, "Encoding", encodings,
-                            "ASCII, Base64Binary, GZipBase64Binary and ExternalFileBinary")) ||
-        (status = read_word(&type, event, "DataType", types,
-                            "NIFTI_TYPE_ with UINT8, INT32, FLOAT32, INT8, INT16, UINT16, UINT32, INT64, UINT64 and "
-                            "FLOAT64")) ||
-        (array->rank > 1 && (status = read_word(&column_major, event, "ArrayIndexingOrder", orders,
-                                                "RowMajorOrder and ColumnMajorOrder"))) ||
-        (encoding != GIFTI_ASCII && size_of(type) > 1 &&
-         (status = read_word(&swapped, event, "Endian", endians, "LittleEndian and BigEndian")))) {
-        return status;
-    }
+    read_dims(job, array, event);
+    const int encoding =
+        read_word(job, event, "Encoding", encodings, "ASCII, Base64Binary, GZipBase64Binary and ExternalFileBinary");
+    const int type = read_word(job, event, "DataType", types,
+                               "NIFTI_TYPE_ with UINT8, INT32, FLOAT32, INT8, INT16, UINT16, UINT32, INT64, UINT64 and "
+                               "FLOAT64");
     parsing->storage = (struct gifti_storage){.encoding = (enum gifti_encoding)encoding,
                                               .type = type,
-                                              .swapped = swapped,
-                                              .column_major = column_major,
                                               .rank = array->rank,
+                                              .dim = array->dim,
                                               .count = array->count};
     array->is_single = type == TYPE('f', 4);
-    return encoding == GIFTI_EXTERNAL ? read_external(parsing, event) : CONUS_OK;
+    if (array->rank > 1) {
+        parsing->storage.column_major =
+            read_word(job, event, "ArrayIndexingOrder", orders, "RowMajorOrder and ColumnMajorOrder");
+    }
+    if (encoding != GIFTI_ASCII && size_of(type) > 1) {
+        parsing->storage.swapped = read_word(job, event, "Endian", endians, "LittleEndian and BigEndian");
+    }
+    if (encoding == GIFTI_EXTERNAL) {
+        read_external(parsing, event);
+    }
 }
 
-static conus_status start_array(struct parsing *parsing, const struct xml_event *event)
+/* Where the parser is: "line 7, DataArray 1". */
+static void set_place(struct parsing *parsing, const struct xml_event *event)
 {
+    int length = snprintf(parsing->where, sizeof parsing->where, "line %zu", event->line);
+    if (parsing->array) {
+        snprintf(parsing->where + length, sizeof parsing->where - (size_t)length, ", DataArray %zu",
+                 parsing->gifti->arrays.count - 1);
+    }
+}
+
+static void start_array(struct parsing *parsing, const struct xml_event *event)
+{
+    struct job *job = parsing->job;
     if (parsing->array || !parsing->in_gifti) {
-        return fail(CONUS_ERROR_DATA, "DataArray inside another, allowed is one after the other in GIFTI");
+        job_bad(job, "DataArray inside another, allowed is one after the other in GIFTI");
+    } else if (parsing->gifti->arrays.count == ARRAY_LIMIT) {
+        job_bad(job, "more than %d DataArrays", ARRAY_LIMIT);
+    } else {
+        parsing->array = LIST_ADD(job, &parsing->gifti->arrays);
+        set_place(parsing, event);
+        read_storage(parsing, event);
     }
-    struct gifti *gifti = &parsing->gifti;
-    if (gifti->array_count == ARRAY_LIMIT) {
-        return fail(CONUS_ERROR_DATA, "more than %d DataArrays", ARRAY_LIMIT);
-    }
-    struct gifti_array *arrays = memory_resize(gifti->arrays, gifti->array_count + 1, sizeof *arrays);
-    if (!arrays) {
-        return CONUS_ERROR_MEMORY;
-    }
-    gifti->arrays = arrays;
-    parsing->array = &arrays[gifti->array_count++];
-    *parsing->array = (struct gifti_array){0};
-    return read_storage(parsing, event);
 }
 
-static bool is_outline(const struct parsing *parsing)
-{
-    return parsing->options && parsing->options->outline;
-}
-
-static conus_status end_data(struct parsing *parsing, struct text text)
+static void end_data(struct parsing *parsing, struct text text)
 {
     struct gifti_array *array = parsing->array;
     if (!array || array->values) {
-        return fail(CONUS_ERROR_DATA, "Data %s, allowed is one in each DataArray",
-                    array ? "twice" : "outside DataArray");
+        job_bad(parsing->job, "Data %s, allowed is one in each DataArray", array ? "twice" : "outside DataArray");
+    } else if (!parsing->is_outline) {
+        array->values = gifti_data_decode(parsing->job, &parsing->storage, text);
     }
-    if (is_outline(parsing)) {
-        return CONUS_OK;
-    }
-    parsing->storage.dim = array->dim;
-    return gifti_data_decode(&array->values, &parsing->storage, text);
 }
 
-static conus_status end_array(struct parsing *parsing, struct text text)
+static void end_array(struct parsing *parsing, struct text text)
 {
     (void)text;
-    if (parsing->array && !parsing->array->values && !is_outline(parsing)) {
-        return fail(CONUS_ERROR_DATA, "Data is missing, one is needed in each DataArray");
+    if (parsing->array && !parsing->array->values && !parsing->is_outline) {
+        job_bad(parsing->job, "Data is missing, one is needed in each DataArray");
     }
     parsing->array = NULL;
-    return CONUS_OK;
 }
 
-static conus_status start_transform(struct gifti_array *array)
+static void start_transform(struct parsing *parsing, const struct xml_event *event)
 {
+    struct gifti_array *array = parsing->array;
+    (void)event;
     if (!array) {
-        return fail(CONUS_ERROR_DATA, "CoordinateSystemTransformMatrix outside DataArray");
+        job_bad(parsing->job, "CoordinateSystemTransformMatrix outside DataArray");
+    } else if (array->transforms.count == TRANSFORM_LIMIT) {
+        job_bad(parsing->job, "more than %d CoordinateSystemTransformMatrix", TRANSFORM_LIMIT);
+    } else {
+        mat4_identity(LIST_ADD(parsing->job, &array->transforms)->matrix);
     }
-    if (array->transform_count == TRANSFORM_LIMIT) {
-        return fail(CONUS_ERROR_DATA, "more than %d CoordinateSystemTransformMatrix", TRANSFORM_LIMIT);
-    }
-    struct gifti_transform *transforms =
-        memory_resize(array->transforms, array->transform_count + 1, sizeof *transforms);
-    if (!transforms) {
-        return CONUS_ERROR_MEMORY;
-    }
-    array->transforms = transforms;
-    transforms[array->transform_count] = (struct gifti_transform){0};
-    mat4_identity(transforms[array->transform_count++].matrix);
-    return CONUS_OK;
 }
 
-static void end_space(struct gifti_transform *transform, int *space, struct text text)
+/* The CoordinateSystemTransformMatrix that is open, or the last one; NULL if there is none. */
+static struct gifti_transform *open_transform(const struct parsing *parsing)
+{
+    const struct gifti_array *array = parsing->array;
+    return array && array->transforms.count ? &array->transforms.at[array->transforms.count - 1] : NULL;
+}
+
+static int read_space(struct gifti_transform *transform, struct text text)
 {
     const struct text trimmed = text_trim(text);
     int value = trimmed.size ? gifti_value_of(spaces, trimmed) : 0; /* as old programs leave it */
-    *space = value < 0 ? 0 : value;
     transform->is_foreign = transform->is_foreign || value < 0;
+    return value < 0 ? 0 : value;
 }
 
-static conus_status end_matrix(double matrix[16], struct text text)
+static void end_data_space(struct parsing *parsing, struct text text)
 {
-    double rows[16];
+    struct gifti_transform *transform = open_transform(parsing);
+    if (transform) {
+        transform->data_space = read_space(transform, text);
+    }
+}
+
+static void end_transformed_space(struct parsing *parsing, struct text text)
+{
+    struct gifti_transform *transform = open_transform(parsing);
+    if (transform) {
+        transform->transformed_space = read_space(transform, text);
+    }
+}
+
+static void end_matrix(struct parsing *parsing, struct text text)
+{
+    struct gifti_transform *transform = open_transform(parsing);
+    double columns[16];
     struct text word;
     size_t n = 0;
-    while (text_word(&text, &word)) {
-        if (n == 16 || !text_to_double(word, &rows[n]) || !isfinite(rows[n])) {
-            n = 0;
-            break;
-        }
-        n++;
+    bool good = true;
+    for (; good && text_word(&text, &word); n++) {
+        double *number = &columns[4 * (n % 4) + n / 4 % 4];
+        good = n < 16 && text_to_double(word, number) && isfinite(*number);
     }
-    double columns[16];
-    for (size_t i = 0; n == 16 && i < 16; i++) {
-        columns[4 * (i % 4) + i / 4] = rows[i];
+    if (transform && !(good && n == 16 && mat4_settle_last_row(columns))) {
+        job_bad(parsing->job, "MatrixData: 16 finite numbers by rows are needed, the last row 0 0 0 1");
+    } else if (transform) {
+        memcpy(transform->matrix, columns, sizeof columns);
     }
-    if (n != 16 || !mat4_settle_last_row(columns)) {
-        return fail(CONUS_ERROR_DATA, "MatrixData: 16 finite numbers by rows are needed, the last row 0 0 0 1");
-    }
-    memcpy(matrix, columns, sizeof columns);
-    return CONUS_OK;
 }
 
 /* Keeps one of FreeSurfer's twelve numbers, "VolGeomX_R". */
@@ -571,10 +525,10 @@ static char hemisphere_of(struct text structure)
 }
 
 /* The Value of an MD. Only what is used is kept, from the first place that says so. */
-static conus_status end_value(struct parsing *parsing, struct text text)
+static void end_value(struct parsing *parsing, struct text text)
 {
-    struct gifti *gifti = &parsing->gifti;
-    const char *name = parsing->md_name ? parsing->md_name : "";
+    struct gifti *gifti = parsing->gifti;
+    const char *name = parsing->md_name;
     if (strcmp(name, "AnatomicalStructurePrimary") == 0 && !gifti->hemisphere) {
         gifti->hemisphere = hemisphere_of(text_trim(text));
     }
@@ -584,111 +538,104 @@ static conus_status end_value(struct parsing *parsing, struct text text)
                    : strcmp(name, "AnatomicalStructureSecondary") == 0 ? &gifti->layer
                    : strcmp(name, "GeometricType") == 0                ? &gifti->geometric_type
                                                                        : NULL;
-    return field && !*field ? label_set_text(field, text) : CONUS_OK;
+    if (field && !*field) {
+        *field = job_name(parsing->job, text);
+    }
 }
 
-static conus_status end_name(struct parsing *parsing, struct text text)
+static void end_name(struct parsing *parsing, struct text text)
 {
-    text = text_trim(text);
-    memory_free(parsing->md_name);
-    parsing->md_name = memory_text(text.size ? text.data : "", text.size);
-    return parsing->md_name ? CONUS_OK : CONUS_ERROR_MEMORY;
+    parsing->md_name = job_copy(parsing->job, text_trim(text));
 }
 
-static conus_status start_label(struct parsing *parsing, const struct xml_event *event)
+static void start_label(struct parsing *parsing, const struct xml_event *event)
 {
-    struct job job = {0}; /* Bridge: to label tables on a job. */
-    label_entry_start(&job, &parsing->entry, event);
-    return job_close(&job, NULL, NULL);
+    label_entry_start(parsing->job, &parsing->entry, event);
 }
 
-static conus_status end_label(struct parsing *parsing, struct text text)
+static void end_label(struct parsing *parsing, struct text text)
 {
-    struct job job = {0}; /* Bridge: to label tables on a job. */
-    label_entry_end(&job, &parsing->entry, &parsing->gifti.labels, text);
-    return job_close(&job, parsing->notes, NULL);
+    label_entry_end(parsing->job, &parsing->entry, &parsing->gifti->labels, text);
 }
 
-static conus_status end_element(struct parsing *parsing, const struct xml_event *event)
+static const struct element {
+    const char *name;
+    void (*start)(struct parsing *parsing, const struct xml_event *event);
+    void (*end)(struct parsing *parsing, struct text text);
+} elements[] = {
+    {"GIFTI", start_gifti, end_gifti},
+    {"DataArray", start_array, end_array},
+    {"Data", NULL, end_data},
+    {"Name", NULL, end_name},
+    {"Value", NULL, end_value},
+    {"Label", start_label, end_label},
+    {"CoordinateSystemTransformMatrix", start_transform, NULL},
+    {"DataSpace", NULL, end_data_space},
+    {"TransformedSpace", NULL, end_transformed_space},
+    {"MatrixData", NULL, end_matrix},
+};
+
+static const struct element *gifti_element(const char *name)
 {
-    static const struct {
-        const char *name;
-        conus_status (*end)(struct parsing *parsing, struct text text);
-    } elements[] = {{"Data", end_data},   {"DataArray", end_array}, {"Name", end_name},
-                    {"Value", end_value}, {"Label", end_label},     {"GIFTI", end_gifti}};
-    const struct gifti_array *array = parsing->array;
-    conus_status status = CONUS_OK;
-    if (array && array->transform_count) { /* the CoordinateSystemTransformMatrix that is open, or the last one */
-        struct gifti_transform *transform = &array->transforms[array->transform_count - 1];
-        if (strcmp(event->name, "DataSpace") == 0) {
-            end_space(transform, &transform->data_space, event->text);
-        } else if (strcmp(event->name, "TransformedSpace") == 0) {
-            end_space(transform, &transform->transformed_space, event->text);
-        } else if (strcmp(event->name, "MatrixData") == 0) {
-            status = end_matrix(transform->matrix, event->text);
+    for (size_t i = 0; i < sizeof elements / sizeof elements[0]; i++) {
+        if (strcmp(elements[i].name, name) == 0) {
+            return &elements[i];
         }
     }
-    for (size_t i = 0; !status && i < sizeof elements / sizeof elements[0]; i++) {
-        if (strcmp(event->name, elements[i].name) == 0) {
-            return elements[i].end(parsing, event->text);
-        }
-    }
-    return status;
-}
-
-/* Says where: "line 7, DataArray 1: ...". */
-static conus_status fail_at_place(conus_status status, const struct parsing *parsing, const struct xml_event *event)
-{
-    char where[64];
-    if (!status) {
-        return CONUS_OK;
-    }
-    int length = snprintf(where, sizeof where, "line %zu", event->line);
-    if (parsing->array) {
-        snprintf(where + length, sizeof where - (size_t)length, ", DataArray %zu", parsing->gifti.array_count - 1);
-    }
-    return status == CONUS_ERROR_MEMORY && !parsing->array ? status : fail_in(status, where);
+    return NULL;
 }
 
 static conus_status gifti_on_start(void *user, const struct xml_event *event)
 {
     struct parsing *parsing = user;
-    conus_status status = CONUS_OK;
+    struct job *job = parsing->job;
+    const struct element *element = gifti_element(event->name);
+    const size_t place = job_in(job, parsing->where, JOB_ALONE);
+    set_place(parsing, event);
     if (!parsing->in_gifti && strcmp(event->name, "GIFTI") != 0) {
-        status = fail(CONUS_ERROR_DATA, "outermost element: found <%.40s>, allowed is <GIFTI>", event->name);
-    } else if (strcmp(event->name, "GIFTI") == 0) {
-        status = start_gifti(parsing, event);
-    } else if (strcmp(event->name, "DataArray") == 0) {
-        status = start_array(parsing, event);
-    } else if (strcmp(event->name, "Label") == 0) {
-        status = start_label(parsing, event);
-    } else if (strcmp(event->name, "CoordinateSystemTransformMatrix") == 0) {
-        status = start_transform(parsing->array);
+        job_bad(job, "outermost element: found <%.40s>, allowed is <GIFTI>", event->name);
+    } else if (element && element->start) {
+        element->start(parsing, event);
     }
-    return fail_at_place(status, parsing, event);
+    job_out(job, place);
+    return job->status;
 }
 
 static conus_status gifti_on_end(void *user, const struct xml_event *event)
 {
-    return fail_at_place(end_element(user, event), user, event);
+    struct parsing *parsing = user;
+    const struct element *element = gifti_element(event->name);
+    const size_t place = job_in(parsing->job, parsing->where, JOB_ALONE);
+    set_place(parsing, event);
+    if (element && element->end) {
+        element->end(parsing, event->text);
+    }
+    job_out(parsing->job, place);
+    return parsing->job->status;
 }
 
-conus_status gifti_parse(struct gifti *out, const uint8_t *data, size_t size, const struct gifti_options *options,
-                         struct notes *notes)
+static struct gifti *parse(struct job *job, struct text document, const char *beside, bool is_outline)
 {
-    struct parsing parsing = {.options = options, .notes = notes};
     static const char known[] = "GIFTI/MetaData/MD/Name/Value/LabelTable/Label/DataArray/Data/"
                                 "CoordinateSystemTransformMatrix/DataSpace/TransformedSpace/MatrixData";
-    struct xml_handler handler = {gifti_on_start, gifti_on_end, &parsing, true, notes, known, notes};
-    conus_status status = xml_parse(&handler, text_from_bytes(data, size));
-    status = status ? status : label_table_sort(&parsing.gifti.labels, notes);
-    label_finish(&parsing.entry.label);
-    memory_free(parsing.md_name);
-    memory_free(parsing.external);
-    if (status) {
-        gifti_finish(&parsing.gifti);
-        return status;
+    struct gifti *gifti = job_new(job, struct gifti);
+    if (!gifti) {
+        return NULL;
     }
-    *out = parsing.gifti;
-    return CONUS_OK;
+    labels_own(job, &gifti->labels);
+    struct parsing parsing = {.job = job, .gifti = gifti, .beside = beside, .is_outline = is_outline, .md_name = ""};
+    const struct xml_handler handler = {gifti_on_start, gifti_on_end, &parsing, true, &job->notes, known, &job->notes};
+    (void)JOB_CALL(job, xml_parse(&handler, document));
+    labels_sort(job, &gifti->labels);
+    return job_ok(job) ? gifti : NULL;
+}
+
+struct gifti *gifti_read(struct job *job, struct text document, const char *beside)
+{
+    return parse(job, document, beside, false);
+}
+
+struct gifti *gifti_outline(struct job *job, struct text document)
+{
+    return parse(job, document, NULL, true);
 }

@@ -7,6 +7,7 @@
 
 #include "atlas/labels/labels.h"
 #include "atlas/surface/mesh.h"
+#include "base/job/job.h"
 
 enum { GIFTI_RANK_LIMIT = 6 };
 
@@ -35,53 +36,63 @@ struct gifti_array {
     bool is_single;               /**< The values were float32.                                        */
     double *values;               /**< [count], the last index fastest; exact for all but 64-bit types */
     char *name;                   /**< Its metadata's Name; NULL if none.                              */
-    struct gifti_transform *transforms;
-    size_t transform_count;
+    LIST(struct gifti_transform) transforms;
     struct gifti_geometry geometry;
 };
 
+/** What it points to is the job's. */
 struct gifti {
-    struct gifti_array *arrays;
-    size_t array_count;
+    LIST(struct gifti_array) arrays;
     struct label_table labels; /**< Sorted; label 0 is nothing.                                  */
     char *name;                /**< The file's metadata's Name; NULL if none.                    */
     char hemisphere;           /**< 'L', 'R', 'B' by the first AnatomicalStructurePrimary, or 0. */
     char *structure;           /**< The first AnatomicalStructurePrimary, "CortexLeft"; NULL if none.        */
     char *layer;               /**< The first AnatomicalStructureSecondary, "Pial"; NULL if none.            */
     char *geometric_type;      /**< The first GeometricType, "Anatomical"; NULL if none.                     */
+    struct job *own;           /**< Of gifti_parse(). */
 };
 
-struct gifti_options {
-    const char *path;    /**< Path of the file, to find external files beside it; NULL: they are refused. */
-    bool external;       /**< Arrays may lie in files beside this one.                               */
-    uint64_t max_memory; /**< For the numbers of one array; 0: 8 GiB.                                */
-    bool outline;        /**< No Data are decoded: the values of all arrays are NULL.                */
-};
+/** Parses @p document. Arrays may lie in files beside the document's path @p beside; where that is NULL they are
+ * CONUS_ERROR_UNSUPPORTED, as types without real numbers are. CONUS_ERROR_DATA where it breaks the standard, with line
+ * and array; CONUS_ERROR_MEMORY for an array above the job's max_memory. NULL after a failure. */
+struct gifti *gifti_read(struct job *job, struct text document, const char *beside);
 
-void gifti_finish(struct gifti *gifti);
+/** The same without the numbers of the arrays, which are NULL. */
+struct gifti *gifti_outline(struct job *job, struct text document);
 
-/** Parses the document @p data. @p options may be NULL. CONUS_ERROR_DATA where it breaks the standard, with line and
- * array; CONUS_ERROR_UNSUPPORTED for external files that are not allowed, and types without real numbers. */
-conus_status gifti_parse(struct gifti *out, const uint8_t *data, size_t size, const struct gifti_options *options,
-                         struct notes *notes);
+/** The surface of the first POINTSET and the first TRIANGLE array, in world mm, not yet checked by mesh_check(). @p
+ * out, empty, is the caller's to finish, also after a failure. @p as_stored: coordinates are taken as they are; else
+ * they are placed as docs/spaces.md says, with a note where the file leaves doubt. */
+void gifti_surface(struct job *job, struct mesh *out, const struct gifti *gifti, bool as_stored);
 
-/** The surface of the first POINTSET and the first TRIANGLE array, in world mm, not yet checked by mesh_check().
- * @p as_stored: coordinates are taken as they are; else they are placed as docs/spaces.md says, with a note where
- * the file leaves doubt. */
-conus_status gifti_mesh(struct mesh *out, const struct gifti *gifti, bool as_stored, struct notes *notes);
-
-/** Labels of the vertices in LABEL array @p map (of those, from 0): *labels has *count, 0 = no area; the caller's to
- * memory_free(). Negative ones become 0, with a note. None (NULL, 0) where the file has no LABEL array and @p map is 0.
- */
-conus_status gifti_labels(uint32_t **labels, size_t *count, const struct gifti *gifti, size_t map, struct notes *notes);
+/** Labels of the vertices in LABEL array @p map (of those, from 0): *count, 0 = no area. Negative ones become 0, with a
+ * note. None (NULL, 0) where the file has no LABEL array and @p map is 0, and after a failure. */
+uint32_t *gifti_vertices(struct job *job, size_t *count, const struct gifti *gifti, size_t map);
 
 /** Where no array is called labels, and the file has no surface: the only array is, with a note, if all its numbers are
  * in the table; else CONUS_ERROR_DATA. */
-conus_status gifti_find_labels(struct gifti *gifti, struct notes *notes);
+void gifti_settle_labels(struct job *job, struct gifti *gifti);
 
-/** Finds the LABEL array of @p gifti that @p wanted, a number from 0 or a name, means. An empty @p wanted means the
- * first; a note then names the others. CONUS_ERROR_ARGUMENT for a name that no array or several have; a number is
- * checked by gifti_labels(). */
+/** The LABEL array of @p gifti that @p wanted, a number from 0 or a name, means. An empty @p wanted means the first; a
+ * note then names the others. CONUS_ERROR_ARGUMENT for a name that no array or several have; a number is checked by
+ * gifti_vertices(). */
+size_t gifti_map(struct job *job, const struct gifti *gifti, struct text wanted);
+
+/** @name For mesh_file.c, until that is on a job: mesh_bridge.c @{ */
+struct gifti_options {
+    const char *path;    /**< Of the file. */
+    bool external;       /**< Arrays may lie in files beside this one. */
+    uint64_t max_memory; /**< For the numbers of one array; 0: 8 GiB. */
+};
+/** gifti_read(); name and labels may be taken out of @p out. */
+conus_status gifti_parse(struct gifti *out, const uint8_t *data, size_t size, const struct gifti_options *options,
+                         struct notes *notes);
+void gifti_finish(struct gifti *gifti);
+conus_status gifti_mesh(struct mesh *out, const struct gifti *gifti, bool as_stored, struct notes *notes);
+/** *labels is the caller's to memory_free(). */
+conus_status gifti_labels(uint32_t **labels, size_t *count, const struct gifti *gifti, size_t map, struct notes *notes);
+conus_status gifti_find_labels(struct gifti *gifti, struct notes *notes);
 conus_status gifti_map_find(size_t *out, const struct gifti *gifti, struct text wanted, struct notes *notes);
+/** @} */
 
 #endif

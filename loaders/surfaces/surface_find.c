@@ -2,48 +2,42 @@
 /* Looks for the surface of a structure by what GIFTI files say about themselves. */
 #include "loaders/surfaces/surface_find.h"
 
-#include "base/buffer.h"
-#include "base/files/file.h"
-#include "base/files/folder.h"
 #include "base/files/inputs.h"
-#include "base/formats/gzip.h"
 #include "base/formats/xml.h"
-#include "base/memory.h"
-#include "base/text.h"
 #include "loaders/surfaces/gifti.h"
+#include "sources/source.h"
 
 #include <string.h>
 
-void surface_about_finish(struct surface_about *about)
+/* Notes are said again by whoever reads the surface. */
+static const struct gifti *read_outline(struct job *job, struct text document)
 {
-    memory_free(about->structure);
-    memory_free(about->layer);
-    memory_free(about->geometric_type);
-    *about = (struct surface_about){0};
+    struct attempt silent = job_try(job);
+    const struct gifti *gifti = gifti_outline(job, document);
+    (void)attempt_end(job, &silent, ATTEMPT_SILENT);
+    return gifti;
 }
 
-conus_status surface_about_read(struct surface_about *out, const char *path, uint64_t max_memory)
+struct surface_about surface_about_of(struct job *job, const char *path)
 {
-    const struct gifti_options options = {.max_memory = max_memory, .outline = true};
-    struct bytes bytes = {0};
-    struct gifti gifti = {0};
-    struct notes notes = {0}; /* said again by whoever reads the surface */
-    conus_status status = gzip_read(&bytes, path, memory_limit(max_memory), NULL);
-    *out = (struct surface_about){0};
-    if (!status && text_equal(xml_root(text_from_bytes(bytes.data, bytes.size)), "GIFTI")) {
-        status = gifti_parse(&gifti, bytes.data, bytes.size, &options, &notes);
-        status = status ? fail_in(status, path) : CONUS_OK;
-        *out = (struct surface_about){
-            .structure = gifti.structure, .layer = gifti.layer, .geometric_type = gifti.geometric_type};
-        gifti.structure = gifti.layer = gifti.geometric_type = NULL;
-        for (size_t i = gifti.array_count; i-- > 0;) {
-            out->vertices = gifti.arrays[i].intent == GIFTI_POINTSET ? gifti.arrays[i].dim[0] : out->vertices;
+    struct surface_about about = {0};
+    const size_t place = job_in(job, path, JOB_ALONE);
+    struct source *source = source_open(job, path);
+    const bool may_be = source && (text_equal(source->head.root, "GIFTI") || !source->head.bytes.size);
+    const struct bytes bytes = may_be ? source_whole(job, source) : (struct bytes){0};
+    const struct text document = text_from_bytes(bytes.data, bytes.size);
+    const struct gifti *gifti = text_equal(xml_root(document), "GIFTI") ? read_outline(job, document) : NULL;
+    if (gifti) {
+        about = (struct surface_about){
+            .structure = gifti->structure, .layer = gifti->layer, .geometric_type = gifti->geometric_type};
+        for (size_t i = gifti->arrays.count; i-- > 0;) {
+            const struct gifti_array *array = &gifti->arrays.at[i];
+            about.vertices = array->intent == GIFTI_POINTSET ? array->dim[0] : about.vertices;
         }
     }
-    gifti_finish(&gifti);
-    notes_finish(&notes);
-    bytes_finish(&bytes);
-    return status;
+    source_close(source); /* the document is large */
+    job_out(job, place);
+    return about;
 }
 
 /* In the order of their ranks: AnatomicalStructureSecondary, the word in a file's name, the words for it. */
@@ -58,16 +52,6 @@ static const struct {
     {NULL, NULL, "not anatomical"}, /* never taken */
 };
 enum { OTHER = 4, UNFIT = 5 };
-
-void surface_list_finish(struct surface_list *list)
-{
-    for (size_t i = 0; i < list->count; i++) {
-        memory_free(list->items[i].name);
-        surface_about_finish(&list->items[i].about);
-    }
-    memory_free(list->items);
-    *list = (struct surface_list){0};
-}
 
 static bool name_has(const char *name, const char *word)
 {
@@ -100,80 +84,59 @@ static unsigned rank_of(const char *name, const struct surface_about *about)
 }
 
 /* Adds `name` if it is a surface. */
-static conus_status add_surface(struct surface_list *list, const char *folder, const char *name, uint64_t max_memory)
+static void add_surface(struct job *job, struct surface_list *list, const char *folder, const char *name)
 {
-    struct surface_item item = {0};
-    struct surface_item *items = NULL;
-    char *path = file_beside(folder, name);
-    conus_status status = path ? surface_about_read(&item.about, path, max_memory) : CONUS_ERROR_MEMORY;
-    bool surface = !status && item.about.vertices;
-    memory_free(path);
-    if (surface) {
-        items = memory_resize(list->items, list->count + 1, sizeof *items);
-        list->items = items ? items : list->items;
-        item.name = items ? memory_text(name, strlen(name)) : NULL;
-        status = item.name ? CONUS_OK : CONUS_ERROR_MEMORY;
+    struct attempt attempt = job_try(job);
+    const struct surface_about about = surface_about_of(job, job_beside(job, folder, name));
+    (void)attempt_end(job, &attempt, ATTEMPT_DROP);
+    if (about.vertices) {
+        *LIST_ADD(job, &list->items) = (struct surface_item){
+            .name = job_copy(job, text_from(name)), .about = about, .rank = rank_of(name, &about)};
     }
-    if (!surface || status) {
-        surface_about_finish(&item.about);
-        return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
-    }
-    item.rank = rank_of(name, &item.about);
-    items[list->count++] = item;
-    return CONUS_OK;
 }
 
-conus_status surface_list_make(struct surface_list *out, const char *folder, uint64_t max_memory)
+struct surface_list surface_list_make(struct job *job, const char *folder)
 {
     static const char *const endings[] = {".surf.gii", ".surf.gii.gz", ".gii", ".gii.gz"};
     struct surface_list list = {0};
-    conus_status status = CONUS_OK;
     bool before = inputs_search(true);
-    for (size_t i = 0; !status && i < 4 && !(i == 2 && list.count); i++) {
-        struct names names = {0};
-        status = names_list(&names, folder, endings[i]);
-        for (size_t k = 0; !status && k < names.count; k++) {
-            status = add_surface(&list, folder, names.names[k], max_memory);
+    for (size_t i = 0; i < 4 && !(i == 2 && list.items.count); i++) {
+        const struct names names = job_names(job, folder, endings[i]);
+        for (size_t k = 0; k < names.count && job_ok(job); k++) {
+            add_surface(job, &list, folder, names.names[k]);
         }
-        names_finish(&names);
     }
     inputs_search(before);
-    if (status) {
-        surface_list_finish(&list);
-        return status;
-    }
-    *out = list;
-    return CONUS_OK;
+    return list;
 }
 
-static conus_status fail_missing(const struct surface_list *list, const char *structure, size_t vertices)
+static void fail_missing(struct job *job, const struct surface_list *list, const char *structure, size_t vertices)
 {
     enum { SHOWN = 4 };
-    struct buffer there = {0}; /* "a.surf.gii (CortexLeft, 642 vertices, pial)", of the first */
-    for (size_t i = 0; i < list->count && i < SHOWN; i++) {
-        const struct surface_item *item = &list->items[i];
-        buffer_format(&there, "%s%s (%s, %zu vertices, %s)", i ? ", " : "", item->name,
-                      item->about.structure ? item->about.structure : "of no structure", item->about.vertices,
-                      kinds[item->rank].kind);
+    const char *there = ""; /* "a.surf.gii (CortexLeft, 642 vertices, pial)", of the first */
+    for (size_t i = 0; i < list->items.count && i < SHOWN; i++) {
+        const struct surface_item *item = &list->items.at[i];
+        there = job_format(job, "%s%s%s (%s, %zu vertices, %s)", there, i ? ", " : "", item->name,
+                           item->about.structure ? item->about.structure : "of no structure", item->about.vertices,
+                           kinds[item->rank].kind);
     }
-    buffer_text(&there, !list->count ? "no surface" : list->count > SHOWN ? ", ..." : "");
-    conus_status status = buffer_status(&there);
-    status = status ? status
-                    : fail(CONUS_ERROR_DATA,
-                           "no surface of %s with %zu vertices beside it: looked for is *.surf.gii or *.gii with "
-                           "AnatomicalStructurePrimary %s that is not inflated, a sphere or flat; there is %s",
-                           structure, vertices, structure, there.data);
-    buffer_finish(&there);
-    return status;
+    job_bad(job,
+            "no surface of %s with %zu vertices beside it: looked for is *.surf.gii or *.gii with "
+            "AnatomicalStructurePrimary %s that is not inflated, a sphere or flat; there is %s%s",
+            structure, vertices, structure, there,
+            !list->items.count          ? "no surface"
+            : list->items.count > SHOWN ? ", ..."
+                                        : "");
 }
 
-conus_status surface_list_find(const struct surface_item **out, const char **kind, const struct surface_list *list,
-                               const char *structure, size_t vertices)
+const struct surface_item *surface_list_find(struct job *job, const char **kind, const struct surface_list *list,
+                                             const char *structure, size_t vertices)
 {
     const struct surface_item *best = NULL;
     const struct surface_item *other = NULL; /* as good */
-    for (size_t i = 0; i < list->count; i++) {
-        const struct surface_item *item = &list->items[i];
+    *kind = "";
+    for (size_t i = 0; i < list->items.count; i++) {
+        const struct surface_item *item = &list->items.at[i];
         const struct surface_about *about = &item->about;
         bool fits = about->structure && strcmp(about->structure, structure) == 0 && about->vertices == vertices;
         if (!fits || item->rank == UNFIT || (best && item->rank > best->rank)) {
@@ -183,15 +146,15 @@ conus_status surface_list_find(const struct surface_item **out, const char **kin
         best = other ? best : item;
     }
     if (!best) {
-        return fail_missing(list, structure, vertices);
+        fail_missing(job, list, structure, vertices);
+        return NULL;
     }
-    if (other) {
-        return fail(CONUS_ERROR_DATA,
-                    "surfaces of %s: %s and %s are both %s and have %zu vertices; a manifest can say which "
-                    "(\"file\" with \"vertex_labels\")",
-                    structure, best->name, other->name, kinds[best->rank].kind, vertices);
-    }
-    *out = best;
     *kind = kinds[best->rank].kind;
-    return CONUS_OK;
+    if (other) {
+        job_bad(job,
+                "surfaces of %s: %s and %s are both %s and have %zu vertices; a manifest can say which (\"file\" with "
+                "\"vertex_labels\")",
+                structure, best->name, other->name, *kind, vertices);
+    }
+    return job_ok(job) ? best : NULL;
 }

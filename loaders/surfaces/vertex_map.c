@@ -6,7 +6,6 @@
 #include "base/byte_order.h"
 #include "base/files/file.h"
 #include "base/files/folder.h"
-#include "base/formats/gzip.h"
 #include "base/formats/xml.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -18,6 +17,7 @@
 #include "loaders/surfaces/surface_find.h"
 #include "loaders/volumes/nifti_write.h"
 #include "sources/map_choice.h"
+#include "sources/source.h"
 
 #include <libdeflate.h>
 #include <math.h>
@@ -30,55 +30,52 @@ static bool has_numbers(const struct gifti_array *array)
     return array->intent == GIFTI_OTHER && array->count == array->dim[0];
 }
 
-/* *out stays NULL where a number names none of the arrays. */
-static conus_status find_array(const struct gifti_array **out, const struct gifti *gifti, const char *name,
-                               struct notes *notes)
+/* NULL after a failure. */
+static const struct gifti_array *find_array(struct job *job, const struct gifti *gifti, const char *name)
 {
     size_t count = 0;
     size_t chosen = 0;
-    const char **names = memory_zeroed(gifti->array_count + 1, sizeof *names);
-    if (!names) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t i = 0; i < gifti->array_count; i++) {
-        if (has_numbers(&gifti->arrays[i])) {
-            names[count++] = gifti->arrays[i].name;
+    const struct gifti_array *found = NULL;
+    const size_t arrays = gifti ? gifti->arrays.count : 0;
+    const char **names = job_zeroed(job, arrays, sizeof *names);
+    for (size_t i = 0; names && i < arrays; i++) {
+        if (has_numbers(&gifti->arrays.at[i])) {
+            names[count++] = gifti->arrays.at[i].name;
         }
     }
-    conus_status status = map_choice_make(&chosen, names, count, text_from(name), "arrays of numbers", notes);
-    memory_free(names);
-    for (size_t i = 0; i < gifti->array_count && !status; i++) {
-        if (has_numbers(&gifti->arrays[i]) && chosen-- == 0) {
-            *out = &gifti->arrays[i];
+    (void)JOB_CALL(job, map_choice_make(&chosen, names, count, text_from(name), "arrays of numbers", &job->notes));
+    for (size_t i = 0; i < arrays && job_ok(job); i++) {
+        if (has_numbers(&gifti->arrays.at[i]) && chosen-- == 0) {
+            found = &gifti->arrays.at[i];
         }
     }
-    return status || *out
-               ? status
-               : fail(CONUS_ERROR_ARGUMENT, "array %s: the file has %zu of numbers (counted from 0)", name, count);
+    if (!found) {
+        job_fail(job, CONUS_ERROR_ARGUMENT, "array %s: the file has %zu of numbers (counted from 0)", name, count);
+    }
+    return found;
 }
 
-static conus_status take_array(struct vertex_map *out, const struct gifti *gifti, const char *name, struct notes *notes)
+static struct vertex_map take_array(struct job *job, const struct gifti *gifti, const char *name)
 {
-    const struct gifti_array *array = NULL;
-    conus_status status = find_array(&array, gifti, name, notes);
-    if (status) {
-        return status;
-    }
-    name = array->name ? array->name : name;
-    struct vertex_map map = {.values = memory_raw(array->count, sizeof *map.values),
-                             .count = array->count,
-                             .name = memory_text(name, strlen(name)),
-                             .hemisphere = gifti->hemisphere};
-    if (!map.values || !map.name) {
-        vertex_map_finish(&map);
-        return CONUS_ERROR_MEMORY;
+    struct vertex_map map = {0};
+    const struct gifti_array *array = find_array(job, gifti, name);
+    float *values = array ? job_raw(job, array->count, sizeof *values) : NULL;
+    if (!values) {
+        return map;
     }
     for (size_t v = 0; v < array->count; v++) {
         float value = (float)array->values[v];
-        map.values[v] = isfinite(value) ? value : NAN;
+        values[v] = isfinite(value) ? value : NAN;
     }
-    *out = map;
-    return CONUS_OK;
+    name = array->name ? array->name : name;
+    map = (struct vertex_map){.values = job_give(job, values, array->count * sizeof *values),
+                              .count = array->count,
+                              .name = job_give(job, job_copy(job, text_from(name)), strlen(name) + 1),
+                              .hemisphere = gifti->hemisphere};
+    if (!job_ok(job)) {
+        vertex_map_finish(&map);
+    }
+    return map;
 }
 
 void vertex_map_finish(struct vertex_map *map)
@@ -88,36 +85,35 @@ void vertex_map_finish(struct vertex_map *map)
     *map = (struct vertex_map){0};
 }
 
-conus_status vertex_map_read(struct vertex_map *out, const char *path, const char *name, uint64_t max_memory,
-                             struct notes *notes)
+struct vertex_map vertex_map_read(struct job *job, const char *path, const char *name)
 {
-    struct bytes bytes = {0};
-    struct gifti gifti = {0};
-    const struct gifti_options options = {.path = path, .max_memory = max_memory};
-    conus_status status = gzip_read(&bytes, path, memory_limit(max_memory), NULL);
-    if (status) {
-        return status;
+    const struct job_mark mark = job_mark(job);
+    const size_t place = job_in(job, path, JOB_ALONE);
+    const struct bytes bytes = source_whole(job, source_open(job, path));
+    const struct text document = text_from_bytes(bytes.data, bytes.size);
+    if (!text_equal(xml_root(document), "GIFTI")) {
+        (void)JOB_CALL(job, file_refuse(path, &bytes, "numbers of vertices (GIFTI, .func.gii or .shape.gii)"));
     }
-    status = text_equal(xml_root(text_from_bytes(bytes.data, bytes.size)), "GIFTI")
-                 ? gifti_parse(&gifti, bytes.data, bytes.size, &options, notes)
-                 : file_refuse(path, &bytes, "numbers of vertices (GIFTI, .func.gii or .shape.gii)");
-    status = status ? status : take_array(out, &gifti, name, notes);
-    gifti_finish(&gifti);
-    bytes_finish(&bytes);
-    return status ? fail_in(status, path) : CONUS_OK;
+    struct vertex_map map = take_array(job, gifti_read(job, document, NULL), name);
+    job_out(job, place);
+    job_release(job, mark);
+    return map;
 }
 
 /* Little-endian float32, packed by zlib, in base64. */
-static conus_status append_values(struct buffer *out, const float *values, size_t count)
+static void append_values(struct job *job, struct buffer *out, const float *values, size_t count)
 {
     enum { LEVEL = 6 };
+    const struct job_mark mark = job_mark(job);
     struct libdeflate_compressor *packer = libdeflate_alloc_compressor(LEVEL);
+    if (!packer) {
+        job_fail(job, CONUS_ERROR_MEMORY, "no memory to pack");
+    }
     size_t bound = packer ? libdeflate_zlib_compress_bound(packer, 4 * count) : 0;
-    uint8_t *bytes = memory_raw(count, 4);
-    uint8_t *packed = packer ? memory_raw(bound, 1) : NULL;
-    char *text = packed ? memory_raw(BASE64_ENCODE_RAW_LENGTH(bound), 1) : NULL;
-    conus_status status = bytes && text ? CONUS_OK : CONUS_ERROR_MEMORY;
-    if (!status) {
+    uint8_t *bytes = job_raw(job, count, 4);
+    uint8_t *packed = job_raw(job, bound, 1);
+    char *text = job_raw(job, BASE64_ENCODE_RAW_LENGTH(bound), 1);
+    if (text) {
         for (size_t i = 0; i < count; i++) {
             order_put_f32(bytes + 4 * i, values[i]);
         }
@@ -125,29 +121,18 @@ static conus_status append_values(struct buffer *out, const float *values, size_
         base64_encode_raw(text, size, packed);
         buffer_append(out, text, BASE64_ENCODE_RAW_LENGTH(size));
     }
-    memory_free(text);
-    memory_free(packed);
-    memory_free(bytes);
     libdeflate_free_compressor(packer);
-    return status;
+    job_release(job, mark);
 }
 
 /* Maps whose numbers are all float32. */
 struct plain_maps {
     conus_vertex_map *items;
     size_t count;
-    float *values; /* of whole numbers */
-    char *names;   /* NAME_LIMIT bytes each */
+    char *names; /* NAME_LIMIT bytes each */
 };
 
 enum { NAME_LIMIT = 64, EXACT = 1 << 24, MILLION = 1000000 };
-
-static void plain_maps_finish(struct plain_maps *maps)
-{
-    memory_free(maps->items);
-    memory_free(maps->values);
-    memory_free(maps->names);
-}
 
 static void add_whole(struct plain_maps *out, const conus_vertex_map *map, float *values, size_t vertices)
 {
@@ -172,159 +157,145 @@ static void add_whole(struct plain_maps *out, const conus_vertex_map *map, float
     }
 }
 
-static conus_status plain_maps_init(struct plain_maps *out, const conus_vertex_map *maps, size_t count, size_t vertices)
+static struct plain_maps make_plain(struct job *job, const conus_vertex_map *maps, size_t count, size_t vertices)
 {
     size_t whole = 0;
     for (size_t k = 0; k < count; k++) {
         whole += maps[k].numbers != NULL;
     }
-    struct plain_maps plain = {.items = memory_raw(count + whole, sizeof *plain.items),
-                               .values = memory_raw(2 * whole, vertices * sizeof *plain.values),
-                               .names = memory_raw(count + whole, NAME_LIMIT)};
-    if (!plain.items || !plain.values || !plain.names) {
-        plain_maps_finish(&plain);
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t k = 0, n = 0; k < count; k++) {
+    struct plain_maps plain = {.items = job_raw(job, count + whole, sizeof *plain.items),
+                               .names = job_raw(job, count + whole, NAME_LIMIT)};
+    float *values = job_raw(job, 2 * whole, vertices * sizeof *values); /* of whole numbers */
+    for (size_t k = 0, n = 0; values && k < count; k++) {
         if (maps[k].numbers) {
-            add_whole(&plain, &maps[k], plain.values + 2 * vertices * n++, vertices);
+            add_whole(&plain, &maps[k], values + 2 * vertices * n++, vertices);
         } else {
             plain.items[plain.count++] = maps[k];
         }
     }
-    *out = plain;
-    return CONUS_OK;
+    return plain;
 }
 
-static conus_status write_gifti(const char *path, const conus_vertex_map *maps, size_t count, size_t vertices,
-                                const char *structure)
+static void write_gifti(struct job *job, const char *path, const struct plain_maps *maps, size_t vertices,
+                        const char *structure)
 {
     bool is_shape = path && path_ends_in(path, ".shape.gii");
     if (!path || !(is_shape || path_ends_in(path, ".func.gii"))) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: the name of a surface's map ends in .func.gii or .shape.gii",
-                    path ? path : "");
+        job_fail(job, CONUS_ERROR_ARGUMENT, "%s: the name of a surface's map ends in .func.gii or .shape.gii",
+                 path ? path : "");
     }
-    if (!count || !vertices || vertices > INT32_MAX) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: %zu arrays of %zu numbers, one of 1 to %d is needed", path, count,
-                    vertices, INT32_MAX);
+    if (!maps->count || !vertices || vertices > INT32_MAX) {
+        job_fail(job, CONUS_ERROR_ARGUMENT, "%s: %zu arrays of %zu numbers, one of 1 to %d is needed", path,
+                 maps->count, vertices, INT32_MAX);
     }
     struct buffer file = {0};
-    conus_status status = CONUS_OK;
     buffer_format(&file,
                   "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<GIFTI Version=\"1.0\" NumberOfDataArrays=\"%zu\">\n"
                   "  <MetaData>\n",
-                  count);
+                  maps->count);
     if (structure) {
         gifti_append_pair(&file, "AnatomicalStructurePrimary", structure);
     }
     gifti_append_pair(&file, "Creator", "conus " CONUS_VERSION);
     buffer_text(&file, "  </MetaData>\n  <LabelTable/>\n");
-    for (size_t i = 0; i < count && !status; i++) {
+    for (size_t i = 0; i < maps->count && job_ok(job); i++) {
         buffer_format(&file,
                       "  <DataArray Intent=\"NIFTI_INTENT_%s\" DataType=\"NIFTI_TYPE_FLOAT32\" "
                       "ArrayIndexingOrder=\"RowMajorOrder\" Dimensionality=\"1\" Dim0=\"%zu\" "
                       "Encoding=\"GZipBase64Binary\" Endian=\"LittleEndian\" ExternalFileName=\"\" "
                       "ExternalFileOffset=\"\">\n    <MetaData>\n",
                       is_shape ? "SHAPE" : "NONE", vertices);
-        gifti_append_pair(&file, "Name", maps[i].name);
+        gifti_append_pair(&file, "Name", maps->items[i].name);
         buffer_text(&file, "    </MetaData>\n    <Data>");
-        status = append_values(&file, maps[i].values, vertices);
+        append_values(job, &file, maps->items[i].values, vertices);
         buffer_text(&file, "</Data>\n  </DataArray>\n");
     }
     buffer_text(&file, "</GIFTI>\n");
-    status = status ? status : buffer_status(&file);
-    status = status ? status : file_write(path, file.data, file.size);
+    (void)JOB_CALL(job, buffer_status(&file));
+    (void)JOB_CALL(job, file_write(path, file.data, file.size));
     buffer_finish(&file);
-    return status;
 }
 
 conus_status conus_vertex_maps_write(const char *path, const conus_vertex_map *maps, size_t count, size_t vertices,
                                      const char *structure)
 {
-    struct plain_maps plain = {0};
-    conus_status status = plain_maps_init(&plain, maps, count, vertices);
-    status = status ? status : write_gifti(path, plain.items, plain.count, vertices, structure);
-    plain_maps_finish(&plain);
-    return status;
+    struct job job = {0};
+    const struct plain_maps plain = make_plain(&job, maps, count, vertices);
+    write_gifti(&job, path, &plain, vertices, structure);
+    return job_close(&job, NULL, NULL);
 }
 
 /* The site whose numbers each vertex has; SIZE_MAX = none. */
-static conus_status find_sites(size_t *out, const conus_sites *sites, double fill)
+static void find_sites(struct job *job, size_t *out, const conus_sites *sites, double fill)
 {
     struct mesh mesh = {0};
-    struct notes notes = {0};
     struct site_cubes cubes = {0};
-    conus_status status =
-        mesh_file_read(&mesh, NULL, sites->path, &(const struct mesh_file_options){.external = true}, &notes);
-    notes_finish(&notes);
-    if (!status && mesh.vertex_count != sites->vertex_count) {
-        status = fail(CONUS_ERROR_DATA, "%s: the file has changed meanwhile", sites->path);
+    const struct mesh_file_options options = {.external = true};
+    (void)JOB_CALL(job, mesh_file_read(&mesh, NULL, sites->path, &options, &job->notes));
+    if (mesh.vertex_count != sites->vertex_count) {
+        job_bad(job, "%s: the file has changed meanwhile", sites->path);
     }
-    status = status || !(fill > 0) ? status : site_cubes_init(&cubes, fill, sites->count);
+    if (fill > 0) {
+        (void)JOB_CALL(job, site_cubes_init(&cubes, fill, sites->count));
+    }
     for (size_t i = 0; i < sites->count && cubes.first; i++) {
         site_cubes_add(&cubes, sites->points[i]);
     }
-    for (size_t v = 0; v < sites->vertex_count && !status; v++) {
+    for (size_t v = 0; mesh.positions && v < sites->vertex_count && job_ok(job); v++) {
         const float *p = mesh.positions + 3 * v;
         const double point[3] = {(double)p[0], (double)p[1], (double)p[2]};
         out[v] = cubes.first ? site_cubes_nearest(&cubes, sites, point) : SIZE_MAX;
     }
-    for (size_t i = 0; i < sites->count && !status; i++) {
+    for (size_t i = 0; i < sites->count && job_ok(job); i++) {
         out[sites->sources[i]] = i;
     }
     site_cubes_finish(&cubes);
     mesh_finish(&mesh);
-    return status;
 }
 
-static conus_status write_on_surface(const char *path, const conus_sites *sites, const struct plain_maps *maps,
-                                     const char *structure, double fill)
+static void write_on_surface(struct job *job, const char *path, const conus_sites *sites, const struct plain_maps *maps,
+                             const char *structure, double fill)
 {
     size_t vertices = sites->vertex_count;
-    size_t *from = memory_raw(vertices, sizeof *from);
-    float *values = memory_raw(vertices, maps->count * sizeof *values);
-    struct surface_about about = {0};
-    conus_status status = from && values ? find_sites(from, sites, fill) : CONUS_ERROR_MEMORY;
-    status = status || structure ? status : surface_about_read(&about, sites->path, memory_limit(0));
-    for (size_t k = 0; k < maps->count && !status; k++) {
+    size_t *from = job_raw(job, vertices, sizeof *from);
+    float *values = job_raw(job, vertices, maps->count * sizeof *values);
+    find_sites(job, from, sites, fill);
+    structure = structure ? structure : surface_about_of(job, sites->path).structure;
+    for (size_t k = 0; k < maps->count && job_ok(job); k++) {
         for (size_t v = 0; v < vertices; v++) {
             values[k * vertices + v] = from[v] == SIZE_MAX ? NAN : maps->items[k].values[from[v]];
         }
         maps->items[k].values = values + k * vertices;
     }
-    structure = structure ? structure : about.structure;
-    status = status ? status : write_gifti(path, maps->items, maps->count, vertices, structure);
-    surface_about_finish(&about);
-    memory_free(values);
-    memory_free(from);
-    return status;
+    write_gifti(job, path, maps, vertices, structure);
 }
 
-static conus_status write_on_grid(const char *path, const conus_sites *sites, const struct plain_maps *maps)
+static void write_on_grid(struct job *job, const char *path, const conus_sites *sites, const struct plain_maps *maps)
 {
     struct bytes file = {0};
     if (!nifti_is_name(path)) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: the name of a map of voxels ends in .nii or .nii.gz", path);
+        job_fail(job, CONUS_ERROR_ARGUMENT, "%s: the name of a map of voxels ends in .nii or .nii.gz", path);
     }
-    conus_status status =
-        nifti_format_maps(&file, &sites->grid, maps->items, maps->count, sites->sources, sites->count);
-    status = status ? fail_in(status, path) : nifti_write(path, &file);
+    const size_t place = job_in(job, path, JOB_ALONE);
+    (void)JOB_CALL(job, nifti_format_maps(&file, &sites->grid, maps->items, maps->count, sites->sources, sites->count));
+    job_out(job, place);
+    (void)JOB_CALL(job, nifti_write(path, &file));
     bytes_finish(&file);
-    return status;
 }
 
 conus_status conus_sites_write_maps(const char *path, const conus_sites *sites, const conus_vertex_map *maps,
                                     size_t count, const char *structure, double fill)
 {
-    struct plain_maps plain = {0};
+    struct job job = {0};
     if (!sites->vertex_count && !sites->grid.count) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: the points are neither vertices of a surface nor voxels of one volume",
-                    path);
+        job_fail(&job, CONUS_ERROR_ARGUMENT,
+                 "%s: the points are neither vertices of a surface nor voxels of one volume", path);
     }
-    conus_status status = plain_maps_init(&plain, maps, count, sites->count);
-    status = status                ? status
-             : sites->vertex_count ? write_on_surface(path, sites, &plain, structure, fill)
-                                   : write_on_grid(path, sites, &plain);
-    plain_maps_finish(&plain);
-    return status;
+    const struct plain_maps plain = make_plain(&job, maps, count, sites->count);
+    if (sites->vertex_count) {
+        write_on_surface(&job, path, sites, &plain, structure, fill);
+    } else {
+        write_on_grid(&job, path, sites, &plain);
+    }
+    return job_close(&job, NULL, NULL);
 }

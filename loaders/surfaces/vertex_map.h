@@ -3,9 +3,7 @@
 #ifndef CONUS_LOADERS_SURFACES_VERTEX_MAP_H
 #define CONUS_LOADERS_SURFACES_VERTEX_MAP_H
 
-#include "base/notes.h"
-
-#include <stdint.h>
+#include "base/job/job.h"
 
 struct vertex_map {
     float *values; /**< [count] NaN where there is none, also where the file has an infinity; owned. */
@@ -16,9 +14,10 @@ struct vertex_map {
 
 void vertex_map_finish(struct vertex_map *map);
 
-/** Reads the array called @p name, or number @p name from 0, of those with one number for each vertex. Notes and errors
- * carry the path. CONUS_ERROR_ARGUMENT, with the names that there are, where none or several are called so. */
-conus_status vertex_map_read(struct vertex_map *out, const char *path, const char *name, uint64_t max_memory,
-                             struct notes *notes);
+/** Reads the array called @p name, or number @p name from 0, of those with one number for each vertex. Errors carry the
+ * path. CONUS_ERROR_ARGUMENT, with the names that there are, where none or several are called so. All 0 after a
+ * failure.
+ */
+struct vertex_map vertex_map_read(struct job *job, const char *path, const char *name);
 
 #endif

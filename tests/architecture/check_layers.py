@@ -86,12 +86,12 @@ LIBRARY = {
     "loaders/volumes/text": "base base/job base/geometry atlas/labels atlas",
     "loaders/volumes": "base base/files base/child base/geometry base/formats base/job atlas/labels atlas"
     " loaders loaders/tiff loaders/zarr loaders/brainglobe loaders/volumes/text sources loaders/labels",
-    "loaders/cifti": "base base/files base/geometry base/formats loaders/volumes loaders/labels atlas/labels"
+    "loaders/cifti": "base base/files base/geometry base/formats loaders/volumes loaders/labels"
     " sources",
     "loaders/labels": "base base/system base/job base/files base/geometry base/formats atlas/labels sources",
     "loaders/child": "base base/child base/system atlas/surface atlas",
     "loaders/surfaces/foreign": "base base/files base/geometry base/formats atlas/labels atlas/surface loaders",
-    "loaders/surfaces": "base base/files base/geometry base/formats base/system atlas/labels atlas/surface atlas loaders"
+    "loaders/surfaces": "base base/job base/files base/geometry base/formats base/system atlas/labels atlas/surface atlas loaders"
     " loaders/labels loaders/cifti loaders/child loaders/surfaces/foreign sources loaders/volumes",
     "loaders/phantom": "base base/files base/geometry atlas/labels atlas atlas/phantom loaders/volumes loaders/surfaces",
     "loaders/manifest": "base base/files base/formats base/job atlas/labels atlas/surface atlas/areas loaders/volumes loaders/labels",
@@ -101,7 +101,7 @@ LIBRARY = {
     " atlas/warp loaders/maps loaders loaders/volumes loaders/labels loaders/cifti loaders/surfaces/foreign loaders/surfaces"
     " loaders/manifest loaders/transform loaders/tracts loaders/brainglobe sources",
     "loaders/catalogue": "base base/system base/files base/formats base/job loaders/brainglobe loaders/volumes loaders/labels",
-    "loaders/arrays": "base atlas atlas/areas loaders/maps loaders/volumes loaders/scene",
+    "loaders/arrays": "base atlas atlas/areas loaders/labels loaders/maps loaders/volumes loaders/scene",
     "render/gl": "base base/geometry base/system",
     "render/id": "base base/geometry atlas/surface atlas render/gl",
     "render/draw": "base base/formats",

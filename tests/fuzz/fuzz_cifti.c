@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* CIFTI files of labels: the contents of an accepted file are consistent, and its vertices and voxels can be used. */
-#include "base/memory.h"
 #include "loaders/cifti/cifti_file.h"
 
 #include <stdlib.h>
@@ -31,46 +30,41 @@ static void check_models(const struct cifti *cifti)
 
 static void use_vertices(const struct cifti_choice *choice, const struct cifti_model *model)
 {
-    uint32_t *labels = NULL;
-    struct label_table table = {0};
-    if (!cifti_choice_vertices(&labels, &table, choice, model)) {
-        for (size_t n = 0; n < model->vertex_count; n++) {
-            require(!labels[n] || label_table_find(&table, labels[n]));
-        }
+    struct job job = {0};
+    struct label_table *table = labels_new(&job);
+    const uint32_t *labels = cifti_vertices(&job, table, choice, model);
+    for (size_t n = 0; labels && n < model->vertex_count; n++) {
+        require(!labels[n] || label_table_find(table, labels[n]));
     }
-    memory_free(labels);
-    label_table_finish(&table);
+    job_end(&job);
 }
 
 static void use_voxels(const struct cifti_choice *choice)
 {
     const size_t *dim = choice->cifti.dim;
-    uint32_t *labels = NULL;
-    struct label_table table = {0};
-    if (!cifti_choice_voxels(&labels, &table, choice)) {
-        for (size_t n = 0; n < dim[0] * dim[1] * dim[2]; n++) {
-            require(!labels[n] || label_table_find(&table, labels[n]));
-        }
+    struct job job = {0};
+    struct label_table *table = labels_new(&job);
+    const uint32_t *labels = cifti_voxels(&job, table, choice);
+    for (size_t n = 0; labels && n < dim[0] * dim[1] * dim[2]; n++) {
+        require(!labels[n] || label_table_find(table, labels[n]));
     }
-    memory_free(labels);
-    label_table_finish(&table);
+    job_end(&job);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     const struct bytes bytes = {(uint8_t *)data, size};
-    struct cifti_choice choice = {0};
-    struct notes notes = {0};
-    if (!cifti_choice_read(&choice, &bytes, text_from(""), 1 << 20, &notes)) {
-        check_models(&choice.cifti);
-        for (size_t i = 0; i < choice.cifti.model_count; i++) {
-            if (choice.cifti.models[i].is_surface) {
-                use_vertices(&choice, &choice.cifti.models[i]);
+    struct job job = {.max_memory = 1 << 20};
+    const struct cifti_choice *choice = cifti_choose(&job, &bytes, text_from(""));
+    if (choice) {
+        check_models(&choice->cifti);
+        for (size_t i = 0; i < choice->cifti.model_count; i++) {
+            if (choice->cifti.models[i].is_surface) {
+                use_vertices(choice, &choice->cifti.models[i]);
             }
         }
-        use_voxels(&choice);
+        use_voxels(choice);
     }
-    cifti_choice_finish(&choice);
-    notes_finish(&notes);
+    job_end(&job);
     return 0;
 }

@@ -11,17 +11,19 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     for (int as_stored = 0; as_stored < 2; as_stored++) {
         struct mesh mesh = {0};
-        struct notes notes = {0};
-        if (!freesurfer_surface_parse(&mesh, data, size, as_stored, &notes)) {
+        struct job job = {0};
+        struct reader r = reader_of(&job, (struct text){(const char *)data, size});
+        freesurfer_surface_read(&r, &mesh, as_stored);
+        if (job_ok(&job)) {
             if (!freesurfer_is_surface(data, size) || !mesh.vertex_count || !mesh.triangle_count) {
                 abort();
             }
-            if (!mesh_check(&mesh, &notes) && !mesh.triangle_count) {
+            if (!mesh_check(&mesh, &job.notes) && !mesh.triangle_count) {
                 abort();
             }
         }
         mesh_finish(&mesh);
-        notes_finish(&notes);
+        job_end(&job);
     }
     return 0;
 }

@@ -55,25 +55,22 @@ static void print_table(const struct label_table *table)
 
 static conus_status dump_voxels(FILE *stream, const char *path, struct notes *notes)
 {
-    struct cifti_file file = {0};
-    struct label_table table = {0};
-    uint32_t *labels = NULL;
-    conus_status status = cifti_file_open(&file, path, 0, notes);
-    const size_t *dim = file.choice.cifti.dim;
-    status = status ? status : cifti_choice_voxels(&labels, &table, &file.choice);
-    status = status ? status : write_raw(stream, labels, dim[0] * dim[1] * dim[2]);
-    if (!status) {
+    struct job job = {0};
+    struct label_table *table = labels_new(&job);
+    const struct cifti_file *file = cifti_file_open(&job, path);
+    const uint32_t *labels = file ? cifti_voxels(&job, table, file->choice) : NULL;
+    if (labels) {
+        const struct cifti *cifti = &file->choice->cifti;
+        const size_t *dim = cifti->dim;
+        (void)JOB_CALL(&job, write_raw(stream, labels, dim[0] * dim[1] * dim[2]));
         printf("dim %zu %zu %zu\n", dim[0], dim[1], dim[2]);
         for (int i = 0; i < 12; i++) {
-            printf("%s%.17g%s", i ? " " : "world ", file.choice.cifti.world_from_voxel[4 * (i % 4) + i / 4],
-                   i == 11 ? "\n" : "");
+            printf("%s%.17g%s", i ? " " : "world ", cifti->world_from_voxel[4 * (i % 4) + i / 4], i == 11 ? "\n" : "");
         }
-        print_table(&table);
+        print_table(table);
     }
+    conus_status status = job_close(&job, notes, NULL);
     print_notes(notes);
-    memory_free(labels);
-    label_table_finish(&table);
-    cifti_file_finish(&file);
     return status;
 }
 

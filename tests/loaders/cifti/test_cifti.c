@@ -24,11 +24,13 @@ static const char *nearest_words(const struct bytes *bytes)
 
 static const uint64_t MEMORY = 1 << 20;
 
-static conus_status read_bytes(struct cifti_choice *out, const struct buffer *file, const char *map,
-                               struct notes *notes)
+static conus_status read_bytes(const struct buffer *file)
 {
     const struct bytes bytes = {(uint8_t *)file->data, file->size};
-    return cifti_choice_read(out, &bytes, text_from(map), MEMORY, notes);
+    struct job job = {.max_memory = MEMORY};
+    const struct cifti_choice *choice = cifti_choose(&job, &bytes, text_from("0"));
+    assert_int_equal(choice != NULL, job_ok(&job));
+    return job_close(&job, NULL, NULL);
 }
 
 /* The other contradictions: tests/corpus/cifti. With these two the file is not taken for one of CIFTI's labels. */
@@ -44,12 +46,9 @@ static void what_is_no_file_of_labels_is_refused(void **state)
          "XML: line 4: IndicesMapToDataType: found \"CIFTI_INDEX_TYPE_SCALARS\""}};
     for (size_t i = 0; i < 2; i++) {
         struct buffer bytes = {0};
-        struct cifti_choice choice = {0};
-        struct notes notes = {0};
         cifti_build(&bytes, &cases[i].spec);
-        assert_true(read_bytes(&choice, &bytes, "0", &notes) != CONUS_OK);
+        assert_true(read_bytes(&bytes) != CONUS_OK);
         assert_non_null(strstr(conus_message(), cases[i].message));
-        notes_finish(&notes);
         buffer_finish(&bytes);
     }
 }
@@ -64,13 +63,40 @@ static void every_prefix_of_the_xml_is_refused(void **state)
     char *end = memmem(bytes.data, bytes.size, "</CIFTI>", 8);
     assert_true(start && end);
     for (char *at = end + 7; at >= start; at--) {
-        struct cifti_choice choice = {0};
-        struct notes notes = {0};
         *at = '\0';
-        assert_fails(read_bytes(&choice, &bytes, "0", &notes), CONUS_ERROR_DATA);
-        notes_finish(&notes);
+        assert_fails(read_bytes(&bytes), CONUS_ERROR_DATA);
     }
     buffer_finish(&bytes);
+}
+
+/* Opens a file; *map is the one that is chosen. */
+static conus_status open_file(size_t *map, const char *path, uint64_t max_memory)
+{
+    struct job job = {.max_memory = max_memory};
+    const struct cifti_file *file = cifti_file_open(&job, path);
+    assert_int_equal(file != NULL, job_ok(&job));
+    if (file) {
+        *map = file->choice->map;
+        assert_int_equal(strlen(file->sha256), 64);
+        assert_null(strstr(file->path, ",map"));
+    }
+    return job_close(&job, NULL, NULL);
+}
+
+static conus_status use_file(void *data)
+{
+    struct job job = {0};
+    const struct cifti_file *file = cifti_file_open(&job, data);
+    if (file) {
+        const struct cifti *cifti = &file->choice->cifti;
+        (void)cifti_voxels(&job, labels_new(&job), file->choice);
+        for (size_t i = 0; i < cifti->model_count; i++) {
+            if (cifti->models[i].is_surface) {
+                (void)cifti_vertices(&job, labels_new(&job), file->choice, &cifti->models[i]);
+            }
+        }
+    }
+    return job_close(&job, NULL, NULL);
 }
 
 static void files_are_plain_or_packed(void **state)
@@ -80,34 +106,29 @@ static void files_are_plain_or_packed(void **state)
     char path[300];
     cifti_build(&bytes, &(struct cifti_spec){0});
     for (int packed = 0; packed < 2; packed++) {
-        struct cifti_file file = {0};
-        struct notes notes = {0};
+        size_t map = 0;
         struct source source;
         snprintf(path, sizeof path, "%s,map=two", (packed ? write_packed : write_bytes)("x.dlabel.nii", &bytes));
         assert_ok(source_open_atlas(&source, path));
         assert_int_equal(source_scene(&source), FORMAT_CIFTI);
         source_close(&source);
-        assert_ok(cifti_file_open(&file, path, 0, &notes));
-        assert_int_equal(file.choice.map, 1);
-        assert_int_equal(strlen(file.sha256), 64);
-        assert_null(strstr(file.path, ",map"));
-        assert_fails(cifti_file_open(&file, path, 100, &notes), CONUS_ERROR_MEMORY);
-        cifti_file_finish(&file);
-        notes_finish(&notes);
+        assert_ok(open_file(&map, path, 0));
+        assert_int_equal(map, 1);
+        assert_fails(open_file(&map, path, 100), CONUS_ERROR_MEMORY);
+        test_every_allocation(use_file, path);
+        assert_true(test_every_primitive(use_file, path) > 50);
     }
     struct source source;
-    struct cifti_file file = {0};
-    struct notes notes = {0};
+    size_t map;
     assert_ok(source_open_atlas(&source, "absent.dlabel.nii"));
     assert_false(source.is_open);
     assert_int_equal(source_scene(&source), FORMAT_OTHER);
     source_close(&source);
     snprintf(path, sizeof path, "%s,map=", test_scratch("x.dlabel.nii"));
-    assert_fails(cifti_file_open(&file, path, 0, &notes), CONUS_ERROR_ARGUMENT);
+    assert_fails(open_file(&map, path, 0), CONUS_ERROR_ARGUMENT);
     assert_non_null(strstr(conus_message(), "map: a number from 0 or a name is needed"));
     bytes.data[bytes.size - 5] = 0x78; /* 7 becomes 3.6e34 */
-    assert_fails(cifti_file_open(&file, write_bytes("x.dlabel.nii", &bytes), 0, &notes), CONUS_ERROR_DATA);
-    notes_finish(&notes);
+    assert_fails(open_file(&map, write_bytes("x.dlabel.nii", &bytes), 0), CONUS_ERROR_DATA);
     buffer_finish(&bytes);
 }
 

@@ -3,7 +3,6 @@
 #include "loaders/surfaces/gifti.h"
 
 #include "base/files/file.h"
-#include "base/memory.h"
 #include "builders/gifti_builder.h"
 #include "test.h"
 
@@ -13,9 +12,9 @@
 #define DOCTYPE "<!DOCTYPE GIFTI SYSTEM \"http://www.nitrc.org/frs/download.php/115/gifti.dtd\">\n"
 #define MD(name, value) "<MD><Name><![CDATA[" name "]]></Name><Value><![CDATA[" value "]]></Value></MD>"
 
-static conus_status parse(struct gifti *out, const struct buffer *bytes, struct notes *notes)
+static struct gifti *parse(struct job *job, const struct buffer *bytes, const char *beside)
 {
-    return gifti_parse(out, (const uint8_t *)bytes->data, bytes->size, NULL, notes);
+    return gifti_read(job, text_from_bytes((const uint8_t *)bytes->data, bytes->size), beside);
 }
 
 static void every_type(void **state)
@@ -43,16 +42,16 @@ static void every_type(void **state)
                                         .rows = 2,
                                         .values = values};
         struct buffer bytes = {0};
-        struct gifti gifti = {0};
-        struct notes notes = {0};
+        struct job job = {0};
         gifti_begin(&bytes, "", 1);
         gifti_append(&bytes, &spec);
         gifti_end(&bytes);
-        assert_ok(parse(&gifti, &bytes, &notes));
-        assert_int_equal(gifti.arrays[0].intent, GIFTI_OTHER);
-        assert_near(gifti.arrays[0].values[0], values[0], 0);
-        assert_near(gifti.arrays[0].values[1], values[1], 0);
-        gifti_finish(&gifti);
+        const struct gifti *gifti = parse(&job, &bytes, NULL);
+        assert_non_null(gifti);
+        assert_int_equal(gifti->arrays.at[0].intent, GIFTI_OTHER);
+        assert_near(gifti->arrays.at[0].values[0], values[0], 0);
+        assert_near(gifti->arrays.at[0].values[1], values[1], 0);
+        assert_ok(job_close(&job, NULL, NULL));
         buffer_finish(&bytes);
     }
 }
@@ -62,10 +61,8 @@ static void labels_names_and_hemisphere(void **state)
     (void)state;
     static const double values[5] = {0, 7, -1, 3, 7};
     struct buffer bytes = {0};
-    struct gifti gifti = {0};
-    struct notes notes = {0};
-    uint32_t *labels = NULL;
-    size_t count = 0;
+    struct job job = {0};
+    size_t count;
     gifti_begin(&bytes, DOCTYPE, 1);
     buffer_text(
         &bytes,
@@ -83,25 +80,26 @@ static void labels_names_and_hemisphere(void **state)
                              .values = values,
                              .inside = "<MetaData>" MD("AnatomicalStructurePrimary", "CortexRight") "</MetaData>"});
     gifti_end(&bytes);
-    assert_ok(parse(&gifti, &bytes, &notes));
-    assert_string_equal(gifti.name, "Area &\xc3\xbc");
-    assert_int_equal(gifti.hemisphere, 'R');
-    assert_int_equal(gifti.labels.count, 2);
-    assert_string_equal(label_table_find(&gifti.labels, 3)->name, "V2");
-    assert_string_equal(label_table_find(&gifti.labels, 7)->name, "V1");
-    assert_int_equal(label_table_find(&gifti.labels, 7)->rgb[1], 128);
-    assert_int_equal(notes.count, 1);
-    assert_non_null(strstr(notes.lines[0], "label 0 is called \"cortex\""));
-    assert_ok(gifti_labels(&labels, &count, &gifti, 0, &notes));
+    const struct gifti *gifti = parse(&job, &bytes, NULL);
+    const struct notes *notes = &job.notes;
+    assert_non_null(gifti);
+    assert_string_equal(gifti->name, "Area &\xc3\xbc");
+    assert_int_equal(gifti->hemisphere, 'R');
+    assert_int_equal(gifti->labels.count, 2);
+    assert_string_equal(label_table_find(&gifti->labels, 3)->name, "V2");
+    assert_string_equal(label_table_find(&gifti->labels, 7)->name, "V1");
+    assert_int_equal(label_table_find(&gifti->labels, 7)->rgb[1], 128);
+    assert_int_equal(notes->count, 1);
+    assert_non_null(strstr(notes->lines[0], "label 0 is called \"cortex\""));
+    const uint32_t *labels = gifti_vertices(&job, &count, gifti, 0);
     assert_int_equal(count, 5);
     for (size_t i = 0; i < 5; i++) {
         assert_int_equal(labels[i], values[i] > 0 ? (uint32_t)values[i] : 0);
     }
-    assert_non_null(strstr(notes.lines[1], "1 vertices have labels below 0"));
-    memory_free(labels);
-    assert_fails(gifti_labels(&labels, &count, &gifti, 1, &notes), CONUS_ERROR_DATA);
-    notes_finish(&notes);
-    gifti_finish(&gifti);
+    assert_non_null(strstr(notes->lines[1], "1 vertices have labels below 0"));
+    assert_null(gifti_vertices(&job, &count, gifti, 1));
+    assert_int_equal(count, 0);
+    assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_DATA);
     buffer_finish(&bytes);
 }
 
@@ -119,12 +117,11 @@ static void another_document_is_refused(void **state)
 {
     (void)state;
     struct buffer bytes = {0};
-    struct gifti gifti = {0};
-    struct notes notes = {0};
+    struct job job = {0};
     buffer_text(&bytes, "<atlas/>");
-    assert_fails(parse(&gifti, &bytes, &notes), CONUS_ERROR_DATA);
+    assert_null(parse(&job, &bytes, NULL));
+    assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "outermost element: found <atlas>, allowed is <GIFTI>"));
-    notes_finish(&notes);
     buffer_finish(&bytes);
 }
 
@@ -151,22 +148,19 @@ static void external_files_only_where_allowed(void **state)
     assert_ok(file_write(test_scratch("numbers.dat"), numbers, sizeof numbers));
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct buffer bytes = {0};
-        struct gifti gifti = {0};
-        struct notes notes = {0};
-        const struct gifti_options options = {.path = path, .external = true};
+        struct job job = {0};
         gifti_begin(&bytes, "", 1);
         gifti_append(&bytes,
                      &(struct array_spec){
                          .encoding = "ExternalFileBinary", .rows = 4, .columns = 3, .data = "", .more = cases[i].more});
         gifti_end(&bytes);
-        conus_status status = gifti_parse(&gifti, (const uint8_t *)bytes.data, bytes.size, &options, &notes);
-        assert_fails(status, cases[i].status);
-        if (status) {
-            assert_true(says(cases[i].message));
-        } else {
-            assert_near(gifti.arrays[0].values[3], 10, 0);
+        const struct gifti *gifti = parse(&job, &bytes, path);
+        assert_int_equal(gifti != NULL, cases[i].status == CONUS_OK);
+        if (gifti) {
+            assert_near(gifti->arrays.at[0].values[3], 10, 0);
         }
-        gifti_finish(&gifti);
+        assert_fails(job_close(&job, NULL, NULL), cases[i].status);
+        assert_true(gifti || says(cases[i].message));
         buffer_finish(&bytes);
     }
 }

@@ -17,6 +17,13 @@ static const float leeways[COUNT] = {1.5F, NAN, -0.25F, 3e8F, INFINITY};
 static const float counts[COUNT] = {0, 1, 2, 3, 4};
 static const conus_vertex_map maps[2] = {{"leeway_mm", leeways, NULL}, {"a & <b>", counts, NULL}};
 
+static conus_status read_map(struct vertex_map *out, const char *path, const char *name)
+{
+    struct job job = {0};
+    *out = vertex_map_read(&job, path, name);
+    return job_close(&job, NULL, NULL);
+}
+
 /* A number that is not finite comes back as NaN, all others bit for bit. */
 static void numbers_come_back(void **state)
 {
@@ -28,7 +35,7 @@ static void numbers_come_back(void **state)
         for (int k = 0; k < 4; k++) {
             static const char *const names[] = {"leeway_mm", "a & <b>", "0", "1"};
             struct vertex_map map = {0};
-            assert_ok(vertex_map_read(&map, path, names[k], 0, NULL));
+            assert_ok(read_map(&map, path, names[k]));
             assert_int_equal(map.count, COUNT);
             assert_int_equal(map.hemisphere, shape ? 'R' : 0);
             for (size_t v = 0; v < COUNT; v++) {
@@ -67,13 +74,13 @@ static void what_is_no_map_is_refused(void **state)
     assert_fails(conus_vertex_maps_write(test_in("m.func.gii"), maps, 0, COUNT, NULL), CONUS_ERROR_ARGUMENT);
     assert_fails(conus_vertex_maps_write(test_in("m.func.gii"), maps, 2, 0, NULL), CONUS_ERROR_ARGUMENT);
     assert_ok(conus_vertex_maps_write(test_in("m.func.gii"), maps, 2, COUNT, NULL));
-    assert_fails(vertex_map_read(&map, test_in("m.func.gii"), "leeway", 0, NULL), CONUS_ERROR_ARGUMENT);
+    assert_fails(read_map(&map, test_in("m.func.gii"), "leeway"), CONUS_ERROR_ARGUMENT);
     assert_non_null(strstr(conus_message(), "called \"leeway\", one is needed of 0 \"leeway_mm\", 1 \"a & <b>\""));
-    assert_fails(vertex_map_read(&map, test_in("m.func.gii"), "2", 0, NULL), CONUS_ERROR_ARGUMENT);
+    assert_fails(read_map(&map, test_in("m.func.gii"), "2"), CONUS_ERROR_ARGUMENT);
     assert_non_null(strstr(conus_message(), "m.func.gii: array 2: the file has 2 of numbers (counted from 0)"));
     assert_ok(conus_write_file(test_in("t.func.gii"), "text", 4));
-    assert_fails(vertex_map_read(&map, test_in("t.func.gii"), "0", 0, NULL), CONUS_ERROR_DATA);
-    assert_fails(vertex_map_read(&map, test_in("none.func.gii"), "0", 0, NULL), CONUS_ERROR_IO);
+    assert_fails(read_map(&map, test_in("t.func.gii"), "0"), CONUS_ERROR_DATA);
+    assert_fails(read_map(&map, test_in("none.func.gii"), "0"), CONUS_ERROR_IO);
     assert_null(map.values);
 }
 
@@ -89,11 +96,11 @@ static void whole_numbers_come_back(void **state)
         struct vertex_map read[2] = {{0}};
         const char *path = test_in("w.func.gii");
         assert_ok(conus_vertex_maps_write(path, &map, 1, COUNT, NULL));
-        assert_ok(vertex_map_read(&read[0], path, "candidate", 0, NULL));
+        assert_ok(read_map(&read[0], path, "candidate"));
         if (is_large) {
-            assert_ok(vertex_map_read(&read[1], path, "candidate_millions", 0, NULL));
+            assert_ok(read_map(&read[1], path, "candidate_millions"));
         } else {
-            assert_fails(vertex_map_read(&read[1], path, "1", 0, NULL), CONUS_ERROR_ARGUMENT);
+            assert_fails(read_map(&read[1], path, "1"), CONUS_ERROR_ARGUMENT);
         }
         for (size_t v = 0; v < COUNT; v++) {
             double number = (double)read[0].values[v] + (is_large ? 1e6 * (double)read[1].values[v] : 0);
@@ -138,7 +145,7 @@ static conus_status attempt_write(void *data)
 static conus_status attempt_read(void *data)
 {
     struct vertex_map map = {0};
-    conus_status status = vertex_map_read(&map, data, "a & <b>", 0, NULL);
+    conus_status status = read_map(&map, data, "a & <b>");
     vertex_map_finish(&map);
     return status;
 }
@@ -151,6 +158,8 @@ static void every_failing_allocation(void **state)
     snprintf(path, sizeof path, "%s", test_in("m.func.gii"));
     test_every_allocation(attempt_write, path);
     test_every_allocation(attempt_read, path);
+    assert_true(test_every_primitive(attempt_write, path) > 5);
+    assert_true(test_every_primitive(attempt_read, path) > 20);
     static const char surface[] = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
                                   "property float z\nelement face 4\nproperty list uchar int vertex_indices\n"
                                   "end_header\n0 0 0\n9 0 0\n0 9 0\n0 0 9\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
