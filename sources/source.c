@@ -57,10 +57,17 @@ struct reader source_reader(struct job *job, const struct source *source)
     return job_ok(job) ? reader_on(job, &source->file) : (struct reader){.job = job};
 }
 
-struct bytes source_bytes(struct job *job, const struct source *source)
+struct bytes source_bytes(struct job *job, struct source *source)
 {
-    return job_ok(job) ? job_read_open(job, &source->file, memory_limit(job->max_memory), FILE_MAX_MEMORY)
-                       : (struct bytes){0};
+    if (!job_ok(job)) {
+        return (struct bytes){0}; /* there may be no source */
+    }
+    const struct bytes bytes = job_read_open(job, &source->file, memory_limit(job->max_memory), FILE_MAX_MEMORY);
+    threads_wait(&source->summing);
+    if (job_ok(job)) {
+        file_sha256(source->sha256, &bytes);
+    }
+    return bytes;
 }
 
 /* Where a byte cannot be read there is no sum: who asks for it tries again, and hears why. */

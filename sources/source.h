@@ -31,8 +31,8 @@ struct source *source_of_memory(struct job *job, struct text bytes);
  */
 struct reader source_reader(struct job *job, const struct source *source);
 
-/** All of its bytes, as they are stored, below job->max_memory. */
-struct bytes source_bytes(struct job *job, const struct source *source);
+/** All of its bytes, as they are stored, below job->max_memory; they are summed up. */
+struct bytes source_bytes(struct job *job, struct source *source);
 
 /** Begins to read its bytes for its sum, beside whoever reads it meanwhile. @p source may be NULL. */
 void source_sum_ahead(struct source *source);

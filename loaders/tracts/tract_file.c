@@ -109,8 +109,8 @@ static void read_format(struct job *job, struct tractogram *out, struct source *
                                         "a tractogram: TrackVis, MRtrix, DSI Studio, TRX or polylines of VTK"));
         return;
     }
-    const bool sums = source->is_open && format->read != read_lines; /* of VTK the sum is made where it is read */
-    source_sum_ahead(sums ? source : NULL);
+    const bool sums = source->is_open && format->read != read_lines;    /* of VTK the sum is made where it is read */
+    source_sum_ahead(sums && format->read != trx_read ? source : NULL); /* which is read whole */
     format->read(job, source, &build);
     if (sums) {
         snprintf(t->sha256, sizeof t->sha256, "%s", source_sum(job, source));
