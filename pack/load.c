@@ -55,14 +55,13 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
 /* The streamlines of a file, in an atlas of their own. */
 static conus_status load_streamlines(conus_atlas **out, const char *path, const conus_streamlines_options *options)
 {
-    const conus_load_options load = {.max_memory = options->max_memory};
     if ((unsigned)options->space > CONUS_FILE_SPACE_LPS) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: space %d, allowed are CONUS_FILE_SPACE_AS_STATED (0), _RAS and _LPS",
                     path, (int)options->space);
     }
     const struct note_sink sink = {options->log, options->log_user, path};
-    struct job job = {.sink = &sink};
-    conus_atlas *atlas = streamlines_load(&job, path, &load, options->space);
+    struct job job = {.sink = &sink, .max_memory = options->max_memory};
+    conus_atlas *atlas = streamlines_load(&job, path, options->space);
     atlas = job_give(&job, atlas, sizeof *atlas);
     *out = atlas ? atlas : *out;
     return job_close(&job, NULL, NULL);

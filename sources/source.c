@@ -6,8 +6,6 @@
 #include "base/memory.h"
 #include "sources/map_choice.h"
 
-#include <string.h>
-
 /* Unpacks the first bytes where they are packed; of damaged ones there are none. */
 static conus_status look_at_head(struct source *source, const char *path)
 {
@@ -26,17 +24,32 @@ static void close_source(void *source)
     source_close(source);
 }
 
-struct source *source_open(struct job *job, const char *path)
+/* Looks at the head of a source whose file was opened. */
+static struct source *begin_source(struct job *job, struct source *source)
 {
-    struct source *source = job_new(job, struct source);
-    if (!source || !JOB_CALL(job, file_open_here(&source->file, path))) {
-        return NULL;
-    }
     source->is_open = true;
     job_own(job, close_source, source);
     bool has_looked = JOB_CALL(job, file_read_here(&source->stored, &source->file, HEAD_SIZE, UINT64_MAX, "")) &&
-                      JOB_CALL(job, look_at_head(source, path));
+                      JOB_CALL(job, look_at_head(source, source->file.path));
     return has_looked ? source : NULL;
+}
+
+struct source *source_open(struct job *job, const char *path)
+{
+    struct source *source = job_new(job, struct source);
+    bool is_open = source && JOB_CALL(job, file_open_here(&source->file, path));
+    return is_open ? begin_source(job, source) : NULL;
+}
+
+struct source *source_of_memory(struct job *job, struct text bytes)
+{
+    struct source *source = job_new(job, struct source);
+    if (!source) {
+        return NULL;
+    }
+    source->file.memory = (const uint8_t *)(bytes.size ? bytes.data : "");
+    source->file.before.size = bytes.size;
+    return begin_source(job, source);
 }
 
 struct reader source_reader(struct job *job, const struct source *source)
@@ -61,18 +74,49 @@ struct bytes source_whole(struct job *job, struct source *source)
     return source->whole;
 }
 
-void source_sum(struct job *job, char sha256[65], const struct source *source)
+struct bytes source_bytes(struct job *job, struct source *source)
 {
-    struct file_sums sums = {0};
-    if (source && JOB_CALL(job, file_sums_add_open(&sums, &source->file))) {
-        memcpy(sha256, sums.items[0].sha256, sizeof sums.items[0].sha256);
+    if (!job_ok(job)) {
+        return (struct bytes){0}; /* there may be no source */
     }
-    file_sums_finish(&sums);
+    const struct bytes bytes = job_read_open(job, &source->file, memory_limit(job->max_memory), FILE_MAX_MEMORY);
+    threads_wait(&source->summing);
+    if (job_ok(job)) {
+        file_sha256(source->sha256, &bytes);
+    }
+    return bytes;
 }
 
-void source_made_of(struct job *job, const struct source *source)
+/* Where a byte cannot be read there is no sum: who asks for it tries again, and hears why. */
+static void sum_bytes(void *user, size_t piece)
 {
-    (void)JOB_CALL(job, file_sums_add_open(&job->files, &source->file));
+    struct source *source = user;
+    (void)piece;
+    (void)file_sha256_open(source->sha256, &source->file, &source->stops);
+}
+
+void source_sum_ahead(struct source *source)
+{
+    enum { WORTH_THREAD = 1 << 17 };
+    if (source && threads_for(source->file.before.size, WORTH_THREAD) > 1) {
+        threads_start(&source->summing, sum_bytes, source, 0);
+    }
+}
+
+const char *source_sum(struct job *job, struct source *source)
+{
+    if (!job_step(job)) {
+        return job->nothing; /* there may be no source */
+    }
+    threads_wait(&source->summing);
+    bool has_sum = source->sha256[0] || JOB_CALL(job, file_sha256_open(source->sha256, &source->file, NULL));
+    return has_sum ? source->sha256 : job->nothing;
+}
+
+void source_made_of(struct job *job, struct source *source)
+{
+    const char *sha256 = source_sum(job, source);
+    (void)JOB_CALL(job, file_sums_put(&job->files, source->file.path, sha256));
 }
 
 conus_status source_look(struct source *out, const char *path)
@@ -124,6 +168,8 @@ void source_close(struct source *source)
     if (!source) {
         return;
     }
+    source->stops = true;
+    threads_wait(&source->summing);
     if (source->is_open) {
         file_close(&source->file);
     }

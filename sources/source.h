@@ -4,6 +4,7 @@
 #define CONUS_SOURCES_SOURCE_H
 
 #include "base/job/reader.h"
+#include "base/threads.h"
 #include "sources/format.h"
 
 struct source {
@@ -15,11 +16,17 @@ struct source {
     struct bytes unpacked; /**< Of one that is packed: what these give; none where they are damaged. */
     struct bytes whole;    /**< source_whole() */
     struct file_head head; /**< Of `unpacked` or else `stored`. */
+    char sha256[65];       /**< Of all stored bytes, once they were summed up. */
+    struct thread_piece summing;
+    _Atomic bool stops; /**< Nobody will ask for the sum. */
 };
 
 /** Opens the regular file @p path, which must live as long as the job, and looks how it begins. The path is a place,
  * which the caller enters before. NULL after a failure. The job closes it. */
 struct source *source_open(struct job *job, const char *path);
+
+/** The same of @p bytes, a file in memory without a name, which must live as long as the job. */
+struct source *source_of_memory(struct job *job, struct text bytes);
 
 /** Reads it unpacked, from the beginning; any number of readers may take turns. @p source may be NULL after a failure.
  */
@@ -29,11 +36,17 @@ struct reader source_reader(struct job *job, const struct source *source);
  * source_close(), which may come before the job's end. None after a failure. */
 struct bytes source_whole(struct job *job, struct source *source);
 
-/** The sum of the bytes as they are stored; untouched after a failure. */
-void source_sum(struct job *job, char sha256[65], const struct source *source);
+/** All of its bytes, as they are stored, below job->max_memory; they are summed up. */
+struct bytes source_bytes(struct job *job, struct source *source);
 
-/** The result is made of the file, whose bytes are read for its sum. */
-void source_made_of(struct job *job, const struct source *source);
+/** Begins to read its bytes for its sum, beside whoever reads it meanwhile. @p source may be NULL. */
+void source_sum_ahead(struct source *source);
+
+/** The SHA-256 of its bytes as they are stored, in hexadecimal; "" after a failure. */
+const char *source_sum(struct job *job, struct source *source);
+
+/** The result is made of the file. */
+void source_made_of(struct job *job, struct source *source);
 
 /** For callers without a job: opens @p path, which must outlive @p out. CONUS_ERROR_IO with the path,
  * CONUS_ERROR_MEMORY. @p out is the caller's to close, also on failure. */

@@ -36,7 +36,7 @@ struct tractogram {
     bool states_mm;          /**< The file, or its format, says that points are world mm.                          */
     char sha256[65];         /**< The file's, in hexadecimal; empty for a TRX folder. */
     unsigned char space;     /**< conus_file_space: the axes of the file's numbers, as it says or its user. */
-    struct file_sums files;  /**< Those of a TRX folder that were read, until an atlas has them; owned. */
+    struct file_sums files;  /**< None: they are the job's. It goes with the next change of PACK_FORMAT. */
     float *points;           /**< [3 point_count] x, y, z in world mm (RAS); owned. NULL where halves has them. */
     uint16_t *halves;        /**< The same in half precision (IEEE binary16), as the file has them; owned. */
     uint64_t point_count;    /**< Points of all streamlines together. */

@@ -79,13 +79,30 @@ conus_status file_open(struct open_file *out, const char *path)
 
 void file_close(const struct open_file *file)
 {
-    close(file->descriptor);
+    if (!file->memory) {
+        close(file->descriptor);
+    }
+}
+
+/* Bytes that were read, all of `size` if the file has them; -1 (errno) on failure. */
+static ptrdiff_t read_bytes(uint8_t *out, const struct open_file *file, uint64_t from, size_t size)
+{
+    if (!file->memory) {
+        return system_read_at(file->descriptor, out, size, from);
+    }
+    memcpy(out, file->memory + from, size);
+    return (ptrdiff_t)size;
+}
+
+static bool is_as_before(const struct open_file *file)
+{
+    struct file_state now;
+    return file->memory || (file_state_of(&now, file->descriptor) && file_state_equal(&now, &file->before));
 }
 
 conus_status file_read_here(struct bytes *out, const struct open_file *file, size_t most, uint64_t limit,
                             const char *option)
 {
-    struct file_state now;
     uint64_t whole = file->before.size;
     if (whole > limit) {
         return fail(CONUS_ERROR_MEMORY, "file of %llu bytes, allowed are %llu%s", (unsigned long long)whole,
@@ -94,10 +111,10 @@ conus_status file_read_here(struct bytes *out, const struct open_file *file, siz
     size_t size = whole < most ? (size_t)whole : most;
     struct bytes bytes = {.data = memory_raw(size, 1)};
     conus_status status = bytes.data ? CONUS_OK : CONUS_ERROR_MEMORY;
-    ptrdiff_t got = status ? 0 : system_read_at(file->descriptor, bytes.data, size, 0);
+    ptrdiff_t got = status ? 0 : read_bytes(bytes.data, file, 0, size);
     status = got < 0 ? fail_read("read") : status;
     bytes.size = got < 0 ? 0 : (size_t)got;
-    if (!status && !(file_state_of(&now, file->descriptor) && file_state_equal(&now, &file->before))) {
+    if (!status && !is_as_before(file)) {
         status = fail(CONUS_ERROR_IO, FILE_CHANGED);
     }
     if (status) {
@@ -117,13 +134,11 @@ conus_status file_read_open(struct bytes *out, const struct open_file *file, siz
 
 conus_status file_part_here(uint8_t *out, const struct open_file *file, uint64_t from, size_t size)
 {
-    struct file_state now;
-    ptrdiff_t got = system_read_at(file->descriptor, out, size, from);
+    ptrdiff_t got = read_bytes(out, file, from, size);
     if (got < 0) {
         return fail_read("read");
     }
-    bool same = file_state_of(&now, file->descriptor) && file_state_equal(&now, &file->before);
-    return same && (size_t)got == size ? CONUS_OK : fail(CONUS_ERROR_IO, FILE_CHANGED);
+    return is_as_before(file) && (size_t)got == size ? CONUS_OK : fail(CONUS_ERROR_IO, FILE_CHANGED);
 }
 
 conus_status file_read_part(uint8_t *out, const struct open_file *file, uint64_t from, size_t size)

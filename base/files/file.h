@@ -43,6 +43,7 @@ struct open_file {
     const char *path; /**< The opener's. */
     int descriptor;
     struct file_state before; /**< When it was opened. */
+    const uint8_t *memory;    /**< [before.size] Its bytes, where it is none but stands for one; borrowed. */
 };
 
 /** Opens the regular file @p path. Errors as of file_read(). */
@@ -117,6 +118,10 @@ char *file_beside(const char *path, const char *name);
 void file_sha256(char out[65], const struct bytes *bytes);
 
 struct sha256_ctx;
+
+/** The same of an open file, a part at a time, until @p stops, if not NULL, is true: CONUS_ERROR_CANCELLED. Other
+ * errors as of file_part_here(). */
+conus_status file_sha256_open(char out[65], const struct open_file *file, const _Atomic bool *stops);
 
 /** The same of all bytes given to @p context, which is as new afterwards. */
 void file_sha256_end(char out[65], struct sha256_ctx *context);

@@ -5,7 +5,6 @@
 #include "base/files/inputs.h"
 #include "base/memory.h"
 
-#include <nettle/sha2.h>
 #include <string.h>
 
 void file_sums_cut(struct file_sums *sums, size_t count)
@@ -64,26 +63,9 @@ conus_status file_sums_put(struct file_sums *sums, const char *path, const char 
 
 conus_status file_sums_add_open(struct file_sums *sums, const struct open_file *file)
 {
-    enum { PART = 1 << 20 };
-    struct sha256_ctx context;
     char sha256[65];
-    uint8_t *part = memory_raw(PART, 1);
-    conus_status status = part ? CONUS_OK : CONUS_ERROR_MEMORY;
-    sha256_init(&context);
-    for (uint64_t at = 0; !status && at < file->before.size; at += PART) {
-        uint64_t left = file->before.size - at;
-        size_t size = left < PART ? (size_t)left : PART;
-        status = file_read_part(part, file, at, size);
-        if (!status) {
-            sha256_update(&context, size, part);
-        }
-    }
-    memory_free(part);
-    if (status) {
-        return status;
-    }
-    file_sha256_end(sha256, &context);
-    return file_sums_put(sums, file->path, sha256);
+    conus_status status = file_sha256_open(sha256, file, NULL);
+    return status ? fail_in(status, file->path) : file_sums_put(sums, file->path, sha256);
 }
 
 conus_status file_sums_add(struct file_sums *sums, const char *path, const struct bytes *content)

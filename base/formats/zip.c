@@ -3,11 +3,9 @@
 #include "base/formats/zip.h"
 
 #include "base/byte_order.h"
-#include "base/memory.h"
 #include "base/order.h"
 
 #include <libdeflate.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -51,9 +49,9 @@ bool zip_is(const uint8_t *data, size_t size)
     return size >= 4 && (u32_at(data) == LOCAL || u32_at(data) == END);
 }
 
-static conus_status fail_entry(conus_status status, struct text name, const char *what)
+static void bad_entry(struct job *job, struct text name, const char *what)
 {
-    return fail(status, "zip: %.*s: %s", TEXT_SHOW(name, SHOWN), what);
+    job_bad(job, "zip: %.*s: %s", TEXT_SHOW(name, SHOWN), what);
 }
 
 /* Where the central directory is. */
@@ -73,55 +71,59 @@ static const uint8_t *find_end(const uint8_t *data, size_t size)
     return NULL;
 }
 
-/* ZIP64's record, of an archive with one; its place is where it ends in the archive. */
-static conus_status read_end64(struct directory *out, const uint8_t *data, size_t *end_at)
+static void refuse_part(struct job *job)
 {
+    job_refuse(job, "zip: one part of several, a whole archive is needed");
+}
+
+/* ZIP64's record, of an archive with one; its place is where it ends in the archive. */
+static struct directory read_end64(struct job *job, const uint8_t *data, size_t *end_at)
+{
+    const struct directory none = {0};
     size_t locator_at = *end_at - LOCATOR_SIZE;
     uint64_t at = u64_at(data + locator_at + 8);
     if (u32_at(data + locator_at + 4) || u32_at(data + locator_at + 16) > 1) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "zip: one part of several, a whole archive is needed");
+        refuse_part(job);
+        return none;
     }
     if (locator_at < END64_SIZE || at > locator_at - END64_SIZE || u32_at(data + at) != END64 ||
         u64_at(data + at + 4) != locator_at - at - 12) {
-        return fail(CONUS_ERROR_DATA, "zip: the ZIP64 record is not at byte %llu, as its locator says",
-                    (unsigned long long)at);
+        job_bad(job, "zip: the ZIP64 record is not at byte %llu, as its locator says", (unsigned long long)at);
+        return none;
     }
     if (u64_at(data + at + 24) != u64_at(data + at + 32)) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "zip: one part of several, a whole archive is needed");
+        refuse_part(job);
     }
-    *out = (struct directory){u64_at(data + at + 48), u64_at(data + at + 40), u64_at(data + at + 32)};
     *end_at = (size_t)at;
-    return CONUS_OK;
+    return (struct directory){u64_at(data + at + 48), u64_at(data + at + 40), u64_at(data + at + 32)};
 }
 
-static conus_status read_end(struct directory *out, const uint8_t *data, size_t size)
+static struct directory read_end(struct job *job, const uint8_t *data, size_t size)
 {
     const uint8_t *end = find_end(data, size);
     if (!end) {
-        return fail(CONUS_ERROR_DATA, "zip: no record of the central directory at its end: cut off, or no archive");
+        job_bad(job, "zip: no record of the central directory at its end: cut off, or no archive");
+        return (struct directory){0};
     }
     struct directory directory = {u32_at(end + 16), u32_at(end + 12), u16_at(end + 10)};
     bool wide = directory.at == in_zip64_32 || directory.size == in_zip64_32 || directory.count == IN_ZIP64_16;
     size_t end_at = (size_t)(end - data);
     if (u16_at(end + 4) != u16_at(end + 6) || u16_at(end + 8) != u16_at(end + 10) ||
         (u16_at(end + 4) && u16_at(end + 4) != IN_ZIP64_16)) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "zip: one part of several, a whole archive is needed");
+        refuse_part(job);
     }
-    wide = wide && end_at >= LOCATOR_SIZE && u32_at(end - LOCATOR_SIZE) == LOCATOR;
-    conus_status status = wide ? read_end64(&directory, data, &end_at) : CONUS_OK;
-    if (status) {
-        return status;
+    if (wide && end_at >= LOCATOR_SIZE && u32_at(end - LOCATOR_SIZE) == LOCATOR) {
+        directory = read_end64(job, data, &end_at);
     }
     if (directory.size > end_at || directory.at != end_at - directory.size) {
-        return fail(CONUS_ERROR_DATA, "zip: a central directory of %llu bytes from byte %llu, it ends at byte %zu",
-                    (unsigned long long)directory.size, (unsigned long long)directory.at, end_at);
+        job_bad(job, "zip: a central directory of %llu bytes from byte %llu, it ends at byte %zu",
+                (unsigned long long)directory.size, (unsigned long long)directory.at, end_at);
     }
     if (directory.count > directory.size / CENTRAL_SIZE) {
-        return fail(CONUS_ERROR_DATA, "zip: %llu files in a central directory of %llu bytes",
-                    (unsigned long long)directory.count, (unsigned long long)directory.size);
+        job_bad(job, "zip: %llu files in a central directory of %llu bytes", (unsigned long long)directory.count,
+                (unsigned long long)directory.size);
     }
-    *out = directory;
-    return CONUS_OK;
+    return job_ok(job) ? directory : (struct directory){0};
 }
 
 /* The fields that a header before a file and its entry of the directory have in common. */
@@ -181,38 +183,40 @@ static bool is_good_name(struct text name)
     return name.size && text_is_utf8(name);
 }
 
-static conus_status check_kind(const struct record *record)
+static void check_kind(struct job *job, const struct record *record)
 {
     if (!is_good_name(record->name)) {
-        return fail(CONUS_ERROR_DATA, "zip: a file's name is absolute, climbs with \"..\", or is no plain UTF-8");
+        job_bad(job, "zip: a file's name is absolute, climbs with \"..\", or is no plain UTF-8");
     }
     if (record->flags & (FLAG_ENCRYPTED | FLAG_STRONG | FLAG_MASKED)) {
-        return fail_entry(CONUS_ERROR_UNSUPPORTED, record->name, "encrypted, needed is one that is not");
+        job_refuse(job, "zip: %.*s: encrypted, needed is one that is not", TEXT_SHOW(record->name, SHOWN));
     }
     if ((record->method != METHOD_STORED && record->method != METHOD_DEFLATE) || record->flags & FLAG_PATCH) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "zip: %.*s: packed by method %u, only deflate (8) is unpacked",
-                    TEXT_SHOW(record->name, SHOWN), record->method);
+        job_refuse(job, "zip: %.*s: packed by method %u, only deflate (8) is unpacked", TEXT_SHOW(record->name, SHOWN),
+                   record->method);
     }
     if (record->method == METHOD_STORED ? record->stored != record->size
                                         : record->size / INFLATE_RATIO > record->stored) {
-        return fail(CONUS_ERROR_DATA, "zip: %.*s: %llu bytes cannot be %llu, unpacked", TEXT_SHOW(record->name, SHOWN),
-                    (unsigned long long)record->stored, (unsigned long long)record->size);
+        job_bad(job, "zip: %.*s: %llu bytes cannot be %llu, unpacked", TEXT_SHOW(record->name, SHOWN),
+                (unsigned long long)record->stored, (unsigned long long)record->size);
     }
-    return CONUS_OK;
 }
 
-/* The header before a file, which lies before `end`; sizes and checksum may stand behind the file instead. */
-static conus_status zip_check_header(size_t *at, const uint8_t *data, const struct record *entry, uint64_t end)
+/* The header before a file, which lies before `end`; sizes and checksum may stand behind the file instead. Gives where
+ * the file begins, 0 after a failure. */
+static size_t zip_check_header(struct job *job, const uint8_t *data, const struct record *entry, uint64_t end)
 {
     bool fits = entry->header_at <= end && end - entry->header_at >= LOCAL_SIZE;
     const uint8_t *header = data + (fits ? entry->header_at : 0);
     if (!fits || u32_at(header) != LOCAL) {
-        return fail_entry(CONUS_ERROR_DATA, entry->name, "no header where the central directory says");
+        bad_entry(job, entry->name, "no header where the central directory says");
+        return 0;
     }
     size_t names = (size_t)u16_at(header + 26) + u16_at(header + 28);
     uint64_t left = end - entry->header_at - LOCAL_SIZE;
     if (names > left || entry->stored > left - names) {
-        return fail_entry(CONUS_ERROR_DATA, entry->name, "reaches into the central directory");
+        bad_entry(job, entry->name, "reaches into the central directory");
+        return 0;
     }
     const char *name = (const char *)header + LOCAL_SIZE;
     struct record local = {.flags = u16_at(header + 6),
@@ -227,15 +231,14 @@ static conus_status zip_check_header(size_t *at, const uint8_t *data, const stru
         text_compare(local.name, entry->name) != 0 ||
         (!behind && (!widen(&local) || local.checksum != entry->checksum || local.stored != entry->stored ||
                      local.size != entry->size))) {
-        return fail_entry(CONUS_ERROR_DATA, entry->name, "its header and the central directory differ");
+        bad_entry(job, entry->name, "its header and the central directory differ");
     }
-    *at = (size_t)entry->header_at + LOCAL_SIZE + names;
-    return CONUS_OK;
+    return (size_t)entry->header_at + LOCAL_SIZE + names;
 }
 
 /* Reads one entry of the directory, which has `rest` left; *place is where the entry's header begins. */
-static conus_status read_entry(struct zip_entry *out, uint64_t *place, const uint8_t *data, struct text *rest,
-                               uint64_t end)
+static struct zip_entry read_entry(struct job *job, uint64_t *place, const uint8_t *data, struct text *rest,
+                                   uint64_t end)
 {
     const uint8_t *from = (const uint8_t *)rest->data;
     bool there = rest->size >= CENTRAL_SIZE && u32_at(from) == CENTRAL;
@@ -243,7 +246,8 @@ static conus_status read_entry(struct zip_entry *out, uint64_t *place, const uin
     size_t extra = there ? u16_at(from + 30) : 0;
     size_t whole = there ? CENTRAL_SIZE + name + extra + u16_at(from + 32) : 0;
     if (!there || whole > rest->size) {
-        return fail(CONUS_ERROR_DATA, "zip: the central directory has fewer files than it says");
+        job_bad(job, "zip: the central directory has fewer files than it says");
+        return (struct zip_entry){0};
     }
     struct record record = {.flags = u16_at(from + 8),
                             .method = u16_at(from + 10),
@@ -253,24 +257,16 @@ static conus_status read_entry(struct zip_entry *out, uint64_t *place, const uin
                             .header_at = u32_at(from + 42),
                             .name = {rest->data + CENTRAL_SIZE, name},
                             .extra = {rest->data + CENTRAL_SIZE + name, extra}};
-    size_t at = 0;
     bool wide = widen(&record);
-    conus_status status = check_kind(&record);
-    if (status) {
-        return status;
-    }
+    check_kind(job, &record);
     if (!wide) {
-        return fail_entry(CONUS_ERROR_DATA, record.name, "sizes of ZIP64 are needed, and not there");
+        bad_entry(job, record.name, "sizes of ZIP64 are needed, and not there");
     }
-    status = zip_check_header(&at, data, &record, end);
-    if (status) {
-        return status;
-    }
+    size_t at = zip_check_header(job, data, &record, end);
     *rest = (struct text){rest->data + whole, rest->size - whole};
     *place = record.header_at;
-    *out = (struct zip_entry){
+    return (struct zip_entry){
         record.name, at, (size_t)record.stored, record.size, record.checksum, record.method == METHOD_DEFLATE};
-    return CONUS_OK;
 }
 
 /* From a file's header to its last byte. */
@@ -289,129 +285,102 @@ static int compare_entries(const void *a, const void *b)
 }
 
 /* Sorts them, and leaves out folders. */
-static conus_status sort_entries(struct zip *zip)
+static void sort_entries(struct job *job, struct zip *zip)
 {
     size_t kept = 0;
     order_sort(zip->entries, zip->count, sizeof *zip->entries, compare_entries);
     for (size_t i = 1; i < zip->count; i++) {
         if (compare_entries(&zip->entries[i - 1], &zip->entries[i]) == 0) {
-            return fail_entry(CONUS_ERROR_DATA, zip->entries[i].name, "there are two of this name");
+            bad_entry(job, zip->entries[i].name, "there are two of this name");
         }
     }
-    for (size_t i = 0; i < zip->count; i++) {
+    for (size_t i = 0; job_ok(job) && i < zip->count; i++) {
         struct text name = zip->entries[i].name;
         if (name.data[name.size - 1] != '/') {
             zip->entries[kept++] = zip->entries[i];
         } else if (zip->entries[i].size) {
-            return fail_entry(CONUS_ERROR_DATA, name, "a folder with bytes of its own");
+            bad_entry(job, name, "a folder with bytes of its own");
         }
     }
-    zip->count = kept;
-    return CONUS_OK;
+    zip->count = job_ok(job) ? kept : 0;
 }
 
-static conus_status read_entries(struct zip *zip, struct extent *extents, const struct directory *directory)
+static void check_extents(struct job *job, struct extent *extents, size_t count)
 {
-    struct text rest = {(const char *)zip->data + directory->at, (size_t)directory->size};
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < zip->count; i++) {
-        status = read_entry(&zip->entries[i], &extents[i].from, zip->data, &rest, directory->at);
-        extents[i].to = status ? 0 : zip->entries[i].at + zip->entries[i].stored;
-    }
-    if (!status && rest.size) {
-        status = fail(CONUS_ERROR_DATA, "zip: %zu bytes behind the last file of the central directory", rest.size);
-    }
-    if (status) {
-        return status;
-    }
-    order_sort(extents, zip->count, sizeof *extents, compare_extents);
-    for (size_t i = 1; i < zip->count; i++) {
+    order_sort(extents, count, sizeof *extents, compare_extents);
+    for (size_t i = 1; i < count; i++) {
         if (extents[i].from < extents[i - 1].to) {
-            return fail(CONUS_ERROR_DATA, "zip: two files share the byte %llu", (unsigned long long)extents[i].from);
+            job_bad(job, "zip: two files share the byte %llu", (unsigned long long)extents[i].from);
         }
     }
-    return sort_entries(zip);
 }
 
-conus_status zip_parse(struct zip *out, const uint8_t *data, size_t size)
+struct zip zip_parse(struct job *job, const uint8_t *data, size_t size)
 {
-    struct directory directory = {0};
-    conus_status status = read_end(&directory, data, size);
-    if (status) {
-        return status;
-    }
+    const struct directory directory = read_end(job, data, size);
+    struct text rest = {(const char *)data + directory.at, (size_t)directory.size};
     struct zip zip = {.data = data, .count = (size_t)directory.count};
-    struct extent *extents = memory_zeroed(zip.count, sizeof *extents);
-    zip.entries = memory_zeroed(zip.count, sizeof *zip.entries);
-    status = extents && zip.entries ? read_entries(&zip, extents, &directory) : CONUS_ERROR_MEMORY;
-    memory_free(extents);
-    if (status) {
-        zip_finish(&zip);
-        return status;
+    struct extent *extents = job_array(job, &zip.count, sizeof *extents);
+    zip.entries = job_array(job, &zip.count, sizeof *zip.entries);
+    for (size_t i = 0; i < zip.count && job_ok(job); i++) {
+        zip.entries[i] = read_entry(job, &extents[i].from, data, &rest, directory.at);
+        extents[i].to = zip.entries[i].at + zip.entries[i].stored;
     }
-    *out = zip;
-    return CONUS_OK;
+    if (rest.size) {
+        job_bad(job, "zip: %zu bytes behind the last file of the central directory", rest.size);
+    }
+    if (!job_ok(job)) {
+        return (struct zip){.data = data};
+    }
+    check_extents(job, extents, zip.count);
+    sort_entries(job, &zip);
+    return zip;
 }
 
-void zip_finish(struct zip *zip)
+static void check_sum(struct job *job, const uint8_t *data, const struct zip_entry *entry)
 {
-    memory_free(zip->entries);
-    *zip = (struct zip){0};
+    if (job_step(job) && libdeflate_crc32(0, data, (size_t)entry->size) != entry->checksum) {
+        bad_entry(job, entry->name, "damaged: its checksum is another one");
+    }
 }
 
-const struct zip_entry *zip_find(const struct zip *zip, const char *name)
+void zip_verify(struct job *job, const struct zip *zip, const struct zip_entry *entry)
 {
-    struct zip_entry wanted = {.name = text_from(name)};
-    return zip->count ? bsearch(&wanted, zip->entries, zip->count, sizeof wanted, compare_entries) : NULL;
+    check_sum(job, zip->data + entry->at, entry);
 }
 
-static conus_status check_sum(const uint8_t *data, const struct zip_entry *entry)
-{
-    return libdeflate_crc32(0, data, (size_t)entry->size) == entry->checksum
-               ? CONUS_OK
-               : fail_entry(CONUS_ERROR_DATA, entry->name, "damaged: its checksum is another one");
-}
-
-conus_status zip_verify(const struct zip *zip, const struct zip_entry *entry)
-{
-    return check_sum(zip->data + entry->at, entry);
-}
-
-static conus_status inflate_entry(uint8_t *out, const struct zip *zip, const struct zip_entry *entry)
+static void inflate_entry(struct job *job, uint8_t *out, const struct zip *zip, const struct zip_entry *entry)
 {
     struct libdeflate_decompressor *unpacker = libdeflate_alloc_decompressor();
     size_t used = 0;
     size_t got = 0;
     if (!unpacker) {
-        return fail(CONUS_ERROR_MEMORY, "zip: no memory to unpack");
+        job_fail(job, CONUS_ERROR_MEMORY, "zip: no memory to unpack");
+        return;
     }
     bool good = libdeflate_deflate_decompress_ex(unpacker, zip->data + entry->at, entry->stored, out,
                                                  (size_t)entry->size, &used, &got) == LIBDEFLATE_SUCCESS &&
                 used == entry->stored && got == entry->size;
     libdeflate_free_decompressor(unpacker);
-    return good ? CONUS_OK
-                : fail(CONUS_ERROR_DATA, "zip: %.*s: damaged, or does not unpack to %llu bytes",
-                       TEXT_SHOW(entry->name, SHOWN), (unsigned long long)entry->size);
+    if (!good) {
+        job_bad(job, "zip: %.*s: damaged, or does not unpack to %llu bytes", TEXT_SHOW(entry->name, SHOWN),
+                (unsigned long long)entry->size);
+    }
 }
 
-conus_status zip_unpack(struct bytes *out, const struct zip *zip, const struct zip_entry *entry, uint64_t limit)
+struct bytes zip_unpack(struct job *job, const struct zip *zip, const struct zip_entry *entry, uint64_t limit)
 {
     if (entry->size > limit) {
-        return fail(CONUS_ERROR_MEMORY, "zip: %.*s: %llu bytes, allowed are %llu (--max-memory)",
-                    TEXT_SHOW(entry->name, SHOWN), (unsigned long long)entry->size, (unsigned long long)limit);
+        job_fail(job, CONUS_ERROR_MEMORY, "zip: %.*s: %llu bytes, allowed are %llu (--max-memory)",
+                 TEXT_SHOW(entry->name, SHOWN), (unsigned long long)entry->size, (unsigned long long)limit);
     }
-    struct bytes bytes = {memory_raw((size_t)entry->size, 1), (size_t)entry->size};
-    conus_status status = bytes.data ? CONUS_OK : CONUS_ERROR_MEMORY;
-    if (!status && entry->is_packed) {
-        status = inflate_entry(bytes.data, zip, entry);
-    } else if (!status && bytes.size) {
+    struct bytes bytes = {.size = (size_t)entry->size};
+    bytes.data = job_array(job, &bytes.size, 1);
+    if (bytes.data && entry->is_packed) {
+        inflate_entry(job, bytes.data, zip, entry);
+    } else if (bytes.data) {
         memcpy(bytes.data, zip->data + entry->at, bytes.size);
     }
-    status = status ? status : check_sum(bytes.data, entry);
-    if (status) {
-        bytes_finish(&bytes);
-        return status;
-    }
-    *out = bytes;
-    return CONUS_OK;
+    check_sum(job, bytes.data, entry);
+    return job_ok(job) ? bytes : (struct bytes){0};
 }

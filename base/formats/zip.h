@@ -7,8 +7,7 @@
 #ifndef CONUS_BASE_FORMATS_ZIP_H
 #define CONUS_BASE_FORMATS_ZIP_H
 
-#include "base/files/file.h"
-#include "base/text.h"
+#include "base/job/job.h"
 
 /** A file of the archive. */
 struct zip_entry {
@@ -22,25 +21,22 @@ struct zip_entry {
 
 struct zip {
     const uint8_t *data;       /**< The archive, which outlives this. */
-    struct zip_entry *entries; /**< Sorted by name, without folders. Owned. */
+    struct zip_entry *entries; /**< Sorted by name, without folders. The job's. */
     size_t count;
 };
 
 /** True where @p data begins like an archive with a file, or like an empty one. */
 bool zip_is(const uint8_t *data, size_t size);
 
-/** Lists the archive @p data. CONUS_ERROR_DATA, and CONUS_ERROR_UNSUPPORTED for what other programs may unpack. @p out
- * is the caller's to finish. */
-conus_status zip_parse(struct zip *out, const uint8_t *data, size_t size);
-void zip_finish(struct zip *zip);
-
-/** The file @p name; NULL if there is none. */
-const struct zip_entry *zip_find(const struct zip *zip, const char *name);
+/** Lists the archive @p data, which has no file after a failure. CONUS_ERROR_DATA, and CONUS_ERROR_UNSUPPORTED for what
+ * other programs may unpack. */
+struct zip zip_parse(struct job *job, const uint8_t *data, size_t size);
 
 /** Verifies the checksum of a file that is not packed: its bytes are zip->data + entry->at, up to entry->size. */
-conus_status zip_verify(const struct zip *zip, const struct zip_entry *entry);
+void zip_verify(struct job *job, const struct zip *zip, const struct zip_entry *entry);
 
-/** A copy of the bytes of a file, unpacked and verified: at most @p limit, more are CONUS_ERROR_MEMORY. */
-conus_status zip_unpack(struct bytes *out, const struct zip *zip, const struct zip_entry *entry, uint64_t limit);
+/** A copy of the bytes of a file, unpacked and verified, in the job's memory; empty after a failure. At most @p limit,
+ * more are CONUS_ERROR_MEMORY. */
+struct bytes zip_unpack(struct job *job, const struct zip *zip, const struct zip_entry *entry, uint64_t limit);
 
 #endif

@@ -455,18 +455,27 @@ struct names job_names(struct job *job, const char *folder, const char *ending)
     return names;
 }
 
+struct bytes job_read_open(struct job *job, const struct open_file *file, uint64_t limit, const char *option)
+{
+    struct bytes bytes = {0};
+    if (!job_step(job)) {
+        return bytes;
+    }
+    if (JOB_CALL(job, file_read_here(&bytes, file, SIZE_MAX, limit, option)) && !job_adopt(job, bytes.data)) {
+        bytes = (struct bytes){0};
+    }
+    job->is_limit = !job_ok(job) && file->before.size > limit;
+    return bytes;
+}
+
 struct bytes job_read(struct job *job, const char *path, uint64_t limit, const char *option)
 {
     struct open_file file;
     struct bytes bytes = {0};
-    if (!JOB_CALL(job, file_open_here(&file, path))) {
-        return bytes;
+    if (JOB_CALL(job, file_open_here(&file, path))) {
+        bytes = job_read_open(job, &file, limit, option);
+        file_close(&file);
     }
-    if (JOB_CALL(job, file_read_here(&bytes, &file, SIZE_MAX, limit, option)) && !job_adopt(job, bytes.data)) {
-        bytes = (struct bytes){0};
-    }
-    job->is_limit = !job_ok(job) && file.before.size > limit;
-    file_close(&file);
     return bytes;
 }
 

@@ -203,6 +203,7 @@ struct names job_names(struct job *job, const char *folder, const char *ending);
 /** The bytes of a file that may not be larger than @p limit; @p option as for file_read_open(). The path is a place,
  * which the caller enters before: messages of openers do not name it. */
 struct bytes job_read(struct job *job, const char *path, uint64_t limit, const char *option);
+struct bytes job_read_open(struct job *job, const struct open_file *file, uint64_t limit, const char *option);
 /** The result is made of @p content, the bytes of @p path. */
 void job_made_of(struct job *job, const char *path, const struct bytes *content);
 /** @} */

@@ -56,7 +56,24 @@ static size_t read_stored(struct job *job, struct reader_source *source, uint8_t
     return size;
 }
 
-/* Whether another member of gzip follows the one that has ended; zeros and other bytes behind it are none. */
+/* Only zeros may follow the last member. */
+static void check_padding(struct job *job, struct reader_source *source)
+{
+    z_stream *z = &source->z;
+    do {
+        for (uInt i = 0; i < z->avail_in; i++) {
+            if (z->next_in[i]) {
+                job_bad(job, "gzip: %llu bytes after the end of the packed data, allowed are zeros",
+                        (unsigned long long)(z->avail_in + source->file.before.size - source->file_at));
+                return;
+            }
+        }
+        z->next_in = source->packed;
+        z->avail_in = (uInt)read_stored(job, source, source->packed, BLOCK);
+    } while (z->avail_in);
+}
+
+/* Whether another member of gzip follows the one that has ended. */
 static bool next_member(struct job *job, struct reader_source *source)
 {
     z_stream *z = &source->z;
@@ -82,6 +99,9 @@ static size_t read_packed(struct job *job, struct reader_source *source, uint8_t
         int code = z->avail_in ? inflate(z, Z_NO_FLUSH) : Z_BUF_ERROR;
         if (code == Z_STREAM_END) {
             source->ended = !next_member(job, source);
+            if (source->ended) {
+                check_padding(job, source);
+            }
         } else if (code == Z_BUF_ERROR) {
             source->ended = true;
             job_bad(job, "gzip: cut off, an intact file is needed");
@@ -240,8 +260,15 @@ void reader_skip(struct reader *r, uint64_t count)
 uint64_t reader_most(const struct reader *r)
 {
     const struct reader_source *source = r->source;
-    uint64_t all = source ? source->file.before.size * (source->is_packed ? INFLATE_RATIO : 1) : r->end_offset;
-    return job_ok(r->job) ? all - reader_at(r) : 0;
+    const uint64_t at_hand = (uint64_t)(r->end - r->at);
+    if (!job_ok(r->job)) {
+        return 0;
+    }
+    if (!source || source->ended) {
+        return at_hand;
+    }
+    uint64_t stored = source->file.before.size - source->file_at;
+    return at_hand + (source->is_packed ? (stored + source->z.avail_in + 1) * INFLATE_RATIO : stored);
 }
 
 /* Whether so many bytes can follow. */

@@ -26,7 +26,7 @@ struct reader {
     struct reader_source *source; /**< Where more comes from; NULL = nowhere. */
 };
 
-/** Reads a regular file, unpacked where gzip packs it: all members, without what is behind the last one. The path is a
+/** Reads a regular file, unpacked where gzip packs it: all members, behind which only zeros may follow. The path is a
  * place, which the caller enters before. The job closes the file. */
 struct reader reader_open(struct job *job, const char *path);
 
@@ -39,8 +39,7 @@ struct reader reader_of(struct job *job, struct text text);
 /** Bytes before the position. */
 uint64_t reader_at(const struct reader *r);
 
-/** Bytes that can be left, from a file whose size bounds them: of what gzip packs as many as it can make of its bytes.
- */
+/** How many bytes can be left at most; exact of what is not packed. */
 uint64_t reader_most(const struct reader *r);
 
 /** Whether @p count bytes are left; they are at hand then, from r->at on. */

@@ -165,7 +165,7 @@ struct cifti_file *cifti_file_open(struct job *job, const char *path)
     struct attempt own = job_try(job);
     struct source *source = source_open(job, plain);
     const struct bytes bytes = source_whole(job, source);
-    source_sum(job, file->sha256, source);
+    snprintf(file->sha256, sizeof file->sha256, "%s", source_sum(job, source));
     file->choice = cifti_choose(job, &bytes, map);
     source_close(source); /* the choice has what is needed of it */
     struct notes *notes = attempt_notes(job, &own);

@@ -418,7 +418,7 @@ static void add_bundles(struct scene *scene, size_t i)
         const char *path = path_of(scene, entry->file);
         load_report(load, path, 1);
         const double radius = streamlines_radius(scene->job, entry->radius, path);
-        conus_atlas *alone = streamlines_load(scene->job, path, load->options, entry->space);
+        conus_atlas *alone = streamlines_load(scene->job, path, entry->space);
         streamlines_take(scene->job, load->atlas, alone, radius, entry->name);
     }
 }

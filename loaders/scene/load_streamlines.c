@@ -42,7 +42,6 @@ void streamlines_add(struct job *job, conus_atlas *atlas, struct tractogram *tra
     const char *chosen = name_bundle(job, name, tractogram->path);
     (void)JOB_CALL(job, notes_move_in(&atlas->notes, notes, path_base(tractogram->path)));
     (void)JOB_CALL(job, tract_fit_note(&job->notes, atlas, tractogram, chosen));
-    (void)JOB_CALL(job, file_sums_move(&job->files, &tractogram->files));
     atlas_take(job, atlas);
     (void)JOB_CALL(job, atlas_add_tractogram(atlas, tractogram, chosen));
 }
@@ -68,20 +67,17 @@ static conus_atlas *make_alone(struct job *job)
     return job_ok(job) ? atlas : NULL;
 }
 
-conus_atlas *streamlines_load(struct job *job, const char *path, const conus_load_options *options,
-                              conus_file_space space)
+conus_atlas *streamlines_load(struct job *job, const char *path, conus_file_space space)
 {
     conus_atlas *atlas = make_alone(job);
+    struct job alone = {.sink = job->sink, .max_memory = job->max_memory}; /* whose notes and files are this atlas's */
     if (!atlas) {
         return NULL;
     }
-    struct tractogram *tractogram = atlas->tractograms;
-    atlas->notes.sink = job->sink;
-    (void)JOB_CALL(job, tract_file_read(tractogram, path, options->max_memory, space, &atlas->notes));
-    atlas->notes.sink = NULL;
-    (void)JOB_CALL(job, file_sums_move(&atlas->files, &tractogram->files));
-    (void)JOB_CALL(job, bundles_ready(tractogram));
-    return job_ok(job) ? atlas : NULL;
+    tract_file_read(&alone, atlas->tractograms, path, space);
+    (void)JOB_CALL(&alone, bundles_ready(atlas->tractograms));
+    conus_status status = job_close(&alone, &atlas->notes, &atlas->files);
+    return JOB_CALL(job, status) ? atlas : NULL;
 }
 
 static bool copy_text(char **out, const char *text)
@@ -95,7 +91,6 @@ static bool borrow_tractogram(struct tractogram *out, const struct tractogram *f
 {
     *out = *from;
     out->has_borrowed_points = out->is_borrowed = true;
-    out->files = (struct file_sums){0};
     out->scalars = memory_copy(from->scalars, from->scalar_count, sizeof *out->scalars);
     out->groups = memory_copy(from->groups, from->group_count, sizeof *out->groups);
     out->scalar_count = out->scalars ? from->scalar_count : 0;
@@ -136,7 +131,7 @@ void streamlines_take(struct job *job, conus_atlas *atlas, conus_atlas *alone, d
     }
     struct tractogram *tractogram = &alone->tractograms[0];
     tractogram->radius = radius;
-    (void)JOB_CALL(job, file_sums_move(&tractogram->files, &alone->files));
+    (void)JOB_CALL(job, file_sums_move(&job->files, &alone->files));
     streamlines_add(job, atlas, tractogram, name, &alone->notes);
 }
 

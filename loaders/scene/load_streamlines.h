@@ -18,8 +18,7 @@ void streamlines_add(struct job *job, conus_atlas *atlas, struct tractogram *tra
 
 /** Reads the tractogram @p path, of which @p space is stated, into an atlas that has nothing else, and makes it ready
  * for bundles. The atlas is the job's, until job_give(); NULL after a failure. */
-conus_atlas *streamlines_load(struct job *job, const char *path, const conus_load_options *options,
-                              conus_file_space space);
+conus_atlas *streamlines_load(struct job *job, const char *path, conus_file_space space);
 
 /** Adds the tractogram of @p alone, which is emptied, with a radius, mm, and a name as
  * streamlines_add() does. */

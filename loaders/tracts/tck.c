@@ -5,6 +5,7 @@
 #include "base/byte_order.h"
 #include "base/files/file.h"
 #include "base/files/folder.h"
+#include "base/formats/gzip.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/streamline_list.h"
@@ -14,32 +15,40 @@
 #include <stdio.h>
 #include <string.h>
 
-struct tck {
-    struct byte_stream *stream;
-    struct tract_build build;
-    struct text type, file, count; /* values of the header; no data where they are missing */
-    char type_name[16];
-    bool swapped, wide; /* of the numbers; wide: double */
-    bool has_count;
-    uint64_t offset, stated;
-    bool ended; /* the end's marker was read */
+enum { HEADER_LIMIT = 1 << 20 }; /* bytes in which a header ends */
+
+/* Values of the header, in the block at hand; no data where they are missing. */
+struct header {
+    struct text type, file, count;
+    size_t size; /* bytes of the header */
 };
 
-/* Keeps the values of the keys that are used, in the lines between the first and END; @p end: how many bytes they take.
- * A line without a colon goes on with the value before it, and is not kept. */
-static conus_status take_lines(struct tck *tck, size_t *end)
+struct tck {
+    struct job *job;
+    struct reader r;
+    struct tract_build *build;
+    const char *type;
+    bool wide; /* numbers are doubles */
+    bool has_count;
+    uint64_t stated; /* streamlines */
+    bool ended;      /* the end's marker was read */
+};
+
+/* Keeps the values of the keys that are used, in the lines between the first and END. A line without a colon goes on
+ * with the value before it, and is not kept. */
+static void take_lines(struct job *job, struct header *header, struct text block)
 {
     const struct {
         const char *key;
         struct text *value;
-    } keys[] = {{"datatype", &tck->type}, {"file", &tck->file}, {"count", &tck->count}};
-    struct text rest = {(const char *)tck->stream->data, tck->stream->size};
+    } keys[] = {{"datatype", &header->type}, {"file", &header->file}, {"count", &header->count}};
+    struct text rest = block;
     struct text line;
     (void)text_line(&rest, &line);
-    while (text_line(&rest, &line)) {
+    while (job_ok(job) && text_line(&rest, &line)) {
         if (text_equal(text_trim(line), "END") && rest.data > line.data + line.size) {
-            *end = (size_t)(rest.data - (const char *)tck->stream->data);
-            return CONUS_OK;
+            header->size = (size_t)(rest.data - block.data);
+            return;
         }
         bool colon = true;
         struct text key = {0};
@@ -49,15 +58,15 @@ static conus_status take_lines(struct tck *tck, size_t *end)
                 continue;
             }
             if (keys[i].value->data) {
-                return fail(CONUS_ERROR_DATA, "%s: found twice, allowed is once", keys[i].key);
+                job_bad(job, "%s: found twice, allowed is once", keys[i].key);
             }
             *keys[i].value = text_trim(line);
         }
     }
-    return fail(CONUS_ERROR_DATA, "header: found no line END in the first %zu bytes", tck->stream->size);
+    job_bad(job, "header: found no line END in the first %zu bytes", block.size);
 }
 
-static conus_status read_type(struct tck *tck)
+static void read_type(struct tck *tck, struct text type)
 {
     static const struct {
         const char *name;
@@ -65,104 +74,90 @@ static conus_status read_type(struct tck *tck)
     } types[] = {
         {"Float32LE", false, false}, {"Float32BE", false, true}, {"Float64LE", true, false}, {"Float64BE", true, true}};
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++) {
-        if (text_equal_ignoring_case(tck->type, types[i].name)) {
+        if (text_equal_ignoring_case(type, types[i].name)) {
             tck->wide = types[i].wide;
-            tck->swapped = types[i].big == BIG_ENDIAN_IS_SWAPPED;
-            snprintf(tck->type_name, sizeof tck->type_name, "%s", types[i].name);
-            return CONUS_OK;
+            tck->r.swapped = types[i].big == BIG_ENDIAN_IS_SWAPPED;
+            tck->type = types[i].name;
+            return;
         }
     }
-    return fail(CONUS_ERROR_DATA, "datatype: found \"%.*s\", allowed are Float32LE, Float32BE, Float64LE and Float64BE",
-                TEXT_SHOW(tck->type, 40));
+    job_bad(tck->job, "datatype: found \"%.*s\", allowed are Float32LE, Float32BE, Float64LE and Float64BE",
+            TEXT_SHOW(type, 40));
 }
 
 /* "file: . 620": in this file, from that byte on. */
-static conus_status tck_read_file(struct tck *tck, size_t header_size)
+static uint64_t read_offset(struct job *job, const struct header *header)
 {
-    struct text rest = tck->file;
+    struct text rest = header->file;
     struct text name = {0};
     struct text number = {0};
+    uint64_t offset = 0;
     (void)text_word(&rest, &name);
-    if (!text_equal(name, ".") || !text_word(&rest, &number) || !text_to_uint(number, UINT64_MAX, &tck->offset) ||
+    if (!text_equal(name, ".") || !text_word(&rest, &number) || !text_to_uint(number, UINT64_MAX, &offset) ||
         text_trim(rest).size) {
-        return fail(CONUS_ERROR_DATA, "file: found \"%.*s\", needed is \". OFFSET\"", TEXT_SHOW(tck->file, 40));
+        job_bad(job, "file: found \"%.*s\", needed is \". OFFSET\"", TEXT_SHOW(header->file, 40));
     }
-    if (tck->offset < header_size) {
-        return fail(CONUS_ERROR_DATA, "file: found offset %llu, the header ends at %zu",
-                    (unsigned long long)tck->offset, header_size);
+    if (offset < header->size) {
+        job_bad(job, "file: found offset %llu, the header ends at %zu", (unsigned long long)offset, header->size);
     }
-    return CONUS_OK;
+    return offset;
 }
 
-/* Goes to the first point. */
-static conus_status go_to_points(struct tck *tck)
+/* Reads the header and goes to the first point. */
+static void tck_take_header(struct tck *tck)
 {
-    struct byte_stream *stream = tck->stream;
-    conus_status status = CONUS_OK;
-    while (!status && stream->position < tck->offset) {
-        status = byte_stream_need(stream, 1);
-        uint64_t left = tck->offset - stream->position;
-        if (!status && !stream->size) {
-            return fail(CONUS_ERROR_DATA, "file: found offset %llu, the file has %llu bytes",
-                        (unsigned long long)tck->offset, (unsigned long long)stream->position);
-        }
-        byte_stream_skip(stream, status ? 0 : left < stream->size ? (size_t)left : stream->size);
+    struct header header = {0};
+    (void)reader_has(&tck->r, HEADER_LIMIT);
+    const struct text at_hand = {(const char *)tck->r.at, smaller_of((uint64_t)(tck->r.end - tck->r.at), HEADER_LIMIT)};
+    take_lines(tck->job, &header, at_hand);
+    read_type(tck, header.type);
+    const uint64_t offset = read_offset(tck->job, &header);
+    tck->has_count = header.count.data;
+    if (tck->has_count && !text_to_uint(header.count, UINT64_MAX, &tck->stated)) {
+        job_bad(tck->job, "count: found \"%.*s\", needed is a whole number", TEXT_SHOW(header.count, 40));
     }
-    return status;
-}
-
-static conus_status tck_take_header(struct tck *tck)
-{
-    size_t size = 0;
-    conus_status status;
-    if ((status = byte_stream_need(tck->stream, BYTE_STREAM_BLOCK)) || (status = take_lines(tck, &size)) ||
-        (status = read_type(tck)) || (status = tck_read_file(tck, size))) {
-        return status;
+    size_t size = 1;
+    for (uint64_t left = offset; job_ok(tck->job) && left && size; left -= size) {
+        (void)reader_some(&tck->r, left, 1, &size);
     }
-    tck->has_count = tck->count.data;
-    if (tck->has_count && !text_to_uint(tck->count, UINT64_MAX, &tck->stated)) {
-        return fail(CONUS_ERROR_DATA, "count: found \"%.*s\", needed is a whole number", TEXT_SHOW(tck->count, 40));
+    if (!size) {
+        job_bad(tck->job, "file: found offset %llu, the file has %llu bytes", (unsigned long long)offset,
+                (unsigned long long)reader_at(&tck->r));
     }
-    tck->type = tck->file = tck->count = (struct text){0}; /* they were in the block */
-    return go_to_points(tck);
 }
 
 /* Takes a triple that is no point: the end of a streamline or of the file. */
-static conus_status take_marker(struct tck *tck, const double p[3])
+static void take_marker(struct tck *tck, const double p[3])
 {
-    const struct tractogram *t = &tck->build.tractogram;
+    const struct tractogram *t = &tck->build->tractogram;
     if (isnan(p[0]) && isnan(p[1]) && isnan(p[2])) {
-        conus_status status = tract_build_streamline(&tck->build);
-        if (!status) {
-            tract_build_end_streamline(&tck->build);
+        if (tract_build_streamline(tck->build)) {
+            tract_build_end_streamline(tck->build);
         }
-        return status;
+        return;
     }
+    const uint64_t count = t->point_count - t->first[t->streamline_count];
     if (!isinf(p[0]) || !isinf(p[1]) || !isinf(p[2])) {
         char text[3][TEXT_NUMBER_SIZE];
-        return fail(CONUS_ERROR_DATA,
-                    "point %llu of streamline %zu (both from 0): found (%s, %s, %s); three NaN end a streamline, three "
-                    "infinities the file",
-                    (unsigned long long)(t->point_count - t->first[t->streamline_count]), t->streamline_count,
-                    text_number(text[0], p[0]), text_number(text[1], p[1]), text_number(text[2], p[2]));
-    }
-    if (t->point_count != t->first[t->streamline_count]) {
-        return fail(CONUS_ERROR_DATA, "streamline %zu (from 0): the end of the file comes before its own (NaN NaN NaN)",
-                    t->streamline_count);
+        job_bad(tck->job,
+                "point %llu of streamline %zu (both from 0): found (%s, %s, %s); three NaN end a streamline, three "
+                "infinities the file",
+                (unsigned long long)count, t->streamline_count, text_number(text[0], p[0]), text_number(text[1], p[1]),
+                text_number(text[2], p[2]));
+    } else if (count) {
+        job_bad(tck->job, "streamline %zu (from 0): the end of the file comes before its own (NaN NaN NaN)",
+                t->streamline_count);
     }
     tck->ended = true;
-    return CONUS_OK;
 }
 
-/* Takes @p count points and markers, for which there is room, up to the end's; @p taken: how many. */
-static inline conus_status take_triples(struct tck *tck, size_t count, size_t *taken, bool wide, bool swapped)
+/* Takes @p count points and markers, for which there is room, up to the end's, or to a failure. */
+static inline void take_triples(struct tck *tck, size_t count, bool wide, bool swapped)
 {
-    struct tractogram *t = &tck->build.tractogram;
-    const uint8_t *at = tck->stream->data;
+    struct tractogram *t = &tck->build->tractogram;
+    const uint8_t *at = tck->r.at;
     const size_t size = wide ? 8 : 4;
-    conus_status status = CONUS_OK;
-    size_t i;
-    for (i = 0; !status && !tck->ended && i < count; i++, at += 3 * size) {
+    for (size_t i = 0; i < count && !tck->ended; i++, at += 3 * size) {
         double p[3];
         for (size_t a = 0; a < 3; a++) {
             p[a] = wide ? order_f64(at + a * size, swapped) : (double)order_f32(at + a * size, swapped);
@@ -172,74 +167,51 @@ static inline conus_status take_triples(struct tck *tck, size_t count, size_t *t
             out[0] = (float)p[0], out[1] = (float)p[1], out[2] = (float)p[2];
             t->point_count++;
         } else {
-            status = take_marker(tck, p);
+            take_marker(tck, p);
+            tck->ended = tck->ended || !job_ok(tck->job);
         }
     }
-    *taken = i;
-    return status;
+    tck->r.at = at;
 }
 
-static conus_status take_block(struct tck *tck)
+static void take_block(struct tck *tck)
 {
     const size_t size = tck->wide ? 24 : 12;
-    conus_status status = byte_stream_need(tck->stream, size);
-    if (status) {
-        return status;
+    if (!reader_has(&tck->r, size)) {
+        job_bad(tck->job, "streamline %zu (from 0): the file ends without the marker of its end (inf inf inf)",
+                tck->build->tractogram.streamline_count);
+        return;
     }
-    size_t count = tck->stream->size / size;
-    if (!count) {
-        return fail(CONUS_ERROR_DATA,
-                    "streamline %zu (from 0): the file ends without the marker of its end (inf inf inf)",
-                    tck->build.tractogram.streamline_count);
+    const size_t count = (size_t)(tck->r.end - tck->r.at) / size;
+    const bool swapped = tck->r.swapped;
+    if (!tract_build_points(tck->build, count)) {
+        return;
     }
-    status = tract_build_points(&tck->build, count);
-    if (status) {
-        return status;
-    }
-    size_t taken = 0;
     if (tck->wide) { /* constants: the compiler makes a loop for each */
-        status =
-            tck->swapped ? take_triples(tck, count, &taken, true, true) : take_triples(tck, count, &taken, true, false);
+        swapped ? take_triples(tck, count, true, true) : take_triples(tck, count, true, false);
     } else {
-        status = tck->swapped ? take_triples(tck, count, &taken, false, true)
-                              : take_triples(tck, count, &taken, false, false);
+        swapped ? take_triples(tck, count, false, true) : take_triples(tck, count, false, false);
     }
-    byte_stream_skip(tck->stream, taken * size);
-    return status;
 }
 
-static conus_status tck_take_all(struct tck *tck)
+void tck_read(struct job *job, struct source *source, struct tract_build *build)
 {
-    const size_t size = tck->wide ? 24 : 12;
-    uint64_t most = tck->stream->is_packed ? 0 : byte_stream_most(tck->stream) / size;
-    conus_status status = tract_build_expect(&tck->build, most, 0);
-    while (!status && !tck->ended) {
-        status = take_block(tck);
+    struct tck tck = {.job = job, .r = source_reader(job, source), .build = build, .type = ""};
+    struct tractogram *t = &build->tractogram;
+    tck_take_header(&tck);
+    tract_build_expect(build, source->is_packed ? 0 : reader_most(&tck.r) / (tck.wide ? 24 : 12), 0);
+    while (job_ok(job) && !tck.ended) {
+        take_block(&tck);
     }
-    status = status ? status : byte_stream_need(tck->stream, 1);
-    if (!status && tck->stream->size) {
-        status = fail(CONUS_ERROR_DATA, "content: the file goes on after the marker of its end (inf inf inf)");
+    if (reader_has(&tck.r, 1)) {
+        job_bad(job, "content: the file goes on after the marker of its end (inf inf inf)");
     }
-    return status;
-}
-
-conus_status tck_read(struct tractogram *out, struct byte_stream *stream, uint64_t max_memory, struct notes *notes)
-{
-    struct tck tck = {.stream = stream, .build.max_memory = max_memory};
-    conus_status status = tck_take_header(&tck);
-    status = status ? status : tck_take_all(&tck);
-    size_t found = tck.build.tractogram.streamline_count;
-    if (!status && tck.has_count &&
-        tck.stated != found) { /* as interrupted programs leave it; MRtrix does not trust it */
-        status = notes_add(
-            notes, "count: the header says %llu, the file has %zu streamlines and its end; all of them are used",
-            (unsigned long long)tck.stated, found);
+    if (tck.has_count && tck.stated != t->streamline_count) { /* of an interrupted program; MRtrix does not trust it */
+        job_note(job, "count: the header says %llu, the file has %zu streamlines and its end; all of them are used",
+                 (unsigned long long)tck.stated, t->streamline_count);
     }
-    snprintf(tck.build.tractogram.format, sizeof tck.build.tractogram.format, "MRtrix %s%s", tck.type_name,
-             stream->is_packed ? ", gzip" : "");
-    status = status ? status : tract_build_take(out, &tck.build);
-    tract_build_finish(&tck.build);
-    return status;
+    tract_build_end(build);
+    snprintf(t->format, sizeof t->format, "MRtrix %s%s", tck.type, source->is_packed ? ", gzip" : "");
 }
 
 enum { HEADER_SIZE = 128, POINT = 3 * sizeof(float) };

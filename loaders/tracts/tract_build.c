@@ -5,23 +5,32 @@
 #include "base/formats/gzip.h"
 #include "base/memory.h"
 
-void tract_build_finish(struct tract_build *build)
+#include <string.h>
+
+/* Resizes the array to which `array` points. */
+static void resize(struct tract_build *build, void *array, uint64_t count, size_t size)
 {
-    tractogram_finish(&build->tractogram);
-    *build = (struct tract_build){0};
+    void *block;
+    memcpy(&block, array, sizeof block); /* a pointer of another type is not read as one of this */
+    block = job_step(build->job) ? memory_resize(block, count, size) : NULL;
+    if (job_need(build->job, block)) {
+        memcpy(array, &block, sizeof block);
+    }
 }
 
-conus_status tract_build_scalar(struct tract_build *build, struct text name, bool per_point, uint32_t components)
+void tract_build_scalar(struct tract_build *build, struct text name, bool per_point, uint32_t components)
 {
     struct tractogram *tractogram = &build->tractogram;
-    struct tract_scalar *scalars = memory_resize(tractogram->scalars, tractogram->scalar_count + 1, sizeof *scalars);
-    tractogram->scalars = scalars ? scalars : tractogram->scalars;
-    char *words = scalars ? text_to_utf8(name) : NULL;
-    if (!words) {
-        return CONUS_ERROR_MEMORY;
+    char *words = job_step(build->job) ? text_to_utf8(name) : NULL;
+    if (!job_need(build->job, words)) {
+        return;
     }
-    scalars[tractogram->scalar_count++] = (struct tract_scalar){words, per_point, components, NULL};
-    return CONUS_OK;
+    resize(build, &tractogram->scalars, tractogram->scalar_count + 1, sizeof *tractogram->scalars);
+    if (!job_ok(build->job)) {
+        memory_free(words);
+        return;
+    }
+    tractogram->scalars[tractogram->scalar_count++] = (struct tract_scalar){words, per_point, components, NULL};
 }
 
 /* Bytes per point or per streamline. */
@@ -46,47 +55,37 @@ static uint64_t most_allowed(const struct tract_build *build, bool per_point)
     return per_point || !most ? most : most - 1; /* of first there is one more */
 }
 
-static conus_status resize_scalars(struct tractogram *tractogram, bool per_point, uint64_t count)
+static void resize_scalars(struct tract_build *build, bool per_point, uint64_t count)
 {
-    for (size_t i = 0; i < tractogram->scalar_count; i++) {
-        struct tract_scalar *scalar = &tractogram->scalars[i];
+    for (size_t i = 0; i < build->tractogram.scalar_count; i++) {
+        struct tract_scalar *scalar = &build->tractogram.scalars[i];
         if (scalar->per_point == per_point) {
-            float *values = memory_resize(scalar->values, count, scalar->components * sizeof *values);
-            if (!values) {
-                return CONUS_ERROR_MEMORY;
-            }
-            scalar->values = values;
+            resize(build, &scalar->values, count, scalar->components * sizeof *scalar->values);
         }
     }
-    return CONUS_OK;
 }
 
-static conus_status resize_points(struct tract_build *build, uint64_t count)
+static void resize_points(struct tract_build *build, uint64_t count)
 {
-    struct tractogram *tractogram = &build->tractogram;
-    float *points = memory_resize(tractogram->points, count, 3 * sizeof *points);
-    tractogram->points = points ? points : tractogram->points;
-    conus_status status = points ? resize_scalars(tractogram, true, count) : CONUS_ERROR_MEMORY;
-    build->point_capacity = status ? build->point_capacity : count;
-    return status;
+    resize(build, &build->tractogram.points, count, 3 * sizeof *build->tractogram.points);
+    resize_scalars(build, true, count);
+    build->point_capacity = job_ok(build->job) ? count : build->point_capacity;
 }
 
-static conus_status resize_streamlines(struct tract_build *build, uint64_t count)
+static void resize_streamlines(struct tract_build *build, uint64_t count)
 {
     struct tractogram *tractogram = &build->tractogram;
     bool is_new = !tractogram->first;
-    uint64_t *first = memory_resize(tractogram->first, count + 1, sizeof *first);
-    tractogram->first = first ? first : tractogram->first;
-    if (first && is_new) {
-        first[0] = 0;
+    resize(build, &tractogram->first, count + 1, sizeof *tractogram->first);
+    if (tractogram->first && is_new) {
+        tractogram->first[0] = 0;
     }
-    conus_status status = first ? resize_scalars(tractogram, false, count) : CONUS_ERROR_MEMORY;
-    build->streamline_capacity = status ? build->streamline_capacity : count;
-    return status;
+    resize_scalars(build, false, count);
+    build->streamline_capacity = job_ok(build->job) ? count : build->streamline_capacity;
 }
 
 /* Room for `needed`, at least half as much again as there is. */
-static conus_status build_grow(struct tract_build *build, bool per_point, uint64_t needed)
+static bool build_grow(struct tract_build *build, bool per_point, uint64_t needed)
 {
     enum { LEAST = 64 };
     uint64_t capacity = per_point ? build->point_capacity : build->streamline_capacity;
@@ -94,42 +93,41 @@ static conus_status build_grow(struct tract_build *build, bool per_point, uint64
     uint64_t wanted = capacity + capacity / 2 + LEAST;
     wanted = smaller_of(wanted < needed ? needed : wanted, most);
     if (needed > most) {
-        return fail(
-            CONUS_ERROR_MEMORY, "%s: %llu or more take more than the %llu bytes that are allowed (--max-memory)",
-            per_point ? "points" : "streamlines", (unsigned long long)needed, (unsigned long long)build->max_memory);
+        job_fail(build->job, CONUS_ERROR_MEMORY,
+                 "%s: %llu or more take more than the %llu bytes that are allowed (--max-memory)",
+                 per_point ? "points" : "streamlines", (unsigned long long)needed,
+                 (unsigned long long)build->max_memory);
     }
-    return per_point ? resize_points(build, wanted) : resize_streamlines(build, wanted);
+    (per_point ? resize_points : resize_streamlines)(build, wanted);
+    return job_ok(build->job);
 }
 
-conus_status tract_build_expect(struct tract_build *build, uint64_t points, uint64_t streamlines)
+void tract_build_expect(struct tract_build *build, uint64_t points, uint64_t streamlines)
 {
-    conus_status status = resize_streamlines(build, smaller_of(streamlines, most_allowed(build, false)));
-    return status ? status : resize_points(build, smaller_of(points, most_allowed(build, true)));
+    resize_streamlines(build, smaller_of(streamlines, most_allowed(build, false)));
+    resize_points(build, smaller_of(points, most_allowed(build, true)));
 }
 
-conus_status tract_build_points(struct tract_build *build, uint64_t more)
+bool tract_build_points(struct tract_build *build, uint64_t more)
 {
     uint64_t needed = build->tractogram.point_count + more;
-    return needed <= build->point_capacity && build->tractogram.points ? CONUS_OK : build_grow(build, true, needed);
+    bool has_room = needed <= build->point_capacity && build->tractogram.points;
+    return has_room ? job_ok(build->job) : build_grow(build, true, needed);
 }
 
-conus_status tract_build_streamline(struct tract_build *build)
+bool tract_build_streamline(struct tract_build *build)
 {
     uint64_t needed = build->tractogram.streamline_count + 1;
+    bool has_room = needed <= build->streamline_capacity && build->tractogram.first;
     if (needed >= UINT32_MAX) {
-        return fail(CONUS_ERROR_DATA, "streamlines: found more than %u, which are allowed", UINT32_MAX - 1);
+        job_bad(build->job, "streamlines: found more than %u, which are allowed", UINT32_MAX - 1);
+        return false;
     }
-    return needed <= build->streamline_capacity && build->tractogram.first ? CONUS_OK
-                                                                           : build_grow(build, false, needed);
+    return has_room ? job_ok(build->job) : build_grow(build, false, needed);
 }
 
-conus_status tract_build_take(struct tractogram *out, struct tract_build *build)
+void tract_build_end(struct tract_build *build)
 {
-    conus_status status = resize_streamlines(build, build->tractogram.streamline_count);
-    status = status ? status : resize_points(build, build->tractogram.point_count);
-    if (!status) {
-        *out = build->tractogram;
-        *build = (struct tract_build){0};
-    }
-    return status;
+    resize_streamlines(build, build->tractogram.streamline_count);
+    resize_points(build, build->tractogram.point_count);
 }

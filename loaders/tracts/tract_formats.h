@@ -4,16 +4,14 @@
 #ifndef CONUS_LOADERS_TRACTS_TRACT_FORMATS_H
 #define CONUS_LOADERS_TRACTS_TRACT_FORMATS_H
 
-#include "atlas/tracts/tractogram.h"
-#include "base/files/file.h"
-#include "base/formats/byte_stream.h"
+#include "loaders/tracts/tract_build.h"
+#include "sources/source.h"
 
-/** Reads a tractogram to the end of @p stream. Fills in what a file says: format, points, streamlines, scalars and
- * groups. Messages are without the path. */
-typedef conus_status tract_reader(struct tractogram *out, struct byte_stream *stream, uint64_t max_memory,
-                                  struct notes *notes);
+/** Reads a tractogram to its end. Fills in what a file says: format, points, streamlines, scalars and groups, which are
+ * to be checked. */
+typedef void tract_reader(struct job *job, struct source *source, struct tract_build *build);
 
-/* TrackVis (.trk), version 1 and 2: a header of 1000 bytes, then each streamline as the number of its points, the
+/* TrackVis (.trk), version 1 to 3: a header of 1000 bytes, then each streamline as the number of its points, the
  * points with their scalars, and its properties. Points are in mm from the outer corner of the first voxel, along the
  * axes that voxel_order names; docs/spaces.md says how they come into the world. */
 tract_reader trk_read;
@@ -28,19 +26,12 @@ tract_reader tck_read;
 tract_reader tt_read;
 
 /* TRX (github.com/tee-ar-ex/trx-spec): a folder, or a zip archive, of header.json and arrays whose names say what they
- * are. Positions are world mm (RAS) already; those in half precision stay so. */
+ * are. Positions are world mm (RAS) already; those in half precision stay so, and those that are not packed in the
+ * memory of the archive. The job has the files of a folder. */
+tract_reader trx_read;
 
 /** True for a folder and for a name that ends in .trx. The head of a file cannot tell TRX from other zip archives. */
 bool trx_is_named(const char *path);
-
-/** Reads the archive or folder @p path: format, sum, points or halves, first, scalars and groups, which are to be
- * checked. CONUS_ERROR_IO, CONUS_ERROR_DATA for what contradicts itself, CONUS_ERROR_UNSUPPORTED, CONUS_ERROR_MEMORY
- * above @p max_memory bytes, those of the archive included. Messages carry the path. */
-conus_status trx_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes);
-
-/** The same for an archive in memory, without sum and path. @p archive is the caller's to finish, and may be empty
- * afterwards: positions that are not packed stay where they are. */
-conus_status trx_parse(struct tractogram *out, struct bytes *archive, uint64_t max_memory, struct notes *notes);
 
 /* Polylines in VTK's legacy format (.vtk) and in its XML format (.vtp), which loaders/surfaces/foreign parses. */
 

@@ -3,10 +3,9 @@
 #include "loaders/tracts/tract_formats.h"
 
 #include "base/byte_order.h"
+#include "base/formats/gzip.h"
 #include "base/geometry/math3.h"
-#include "base/notes.h"
-#include "base/text.h"
-#include "loaders/tracts/tract_build.h"
+#include "base/text_number.h"
 
 #include <stdio.h>
 
@@ -52,33 +51,37 @@ struct order {
 /* How much the length of 1 mm may change on its way into the world. */
 static const double length_tolerance = 0.01;
 
-static conus_status read_names(struct trk_names *out, const char *field, int16_t count, const uint8_t *names)
+static struct trk_names read_names(struct job *job, const char *field, int16_t count, const uint8_t *names)
 {
-    *out = (struct trk_names){(uint32_t)count, names};
-    return count >= 0 ? CONUS_OK : fail(CONUS_ERROR_DATA, "%s: found %d, allowed are 0 and more", field, count);
+    if (count < 0) {
+        job_bad(job, "%s: found %d, allowed are 0 and more", field, count);
+    }
+    return (struct trk_names){(uint32_t)count, names};
 }
 
 /* The three letters of voxel_order, of either case. */
-static conus_status read_order(struct order *out, const uint8_t *field, struct notes *notes)
+static struct order read_order(struct job *job, const uint8_t *field)
 {
+    struct order order = {0};
     static const char letters[] = "LRPAIS";
     unsigned found = 0;
-    snprintf(out->letters, sizeof out->letters, "%.4s", field[0] ? (const char *)field : "LPS");
+    snprintf(order.letters, sizeof order.letters, "%.4s", field[0] ? (const char *)field : "LPS");
     for (size_t i = 0; i < 3; i++) {
-        char letter = out->letters[i];
+        char letter = order.letters[i];
         char upper = (char)(letter >= 'a' && letter <= 'z' ? letter - 'a' + 'A' : letter);
         const char *at = upper ? strchr(letters, upper) : NULL;
         ptrdiff_t place = at ? at - letters : 6; /* axis 3: none */
-        out->axis[i] = (int)(place / 2);
-        out->sign[i] = place & 1 ? 1 : -1;
-        found |= 1U << out->axis[i];
+        order.axis[i] = (int)(place / 2);
+        order.sign[i] = place & 1 ? 1 : -1;
+        found |= 1U << order.axis[i];
     }
-    if (strlen(out->letters) != 3 || found != 7) {
-        text_make_plain(out->letters, "");
-        return fail(CONUS_ERROR_DATA, "voxel_order: found \"%s\", needed is one letter of each of LR, PA and IS",
-                    out->letters);
+    if (strlen(order.letters) != 3 || found != 7) {
+        text_make_plain(order.letters, "");
+        job_bad(job, "voxel_order: found \"%s\", needed is one letter of each of LR, PA and IS", order.letters);
+    } else if (!field[0]) {
+        job_note(job, "voxel_order: not stated, taken as LPS, TrackVis's own");
     }
-    return field[0] ? CONUS_OK : notes_add(notes, "voxel_order: not stated, taken as LPS, TrackVis's own");
+    return order;
 }
 
 /* The rotation, or reflection, that is nearest to @p m, whose columns have length 1: Newton's iteration for the polar
@@ -150,102 +153,91 @@ static bool trk_read_matrix(double out[16], const struct trk_header *header, con
     return recorded;
 }
 
-static conus_status read_sizes(double out[3], const struct trk_header *header, const uint8_t *data)
+static void read_sizes(struct job *job, double out[3], const struct trk_header *header, const uint8_t *data)
 {
-    char text[TEXT_NUMBER_SIZE];
     for (size_t i = 0; i < 3; i++) {
         out[i] = (double)order_f32(data + VOXEL_SIZE + 4 * i, header->swapped);
         if (!(out[i] > 0) || !isfinite(out[i])) {
-            return fail(CONUS_ERROR_DATA, "voxel_size: found %s of axis %zu, allowed is above 0 mm",
-                        text_number(text, out[i]), i);
+            job_bad(job, "voxel_size: found %s of axis %zu, allowed is above 0 mm", NUMBER_TEXT(out[i]), i);
         }
     }
-    return CONUS_OK;
 }
 
 /* out = voxel indices of the matrix from those of the header: axes that run the other way are turned round. */
-static conus_status turn_axes(double out[16], const struct trk_header *header, const struct order *file,
-                              const struct order *matrix, const uint8_t *data, struct notes *notes)
+static void turn_axes(struct job *job, double out[16], const struct trk_header *header, const struct order *file,
+                      const struct order *matrix, const uint8_t *data)
 {
     bool any = false;
     mat4_identity(out);
     for (size_t i = 0; i < 3; i++) {
         int16_t dim = order_i16(data + DIM + 2 * i, header->swapped);
-        if (file->axis[i] != matrix->axis[i]) {
-            return fail(CONUS_ERROR_UNSUPPORTED,
-                        "voxel_order: found %s, vox_to_ras has %s; an axis may run the other way, not elsewhere",
-                        file->letters, matrix->letters);
-        }
         bool turned = file->sign[i] != matrix->sign[i];
-        if (turned && dim < 1) {
-            return fail(CONUS_ERROR_DATA,
-                        "dim: found %d of axis %zu, which voxel_order %s turns; allowed are 1 and more", dim, i,
-                        file->letters);
+        if (file->axis[i] != matrix->axis[i]) {
+            job_refuse(job, "voxel_order: found %s, vox_to_ras has %s; an axis may run the other way, not elsewhere",
+                       file->letters, matrix->letters);
+        } else if (turned && dim < 1) {
+            job_bad(job, "dim: found %d of axis %zu, which voxel_order %s turns; allowed are 1 and more", dim, i,
+                    file->letters);
         }
         out[5 * i] = turned ? -1 : 1;
         out[12 + i] = turned ? dim - 1 : 0;
         any = any || turned;
     }
-    return !any ? CONUS_OK
-                : notes_add(notes, "voxel_order: %s, vox_to_ras has %s: the axes that differ are turned round",
-                            file->letters, matrix->letters);
+    if (any) {
+        job_note(job, "voxel_order: %s, vox_to_ras has %s: the axes that differ are turned round", file->letters,
+                 matrix->letters);
+    }
 }
 
 /* 1 mm in the file has to be 1 mm in the world. */
-static conus_status check_lengths(const struct trk_header *header, const double sizes[3], bool recorded)
+static void check_lengths(struct job *job, const struct trk_header *header, const double sizes[3])
 {
     for (int i = 0; i < 3; i++) {
-        char text[2][TEXT_NUMBER_SIZE];
         double length = vec3_length(header->world + 4 * i);
         if (!(fabs(length - 1) <= length_tolerance)) {
-            text_number(text[0], sizes[i]);
-            text_number(text[1], sizes[i] * length);
-            return recorded
-                       ? fail(CONUS_ERROR_DATA,
-                              "voxel_size: found %s mm of axis %d, vox_to_ras has %s; needed is the same", text[0], i,
-                              text[1])
-                       : fail(CONUS_ERROR_DATA,
-                              "vox_to_ras: not recorded, and voxel_size is %s mm of axis %d; without the matrix only "
-                              "1 mm is allowed",
-                              text[0], i);
+            const char *size = NUMBER_TEXT(sizes[i]);
+            if (header->has_matrix) {
+                job_bad(job, "voxel_size: found %s mm of axis %d, vox_to_ras has %s; needed is the same", size, i,
+                        NUMBER_TEXT(sizes[i] * length));
+            }
+            job_bad(job,
+                    "vox_to_ras: not recorded, and voxel_size is %s mm of axis %d; without the matrix only 1 mm is "
+                    "allowed",
+                    size, i);
         }
     }
-    return CONUS_OK;
 }
 
 /* The way of docs/spaces.md: mm to voxels, corner to centre, axes as in the matrix, the matrix. */
-static conus_status make_world(struct trk_header *header, const uint8_t *data, struct notes *notes)
+static void make_world(struct job *job, struct trk_header *header, const uint8_t *data)
 {
-    struct order file;
     struct order matrix;
     double sizes[3];
     double voxel[16];
     double turn[16];
     double inverse[16];
     double *world = header->world;
-    const bool recorded = header->has_matrix = trk_read_matrix(world, header, data);
-    conus_status status;
-    if (!recorded && (status = notes_warn(notes, "vox_to_ras: not recorded, taken as the identity: nothing says where "
-                                                 "in the world the streamlines are"))) {
-        return status;
+    header->has_matrix = trk_read_matrix(world, header, data);
+    if (!header->has_matrix) {
+        job_warn(job,
+                 "vox_to_ras: not recorded, taken as the identity: nothing says where in the world the streamlines "
+                 "are");
+    } else if (!mat4_settle_last_row(world)) {
+        job_bad(job, "vox_to_ras: last row %.9g %.9g %.9g %.9g, 0 0 0 1 is needed", world[3], world[7], world[11],
+                world[15]);
+    } else if (!mat4_invert_affine(inverse, world)) {
+        job_bad(job, "vox_to_ras: is singular or not finite, needed is a matrix with an inverse");
     }
-    if (recorded && !mat4_settle_last_row(world)) {
-        return fail(CONUS_ERROR_DATA, "vox_to_ras: last row %.9g %.9g %.9g %.9g, 0 0 0 1 is needed", world[3], world[7],
-                    world[11], world[15]);
-    }
-    if (recorded && !mat4_invert_affine(inverse, world)) {
-        return fail(CONUS_ERROR_DATA, "vox_to_ras: is singular or not finite, needed is a matrix with an inverse");
-    }
-    if ((status = read_sizes(sizes, header, data)) || (status = read_order(&file, data + VOXEL_ORDER, notes))) {
-        return status;
+    read_sizes(job, sizes, header, data);
+    const struct order file = read_order(job, data + VOXEL_ORDER);
+    if (!job_ok(job)) {
+        return; /* sizes may be 0 */
     }
     if (!order_of_matrix(&matrix, world)) {
-        return fail(CONUS_ERROR_DATA, "vox_to_ras: has no axes, needed is a matrix with an inverse");
+        job_bad(job, "vox_to_ras: has no axes, needed is a matrix with an inverse");
+        return;
     }
-    status = turn_axes(turn, header, &file, &matrix, data, notes);
-    if (status) {
-        return status;
-    }
+    turn_axes(job, turn, header, &file, &matrix, data);
     mat4_identity(voxel);
     for (int i = 0; i < 3; i++) {
         voxel[5 * i] = 1 / sizes[i];
@@ -253,47 +245,43 @@ static conus_status make_world(struct trk_header *header, const uint8_t *data, s
     }
     mat4_multiply(turn, turn, voxel);
     mat4_multiply(world, world, turn);
-    return check_lengths(header, sizes, recorded);
+    check_lengths(job, header, sizes);
 }
 
-/* Parses the TRK_HEADER_SIZE bytes at `data`, which `out` points into. CONUS_ERROR_DATA, CONUS_ERROR_UNSUPPORTED. */
-static conus_status trk_header_parse(struct trk_header *out, const uint8_t *data, struct notes *notes)
+/* Parses the TRK_HEADER_SIZE bytes at `data`, in which its names stay. CONUS_ERROR_DATA, CONUS_ERROR_UNSUPPORTED. */
+static struct trk_header trk_header_parse(struct job *job, const uint8_t *data)
 {
     int32_t size = order_i32(data + HEADER_SIZE, false);
     const bool swapped = size != TRK_HEADER_SIZE;
     if (swapped && order_i32(data + HEADER_SIZE, true) != TRK_HEADER_SIZE) {
-        return fail(CONUS_ERROR_DATA, "hdr_size: found %d, needed is %d in either byte order", size, TRK_HEADER_SIZE);
+        job_bad(job, "hdr_size: found %d, needed is %d in either byte order", size, TRK_HEADER_SIZE);
     }
     int32_t count = order_i32(data + STREAMLINE_COUNT, swapped);
     struct trk_header header = {
         .swapped = swapped, .version = order_i32(data + VERSION, swapped), .streamline_count = (uint32_t)count};
     if (header.version < 1 || header.version > 3) { /* 3 is laid out as 2 */
-        return fail(CONUS_ERROR_UNSUPPORTED, "version: found %d, allowed are 1 to 3", header.version);
+        job_refuse(job, "version: found %d, allowed are 1 to 3", header.version);
     }
     if (count < 0) {
-        return fail(CONUS_ERROR_DATA, "n_count: found %d, allowed are 0 (not stated) and more", count);
+        job_bad(job, "n_count: found %d, allowed are 0 (not stated) and more", count);
     }
-    conus_status status;
-    if ((status =
-             read_names(&header.scalars, "n_scalars", order_i16(data + SCALAR_COUNT, swapped), data + SCALAR_NAMES)) ||
-        (status = read_names(&header.properties, "n_properties", order_i16(data + PROPERTY_COUNT, swapped),
-                             data + PROPERTY_NAMES)) ||
-        (status = make_world(&header, data, notes))) {
-        return status;
-    }
-    *out = header;
-    return CONUS_OK;
+    header.scalars = read_names(job, "n_scalars", order_i16(data + SCALAR_COUNT, swapped), data + SCALAR_NAMES);
+    header.properties =
+        read_names(job, "n_properties", order_i16(data + PROPERTY_COUNT, swapped), data + PROPERTY_NAMES);
+    make_world(job, &header, data);
+    return header;
 }
 
 struct trk {
-    struct byte_stream *stream;
+    struct job *job;
+    struct reader r;
     struct trk_header header;
-    struct tract_build build;
+    struct tract_build *build;
     size_t stride; /* bytes of a point with its scalars */
 };
 
 /* A name ends with its first NUL; one of several numbers has their count behind it, as "name\0003". */
-static conus_status split_name(struct text *name, uint64_t *count, const uint8_t *field, const char *what)
+static struct text split_name(struct job *job, uint64_t *count, const uint8_t *field, const char *what)
 {
     size_t length = strnlen((const char *)field, TRK_NAME_SIZE);
     size_t start = length < TRK_NAME_SIZE ? length + 1 : length;
@@ -303,51 +291,48 @@ static conus_status split_name(struct text *name, uint64_t *count, const uint8_t
     for (size_t i = end; i < TRK_NAME_SIZE; i++) {
         padded = padded && !field[i];
     }
-    *name = (struct text){(const char *)field, length};
     *count = 1;
     if (!padded || (digits.size && !(text_to_uint(digits, INT16_MAX, count) && *count))) {
-        return fail(CONUS_ERROR_DATA, "%s: found other bytes after \"%.*s\", allowed is how many numbers it has", what,
-                    (int)length, (const char *)field);
+        job_bad(job, "%s: found other bytes after \"%.*s\", allowed is how many numbers it has", what, (int)length,
+                (const char *)field);
     }
-    return CONUS_OK;
+    return (struct text){(const char *)field, length};
 }
 
 /* Adds the scalars that the header names; numbers without a name are called @p others, which is nibabel's word. */
-static conus_status add_names(struct trk *trk, const struct trk_names *names, bool per_point)
+static void add_names(struct trk *trk, const struct trk_names *names, bool per_point)
 {
     const char *what = per_point ? "scalar_name" : "property_name";
     uint64_t left = names->count;
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && left && i < TRK_NAMES; i++) {
-        struct text name = {0};
+    for (size_t i = 0; job_ok(trk->job) && left && i < TRK_NAMES; i++) {
         uint64_t count = 0;
         const uint8_t *field = names->names + i * TRK_NAME_SIZE;
-        status = field[0] ? split_name(&name, &count, field, what) : CONUS_OK;
-        if (!status && count > left) {
-            status = fail(CONUS_ERROR_DATA, "%s: the names have more numbers than the %u of %s", what, names->count,
-                          per_point ? "n_scalars" : "n_properties");
+        if (!field[0]) {
+            continue;
         }
-        if (!status && count) {
-            status = tract_build_scalar(&trk->build, name, per_point, (uint32_t)count);
-            left -= count;
+        const struct text name = split_name(trk->job, &count, field, what);
+        if (count > left) {
+            job_bad(trk->job, "%s: the names have more numbers than the %u of %s", what, names->count,
+                    per_point ? "n_scalars" : "n_properties");
         }
+        tract_build_scalar(trk->build, name, per_point, (uint32_t)count);
+        left -= count;
     }
-    if (status || !left) {
-        return status;
+    if (left) {
+        struct text others = text_from(per_point ? "scalars" : "properties");
+        tract_build_scalar(trk->build, others, per_point, (uint32_t)left);
     }
-    struct text others = text_from(per_point ? "scalars" : "properties");
-    return tract_build_scalar(&trk->build, others, per_point, (uint32_t)left);
 }
 
 /* Brings @p size bytes to hand; where the file lacks them, the message names the streamline. */
-static conus_status trk_need(struct trk *trk, size_t size, const char *what)
+static bool trk_has(struct trk *trk, size_t size, const char *what)
 {
-    conus_status status = byte_stream_need(trk->stream, size);
-    if (!status && trk->stream->size < size) {
-        return fail(CONUS_ERROR_DATA, "streamline %zu (from 0): the file ends within its %s; n_count is %u",
-                    trk->build.tractogram.streamline_count, what, trk->header.streamline_count);
+    bool has = reader_has(&trk->r, size);
+    if (!has) {
+        job_bad(trk->job, "streamline %zu (from 0): the file ends within its %s; n_count is %u",
+                trk->build->tractogram.streamline_count, what, trk->header.streamline_count);
     }
-    return status;
+    return has;
 }
 
 static inline void place_points(float *out, const uint8_t *data, size_t count, size_t stride, const double world[16],
@@ -368,7 +353,7 @@ static inline void place_points(float *out, const uint8_t *data, size_t count, s
 /* Takes the scalars of @p count points, or the properties of a streamline, from rows of @p stride bytes. */
 static void take_scalars(struct trk *trk, const uint8_t *data, size_t count, size_t stride, bool per_point)
 {
-    struct tractogram *tractogram = &trk->build.tractogram;
+    struct tractogram *tractogram = &trk->build->tractogram;
     uint64_t from = per_point ? tractogram->point_count : tractogram->streamline_count;
     for (size_t s = 0; s < tractogram->scalar_count; s++) {
         const struct tract_scalar *scalar = &tractogram->scalars[s];
@@ -385,115 +370,108 @@ static void take_scalars(struct trk *trk, const uint8_t *data, size_t count, siz
     }
 }
 
-/* Takes the points that are at hand, at most @p count, and one or more. */
-static conus_status take_points(struct trk *trk, size_t count, size_t *taken)
+/* Takes the points that are at hand, at most @p count, and one or more; gives how many, 0 after a failure. */
+static size_t take_points(struct trk *trk, size_t count)
 {
-    struct tractogram *tractogram = &trk->build.tractogram;
-    conus_status status = trk_need(trk, trk->stride, "points");
-    *taken = trk->stream->size / trk->stride < count ? trk->stream->size / trk->stride : count;
-    if (status || (status = tract_build_points(&trk->build, *taken))) {
-        return status;
+    struct tractogram *tractogram = &trk->build->tractogram;
+    if (!trk_has(trk, trk->stride, "points")) {
+        return 0;
     }
-    const uint8_t *data = trk->stream->data;
+    const uint8_t *data = trk->r.at;
+    const size_t taken = smaller_of((size_t)(trk->r.end - data) / trk->stride, count);
+    if (!tract_build_points(trk->build, taken)) {
+        return 0;
+    }
     float *out = tractogram->points + 3 * tractogram->point_count;
     if (trk->header.swapped) {
-        place_points(out, data, *taken, trk->stride, trk->header.world, true);
+        place_points(out, data, taken, trk->stride, trk->header.world, true);
     } else {
-        place_points(out, data, *taken, trk->stride, trk->header.world, false);
+        place_points(out, data, taken, trk->stride, trk->header.world, false);
     }
-    take_scalars(trk, data + 12, *taken, trk->stride, true);
-    tractogram->point_count += *taken;
-    byte_stream_skip(trk->stream, *taken * trk->stride);
-    return CONUS_OK;
+    take_scalars(trk, data + 12, taken, trk->stride, true);
+    tractogram->point_count += taken;
+    trk->r.at += taken * trk->stride;
+    return taken;
 }
 
 /* The streamline that begins at hand, with the number of its points. */
-static conus_status trk_take_streamline(struct trk *trk)
+static void trk_take_streamline(struct trk *trk)
 {
-    conus_status status = trk_need(trk, 4, "number of points");
-    if (status) {
-        return status;
+    struct tract_build *build = trk->build;
+    if (!trk_has(trk, 4, "number of points")) {
+        return;
     }
-    int32_t count = order_i32(trk->stream->data, trk->header.swapped);
-    size_t properties = 4 * (size_t)trk->header.properties.count;
-    byte_stream_skip(trk->stream, 4);
-    uint64_t most = byte_stream_most(trk->stream) / trk->stride;
+    int32_t count = order_i32(trk->r.at, trk->header.swapped);
+    const size_t properties = 4 * (size_t)trk->header.properties.count;
+    trk->r.at += 4;
+    uint64_t most = reader_most(&trk->r) / trk->stride;
     if (count < 0 || (uint64_t)count > most) {
-        return fail(CONUS_ERROR_DATA, "streamline %zu (from 0): found %d points, the file has room for 0 to %llu",
-                    trk->build.tractogram.streamline_count, count, (unsigned long long)most);
+        job_bad(trk->job, "streamline %zu (from 0): found %d points, the file has room for 0 to %llu",
+                build->tractogram.streamline_count, count, (unsigned long long)most);
+        return;
     }
-    for (size_t left = (size_t)count, taken = 0; !status && left; left -= taken) {
-        status = take_points(trk, left, &taken);
+    size_t taken = 1;
+    for (size_t left = (size_t)count; left && taken; left -= taken) {
+        taken = take_points(trk, left);
     }
-    if (status || (status = trk_need(trk, properties, "properties")) ||
-        (status = tract_build_streamline(&trk->build))) {
-        return status;
+    if (taken && trk_has(trk, properties, "properties") && tract_build_streamline(build)) {
+        take_scalars(trk, trk->r.at, 1, properties, false);
+        trk->r.at += properties;
+        tract_build_end_streamline(build);
     }
-    take_scalars(trk, trk->stream->data, 1, properties, false);
-    byte_stream_skip(trk->stream, properties);
-    tract_build_end_streamline(&trk->build);
-    return CONUS_OK;
 }
 
-static conus_status trk_take_all(struct trk *trk)
+static void trk_take_all(struct trk *trk, bool is_packed)
 {
-    const struct tractogram *tractogram = &trk->build.tractogram;
-    uint32_t stated = trk->header.streamline_count;
-    uint64_t bytes = byte_stream_most(trk->stream);
-    uint64_t each = 4 + 4 * (uint64_t)trk->header.properties.count;
+    const struct tractogram *tractogram = &trk->build->tractogram;
+    const uint32_t stated = trk->header.streamline_count;
+    const uint64_t bytes = reader_most(&trk->r);
+    const uint64_t each = 4 + 4 * (uint64_t)trk->header.properties.count;
     if (stated > bytes / each) {
-        return fail(CONUS_ERROR_DATA, "n_count: found %llu, the file has room for %llu at most",
-                    (unsigned long long)stated, (unsigned long long)(bytes / each));
+        job_bad(trk->job, "n_count: found %llu, the file has room for %llu at most", (unsigned long long)stated,
+                (unsigned long long)(bytes / each));
+        return;
     }
-    bool is_packed = trk->stream->is_packed; /* else all bytes that are no counts and properties are points */
-    conus_status status =
-        tract_build_expect(&trk->build, is_packed ? 0 : (bytes - stated * each) / trk->stride, is_packed ? 0 : stated);
-    bool ends = false;
-    while (!status && !ends && (!stated || tractogram->streamline_count < stated)) {
-        status = byte_stream_need(trk->stream, 1);
-        ends = !status && !stated && !trk->stream->size; /* 0 means unknown: the stream's end ends it */
-        status = status || ends ? status : trk_take_streamline(trk);
+    if (!is_packed) { /* all bytes that are no counts and properties are points */
+        tract_build_expect(trk->build, (bytes - stated * each) / trk->stride, stated);
     }
-    status = status ? status : byte_stream_need(trk->stream, 1);
-    if (!status && trk->stream->size) {
-        status = fail(CONUS_ERROR_DATA, "n_count: found %u, the file goes on after that many streamlines", stated);
+    while (stated ? job_ok(trk->job) && tractogram->streamline_count < stated : reader_has(&trk->r, 1)) {
+        trk_take_streamline(trk); /* 0 means unknown: the stream's end ends it */
     }
-    return status;
+    if (reader_has(&trk->r, 1)) {
+        job_bad(trk->job, "n_count: found %u, the file goes on after that many streamlines", stated);
+    }
 }
 
-static conus_status trk_take_header(struct trk *trk, struct notes *notes)
+/* False after a failure. */
+static bool trk_take_header(struct trk *trk)
 {
-    uint8_t header[TRK_HEADER_SIZE];
-    conus_status status = byte_stream_need(trk->stream, TRK_HEADER_SIZE);
-    if (status) {
-        return status;
+    if (!reader_has(&trk->r, TRK_HEADER_SIZE)) {
+        job_bad(trk->job, "header: found %zu bytes, needed are %d", (size_t)(trk->r.end - trk->r.at), TRK_HEADER_SIZE);
+        return false;
     }
-    if (trk->stream->size < TRK_HEADER_SIZE) {
-        return fail(CONUS_ERROR_DATA, "header: found %zu bytes, needed are %d", trk->stream->size, TRK_HEADER_SIZE);
-    }
-    memcpy(header, trk->stream->data, TRK_HEADER_SIZE);
-    byte_stream_skip(trk->stream, TRK_HEADER_SIZE);
-    if ((status = trk_header_parse(&trk->header, header, notes)) ||
-        (status = add_names(trk, &trk->header.scalars, true))) {
-        return status;
-    }
+    trk->header = trk_header_parse(trk->job, trk->r.at);
+    trk->r.at += TRK_HEADER_SIZE;
     trk->stride = 4 * (3 + (size_t)trk->header.scalars.count);
-    return add_names(trk, &trk->header.properties, false);
+    add_names(trk, &trk->header.scalars, true);
+    add_names(trk, &trk->header.properties, false);
+    return job_ok(trk->job);
 }
 
-conus_status trk_read(struct tractogram *out, struct byte_stream *stream, uint64_t max_memory, struct notes *notes)
+void trk_read(struct job *job, struct source *source, struct tract_build *build)
 {
-    struct trk trk = {.stream = stream, .build.max_memory = max_memory};
-    conus_status status = trk_take_header(&trk, notes);
-    status = status ? status : trk_take_all(&trk);
-    if (!status && !trk.header.streamline_count && trk.build.tractogram.streamline_count) {
-        status = notes_add(notes, "n_count: not stated, the file has %zu", trk.build.tractogram.streamline_count);
+    struct trk trk = {.job = job, .r = source_reader(job, source), .build = build};
+    struct tractogram *t = &build->tractogram;
+    if (!trk_take_header(&trk)) {
+        return;
     }
+    trk_take_all(&trk, source->is_packed);
+    if (!trk.header.streamline_count && t->streamline_count) {
+        job_note(job, "n_count: not stated, the file has %zu", t->streamline_count);
+    }
+    tract_build_end(build);
     bool big = trk.header.swapped == BIG_ENDIAN_IS_SWAPPED;
-    snprintf(trk.build.tractogram.format, sizeof trk.build.tractogram.format, "TrackVis %d%s%s", trk.header.version,
-             stream->is_packed ? ", gzip" : "", big ? ", big-endian" : "");
-    trk.build.tractogram.states_mm = trk.header.has_matrix;
-    status = status ? status : tract_build_take(out, &trk.build);
-    tract_build_finish(&trk.build);
-    return status;
+    snprintf(t->format, sizeof t->format, "TrackVis %d%s%s", trk.header.version, source->is_packed ? ", gzip" : "",
+             big ? ", big-endian" : "");
+    t->states_mm = trk.header.has_matrix;
 }

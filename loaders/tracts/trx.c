@@ -2,11 +2,8 @@
 /* Reads TRX: header.json first, then offsets, numbers and groups, then positions. */
 #include "loaders/tracts/tract_formats.h"
 
-#include "base/buffer.h"
 #include "base/byte_order.h"
-#include "base/files/file_sums.h"
 #include "base/files/folder.h"
-#include "base/formats/gzip.h"
 #include "base/formats/json_text.h"
 #include "base/formats/zip.h"
 #include "base/memory.h"
@@ -15,126 +12,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-struct trx_files {
-    struct bytes *archive; /* NULL of a folder. */
-    struct zip zip;        /* The archive's files. */
-    const char *folder;
-    struct names names;    /* The folder's files: "header.json", "dps/weight.float32". */
-    struct file_sums read; /* The folder's files that were opened. */
-    uint64_t left;         /* Bytes of memory that may still be taken. */
-};
-
-/* Bytes of a file: the archive's own where it is not packed, else `owned`. */
-struct trx_view {
-    const uint8_t *data;
-    size_t size;
-    struct bytes owned;
-};
-
-/* Takes `size` bytes from what is left, for `what`. CONUS_ERROR_MEMORY. */
-static conus_status trx_files_spend(struct trx_files *files, uint64_t size, const char *what)
-{
-    if (size > files->left) {
-        return fail(CONUS_ERROR_MEMORY, "%s: %llu bytes, allowed are %llu more (--max-memory)", what,
-                    (unsigned long long)size, (unsigned long long)files->left);
-    }
-    files->left -= size;
-    return CONUS_OK;
-}
-
-/* The folders of a TRX's files, behind the one around them. */
-static const char *const folders[] = {"", "dps/", "dpv/", "groups/"};
-
-static bool is_folder_or_hidden(const char *name)
-{
-    bool found = name[0] == '.';
-    for (size_t i = 1; i < sizeof folders / sizeof folders[0]; i++) {
-        found = found || (strncmp(name, folders[i], strlen(name)) == 0 && strlen(name) + 1 == strlen(folders[i]));
-    }
-    return found;
-}
-
-/* The names in folder/in, which is "" or ends in '/'. CONUS_ERROR_UNSUPPORTED for NAMES_LIMIT files or more. */
-static conus_status list_in(struct trx_files *out, const char *in)
-{
-    struct buffer path = {0};
-    struct names names = {0};
-    buffer_format(&path, "%s/%s", out->folder, in);
-    conus_status status = buffer_status(&path);
-    status = status ? status : names_list(&names, path.data, "");
-    if (!status && names.count >= NAMES_LIMIT) {
-        status = fail(CONUS_ERROR_UNSUPPORTED, "%s: %d files or more, a TRX of so many is read as a zip archive only",
-                      path.data, NAMES_LIMIT);
-    }
-    for (size_t i = 0; !status && i < names.count; i++) {
-        if (!is_folder_or_hidden(names.names[i])) {
-            path.size = 0;
-            buffer_format(&path, "%s%s", in, names.names[i]);
-            status = buffer_status(&path);
-            status = status ? status : names_add(&out->names, path.data);
-        }
-    }
-    names_finish(&names);
-    buffer_finish(&path);
-    return status;
-}
-
-static size_t trx_files_count(const struct trx_files *files)
-{
-    return files->folder ? files->names.count : files->zip.count;
-}
-
-static struct text trx_files_name(const struct trx_files *files, size_t index)
-{
-    return files->folder ? text_from(files->names.names[index]) : files->zip.entries[index].name;
-}
-
-/* Opens a file, verified; end it with trx_files_close(). CONUS_ERROR_MEMORY above what is left. */
-static conus_status trx_files_open(struct trx_view *out, struct trx_files *files, size_t index)
-{
-    const struct zip_entry *entry = files->folder ? NULL : &files->zip.entries[index];
-    struct bytes owned = {0};
-    if (entry && !entry->is_packed) {
-        *out = (struct trx_view){.data = files->zip.data + entry->at, .size = entry->stored};
-        return zip_verify(&files->zip, entry);
-    }
-    conus_status status;
-    if (entry) {
-        status = zip_unpack(&owned, &files->zip, entry, files->left);
-    } else {
-        struct buffer path = {0};
-        buffer_format(&path, "%s/%s", files->folder, files->names.names[index]);
-        status = buffer_status(&path);
-        status = status ? status : file_read_allowed(&owned, path.data, files->left);
-        status = status ? status : file_sums_add(&files->read, path.data, &owned);
-        buffer_finish(&path);
-    }
-    files->left -= owned.size;
-    *out = (struct trx_view){owned.data, owned.size, owned};
-    return status;
-}
-
-static void trx_files_close(struct trx_view *view, struct trx_files *files)
-{
-    files->left += view->owned.size;
-    bytes_finish(&view->owned);
-    *view = (struct trx_view){0};
-}
-
-/* Keeps the bytes of the last file that is read, instead of closing it: they begin at *at of `out`, which may be the
- * archive itself; that is empty then, and no other file is left. */
-static void trx_files_keep(struct bytes *out, size_t *at, struct trx_view *view, struct trx_files *files)
-{
-    bool is_own = view->owned.data != NULL;
-    *at = is_own ? 0 : (size_t)(view->data - files->archive->data);
-    *out = is_own ? view->owned : *files->archive;
-    if (!is_own) {
-        *files->archive = (struct bytes){0};
-        zip_finish(&files->zip);
-    }
-    *view = (struct trx_view){0};
-}
 
 enum { SCALAR_LIMIT = 4096, COMPONENT_LIMIT = 65536, SHOWN = 100 };
 
@@ -159,14 +36,111 @@ struct array {
 };
 
 struct trx {
-    struct tractogram *out;
-    struct trx_files files;
-    struct notes *notes;
-    size_t scalar_capacity, group_capacity;
+    struct job *job;
+    struct tract_build *build; /* its max_memory: bytes that may still be taken */
+    const char *folder;        /* NULL of an archive */
+    LIST(char *) names;        /* the folder's files: "header.json", "dps/weight.float32" */
+    struct bytes archive;
+    struct zip zip; /* the archive's files */
+    size_t group_capacity;
     size_t passed_over;       /* files that are not read */
     struct text passed_first; /* the first of them */
     bool has_group_values;
 };
+
+/* Bytes of a file: the archive's own where it is not packed. */
+struct trx_view {
+    const uint8_t *data;
+    size_t size;
+    uint8_t *block; /* of the job, in which they lie */
+    bool is_own;    /* they are in no archive */
+    struct job_mark before;
+};
+
+/* Takes `size` bytes from what is left, for `what`. CONUS_ERROR_MEMORY. */
+static void spend(struct trx *trx, uint64_t size, const char *what)
+{
+    if (size > trx->build->max_memory) {
+        job_fail(trx->job, CONUS_ERROR_MEMORY, "%s: %llu bytes, allowed are %llu more (--max-memory)", what,
+                 (unsigned long long)size, (unsigned long long)trx->build->max_memory);
+    }
+    trx->build->max_memory -= job_ok(trx->job) ? size : 0;
+}
+
+/* `count` elements of `size` bytes that become the tractogram's; NULL after a failure. */
+static void *take_array(struct trx *trx, size_t count, size_t size, const char *what)
+{
+    spend(trx, (uint64_t)count * size, what);
+    void *array = job_step(trx->job) ? memory_raw(count, size) : NULL;
+    return job_need(trx->job, array) ? array : NULL;
+}
+
+/* The folders of a TRX's files, behind the one around them. */
+static const char *const folders[] = {"", "dps/", "dpv/", "groups/"};
+
+static bool is_folder_or_hidden(const char *name)
+{
+    bool found = name[0] == '.';
+    for (size_t i = 1; i < sizeof folders / sizeof folders[0]; i++) {
+        found = found || (strncmp(name, folders[i], strlen(name)) == 0 && strlen(name) + 1 == strlen(folders[i]));
+    }
+    return found;
+}
+
+/* Lists folder/in, which is "" or ends in '/'. CONUS_ERROR_UNSUPPORTED for NAMES_LIMIT files or more. */
+static void list_in(struct trx *trx, const char *in)
+{
+    const char *path = job_format(trx->job, "%s/%s", trx->folder, in);
+    const struct names names = job_names(trx->job, path, "");
+    if (names.count >= NAMES_LIMIT) {
+        job_refuse(trx->job, "%s: %d files or more, a TRX of so many is read as a zip archive only", path, NAMES_LIMIT);
+    }
+    for (size_t i = 0; job_ok(trx->job) && i < names.count; i++) {
+        if (!is_folder_or_hidden(names.names[i])) {
+            *LIST_ADD(trx->job, &trx->names) = job_format(trx->job, "%s%s", in, names.names[i]);
+        }
+    }
+}
+
+static size_t file_count(const struct trx *trx)
+{
+    return trx->folder ? trx->names.count : trx->zip.count;
+}
+
+static struct text name_of(const struct trx *trx, size_t index)
+{
+    return trx->folder ? text_from(trx->names.at[index]) : trx->zip.entries[index].name;
+}
+
+/* Opens a file, verified; end it with trx_close(). CONUS_ERROR_MEMORY above what is left. */
+static struct trx_view trx_open(struct trx *trx, size_t index)
+{
+    struct job *job = trx->job;
+    const struct job_mark before = job_mark(job);
+    const struct zip_entry *entry = trx->folder ? NULL : &trx->zip.entries[index];
+    struct bytes own;
+    if (entry && !entry->is_packed) {
+        zip_verify(job, &trx->zip, entry);
+        return (struct trx_view){trx->zip.data + entry->at, entry->stored, trx->archive.data, false, before};
+    }
+    if (entry) {
+        own = zip_unpack(job, &trx->zip, entry, trx->build->max_memory);
+    } else {
+        const char *path = job_format(job, "%s/%s", trx->folder, trx->names.at[index]);
+        const size_t place = job_in(job, path, JOB_ALONE);
+        own = job_read(job, path, trx->build->max_memory, FILE_MAX_MEMORY);
+        job_made_of(job, path, &own);
+        job_out(job, place);
+    }
+    trx->build->max_memory -= own.size;
+    return (struct trx_view){own.data, own.size, own.data, true, before};
+}
+
+static void trx_close(struct trx *trx, const struct trx_view *view)
+{
+    trx->build->max_memory += view->is_own ? view->size : 0;
+    job_release(trx->job, view->before);
+}
 
 /* Cuts the last part behind a '.' off @p name. */
 static bool cut_part(struct text *name, struct text *part)
@@ -210,25 +184,25 @@ static bool is_in(struct text *rest, struct text name, const char *folder)
 }
 
 /* The only file of the name that begins so, whatever its type; SIZE_MAX: there is none. */
-static conus_status find_array(size_t *out, const struct trx *trx, const char *beginning)
+static size_t find_array(const struct trx *trx, const char *beginning)
 {
-    *out = SIZE_MAX;
-    for (size_t i = 0; i < trx_files_count(&trx->files); i++) {
-        if (text_starts(trx_files_name(&trx->files, i), beginning)) {
-            if (*out != SIZE_MAX) {
-                struct text name = trx_files_name(&trx->files, i);
-                return fail(CONUS_ERROR_DATA, "%.*s: a second array of positions or offsets", TEXT_SHOW(name, SHOWN));
-            }
-            *out = i;
+    size_t found = SIZE_MAX;
+    for (size_t i = 0; i < file_count(trx); i++) {
+        if (!text_starts(name_of(trx, i), beginning)) {
+            continue;
         }
+        if (found != SIZE_MAX) {
+            job_bad(trx->job, "%.*s: a second array of positions or offsets", TEXT_SHOW(name_of(trx, i), SHOWN));
+        }
+        found = i;
     }
-    return CONUS_OK;
+    return found;
 }
 
-static conus_status fail_size(struct text name, size_t size, uint64_t count, size_t each)
+static void refuse_size(struct job *job, struct text name, size_t size, uint64_t count, size_t each)
 {
-    return fail(CONUS_ERROR_DATA, "%.*s: %zu bytes, by header.json %llu times %zu are needed", TEXT_SHOW(name, SHOWN),
-                size, (unsigned long long)count, each);
+    job_bad(job, "%.*s: %zu bytes, by header.json %llu times %zu are needed", TEXT_SHOW(name, SHOWN), size,
+            (unsigned long long)count, each);
 }
 
 static float trx_number_at(const uint8_t *data, const struct type *type)
@@ -241,15 +215,14 @@ static float trx_number_at(const uint8_t *data, const struct type *type)
     return type->kind == INTEGER ? (float)whole : (float)(uint64_t)whole;
 }
 
-static conus_status read_count(uint64_t *out, const json_t *root, const char *name)
+static uint64_t read_count(struct job *job, const json_t *root, const char *name)
 {
     const json_t *value = json_object_get(root, name);
     if (!json_is_integer(value) || json_integer_value(value) < 0) {
-        return fail(CONUS_ERROR_DATA, "%s: %s, a whole number, 0 or more, is needed", name,
-                    value ? "it is no such number" : "not given");
+        job_bad(job, "%s: %s, a whole number, 0 or more, is needed", name,
+                value ? "it is no such number" : "not given");
     }
-    *out = (uint64_t)json_integer_value(value);
-    return CONUS_OK;
+    return (uint64_t)json_integer_value(value);
 }
 
 /* A list of @p count finite numbers, or of lists of @p inner of them; NULL is fine, since positions need none. */
@@ -264,99 +237,88 @@ static bool is_table(const json_t *list, size_t count, size_t inner)
     return good;
 }
 
-static conus_status read_header_text(struct trx *trx, struct text text)
+static void read_header_text(struct trx *trx, struct text text)
 {
     json_t *root = NULL;
-    uint64_t streamlines = 0;
-    conus_status status = json_text_load(&root, text);
-    if (!status && !json_is_object(root)) {
-        status = fail(CONUS_ERROR_DATA, "not a JSON object");
+    struct job *job = trx->job;
+    if (JOB_CALL(job, json_text_load(&root, text)) && !json_is_object(root)) {
+        job_bad(job, "not a JSON object");
     }
-    status = status ? status : read_count(&streamlines, root, "NB_STREAMLINES");
-    status = status ? status : read_count(&trx->out->point_count, root, "NB_VERTICES");
-    if (!status && streamlines >= UINT32_MAX) {
-        status = fail(CONUS_ERROR_DATA, "NB_STREAMLINES: %llu, allowed are %u", (unsigned long long)streamlines,
-                      UINT32_MAX - 1);
+    const uint64_t streamlines = read_count(job, root, "NB_STREAMLINES");
+    const uint64_t points = read_count(job, root, "NB_VERTICES");
+    if (streamlines >= UINT32_MAX) {
+        job_bad(job, "NB_STREAMLINES: %llu, allowed are %u", (unsigned long long)streamlines, UINT32_MAX - 1);
     }
-    if (!status && !is_table(json_object_get(root, "VOXEL_TO_RASMM"), 4, 4)) {
-        status = fail(CONUS_ERROR_DATA, "VOXEL_TO_RASMM: 4 lists of 4 numbers are needed");
+    if (!is_table(json_object_get(root, "VOXEL_TO_RASMM"), 4, 4)) {
+        job_bad(job, "VOXEL_TO_RASMM: 4 lists of 4 numbers are needed");
     }
-    if (!status && !is_table(json_object_get(root, "DIMENSIONS"), 3, 0)) {
-        status = fail(CONUS_ERROR_DATA, "DIMENSIONS: 3 numbers are needed");
+    if (!is_table(json_object_get(root, "DIMENSIONS"), 3, 0)) {
+        job_bad(job, "DIMENSIONS: 3 numbers are needed");
     }
     json_decref(root);
-    trx->out->streamline_count = status ? 0 : (size_t)streamlines;
-    return status;
+    if (job_ok(job)) {
+        trx->build->tractogram.streamline_count = (size_t)streamlines;
+        trx->build->tractogram.point_count = points;
+    }
 }
 
-static conus_status trx_read_header(struct trx *trx)
+static void trx_read_header(struct trx *trx)
 {
-    for (size_t i = 0; i < trx_files_count(&trx->files); i++) {
-        if (text_equal(trx_files_name(&trx->files, i), "header.json")) {
-            struct trx_view view;
-            conus_status status = trx_files_open(&view, &trx->files, i);
-            status = status ? status : read_header_text(trx, (struct text){(const char *)view.data, view.size});
-            trx_files_close(&view, &trx->files);
-            return status ? fail_in(status, "header.json") : CONUS_OK;
+    for (size_t i = 0; i < file_count(trx); i++) {
+        if (text_equal(name_of(trx, i), "header.json")) {
+            const size_t place = job_in(trx->job, "header.json", JOB_ALONE);
+            const struct trx_view view = trx_open(trx, i);
+            read_header_text(trx, (struct text){(const char *)view.data, view.size});
+            trx_close(trx, &view);
+            job_out(trx->job, place);
+            return;
         }
     }
-    return fail(CONUS_ERROR_DATA, "header.json: missing, so this is no TRX");
+    job_bad(trx->job, "header.json: missing, so this is no TRX");
 }
 
 /* Where each streamline begins; a last one, behind all points, may be there. */
-static conus_status fill_offsets(struct trx *trx, const struct trx_view *view, size_t size, struct text name)
+static void fill_offsets(struct trx *trx, const struct trx_view *view, size_t size, struct text name)
 {
-    struct tractogram *out = trx->out;
-    size_t count = out->streamline_count;
-    size_t given = view->size / size;
+    struct tractogram *t = &trx->build->tractogram;
+    const size_t count = t->streamline_count;
+    const size_t given = view->size / size;
     if (view->size != count * size && view->size != (count + 1) * size) {
-        return fail_size(name, view->size, count, size);
+        refuse_size(trx->job, name, view->size, count, size);
     }
-    conus_status status = trx_files_spend(&trx->files, (count + 1) * sizeof(uint64_t), "offsets");
-    if (status) {
-        return status;
-    }
-    out->first = memory_zeroed(count + 1, sizeof *out->first);
-    if (!out->first) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t i = 0; i <= count; i++) {
+    t->first = take_array(trx, count + 1, sizeof *t->first, "offsets");
+    for (size_t i = 0; job_ok(trx->job) && i <= count; i++) {
         const uint8_t *data = i < given ? view->data + i * size : NULL;
-        uint64_t last = i ? out->first[i - 1] : 0;
-        out->first[i] = !data       ? out->point_count
-                        : size == 4 ? order_u32(data, is_swapped)
-                                    : order_u64(data, is_swapped);
-        if (out->first[i] < last || out->first[i] > out->point_count || (i == 0 && out->first[i]) ||
-            (i == count && out->first[i] != out->point_count)) {
-            return fail(CONUS_ERROR_DATA, "%.*s: number %zu (from 0) is %llu, they rise from 0 to NB_VERTICES, %llu",
-                        TEXT_SHOW(name, SHOWN), i, (unsigned long long)out->first[i],
-                        (unsigned long long)out->point_count);
+        const uint64_t last = i ? t->first[i - 1] : 0;
+        const uint64_t at = !data       ? t->point_count
+                            : size == 4 ? order_u32(data, is_swapped)
+                                        : order_u64(data, is_swapped);
+        t->first[i] = at;
+        if (at < last || at > t->point_count || (i == 0 && at) || (i == count && at != t->point_count)) {
+            job_bad(trx->job, "%.*s: number %zu (from 0) is %llu, they rise from 0 to NB_VERTICES, %llu",
+                    TEXT_SHOW(name, SHOWN), i, (unsigned long long)at, (unsigned long long)t->point_count);
         }
     }
-    return CONUS_OK;
 }
 
-static conus_status read_offsets(struct trx *trx)
+static void read_offsets(struct trx *trx)
 {
-    size_t index;
-    struct trx_view view = {0};
-    conus_status status = find_array(&index, trx, "offsets.");
-    if (status) {
-        return status;
-    }
+    const size_t index = find_array(trx, "offsets.");
     if (index == SIZE_MAX) {
-        return trx->out->streamline_count ? fail(CONUS_ERROR_DATA, "offsets: missing; offsets.uint64 is needed")
-                                          : fill_offsets(trx, &view, sizeof(uint64_t), text_from("offsets"));
+        if (trx->build->tractogram.streamline_count) {
+            job_bad(trx->job, "offsets: missing; offsets.uint64 is needed");
+        }
+        fill_offsets(trx, &(struct trx_view){0}, sizeof(uint64_t), text_from("offsets"));
+        return;
     }
-    struct text name = trx_files_name(&trx->files, index);
-    bool is_short = text_equal(name, "offsets.uint32");
+    const struct text name = name_of(trx, index);
+    const bool is_short = text_equal(name, "offsets.uint32");
     if (!is_short && !text_equal(name, "offsets.uint64")) {
-        return fail(CONUS_ERROR_DATA, "%.*s: offsets.uint64 or offsets.uint32 is needed", TEXT_SHOW(name, SHOWN));
+        job_bad(trx->job, "%.*s: offsets.uint64 or offsets.uint32 is needed", TEXT_SHOW(name, SHOWN));
     }
-    status = trx_files_open(&view, &trx->files, index);
-    status = status ? status : fill_offsets(trx, &view, is_short ? sizeof(uint32_t) : sizeof(uint64_t), name);
-    trx_files_close(&view, &trx->files);
-    return status;
+    const struct trx_view view = trx_open(trx, index);
+    fill_offsets(trx, &view, is_short ? sizeof(uint32_t) : sizeof(uint64_t), name);
+    trx_close(trx, &view);
 }
 
 static void pass_over(struct trx *trx, struct text name)
@@ -365,115 +327,106 @@ static void pass_over(struct trx *trx, struct text name)
     trx->passed_over++;
 }
 
-static conus_status fill_scalar(struct trx *trx, struct tract_scalar *scalar, const struct array *array, size_t index)
-{
-    struct trx_view view;
-    struct text name = trx_files_name(&trx->files, index);
-    uint64_t things = scalar->per_point ? trx->out->point_count : trx->out->streamline_count;
-    size_t each = array->type->size * array->components;
-    conus_status status = trx_files_open(&view, &trx->files, index);
-    if (!status && (view.size % each || view.size / each != things)) {
-        status = fail_size(name, view.size, things, each);
-    }
-    size_t count = status ? 0 : view.size / array->type->size;
-    status = status ? status : trx_files_spend(&trx->files, (uint64_t)count * sizeof(float), "numbers");
-    scalar->values = status ? NULL : memory_raw(count, sizeof(float));
-    for (size_t i = 0; scalar->values && i < count; i++) {
-        scalar->values[i] = trx_number_at(view.data + i * array->type->size, array->type);
-    }
-    trx_files_close(&view, &trx->files);
-    return status || scalar->values ? status : CONUS_ERROR_MEMORY;
-}
-
 /* @p rest is the name without its folder. */
-static conus_status read_scalar(struct trx *trx, struct text rest, size_t index, bool per_point)
+static void read_scalar(struct trx *trx, struct text rest, size_t index, bool per_point)
 {
-    struct tractogram *out = trx->out;
+    struct tractogram *t = &trx->build->tractogram;
     struct array array;
-    struct text name = trx_files_name(&trx->files, index);
-    bool good = read_name(&array, rest);
+    const struct text name = name_of(trx, index);
+    const bool good = read_name(&array, rest);
     if (!array.type) {
         pass_over(trx, name);
-        return CONUS_OK;
+        return;
     }
-    if (!good || !array.name.size || out->scalar_count >= SCALAR_LIMIT) {
-        return fail(CONUS_ERROR_DATA, "%.*s: a name, 1 to %d numbers each, and %d such arrays are allowed",
-                    TEXT_SHOW(name, SHOWN), COMPONENT_LIMIT, SCALAR_LIMIT);
+    if (!good || !array.name.size || t->scalar_count >= SCALAR_LIMIT) {
+        job_bad(trx->job, "%.*s: a name, 1 to %d numbers each, and %d such arrays are allowed", TEXT_SHOW(name, SHOWN),
+                COMPONENT_LIMIT, SCALAR_LIMIT);
+        return;
     }
-    struct tract_scalar scalar = {text_to_utf8(array.name), per_point, array.components, NULL};
-    bool grown = scalar.name &&
-                 memory_reserve(&out->scalars, &trx->scalar_capacity, out->scalar_count + 1, sizeof *out->scalars);
-    conus_status status = grown ? fill_scalar(trx, &scalar, &array, index) : CONUS_ERROR_MEMORY;
-    if (status) {
-        memory_free(scalar.name);
-        return status;
+    const uint64_t things = per_point ? t->point_count : t->streamline_count;
+    const size_t each = array.type->size * array.components;
+    const struct trx_view view = trx_open(trx, index);
+    if (view.size % each || view.size / each != things) {
+        refuse_size(trx->job, name, view.size, things, each);
     }
-    out->scalars[out->scalar_count++] = scalar;
-    return CONUS_OK;
+    const size_t count = view.size / array.type->size;
+    tract_build_scalar(trx->build, array.name, per_point, array.components);
+    float *values = take_array(trx, count, sizeof *values, "numbers");
+    for (size_t i = 0; values && i < count; i++) {
+        values[i] = trx_number_at(view.data + i * array.type->size, array.type);
+    }
+    trx_close(trx, &view);
+    if (values) {
+        t->scalars[t->scalar_count - 1].values = values;
+    }
 }
 
 /* Sorts the members where they are not, and leaves each once. */
-static conus_status fill_group(struct trx *trx, struct tract_group *group, size_t index)
+static void settle_group(struct job *job, struct tract_group *group)
 {
-    struct trx_view view;
-    struct text name = trx_files_name(&trx->files, index);
-    conus_status status = trx_files_open(&view, &trx->files, index);
-    if (!status && view.size % sizeof(uint32_t)) {
-        status = fail(CONUS_ERROR_DATA, "%.*s: %zu bytes, each number has 4", TEXT_SHOW(name, SHOWN), view.size);
-    }
-    status = status ? status : trx_files_spend(&trx->files, view.size, "groups");
-    group->count = view.size / sizeof(uint32_t);
-    group->members = status ? NULL : memory_raw(group->count, sizeof(uint32_t));
-    for (size_t i = 0; group->members && i < group->count; i++) {
-        group->members[i] = order_u32(view.data + i * sizeof(uint32_t), is_swapped);
-    }
-    trx_files_close(&view, &trx->files);
-    if (status || !group->members) {
-        return status ? status : CONUS_ERROR_MEMORY;
-    }
     bool ascends = true;
     for (size_t i = 1; i < group->count; i++) {
         ascends = ascends && group->members[i - 1] < group->members[i];
     }
-    size_t count = ascends ? group->count : u32_sort_unique(group->members, group->count);
-    size_t less = group->count - count;
+    const size_t count = ascends ? group->count : u32_sort_unique(group->members, group->count);
+    if (count < group->count) {
+        job_note(job, "group '%s': %zu of its streamlines are there twice, taken once", group->name,
+                 group->count - count);
+    }
     group->count = count;
-    return less ? notes_add(trx->notes, "group '%s': %zu of its streamlines are there twice, taken once", group->name,
-                            less)
-                : CONUS_OK;
 }
 
-static conus_status read_group(struct trx *trx, struct text rest, size_t index)
+/* A new group, all 0 but for its name; NULL after a failure. */
+static struct tract_group *add_group(struct trx *trx, struct text name)
 {
-    struct tractogram *out = trx->out;
-    struct text name = trx_files_name(&trx->files, index);
+    struct tractogram *t = &trx->build->tractogram;
+    char *words = job_step(trx->job) ? text_to_utf8(name) : NULL;
+    if (!job_need(trx->job, words)) {
+        return NULL;
+    }
+    if (!memory_reserve(&t->groups, &trx->group_capacity, t->group_count + 1, sizeof *t->groups)) {
+        memory_free(words);
+        job_need(trx->job, NULL);
+        return NULL;
+    }
+    t->groups[t->group_count] = (struct tract_group){.name = words};
+    return &t->groups[t->group_count++];
+}
+
+static void read_group(struct trx *trx, struct text rest, size_t index)
+{
+    const struct text name = name_of(trx, index);
     struct text type = {0};
     if (!cut_part(&rest, &type) || !rest.size || !text_equal(type, "uint32")) {
-        return fail(CONUS_ERROR_DATA, "%.*s: a group is NAME.uint32", TEXT_SHOW(name, SHOWN));
+        job_bad(trx->job, "%.*s: a group is NAME.uint32", TEXT_SHOW(name, SHOWN));
     }
-    struct tract_group group = {.name = text_to_utf8(rest)};
-    bool grown =
-        group.name && memory_reserve(&out->groups, &trx->group_capacity, out->group_count + 1, sizeof *out->groups);
-    conus_status status = grown ? fill_group(trx, &group, index) : CONUS_ERROR_MEMORY;
-    if (status) {
-        memory_free(group.name);
-        memory_free(group.members);
-        return status;
+    struct tract_group *group = add_group(trx, rest);
+    if (!group) {
+        return;
     }
-    out->groups[out->group_count++] = group;
-    return CONUS_OK;
+    const struct trx_view view = trx_open(trx, index);
+    if (view.size % sizeof(uint32_t)) {
+        job_bad(trx->job, "%.*s: %zu bytes, each number has 4", TEXT_SHOW(name, SHOWN), view.size);
+    }
+    const size_t count = view.size / sizeof(uint32_t);
+    group->members = take_array(trx, count, sizeof *group->members, "groups");
+    for (size_t i = 0; group->members && i < count; i++) {
+        group->members[i] = order_u32(view.data + i * sizeof(uint32_t), is_swapped);
+    }
+    trx_close(trx, &view);
+    group->count = group->members ? count : 0;
+    settle_group(trx->job, group);
 }
 
-static conus_status read_others(struct trx *trx)
+static void read_others(struct trx *trx)
 {
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < trx_files_count(&trx->files); i++) {
-        struct text name = trx_files_name(&trx->files, i);
+    for (size_t i = 0; job_ok(trx->job) && i < file_count(trx); i++) {
+        struct text name = name_of(trx, i);
         struct text rest;
         if (is_in(&rest, name, "dps/") || is_in(&rest, name, "dpv/")) {
-            status = read_scalar(trx, rest, i, name.data[2] == 'v');
+            read_scalar(trx, rest, i, name.data[2] == 'v');
         } else if (is_in(&rest, name, "groups/")) {
-            status = read_group(trx, rest, i);
+            read_group(trx, rest, i);
         } else if (text_starts(name, "dpg/") || text_equal(name, "dpg")) {
             trx->has_group_values = true;
         } else if (!text_starts(name, "offsets.") && !text_starts(name, "positions.") &&
@@ -481,146 +434,97 @@ static conus_status read_others(struct trx *trx)
             pass_over(trx, name);
         }
     }
-    if (!status && trx->has_group_values) {
-        status = notes_add(trx->notes, "dpg: values of groups are not read");
+    if (trx->has_group_values) {
+        job_note(trx->job, "dpg: values of groups are not read");
     }
-    if (!status && trx->passed_over) {
-        status = notes_add(trx->notes, "%.*s: no array that is read; there are %zu such files",
-                           TEXT_SHOW(trx->passed_first, SHOWN), trx->passed_over);
+    if (trx->passed_over) {
+        job_note(trx->job, "%.*s: no array that is read; there are %zu such files", TEXT_SHOW(trx->passed_first, SHOWN),
+                 trx->passed_over);
     }
-    return status;
 }
 
-/* Moves the numbers to the front of @p bytes, which become the tractogram's. Each is written before or where it was, so
- * that none is lost. */
-static void settle_positions(struct tractogram *out, struct bytes *bytes, size_t at, const struct type *type)
+/* The numbers from byte `at` on move to the front of `data`, which becomes the tractogram's. Each is written before or
+ * where it was, so that none is lost. */
+static void settle_positions(struct tractogram *out, uint8_t *data, size_t at, const struct type *type)
 {
     size_t count = (size_t)out->point_count * 3;
     size_t size = type->size == 2 ? sizeof(uint16_t) : sizeof(float);
-    const uint8_t *from = bytes->data + at;
+    const uint8_t *from = data + at;
     if (!is_swapped && type->size == size) {
-        memmove(bytes->data, from, count * size);
+        memmove(data, from, count * size);
     } else if (type->size == 2) {
         for (size_t i = 0; i < count; i++) {
-            ((uint16_t *)bytes->data)[i] = order_u16(from + 2 * i, is_swapped);
+            ((uint16_t *)data)[i] = order_u16(from + 2 * i, is_swapped);
         }
     } else {
         for (size_t i = 0; i < count; i++) {
-            ((float *)bytes->data)[i] = trx_number_at(from + i * type->size, type);
+            ((float *)data)[i] = trx_number_at(from + i * type->size, type);
         }
     }
-    void *less = memory_resize(bytes->data, count, size);
-    void *numbers = less ? less : bytes->data;
+    void *less = memory_resize(data, count, size);
+    void *numbers = less ? less : data;
     out->halves = type->size == 2 ? numbers : NULL;
     out->points = type->size == 2 ? NULL : numbers;
-    *bytes = (struct bytes){0};
 }
 
-static conus_status take_positions(struct trx *trx, size_t index, const struct type *type)
-{
-    struct trx_view view;
-    struct bytes bytes = {0};
-    size_t at = 0;
-    size_t each = 3 * type->size;
-    conus_status status = trx_files_open(&view, &trx->files, index);
-    if (!status && (view.size % each || view.size / each != trx->out->point_count)) {
-        status = fail_size(trx_files_name(&trx->files, index), view.size, trx->out->point_count, each);
-    }
-    if (status) {
-        trx_files_close(&view, &trx->files);
-        return status;
-    }
-    trx_files_keep(&bytes, &at, &view, &trx->files);
-    settle_positions(trx->out, &bytes, at, type);
-    return CONUS_OK;
-}
-
-static conus_status read_positions(struct trx *trx)
+static void read_positions(struct trx *trx)
 {
     static const char needed[] = "positions.3.float16, .float32 or .float64 is needed";
-    size_t index;
+    struct tractogram *t = &trx->build->tractogram;
     struct array array;
-    conus_status status = find_array(&index, trx, "positions.");
-    if (status) {
-        return status;
-    }
+    const size_t index = find_array(trx, "positions.");
     if (index == SIZE_MAX) {
-        return trx->out->point_count ? fail(CONUS_ERROR_DATA, "positions: missing; %s", needed) : CONUS_OK;
-    }
-    struct text name = trx_files_name(&trx->files, index);
-    bool good = read_name(&array, name) && text_equal(array.name, "positions") && array.components == 3;
-    if (!good || !array.type || array.type->kind != REAL) {
-        return fail(CONUS_ERROR_DATA, "%.*s: %s", TEXT_SHOW(name, SHOWN), needed);
-    }
-    bool is_packed = trx->files.archive && trx->files.zip.entries[index].is_packed;
-    snprintf(trx->out->format, sizeof trx->out->format, "TRX, %s, %s",
-             !trx->files.archive ? "folder"
-             : is_packed         ? "packed zip"
-                                 : "zip",
-             array.type->name);
-    return take_positions(trx, index, array.type);
-}
-
-/* Reads what `files` of @p trx lists, unless that has failed, and ends them. */
-static conus_status finish_reading(struct tractogram *out, struct trx *trx, conus_status status)
-{
-    struct tractogram built = {0};
-    trx->out = &built;
-    status = status ? status : trx_read_header(trx);
-    snprintf(built.format, sizeof built.format, "TRX, %s", trx->files.archive ? "zip" : "folder");
-    status = status ? status : read_offsets(trx);
-    status = status ? status : read_others(trx);
-    status = status ? status : read_positions(trx);
-    status = status ? status : file_sums_move(&built.files, &trx->files.read);
-    zip_finish(&trx->files.zip);
-    names_finish(&trx->files.names);
-    file_sums_finish(&trx->files.read);
-    if (status) {
-        tractogram_finish(&built);
-        return status;
-    }
-    *out = built;
-    return CONUS_OK;
-}
-
-conus_status trx_parse(struct tractogram *out, struct bytes *archive, uint64_t max_memory, struct notes *notes)
-{
-    struct trx trx = {.notes = notes, .files = {.archive = archive, .left = max_memory}};
-    conus_status status = trx_files_spend(&trx.files, archive->size, "archive");
-    status = status ? status : zip_parse(&trx.files.zip, archive->data, archive->size);
-    return finish_reading(out, &trx, status);
-}
-
-bool trx_is_named(const char *path)
-{
-    return file_is_folder(path) || path_ends_in(path, ".trx");
-}
-
-conus_status trx_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes)
-{
-    if (file_is_folder(path)) {
-        struct trx trx = {.notes = notes, .files = {.folder = path, .left = max_memory}};
-        conus_status status = CONUS_OK;
-        for (size_t i = 0; !status && i < sizeof folders / sizeof folders[0]; i++) {
-            status = list_in(&trx.files, folders[i]);
+        if (t->point_count) {
+            job_bad(trx->job, "positions: missing; %s", needed);
         }
-        status = finish_reading(out, &trx, status);
-        return status ? fail_in(status, path) : CONUS_OK;
+        return;
     }
-    struct bytes archive = {0};
-    char sum[sizeof out->sha256];
-    conus_status status = file_read_allowed(&archive, path, max_memory);
-    if (!status && gzip_is(archive.data, archive.size)) { /* a zip has its table at the end, behind all of that */
-        status = fail(CONUS_ERROR_UNSUPPORTED, "%s: a TRX inside gzip: a TRX is packed itself; unpack the gzip", path);
+    const struct text name = name_of(trx, index);
+    const bool good = read_name(&array, name) && text_equal(array.name, "positions") && array.components == 3;
+    if (!good || !array.type || array.type->kind != REAL) {
+        job_bad(trx->job, "%.*s: %s", TEXT_SHOW(name, SHOWN), needed);
+        return;
     }
-    if (!status) {
-        file_sha256(sum, &archive);
-        status = trx_parse(out, &archive, max_memory, notes);
-        status = status ? fail_in(status, path) : CONUS_OK;
+    const bool is_packed = !trx->folder && trx->zip.entries[index].is_packed;
+    snprintf(t->format, sizeof t->format, "TRX, %s, %s",
+             trx->folder ? "folder"
+             : is_packed ? "packed zip"
+                         : "zip",
+             array.type->name);
+    const size_t each = 3 * array.type->size;
+    const struct trx_view view = trx_open(trx, index);
+    if (view.size % each || view.size / each != t->point_count) {
+        refuse_size(trx->job, name, view.size, t->point_count, each);
     }
-    if (!status) {
-        memcpy(out->sha256, sum, sizeof sum);
+    const size_t at = job_ok(trx->job) ? (size_t)(view.data - view.block) : 0;
+    uint8_t *block = job_give(trx->job, view.block, at + view.size); /* no other file is read behind this one */
+    if (block) {
+        settle_positions(t, block, at, array.type);
     }
-    bytes_finish(&archive);
-    return status;
+}
+
+void trx_read(struct job *job, struct source *source, struct tract_build *build)
+{
+    struct trx trx = {.job = job, .build = build, .folder = source->head.is_folder ? source->file.path : NULL};
+    for (size_t i = 0; trx.folder && i < sizeof folders / sizeof folders[0]; i++) {
+        list_in(&trx, folders[i]);
+    }
+    if (source->is_packed) { /* a zip has its table at the end, behind all of that */
+        job_refuse(job, "a TRX inside gzip: a TRX is packed itself; unpack the gzip");
+    }
+    if (!trx.folder) {
+        trx.archive = source_bytes(job, source);
+        spend(&trx, trx.archive.size, "archive");
+        trx.zip = job_ok(job) ? zip_parse(job, trx.archive.data, trx.archive.size) : trx.zip;
+    }
+    snprintf(build->tractogram.format, sizeof build->tractogram.format, "TRX, %s", trx.folder ? "folder" : "zip");
+    trx_read_header(&trx);
+    if (!job_ok(job)) {
+        return;
+    }
+    read_offsets(&trx);
+    read_others(&trx);
+    if (job_ok(job)) {
+        read_positions(&trx);
+    }
 }

@@ -3,9 +3,8 @@
 #include "loaders/tracts/tract_formats.h"
 
 #include "base/byte_order.h"
+#include "base/formats/gzip.h"
 #include "base/geometry/math3.h"
-#include "base/memory.h"
-#include "loaders/tracts/tract_build.h"
 
 #include <stdio.h>
 
@@ -22,19 +21,29 @@ struct variable {
 };
 
 struct tt {
-    struct byte_stream *stream;
-    struct tract_build build;
+    struct job *job;
+    struct reader r;
+    struct tract_build *build;
     double world[16]; /* from voxels */
     bool has_world;
-    float *clusters; /* [cluster_count] a number of each streamline; owned */
+    float *clusters; /* [cluster_count] a number of each streamline */
     size_t cluster_count;
     unsigned tracks; /* variables that had streamlines */
 };
 
-static conus_status tt_need(struct tt *tt, size_t size, const char *what)
+static bool tt_has(struct tt *tt, size_t size, const char *what)
 {
-    conus_status status = byte_stream_need(tt->stream, size);
-    return status || tt->stream->size >= size ? status : fail(CONUS_ERROR_DATA, "%s: the file is cut off", what);
+    bool has = reader_has(&tt->r, size);
+    if (!has) {
+        job_bad(tt->job, "%s: the file is cut off", what);
+    }
+    return has;
+}
+
+/* The next bytes; NULL after a failure. */
+static const uint8_t *tt_take(struct tt *tt, size_t size, const char *what)
+{
+    return tt_has(tt, size, what) ? reader_take(&tt->r, size) : NULL;
 }
 
 /* Bytes of a number; 0 for an unknown type. */
@@ -51,105 +60,95 @@ static double tt_number_at(const uint8_t *data, uint32_t type)
     return type <= 10 ? order_real(data, size, is_swapped) : (double)order_whole(data, size, is_signed, is_swapped);
 }
 
-static conus_status read_variable(struct variable *out, struct tt *tt)
+static void read_variable(struct variable *out, struct tt *tt)
 {
-    conus_status status = tt_need(tt, HEADER_SIZE, "variable");
-    const uint8_t *data = tt->stream->data;
-    if (status) {
-        return status;
+    const uint8_t *data = tt_take(tt, HEADER_SIZE, "variable");
+    if (!data) {
+        return;
     }
-    uint32_t length = order_u32(data + 16, is_swapped);
+    const uint32_t length = order_u32(data + 16, is_swapped);
+    const uint32_t imaginary = order_u32(data + 12, is_swapped);
     out->type = order_u32(data, is_swapped);
     out->count = (uint64_t)order_u32(data + 4, is_swapped) * order_u32(data + 8, is_swapped);
     out->size = size_of_type(out->type);
-    uint32_t imaginary = order_u32(data + 12, is_swapped);
-    byte_stream_skip(tt->stream, HEADER_SIZE);
     if (length < 1 || length > NAME_LIMIT) {
-        return fail(CONUS_ERROR_DATA, "variable: a name of %u bytes, allowed are 1 to %d", length, NAME_LIMIT);
+        job_bad(tt->job, "variable: a name of %u bytes, allowed are 1 to %d", length, NAME_LIMIT);
     }
-    status = tt_need(tt, length, "variable");
-    if (status) {
-        return status;
+    const uint8_t *name = job_ok(tt->job) ? tt_take(tt, length, "variable") : NULL;
+    if (!name) {
+        return;
     }
-    if (tt->stream->data[length - 1] || memchr(tt->stream->data, 0, length - 1)) {
-        return fail(CONUS_ERROR_DATA, "variable: its name does not end with its %u bytes", length);
+    if (name[length - 1] || memchr(name, 0, length - 1)) {
+        job_bad(tt->job, "variable: its name does not end with its %u bytes", length);
+        return;
     }
-    memcpy(out->name, tt->stream->data, length);
-    byte_stream_skip(tt->stream, length);
+    memcpy(out->name, name, length);
+    const uint64_t most = out->size ? reader_most(&tt->r) / out->size : 0;
     if (!out->size || imaginary) {
-        return fail(CONUS_ERROR_DATA, "%s: of type %u, real numbers of the types 0, 10, 20, 30, 40 or 50 are needed",
-                    out->name, out->type);
+        job_bad(tt->job, "%s: of type %u, real numbers of the types 0, 10, 20, 30, 40 or 50 are needed", out->name,
+                out->type);
+    } else if (out->count > most) {
+        job_bad(tt->job, "%s: %llu numbers, the file has room for %llu", out->name, (unsigned long long)out->count,
+                (unsigned long long)most);
     }
-    uint64_t most = byte_stream_most(tt->stream);
-    return out->count <= most / out->size
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "%s: %llu numbers, the file has room for %llu", out->name,
-                      (unsigned long long)out->count, (unsigned long long)(most / out->size));
 }
 
-static conus_status skip_variable(struct tt *tt, const struct variable *variable)
+static void skip_variable(struct tt *tt, const struct variable *variable)
 {
-    conus_status status = CONUS_OK;
-    for (uint64_t left = variable->count * variable->size; !status && left;) {
-        status = tt_need(tt, 1, variable->name);
-        size_t size = tt->stream->size < left ? tt->stream->size : (size_t)left;
-        byte_stream_skip(tt->stream, status ? 0 : size);
-        left -= size;
+    size_t size = 1;
+    for (uint64_t left = variable->count * variable->size; left && tt_has(tt, 1, variable->name); left -= size) {
+        (void)reader_some(&tt->r, left, 1, &size);
     }
-    return status;
 }
 
 /* The file has the matrix row by row. */
-static conus_status read_world(struct tt *tt, const struct variable *variable)
+static void read_world(struct tt *tt, const struct variable *variable)
 {
     if (variable->count != 16 || variable->type > 10) {
-        return fail(CONUS_ERROR_DATA, "trans_to_mni: %llu numbers of type %u, 16 of type 0 or 10 are needed",
-                    (unsigned long long)variable->count, variable->type);
+        job_bad(tt->job, "trans_to_mni: %llu numbers of type %u, 16 of type 0 or 10 are needed",
+                (unsigned long long)variable->count, variable->type);
+        return;
     }
-    conus_status status = tt_need(tt, 16 * variable->size, variable->name);
-    if (status) {
-        return status;
-    }
+    const uint8_t *data = tt_take(tt, 16 * variable->size, variable->name);
     bool good = true;
-    for (size_t i = 0; i < 16; i++) {
-        double value = tt_number_at(tt->stream->data + i * variable->size, variable->type);
+    for (size_t i = 0; data && i < 16; i++) {
+        double value = tt_number_at(data + i * variable->size, variable->type);
         tt->world[4 * (i % 4) + i / 4] = value;
         good = good && isfinite(value);
     }
     double inverse[16];
     if (!good || !mat4_settle_last_row(tt->world) || !mat4_invert_affine(inverse, tt->world)) {
-        return fail(CONUS_ERROR_DATA, "trans_to_mni: found no affine, needed is one with an inverse, last row 0 0 0 1");
+        job_bad(tt->job, "trans_to_mni: found no affine, needed is one with an inverse, last row 0 0 0 1");
     }
-    byte_stream_skip(tt->stream, 16 * variable->size);
     tt->has_world = true;
-    return CONUS_OK;
 }
 
-static conus_status read_clusters(struct tt *tt, const struct variable *variable)
+static void read_clusters(struct tt *tt, const struct variable *variable)
 {
+    size_t count = (size_t)variable->count;
     if (tt->clusters || tt->tracks) {
-        return fail(CONUS_ERROR_DATA, "cluster: twice, or behind track");
+        job_bad(tt->job, "cluster: twice, or behind track");
+    } else if (variable->count > tt->build->max_memory / sizeof *tt->clusters) {
+        job_fail(tt->job, CONUS_ERROR_MEMORY, "cluster: %llu numbers, allowed are %llu bytes (--max-memory)",
+                 (unsigned long long)variable->count, (unsigned long long)tt->build->max_memory);
     }
-    if (variable->count > tt->build.max_memory / sizeof *tt->clusters) {
-        return fail(CONUS_ERROR_MEMORY, "cluster: %llu numbers, allowed are %llu bytes (--max-memory)",
-                    (unsigned long long)variable->count, (unsigned long long)tt->build.max_memory);
-    }
-    tt->build.max_memory -= variable->count * sizeof *tt->clusters;
-    tt->clusters = memory_raw((size_t)variable->count, sizeof *tt->clusters);
-    conus_status status = tt->clusters ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (uint64_t i = 0; !status && i < variable->count; i++) {
-        status = tt_need(tt, variable->size, variable->name);
-        if (!status) {
-            tt->clusters[tt->cluster_count++] = (float)tt_number_at(tt->stream->data, variable->type);
-            byte_stream_skip(tt->stream, variable->size);
+    tt->clusters = job_array(tt->job, &count, sizeof *tt->clusters);
+    tt->build->max_memory -= count * sizeof *tt->clusters;
+    while (tt->cluster_count < count) {
+        const uint8_t *data = tt_take(tt, variable->size, variable->name);
+        if (!data) {
+            return;
         }
+        tt->clusters[tt->cluster_count++] = (float)tt_number_at(data, variable->type);
     }
-    return status || !variable->count ? status : tract_build_scalar(&tt->build, text_from(variable->name), false, 1);
+    if (count) {
+        tract_build_scalar(tt->build, text_from(variable->name), false, 1);
+    }
 }
 
 static void add_point(struct tt *tt, const int64_t at[3])
 {
-    struct tractogram *tractogram = &tt->build.tractogram;
+    struct tractogram *tractogram = &tt->build->tractogram;
     float *out = tractogram->points + 3 * tractogram->point_count++;
     const double voxel[3] = {(double)at[0] / STEPS, (double)at[1] / STEPS, (double)at[2] / STEPS};
     double world[3];
@@ -160,126 +159,103 @@ static void add_point(struct tt *tt, const int64_t at[3])
 }
 
 /* The points after the first, each a step of three bytes from the one before. */
-static conus_status take_steps(struct tt *tt, int64_t at[3], size_t count)
+static void take_steps(struct tt *tt, int64_t at[3], size_t count)
 {
-    conus_status status = CONUS_OK;
-    while (!status && count) {
-        status = tt_need(tt, 3, "track");
-        size_t some = tt->stream->size / 3 < count ? tt->stream->size / 3 : count;
-        status = status ? status : tract_build_points(&tt->build, some);
-        for (size_t i = 0; !status && i < some; i++) {
+    size_t some = 0;
+    for (; count && tt_has(tt, 3, "track"); count -= some) {
+        const uint8_t *data = tt->r.at;
+        some = smaller_of((size_t)(tt->r.end - data) / 3, count);
+        if (!tract_build_points(tt->build, some)) {
+            return;
+        }
+        for (size_t i = 0; i < some; i++) {
             for (size_t a = 0; a < 3; a++) {
-                at[a] += (int8_t)tt->stream->data[3 * i + a];
+                at[a] += (int8_t)data[3 * i + a];
             }
             add_point(tt, at);
         }
-        byte_stream_skip(tt->stream, status ? 0 : 3 * some);
-        count -= some;
+        tt->r.at += 3 * some;
     }
-    return status;
 }
 
-/* Reads one streamline, whose variable has `left` more bytes. */
-static conus_status tt_take_streamline(struct tt *tt, uint64_t *left)
+/* Reads one streamline, whose variable has `left` more bytes; gives how many are left then. */
+static uint64_t tt_take_streamline(struct tt *tt, uint64_t left)
 {
     int64_t at[3];
-    size_t number = tt->build.tractogram.streamline_count;
-    conus_status status = *left < RECORD_SIZE ? fail(CONUS_ERROR_DATA, "track: ends within streamline %zu", number)
-                                              : tt_need(tt, RECORD_SIZE, "track");
-    if (status) {
-        return status;
+    struct tract_build *build = tt->build;
+    const size_t number = build->tractogram.streamline_count;
+    if (left < RECORD_SIZE) {
+        job_bad(tt->job, "track: ends within streamline %zu", number);
     }
-    uint32_t count = order_u32(tt->stream->data, is_swapped);
-    if (count < 3 || count % 3 || count - 3 > *left - RECORD_SIZE) {
-        return fail(CONUS_ERROR_DATA,
-                    "track: streamline %zu (from 0) has %u coordinates, needed are 3 of each point, %llu at most",
-                    number, count, (unsigned long long)(*left - RECORD_SIZE + 3));
+    const uint8_t *data = tt_take(tt, RECORD_SIZE, "track");
+    if (!data) {
+        return 0;
+    }
+    left -= RECORD_SIZE;
+    const uint32_t count = order_u32(data, is_swapped);
+    if (count < 3 || count % 3 || count - 3 > left) {
+        job_bad(tt->job, "track: streamline %zu (from 0) has %u coordinates, needed are 3 of each point, %llu at most",
+                number, count, (unsigned long long)(left + 3));
     }
     for (size_t a = 0; a < 3; a++) {
-        at[a] = order_i32(tt->stream->data + 4 + 4 * a, is_swapped);
+        at[a] = order_i32(data + 4 + 4 * a, is_swapped);
     }
-    byte_stream_skip(tt->stream, RECORD_SIZE);
-    status = tract_build_points(&tt->build, 1);
-    if (!status) {
-        add_point(tt, at);
-        status = take_steps(tt, at, count / 3 - 1);
+    if (!tract_build_points(build, 1)) {
+        return 0;
     }
-    *left -= RECORD_SIZE + count - 3;
-    if (status) {
-        return status;
-    }
+    add_point(tt, at);
+    take_steps(tt, at, count / 3 - 1);
     if (tt->cluster_count && number >= tt->cluster_count) {
-        return fail(CONUS_ERROR_DATA, "cluster: %zu numbers, there are more streamlines", tt->cluster_count);
+        job_bad(tt->job, "cluster: %zu numbers, there are more streamlines", tt->cluster_count);
     }
-    status = tract_build_streamline(&tt->build);
-    if (status) {
-        return status;
+    if (!tract_build_streamline(build)) {
+        return 0;
     }
     if (tt->cluster_count) {
-        tt->build.tractogram.scalars[0].values[number] = tt->clusters[number];
+        build->tractogram.scalars[0].values[number] = tt->clusters[number];
     }
-    tract_build_end_streamline(&tt->build);
-    return CONUS_OK;
+    tract_build_end_streamline(build);
+    return left - (count - 3);
 }
 
 /* "track", then "track1", "track2" and so on. */
-static conus_status read_tracks(struct tt *tt, const struct variable *variable)
+static void read_tracks(struct tt *tt, const struct variable *variable)
 {
     char wanted[NAME_LIMIT];
     snprintf(wanted, sizeof wanted, tt->tracks ? "track%u" : "track", tt->tracks);
     if (strcmp(variable->name, wanted) != 0 || variable->size != 1) {
-        return fail(CONUS_ERROR_DATA, "%s: of %zu bytes each, needed is %s of bytes", variable->name, variable->size,
-                    wanted);
+        job_bad(tt->job, "%s: of %zu bytes each, needed is %s of bytes", variable->name, variable->size, wanted);
     }
     if (!tt->has_world) {
-        return fail(CONUS_ERROR_DATA, "trans_to_mni: missing before %s, nothing says where the streamlines are",
-                    wanted);
+        job_bad(tt->job, "trans_to_mni: missing before %s, nothing says where the streamlines are", wanted);
     }
     tt->tracks++;
-    conus_status status = CONUS_OK;
-    for (uint64_t left = variable->count; !status && left;) {
-        status = tt_take_streamline(tt, &left);
+    for (uint64_t left = variable->count; job_ok(tt->job) && left;) {
+        left = tt_take_streamline(tt, left);
     }
-    return status;
 }
 
-static conus_status tt_take_all(struct tt *tt)
+void tt_read(struct job *job, struct source *source, struct tract_build *build)
 {
-    conus_status status = byte_stream_need(tt->stream, 1);
-    while (!status && tt->stream->size) {
+    struct tt tt = {.job = job, .r = source_reader(job, source), .build = build};
+    struct tractogram *t = &build->tractogram;
+    while (reader_has(&tt.r, 1)) {
         struct variable variable = {0};
-        status = read_variable(&variable, tt);
-        status = status                                       ? status
-                 : strcmp(variable.name, "trans_to_mni") == 0 ? read_world(tt, &variable)
-                 : strcmp(variable.name, "cluster") == 0      ? read_clusters(tt, &variable)
-                 : strncmp(variable.name, "track", 5) == 0    ? read_tracks(tt, &variable)
-                                                              : skip_variable(tt, &variable);
-        status = status ? status : byte_stream_need(tt->stream, 1);
+        read_variable(&variable, &tt);
+        if (!job_ok(job)) {
+            return;
+        }
+        (strcmp(variable.name, "trans_to_mni") == 0 ? read_world
+         : strcmp(variable.name, "cluster") == 0    ? read_clusters
+         : strncmp(variable.name, "track", 5) == 0  ? read_tracks
+                                                    : skip_variable)(&tt, &variable);
     }
-    if (status) {
-        return status;
+    if (!tt.tracks) {
+        job_bad(job, "track: missing, so this is no tractogram of DSI Studio");
+    } else if (tt.cluster_count && tt.cluster_count != t->streamline_count) {
+        job_bad(job, "cluster: %zu numbers, there are %zu streamlines", tt.cluster_count, t->streamline_count);
     }
-    if (!tt->tracks) {
-        return fail(CONUS_ERROR_DATA, "track: missing, so this is no tractogram of DSI Studio");
-    }
-    size_t streamlines = tt->build.tractogram.streamline_count;
-    return !tt->cluster_count || tt->cluster_count == streamlines
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "cluster: %zu numbers, there are %zu streamlines", tt->cluster_count,
-                      streamlines);
-}
-
-conus_status tt_read(struct tractogram *out, struct byte_stream *stream, uint64_t max_memory, struct notes *notes)
-{
-    struct tt tt = {.stream = stream, .build = {.max_memory = max_memory}};
-    conus_status status = tt_take_all(&tt);
-    status =
-        status ? status : notes_add(notes, "trans_to_mni was used; the file does not say into which space it leads");
-    status = status ? status : tract_build_take(out, &tt.build);
-    if (!status) {
-        snprintf(out->format, sizeof out->format, "DSI Studio%s", stream->is_packed ? ", gzip" : "");
-    }
-    tract_build_finish(&tt.build);
-    memory_free(tt.clusters);
-    return status;
+    job_note(job, "trans_to_mni was used; the file does not say into which space it leads");
+    tract_build_end(build);
+    snprintf(t->format, sizeof t->format, "DSI Studio%s", source->is_packed ? ", gzip" : "");
 }

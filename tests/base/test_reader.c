@@ -129,6 +129,15 @@ static void words_and_lines_cross_blocks_and_members(void **state)
     buffer_finish(&packed);
 }
 
+static void assert_refused(const char *path, conus_status status, const char *message)
+{
+    struct job job = {0};
+    struct reader r = reader_open(&job, path);
+    reader_skip(&r, 10);
+    assert_fails(job_close(&job, NULL, NULL), status);
+    assert_string_equal(conus_message(), message);
+}
+
 static void every_prefix_of_a_packed_file_is_cut_off(void **state)
 {
     (void)state;
@@ -136,19 +145,66 @@ static void every_prefix_of_a_packed_file_is_cut_off(void **state)
     append_packed(&packed, "one line\n", 9);
     for (size_t size = 3; size < packed.size; size++) {
         const struct buffer prefix = {.data = packed.data, .size = size};
-        struct job job = {0};
-        struct reader r = reader_open(&job, write_scratch("cut", &prefix));
-        reader_skip(&r, 10);
-        assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_DATA);
-        assert_string_equal(conus_message(), "gzip: cut off, an intact file is needed");
+        assert_refused(write_scratch("cut", &prefix), CONUS_ERROR_DATA, "gzip: cut off, an intact file is needed");
     }
+    buffer_append(&packed, "\0\0x", 3);
+    assert_refused(write_scratch("more", &packed), CONUS_ERROR_DATA,
+                   "gzip: 3 bytes after the end of the packed data, allowed are zeros");
+    packed.size -= 3;
     packed.data[packed.size - 5] ^= 1; /* the sum of the bytes */
-    struct job job = {0};
-    struct reader r = reader_open(&job, write_scratch("damaged", &packed));
-    reader_skip(&r, 10);
-    assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_DATA);
-    assert_string_equal(conus_message(), "gzip: damaged (incorrect data check), an intact file is needed");
+    assert_refused(write_scratch("damaged", &packed), CONUS_ERROR_DATA,
+                   "gzip: damaged (incorrect data check), an intact file is needed");
     buffer_finish(&packed);
+}
+
+/* Of zeros, which pack best, there are never more left than is said. */
+static void how_much_is_left_is_known(void **state)
+{
+    (void)state;
+    enum { SIZE = 1 << 21 };
+    struct buffer zeros = {0};
+    struct buffer packed = {0};
+    const char part[4096] = {0};
+    for (size_t at = 0; at < SIZE; at += sizeof part) {
+        buffer_append(&zeros, part, sizeof part);
+    }
+    for (int packs = 0; packs < 2; packs++) {
+        struct job job = {0};
+        if (packs) {
+            append_packed(&packed, zeros.data, zeros.size);
+        }
+        struct reader r = reader_open(&job, write_scratch("zeros", packs ? &packed : &zeros));
+        for (size_t at = 0; at < SIZE; at += 1024) {
+            assert_true(packs ? reader_most(&r) >= SIZE - at : reader_most(&r) == SIZE - at);
+            reader_skip(&r, 1024);
+        }
+        assert_true(reader_most(&r) < 100000); /* the checksum and the size are left */
+        assert_false(reader_has(&r, 1));
+        assert_int_equal(reader_most(&r), 0);
+        assert_ok(job_close(&job, NULL, NULL));
+    }
+    buffer_finish(&zeros);
+    buffer_finish(&packed);
+}
+
+static void a_file_that_changes_is_refused(void **state)
+{
+    (void)state;
+    struct buffer plain = {0};
+    append_words(&plain);
+    for (int grows = 0; grows < 2; grows++) {
+        struct job job = {0};
+        const char *path = write_scratch("changing", &plain);
+        struct reader r = reader_open(&job, path);
+        FILE *file = fopen(path, grows ? "ab" : "wb");
+        assert_non_null(file);
+        assert_int_equal(fputc('x', file), 'x');
+        assert_int_equal(fclose(file), 0);
+        reader_skip(&r, plain.size);
+        assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_IO);
+        assert_string_equal(conus_message(), "changed while it was read");
+    }
+    buffer_finish(&plain);
 }
 
 static void some_come_in_whole_things(void **state)
@@ -246,6 +302,8 @@ TEST_GROUP(reader)
         cmocka_unit_test(a_count_is_no_more_than_can_follow),
         cmocka_unit_test(words_and_lines_cross_blocks_and_members),
         cmocka_unit_test(every_prefix_of_a_packed_file_is_cut_off),
+        cmocka_unit_test(how_much_is_left_is_known),
+        cmocka_unit_test(a_file_that_changes_is_refused),
         cmocka_unit_test(some_come_in_whole_things),
         cmocka_unit_test(an_open_file_outlives_its_readers_and_their_memory),
         cmocka_unit_test(every_failing_primitive_and_allocation),

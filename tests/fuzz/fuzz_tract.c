@@ -12,7 +12,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct tractogram tractogram = {0};
     struct notes notes = {0};
-    if (!tract_file_parse(&tractogram, data, size, MEMORY, &notes)) {
+    struct job job = {.max_memory = MEMORY};
+    tract_file_parse(&job, &tractogram, (struct text){(const char *)data, size});
+    if (!job_close(&job, &notes, NULL)) {
         if (tractogram_check(&tractogram, &notes)) {
             abort();
         }

@@ -42,7 +42,11 @@ int main(int argc, char **argv)
 {
     struct tractogram tractogram = {0};
     struct notes notes = {0};
-    if (argc != 3 || tract_file_read(&tractogram, argv[1], 0, 0, &notes)) {
+    struct job job = {0};
+    if (argc == 3) {
+        tract_file_read(&job, &tractogram, argv[1], CONUS_FILE_SPACE_AS_STATED);
+    }
+    if (job_close(&job, &notes, NULL) || argc != 3) {
         fprintf(stderr, "%s\n", argc == 3 ? conus_message() : "usage: dump_tract FILE OUT");
         notes_finish(&notes);
         return EXIT_FAILURE;

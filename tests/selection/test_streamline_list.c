@@ -124,7 +124,7 @@ static void a_file_has_the_whole_streamlines(void **state)
     assert_int_equal(file.size, 68 + 12 * (4 + 2 + 1));
     assert_memory_equal(file.data, header, sizeof header);
     bytes_finish(&file);
-    assert_ok(tract_file_read(&read, path, 0, 0, &notes));
+    assert_ok(tract_read(&read, path, 0, &notes));
     assert_int_equal(read.streamline_count, 2);
     assert_int_equal(read.first[1], 2);
     assert_memory_equal(read.points, points, sizeof points);
@@ -147,7 +147,7 @@ static void a_file_may_have_none(void **state)
     struct notes notes = {0};
     const char *path = test_scratch("none.tck");
     assert_ok(conus_streamline_list_write(list, path));
-    assert_ok(tract_file_read(&read, path, 0, 0, &notes));
+    assert_ok(tract_read(&read, path, 0, &notes));
     assert_int_equal(read.streamline_count, 0);
     tractogram_finish(&read);
     notes_finish(&notes);

@@ -156,13 +156,16 @@ static void a_source_is_read_unpacked_by_any_number_of_readers(void **state)
         assert_true(reader_word(&second, &word) && text_equal(word, "OFF"));
         source_made_of(&job, source);
         assert_int_equal(job.files.count, 1);
-        struct bytes stored;
+        const struct bytes stored = source_bytes(&job, source);
         char sha256[65];
-        assert_ok(file_read(&stored, path, UINT64_MAX));
         file_sha256(sha256, &stored);
         assert_string_equal(job.files.items[0].sha256, sha256);
+        struct source *copy = source_of_memory(&job, (struct text){(char *)stored.data, stored.size});
+        assert_int_equal(copy->is_packed, packs);
+        struct reader third = source_reader(&job, copy);
+        assert_true(reader_word(&third, &word) && text_equal(word, "OFF"));
+        assert_string_equal(source_sum(&job, copy), sha256);
         assert_ok(job_close(&job, NULL, NULL));
-        bytes_finish(&stored);
     }
     struct job job = {0};
     assert_null(source_open(&job, test_scratch("absent.obj")));
@@ -170,6 +173,30 @@ static void a_source_is_read_unpacked_by_any_number_of_readers(void **state)
     assert_int_equal(job.status, CONUS_ERROR_IO);
     assert_null(strstr(job.message, "absent.obj"));
     job_end(&job);
+}
+
+/* The sum of a large file, which is read beside it; who asks for none does not wait, nor leave a thread. */
+static void a_sum_is_made_ahead(void **state)
+{
+    (void)state;
+    struct buffer bytes = {0};
+    for (size_t i = 0; i < 300000; i++) {
+        buffer_format(&bytes, "%zu ", i);
+    }
+    const char *path = write_file("large", bytes.data, bytes.size, false);
+    char sha256[65];
+    file_sha256(sha256, &(const struct bytes){(uint8_t *)bytes.data, bytes.size});
+    for (int asks = 0; asks < 2; asks++) {
+        struct job job = {0};
+        struct source *source = source_open(&job, path);
+        source_sum_ahead(source);
+        struct reader r = source_reader(&job, source);
+        reader_skip(&r, bytes.size);
+        assert_string_equal(asks ? source_sum(&job, source) : sha256, sha256);
+        assert_ok(job_close(&job, NULL, NULL));
+    }
+    source_sum_ahead(NULL);
+    buffer_finish(&bytes);
 }
 
 static conus_status open_on_a_job(void *path)
@@ -219,6 +246,7 @@ TEST_GROUP(source)
         cmocka_unit_test(what_cannot_be_read_is_of_no_format),
         cmocka_unit_test(an_atlas_names_others_only_where_it_is_not_packed),
         cmocka_unit_test(a_source_is_read_unpacked_by_any_number_of_readers),
+        cmocka_unit_test(a_sum_is_made_ahead),
         cmocka_unit_test(every_failing_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

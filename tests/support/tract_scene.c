@@ -4,6 +4,7 @@
 
 #include "atlas/bundles.h"
 #include "base/memory.h"
+#include "loaders/tracts/tract_file.h"
 #include "test.h"
 
 #include <string.h>
@@ -82,4 +83,18 @@ conus_atlas *tract_lines_atlas(void)
     assert_ok(atlas_create_empty(&atlas, "none"));
     assert_ok(atlas_add_tractogram(atlas, &builder.made, "rest"));
     return atlas;
+}
+
+conus_status tract_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes)
+{
+    struct job job = {.max_memory = max_memory};
+    tract_file_read(&job, out, path, CONUS_FILE_SPACE_AS_STATED);
+    return job_close(&job, notes, NULL);
+}
+
+conus_status tract_parse(struct tractogram *out, const struct buffer *bytes, uint64_t max_memory, struct notes *notes)
+{
+    struct job job = {.max_memory = max_memory};
+    tract_file_parse(&job, out, (struct text){bytes->data, bytes->size});
+    return job_close(&job, notes, NULL);
 }

@@ -4,6 +4,7 @@
 #define CONUS_TESTS_SUPPORT_TRACT_SCENE_H
 
 #include "atlas/atlas.h"
+#include "base/buffer.h"
 
 /** A tractogram in the making; `made` belongs to the caller. */
 struct tract_builder {
@@ -25,5 +26,11 @@ void tract_add_group(struct tractogram *to, const char *name, const uint32_t *me
  * has four points, is the longest, runs along x, too, and is far away. Object 1, "near", is 0, 1 and 3; object 2,
  * "far", is 2. */
 conus_atlas *tract_lines_atlas(void);
+
+/** Reads a tractogram from a file; tract_file_read() on a job. */
+conus_status tract_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes);
+
+/** The same of the bytes of a file. */
+conus_status tract_parse(struct tractogram *out, const struct buffer *bytes, uint64_t max_memory, struct notes *notes);
 
 #endif

@@ -4,8 +4,8 @@
 #include "builders/nifti_builder.h"
 #include "conus/streamlines.h"
 #include "loaders/tracts/tract_file.h"
-#include "loaders/tracts/tract_formats.h"
 #include "test.h"
+#include "tract_scene.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -58,11 +58,6 @@ static void begin_three(struct buffer *bytes, const char *header)
     append_triples(bytes, three[0], 7, false, false);
 }
 
-static conus_status parse_with(struct tractogram *out, const struct buffer *bytes, struct notes *notes)
-{
-    return tract_file_parse(out, (const uint8_t *)bytes->data, bytes->size, 0, notes);
-}
-
 static void assert_three(const struct tractogram *out)
 {
     static const uint64_t first[4] = {0, 2, 2, 3};
@@ -81,7 +76,7 @@ static void assert_refused(const struct buffer *bytes, const char *words)
 {
     struct tractogram out = {0};
     struct notes notes = {0};
-    assert_fails(parse_with(&out, bytes, &notes), CONUS_ERROR_DATA);
+    assert_fails(tract_parse(&out, bytes, 0, &notes), CONUS_ERROR_DATA);
     if (!strstr(conus_message(), words)) {
         fail_msg("'%s' lacks '%s'", conus_message(), words);
     }
@@ -101,7 +96,7 @@ static void doubles_are_rounded_once(void **state)
     struct notes notes = {0};
     begin(&bytes, "mrtrix tracks\nfile: . 100\ndatatype: Float64LE\nEND\n");
     append_triples(&bytes, values[0], 3, true, false);
-    assert_ok(parse_with(&out, &bytes, &notes));
+    assert_ok(tract_parse(&out, &bytes, 0, &notes));
     assert_true(out.points[0] == 1.0F && out.points[1] == 1 + 0x1p-23F && out.points[2] == 0.1F);
     tractogram_finish(&out);
     notes_finish(&notes);
@@ -117,20 +112,20 @@ static void what_is_no_tractogram_is_said(void **state)
     buffer_text(&bytes, "solid thing\n");
     const char *path = write_bytes("surface.tck", &bytes);
     assert_false(tract_file_is(path));
-    assert_fails(tract_file_read(&out, path, 0, 0, &notes), CONUS_ERROR_DATA);
+    assert_fails(tract_read(&out, path, 0, &notes), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "surface.tck: this is an STL surface"));
     assert_non_null(
         strstr(conus_message(), "needed is a tractogram: TrackVis, MRtrix, DSI Studio, TRX or polylines of VTK"));
     assert_false(tract_file_is(test_scratch("none.tck")) || conus_path_is_tractogram(test_scratch("none.tck")));
     assert_false(conus_path_is_tractogram(NULL));
-    assert_fails(tract_file_read(&out, test_scratch("none.tck"), 0, 0, &notes), CONUS_ERROR_IO);
+    assert_fails(tract_read(&out, test_scratch("none.tck"), 0, &notes), CONUS_ERROR_IO);
     test_folder("folder.tck");
     assert_false(tract_file_is(test_in("")));
-    assert_fails(tract_file_read(&out, test_in(""), 0, 0, &notes), CONUS_ERROR_IO);
+    assert_fails(tract_read(&out, test_in(""), 0, &notes), CONUS_ERROR_IO);
     assert_non_null(strstr(conus_message(), "is a folder"));
     buffer_clear(&bytes);
     buffer_append(&bytes, "mrtrix tracks\0", 14);
-    assert_refused(&bytes, "no tractogram");
+    assert_refused(&bytes, "needed is a tractogram");
     buffer_finish(&bytes);
     notes_finish(&notes);
 }
@@ -155,7 +150,7 @@ static void more_than_a_block(void **state)
         struct tractogram out = {0};
         struct notes notes = {0};
         const char *path = (packed ? write_packed : write_bytes)("long.tck", &bytes);
-        assert_ok(tract_file_read(&out, path, 0, 0, &notes));
+        assert_ok(tract_read(&out, path, 0, &notes));
         assert_int_equal(out.point_count, COUNT);
         assert_int_equal(out.streamline_count, ends);
         for (size_t i = 0; i < COUNT; i++) {
@@ -165,26 +160,11 @@ static void more_than_a_block(void **state)
             assert_int_equal(out.first[k + 1] - out.first[k], k % 7 + 1);
         }
         tractogram_finish(&out);
-        assert_fails(tract_file_read(&out, path, 12 * COUNT, 0, &notes), CONUS_ERROR_MEMORY);
+        assert_fails(tract_read(&out, path, 12 * COUNT, &notes), CONUS_ERROR_MEMORY);
         assert_non_null(strstr(conus_message(), "that are allowed (--max-memory)"));
         notes_finish(&notes);
     }
     buffer_finish(&bytes);
-}
-
-/* A file may be cut short between two readings: its reader then gives a reason, too. */
-static void the_reader_says_why_a_file_is_empty(void **state)
-{
-    struct byte_stream stream;
-    struct tractogram out = {0};
-    struct notes notes = {0};
-    (void)state;
-    assert_ok(byte_stream_of(&stream, (const uint8_t *)"", 0));
-    (void)fail(CONUS_ERROR_DATA, "before");
-    assert_fails(tck_read(&out, &stream, 0, &notes), CONUS_ERROR_DATA);
-    assert_string_equal(conus_message(), "header: found no line END in the first 0 bytes");
-    byte_stream_finish(&stream);
-    notes_finish(&notes);
 }
 
 static void every_type_gives_the_same_points(void **state)
@@ -200,7 +180,7 @@ static void every_type_gives_the_same_points(void **state)
         begin(&bytes, words);
         append_triples(&bytes, three[0], 7, i / 2 > 1, i / 2 & 1);
         const char *path = (i & 1 ? write_packed : write_bytes)("type.tck", &bytes);
-        assert_ok(tract_file_read(&out, path, 0, CONUS_FILE_SPACE_AS_STATED, &notes));
+        assert_ok(tract_read(&out, path, 0, &notes));
         assert_three(&out);
         tractogram_finish(&out);
         notes_finish(&notes);
@@ -212,7 +192,7 @@ static conus_status parse_and_finish(void *bytes)
 {
     struct tractogram out = {0};
     struct notes notes = {0};
-    conus_status status = parse_with(&out, bytes, &notes);
+    conus_status status = tract_parse(&out, bytes, 0, &notes);
     tractogram_finish(&out);
     notes_finish(&notes);
     return status;
@@ -234,11 +214,8 @@ static void every_failing_allocation(void **state)
 TEST_GROUP(tck)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(doubles_are_rounded_once),
-        cmocka_unit_test(what_is_no_tractogram_is_said),
-        cmocka_unit_test(more_than_a_block),
-        cmocka_unit_test(the_reader_says_why_a_file_is_empty),
-        cmocka_unit_test(every_type_gives_the_same_points),
+        cmocka_unit_test(doubles_are_rounded_once), cmocka_unit_test(what_is_no_tractogram_is_said),
+        cmocka_unit_test(more_than_a_block),        cmocka_unit_test(every_type_gives_the_same_points),
         cmocka_unit_test(every_failing_allocation),
     };
     return cmocka_run_group_tests_name("tck", tests, NULL, NULL);

@@ -5,6 +5,7 @@
 #include "builders/trk_builder.h"
 #include "loaders/tracts/tract_file.h"
 #include "test.h"
+#include "tract_scene.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -12,7 +13,7 @@
 
 static conus_status parse_with(struct tractogram *out, const struct trk_builder *trk, struct notes *notes)
 {
-    return tract_file_parse(out, (const uint8_t *)trk->bytes.data, trk->bytes.size, 0, notes);
+    return tract_parse(out, &trk->bytes, 0, notes);
 }
 
 static void assert_parses(struct tractogram *out, const struct trk_builder *trk, size_t notes_wanted)
@@ -133,7 +134,7 @@ static void a_streamline_longer_than_a_block(void **state)
         struct notes notes = {0};
         const char *path = (packed ? write_packed : write_bytes)("long.trk", &trk.bytes);
         assert_true(tract_file_is(path));
-        assert_ok(tract_file_read(&out, path, 0, 0, &notes));
+        assert_ok(tract_read(&out, path, 0, &notes));
         assert_string_equal(out.path, path);
         assert_string_equal(out.format, packed ? "TrackVis 2, gzip, big-endian" : "TrackVis 2, big-endian");
         assert_int_equal(out.point_count, 2 * COUNT);
@@ -143,9 +144,9 @@ static void a_streamline_longer_than_a_block(void **state)
             assert_true(out.scalars[0].values[2 * i + 1] == -(float)(i % COUNT));
         }
         tractogram_finish(&out);
-        assert_fails(tract_file_read(&out, path, 2 * COUNT * 20, 0, &notes), CONUS_ERROR_MEMORY);
+        assert_fails(tract_read(&out, path, 2 * COUNT * 20, &notes), CONUS_ERROR_MEMORY);
         assert_non_null(strstr(conus_message(), "take more than the 2800000 bytes that are allowed (--max-memory)"));
-        assert_ok(tract_file_read(&out, path, 2 * COUNT * 20 + 70 * 8, 0, &notes)); /* and room for streamlines */
+        assert_ok(tract_read(&out, path, 2 * COUNT * 20 + 70 * 8, &notes)); /* and room for streamlines */
         tractogram_finish(&out);
         notes_finish(&notes);
     }
@@ -156,7 +157,7 @@ static conus_status read_and_finish(void *path)
 {
     struct tractogram out = {0};
     struct notes notes = {0};
-    conus_status status = tract_file_read(&out, path, 0, 0, &notes);
+    conus_status status = tract_read(&out, path, 0, &notes);
     tractogram_finish(&out);
     notes_finish(&notes);
     return status;

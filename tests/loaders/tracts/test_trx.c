@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* TRX: archives, folders, groups, memory. tests/corpus/trx/ has every type, and contradictions. */
-#include "loaders/tracts/tract_formats.h"
+#include "loaders/tracts/tract_file.h"
 
 #include "base/memory.h"
 #include "builders/zip_builder.h"
-#include "loaders/tracts/tract_file.h"
 #include "sources/source.h"
 #include "test.h"
+#include "tract_scene.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -65,15 +65,6 @@ static void build(struct buffer *out, const struct file *files, size_t count, bo
     }
     zip_end(&builder);
     *out = builder.bytes;
-}
-
-static conus_status parse(struct tractogram *out, const struct buffer *archive, uint64_t max_memory,
-                          struct notes *notes)
-{
-    struct bytes copy = {memory_copy(archive->data, archive->size, 1), archive->size};
-    conus_status status = copy.data ? trx_parse(out, &copy, max_memory, notes) : CONUS_ERROR_MEMORY;
-    bytes_finish(&copy);
-    return status;
 }
 
 static bool has_note(const struct notes *notes, const char *part)
@@ -142,8 +133,6 @@ static void assert_standard(struct tractogram *tractogram, struct notes *notes)
     assert_true(has_note(notes, "group 'other': 1 of its streamlines"));
     assert_true(has_note(notes, "dpg: values of groups are not read"));
     assert_true(has_note(notes, "dps/algo.json: no array that is read; there are 1 such files"));
-    tractogram->radius = TRACT_RADIUS;
-    assert_ok(tractogram_check(tractogram, notes));
 }
 
 static void an_archive(void **state)
@@ -156,7 +145,7 @@ static void an_archive(void **state)
         build(&archive, standard, FILES, packed);
         const struct bytes head = {(uint8_t *)archive.data, 4};
         assert_int_equal(format_id_of(&head, ROLE_TRACTS), FORMAT_TRX);
-        assert_ok(parse(&tractogram, &archive, 1 << 20, &notes));
+        assert_ok(tract_parse(&tractogram, &archive, 1 << 20, &notes));
         assert_standard(&tractogram, &notes);
         assert_string_equal(tractogram.format, packed ? "TRX, packed zip, float32" : "TRX, zip, float32");
         tractogram_finish(&tractogram);
@@ -177,7 +166,7 @@ static void a_file(void **state)
     const char *path = test_scratch("a.trx");
     file_sha256(sum, &bytes);
     assert_ok(file_write(path, archive.data, archive.size));
-    assert_ok(trx_read(&tractogram, path, archive.size + 1000, &notes));
+    assert_ok(tract_read(&tractogram, path, archive.size + 1000, &notes));
     assert_standard(&tractogram, &notes);
     assert_string_equal(tractogram.sha256, sum);
     tractogram_finish(&tractogram);
@@ -185,14 +174,14 @@ static void a_file(void **state)
     assert_true(tract_file_is(path));
     assert_ok(file_write(test_scratch("a.zip"), archive.data, archive.size));
     assert_false(tract_file_is(test_scratch("a.zip")));
-    assert_ok(tract_file_read(&tractogram, test_scratch("a.zip"), 0, 0, &notes));
+    assert_ok(tract_read(&tractogram, test_scratch("a.zip"), 0, &notes));
     assert_string_equal(tractogram.path, test_scratch("a.zip"));
     tractogram_finish(&tractogram);
     notes_finish(&notes);
     notes = (struct notes){0};
     path = test_scratch("a.trx");
-    assert_fails(trx_read(&tractogram, path, archive.size - 1, &notes), CONUS_ERROR_MEMORY);
-    assert_fails(trx_read(&tractogram, test_scratch("none.trx"), 1000, &notes), CONUS_ERROR_IO);
+    assert_fails(tract_read(&tractogram, path, archive.size - 1, &notes), CONUS_ERROR_MEMORY);
+    assert_fails(tract_read(&tractogram, test_scratch("none.trx"), 1000, &notes), CONUS_ERROR_IO);
     buffer_finish(&archive);
 }
 
@@ -213,6 +202,7 @@ static void a_folder(void **state)
     (void)state;
     struct tractogram tractogram;
     struct notes notes = {0};
+    struct file_sums files = {0};
     const struct format *format;
     write_folder("folder.trx");
     assert_ok(source_find(&format, test_scratch("folder.trx"), ROLE_TRACTS));
@@ -220,20 +210,22 @@ static void a_folder(void **state)
     assert_true(tract_file_is(test_scratch("folder.trx")));
     assert_ok(source_find(&format, test_in("dps"), ROLE_TRACTS));
     assert_null(format);
-    assert_ok(trx_read(&tractogram, test_scratch("folder.trx"), 1 << 20, &notes));
+    struct job job = {0};
+    tract_file_read(&job, &tractogram, test_scratch("folder.trx"), CONUS_FILE_SPACE_AS_STATED);
+    assert_ok(job_close(&job, &notes, &files));
     assert_standard(&tractogram, &notes);
     assert_string_equal(tractogram.format, "TRX, folder, float32");
     assert_string_equal(tractogram.sha256, "");
-    assert_true(tractogram.files.count > 2 && strlen(tractogram.files.items[0].sha256) == 64);
-    assert_non_null(strstr(tractogram.files.items[0].path, "folder.trx/header.json"));
+    assert_true(files.count > 2 && strlen(files.items[0].sha256) == 64);
+    assert_non_null(strstr(files.items[0].path, "folder.trx/header.json"));
+    file_sums_finish(&files);
     tractogram_finish(&tractogram);
     notes_finish(&notes);
-    assert_fails(trx_read(&tractogram, test_scratch("folder.trx"), 60, &notes), CONUS_ERROR_MEMORY);
-    assert_fails(trx_read(&tractogram, test_in("dps"), 1 << 20, &notes), CONUS_ERROR_DATA);
-    assert_non_null(strstr(conus_message(), "header.json: missing"));
+    assert_fails(tract_read(&tractogram, test_scratch("folder.trx"), 60, &notes), CONUS_ERROR_MEMORY);
+    assert_fails(tract_read(&tractogram, test_in("dps"), 1 << 20, &notes), CONUS_ERROR_IO);
+    assert_non_null(strstr(conus_message(), "dps: cannot read: is a folder"));
 }
 
-/* The reader cannot know that this group is wrong; tractogram_check() refuses it. */
 static void a_member_out_of_range(void **state)
 {
     (void)state;
@@ -242,11 +234,8 @@ static void a_member_out_of_range(void **state)
     struct buffer archive;
     struct tractogram tractogram;
     build(&archive, files, 4, false);
-    assert_ok(parse(&tractogram, &archive, 1 << 20, NULL));
-    tractogram.radius = TRACT_RADIUS;
-    assert_fails(tractogram_check(&tractogram, NULL), CONUS_ERROR_DATA);
+    assert_fails(tract_parse(&tractogram, &archive, 1 << 20, NULL), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "group 'far': found streamline 3"));
-    tractogram_finish(&tractogram);
     buffer_finish(&archive);
 }
 
@@ -262,9 +251,10 @@ static void memory_has_a_limit(void **state)
         struct notes notes = {0};
         build(&archive, standard, FILES, packed);
         size_t needed = archive.size + arrays + (packed ? sizeof points : 0);
-        assert_fails(parse(&tractogram, &archive, needed - 1, &notes), CONUS_ERROR_MEMORY);
+        assert_fails(tract_parse(&tractogram, &archive, needed - 1, &notes), CONUS_ERROR_MEMORY);
         assert_non_null(strstr(conus_message(), "--max-memory"));
-        assert_ok(parse(&tractogram, &archive, needed + (packed ? 200 : 0), &notes)); /* header.json, for a while */
+        assert_ok(
+            tract_parse(&tractogram, &archive, needed + (packed ? 200 : 0), &notes)); /* header.json, for a while */
         tractogram_finish(&tractogram);
         notes_finish(&notes);
         buffer_finish(&archive);
@@ -279,7 +269,7 @@ static void every_prefix(void **state)
     build(&archive, standard, FILES, true);
     for (size_t size = 0; size < archive.size; size++) {
         struct buffer prefix = {.data = archive.data, .size = size};
-        assert_fails(parse(&tractogram, &prefix, 1 << 20, NULL), CONUS_ERROR_DATA);
+        assert_fails(tract_parse(&tractogram, &prefix, 1 << 20, NULL), CONUS_ERROR_DATA);
     }
     buffer_finish(&archive);
 }
@@ -288,7 +278,7 @@ static conus_status attempt(void *data)
 {
     struct tractogram tractogram = {0};
     struct notes notes = {0};
-    conus_status status = trx_read(&tractogram, data, 1 << 20, &notes);
+    conus_status status = tract_read(&tractogram, data, 1 << 20, &notes);
     tractogram_finish(&tractogram);
     notes_finish(&notes);
     return status;

@@ -3,6 +3,7 @@
 #include "builders/nifti_builder.h"
 #include "loaders/tracts/tract_file.h"
 #include "test.h"
+#include "tract_scene.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -88,11 +89,6 @@ static void build(struct buffer *out)
     append_tracks(out);
 }
 
-static conus_status parse(struct tractogram *out, const struct buffer *bytes, uint64_t max_memory, struct notes *notes)
-{
-    return tract_file_parse(out, (const uint8_t *)bytes->data, bytes->size, max_memory, notes);
-}
-
 /* Asserts the points that follow from the affine above by hand. */
 static void assert_points(const struct tractogram *t)
 {
@@ -115,7 +111,7 @@ static void two_streamlines(void **state)
     build(&bytes);
     append_gzip(&packed, bytes.data, bytes.size);
     for (int is_packed = 0; is_packed < 2; is_packed++) {
-        assert_ok(parse(&t, is_packed ? &packed : &bytes, 0, &notes));
+        assert_ok(tract_parse(&t, is_packed ? &packed : &bytes, 0, &notes));
         assert_points(&t);
         assert_string_equal(t.format, is_packed ? "DSI Studio, gzip" : "DSI Studio");
         assert_int_equal(t.scalar_count, 1);
@@ -149,12 +145,12 @@ static void a_long_streamline(void **state)
     for (int i = 1; i < POINTS; i++) {
         buffer_append(&bytes, step, sizeof step);
     }
-    assert_ok(parse(&t, &bytes, 0, &notes));
+    assert_ok(tract_parse(&t, &bytes, 0, &notes));
     assert_int_equal(t.point_count, POINTS);
     assert_near(t.points[3 * (POINTS - 1)], 90 - 2 * 15625, 0);
     assert_near(t.points[3 * (POINTS - 1) + 2], -72 - 2 * 15625, 0);
     tractogram_finish(&t);
-    assert_fails(parse(&t, &bytes, 1000000, &notes), CONUS_ERROR_MEMORY);
+    assert_fails(tract_parse(&t, &bytes, 1000000, &notes), CONUS_ERROR_MEMORY);
     notes_finish(&notes);
     buffer_finish(&bytes);
 }
@@ -163,7 +159,7 @@ static conus_status attempt(void *data)
 {
     struct tractogram t = {0};
     struct notes notes = {0};
-    conus_status status = tract_file_read(&t, data, 0, 0, &notes);
+    conus_status status = tract_read(&t, data, 0, &notes);
     tractogram_finish(&t);
     notes_finish(&notes);
     return status;

@@ -8,6 +8,7 @@
 #include "loaders/tracts/tract_file.h"
 #include "sources/source.h"
 #include "test.h"
+#include "tract_scene.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -231,11 +232,11 @@ static void which_files_have_lines(void **state)
     struct notes notes = {0};
     assert_ok(file_write(test_scratch("surface.vtk"), surface, sizeof surface - 1));
     assert_false(tract_file_is(test_scratch("surface.vtk")));
-    assert_fails(tract_file_read(&tractogram, test_scratch("surface.vtk"), 0, 0, &notes), CONUS_ERROR_DATA);
+    assert_fails(tract_read(&tractogram, test_scratch("surface.vtk"), 0, &notes), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "surface.vtk: a surface and no lines"));
     assert_ok(file_write(test_scratch("lines.vtk"), lines, sizeof lines - 1));
     assert_true(tract_file_is(test_scratch("lines.vtk")));
-    assert_ok(tract_file_read(&tractogram, test_scratch("lines.vtk"), 0, 0, &notes));
+    assert_ok(tract_read(&tractogram, test_scratch("lines.vtk"), 0, &notes));
     assert_string_equal(tractogram.path, test_scratch("lines.vtk"));
     tractogram_finish(&tractogram);
     notes_finish(&notes);
