@@ -31,17 +31,15 @@ static conus_status read_open(struct transform_chain *out, const struct open_fil
                                          "/TransformGroup/*/Transform",
                                          "/TransformGroup/*/Domain/*",
                                          "/TransformChain/*"};
-    struct hdf5 *hdf5 = NULL;
+    struct job job = {.max_memory = max_memory};
     struct buffer words = {0};
-    conus_status status = hdf5_read(&hdf5, file, wanted, sizeof wanted / sizeof wanted[0], max_memory);
-    if (status) {
-        return status;
+    job_in(&job, file->path, JOB_ALONE);
+    const struct hdf5 *hdf5 = hdf5_open(&job, file, wanted, sizeof wanted / sizeof wanted[0]);
+    if (JOB_CALL(&job, parse(out, hdf5, max_memory, &words))) {
+        job_took(&job, notes_add(notes, "%s: %s", file->path, words.data));
     }
-    status = parse(out, hdf5, max_memory, &words);
-    status = status ? fail_in(status, file->path) : notes_add(notes, "%s: %s", file->path, words.data);
     buffer_finish(&words);
-    hdf5_destroy(hdf5);
-    return status;
+    return job_close(&job, NULL, NULL);
 }
 
 conus_status chain_file_read(struct transform_chain *out, const char *path, uint64_t max_memory, struct file_sums *read,

@@ -459,14 +459,14 @@ static void what_cannot_be_moved_stays(void **state)
     conus_atlas_destroy(atlas);
 }
 
-struct attempt {
+struct trial {
     conus_atlas *atlas;
     const char *path;
 };
 
 static conus_status transform(void *data)
 {
-    const struct attempt *attempt = data;
+    const struct trial *attempt = data;
     conus_status status = conus_atlas_transform(attempt->atlas, attempt->path, NULL);
     assert_int_equal(attempt->atlas->is_moved, status == CONUS_OK);
     return status;
@@ -474,7 +474,7 @@ static conus_status transform(void *data)
 
 static conus_status transform_anew(void *path)
 {
-    struct attempt attempt = {.atlas = make_atlas(), .path = path};
+    struct trial attempt = {.atlas = make_atlas(), .path = path};
     conus_status status = transform(&attempt);
     conus_atlas_destroy(attempt.atlas);
     return status;
@@ -487,7 +487,7 @@ static void every_failing_allocation_is_survived(void **state)
     char *entry = make_spline(360, 0, spline_type, spline_grid);
     char *text = make_file(entry);
     for (int spline = 0; spline < 2; spline++) {
-        struct attempt attempt = {make_atlas(), path};
+        struct trial attempt = {make_atlas(), path};
         write_file(path, spline ? text : itk_affine);
         test_every_allocation(transform, &attempt);
         assert_true(test_every_primitive(transform_anew, (void *)attempt.path) > 5);
