@@ -37,9 +37,38 @@ struct source *source_open(struct job *job, const char *path)
     return has_looked ? source : NULL;
 }
 
+struct source *source_of_memory(struct job *job, const char *path, struct bytes bytes)
+{
+    struct source *source = job_new(job, struct source);
+    if (source) {
+        source->file = (struct open_file){.path = path, .descriptor = -1};
+        source->stored = bytes;
+        source->head = head_of(path, &bytes);
+    }
+    return source;
+}
+
 struct reader source_reader(struct job *job, const struct source *source)
 {
-    return job_ok(job) ? reader_on(job, &source->file) : (struct reader){.job = job};
+    if (!job_ok(job)) {
+        return (struct reader){.job = job};
+    }
+    const struct text stored = {(const char *)source->stored.data, source->stored.size};
+    return source->is_open ? reader_on(job, &source->file) : reader_of(job, stored);
+}
+
+struct bytes source_bytes(struct job *job, const struct source *source, uint64_t limit, const char *option)
+{
+    struct bytes bytes = {0};
+    if (!job_ok(job) || !source->is_open) {
+        return job_ok(job) ? source->stored : bytes;
+    }
+    if (JOB_CALL(job, file_read_here(&bytes, &source->file, SIZE_MAX, limit, option)) && !job_adopt(job, bytes.data)) {
+        bytes = (struct bytes){0};
+    }
+    job->is_limit = !job_ok(job) && source->file.before.size > limit;
+    job_made_of(job, source->file.path, &bytes);
+    return bytes;
 }
 
 void source_made_of(struct job *job, const struct source *source)

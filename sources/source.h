@@ -9,7 +9,7 @@
 struct source {
     char *path; /**< Owned, of source_open_atlas(); else NULL. */
     struct open_file file;
-    bool is_open;
+    bool is_open;          /**< Else it is in memory: `stored` is all of it, and not its own. */
     bool is_packed;        /**< By gzip, as a whole. */
     struct bytes stored;   /**< Its first bytes, HEAD_SIZE or all. */
     struct bytes unpacked; /**< Of one that is packed: what these give; none where they are damaged. */
@@ -23,6 +23,13 @@ struct source *source_open(struct job *job, const char *path);
 /** Reads it unpacked, from the beginning; any number of readers may take turns. @p source may be NULL after a failure.
  */
 struct reader source_reader(struct job *job, const struct source *source);
+
+/** What is in memory, to be read as the file @p path: @p bytes, which must outlive the job, and are not packed. */
+struct source *source_of_memory(struct job *job, const char *path, struct bytes bytes);
+
+/** All its bytes as they are stored, at most @p limit, of which the result is made; @p option as for file_read_open().
+ */
+struct bytes source_bytes(struct job *job, const struct source *source, uint64_t limit, const char *option);
 
 /** The result is made of the file, whose bytes are read for its sum. */
 void source_made_of(struct job *job, const struct source *source);

@@ -376,7 +376,9 @@ static void roi_of_mesh(struct job *job, conus_roi **out, const struct hdf5 *hdf
                               .volume_count = 1,
                               .slope = 1,
                               .threshold = threshold};
+    const size_t place = job_in(job, selector->path, JOB_ALONE);
     struct roi_mesh mesh = simnibs_find(job, hdf5, selector);
+    job_out(job, place);
     mesh.nodes = job_give(job, mesh.nodes, mesh.node_count * sizeof *mesh.nodes);
     mesh.tetrahedra = job_give(job, mesh.tetrahedra, mesh.count * sizeof *mesh.tetrahedra);
     if (job_ok(job)) {
@@ -405,11 +407,11 @@ static void load_mesh_region(struct job *job, conus_roi **out, const struct volu
     const size_t place = job_in(job, selector->path, JOB_ALONE);
     const struct source *source = open_mesh(job, selector->path);
     const struct hdf5 *hdf5 = source ? hdf5_open(job, &source->file, simnibs_wanted, SIMNIBS_WANTED) : NULL;
+    job_out(job, place);
     if (hdf5 && simnibs_is(hdf5)) {
         source_made_of(job, source);
         roi_of_mesh(job, out, hdf5, selector, threshold);
     }
-    job_out(job, place);
 }
 
 conus_status conus_roi_load(conus_roi **out, const char *path, const conus_roi_options *options)

@@ -22,7 +22,7 @@
 #include "loaders/scene/plan_cifti.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 #include "loaders/surfaces/mesh_file.h"
-#include "loaders/transform/transform_formats.h"
+#include "loaders/transform/transform_chain.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_zarr.h"
 

@@ -96,7 +96,7 @@ LIBRARY = {
     " loaders/labels loaders/cifti loaders/child loaders/surfaces/foreign sources loaders/volumes",
     "loaders/phantom": "base base/files base/geometry atlas/labels atlas atlas/phantom loaders/volumes loaders/surfaces",
     "loaders/manifest": "base base/files base/formats base/job atlas/labels atlas/surface atlas/areas loaders/volumes loaders/labels",
-    "loaders/transform": "base base/files base/geometry base/formats base/child atlas/deformation atlas loaders loaders/volumes sources",
+    "loaders/transform": "base base/job base/files base/geometry base/child atlas/deformation atlas loaders loaders/volumes sources",
     "loaders/maps": "base base/job base/files base/child base/geometry atlas atlas/fit loaders/volumes loaders/labels sources",
     "loaders/scene": "base base/files base/geometry base/formats base/job atlas/labels atlas/surface atlas atlas/areas atlas/fit"
     " atlas/warp loaders/maps loaders loaders/volumes loaders/labels loaders/cifti loaders/surfaces/foreign loaders/surfaces"
