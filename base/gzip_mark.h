@@ -14,9 +14,6 @@ static inline size_t smaller_of(uint64_t a, uint64_t b)
 }
 
 /** True where @p data begins like a gzip file. */
-static inline bool gzip_is(const uint8_t *data, size_t size)
-{
-    return size >= 3 && data[0] == 0x1f && data[1] == 0x8b && data[2] == 8;
-}
+bool gzip_is(const uint8_t *data, size_t size);
 
 #endif

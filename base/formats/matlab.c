@@ -215,7 +215,7 @@ static struct text take_field_names(struct job *job, struct matlab_array *array,
     if (size < 1 || names.size % (size_t)size) {
         job_bad(job, "names of fields: %zu bytes, of %d each", names.size, size);
     }
-    array->fields = job_ok(job) ? names.size / (size_t)size : 0;
+    array->fields = size > 0 && job_ok(job) ? names.size / (size_t)size : 0;
     return names;
 }
 

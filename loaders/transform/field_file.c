@@ -220,10 +220,11 @@ static void read_info(struct job *job, conus_volume_info *out, const struct sour
 bool field_is(struct job *job, const struct source *source)
 {
     conus_volume_info info;
-    if (!is_nifti(source)) {
-        read_info(job, &info, source);
+    if (is_nifti(source)) {
+        return true;
     }
-    return is_nifti(source) || (job_ok(job) && info.volume_count == 3);
+    read_info(job, &info, source);
+    return job_ok(job) && info.volume_count == 3;
 }
 
 /* Of a NIfTI file what the header says of vectors; NRRD and MetaImage have displacements in LPS, like their header, as
@@ -298,13 +299,12 @@ static void read_vectors(struct job *job, struct deformation *out, struct volume
                  3 * sizeof *out->vectors, (unsigned long long)limit);
     }
     out->vectors = job_step(job) ? memory_raw(count, 3 * sizeof *out->vectors) : NULL;
-    job_need(job, out->vectors);
-    for (size_t n = 0; job_ok(job) && n < 3; n++) {
+    for (size_t n = 0; job_need(job, out->vectors) && n < 3; n++) {
         float *values = NULL;
         struct notes unwanted = {0}; /* about numbers that are not finite: the caller counts them */
         (void)JOB_CALL(job, volume_file_select(file, n));
         (void)JOB_CALL(job, volume_file_values_or_nan(&values, file, &unwanted));
-        for (size_t i = 0; job_ok(job) && i < count; i++) {
+        for (size_t i = 0; job_ok(job) && values && i < count; i++) {
             out->vectors[3 * i + n] = values[i];
         }
         memory_free(values);
@@ -503,17 +503,18 @@ void field_read(struct job *job, struct transform_chain *out, const struct sourc
     job_out(job, job->depth - 1); /* the reader of volumes says the path itself */
     (void)JOB_CALL(job, volume_file_open_series(&file, source->file.path, &alike, &job->notes));
     job_in(job, source->file.path, JOB_ALONE);
-    out->fields = job_step(job) ? memory_zeroed(1, sizeof *out->fields) : NULL;
-    if (job_need(job, out->fields)) {
+    struct deformation *field = job_step(job) ? memory_zeroed(1, sizeof *field) : NULL;
+    if (job_need(job, field)) {
+        out->fields = field;
         out->count = 1;
-        read_vectors(job, out->fields, &file);
+        read_vectors(job, field, &file);
+        if (job_ok(job) && (kind == FIELD_FSL || kind == FIELD_FNIRT)) {
+            set_flirt(job, field, kind, &file.info, options, source);
+        } else if (job_ok(job)) {
+            set_vectors(job, field, kind, options->vectors, source);
+        }
+        (void)JOB_CALL(job, deformation_measure(field));
+        (void)JOB_CALL(job, file_sums_put(&job->files, file.info.path, file.info.sha256));
     }
-    if (job_ok(job) && (kind == FIELD_FSL || kind == FIELD_FNIRT)) {
-        set_flirt(job, out->fields, kind, &file.info, options, source);
-    } else if (job_ok(job)) {
-        set_vectors(job, out->fields, kind, options->vectors, source);
-    }
-    (void)JOB_CALL(job, deformation_measure(out->fields));
-    (void)JOB_CALL(job, file_sums_put(&job->files, file.info.path, file.info.sha256));
     volume_file_finish(&file);
 }

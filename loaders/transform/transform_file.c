@@ -304,8 +304,8 @@ static void image_from_world(struct job *job, double out[16], const conus_volume
 /* From a matrix of both images' coordinates, as `coordinates` has them, to one of RAS. */
 static void place_between(struct job *job, double m[16], const conus_volume_info images[2], from_voxel *coordinates)
 {
-    double from_world[16];
-    double to_world[16];
+    double from_world[16] = {0};
+    double to_world[16] = {0};
     double world_from_to[16];
     if (job_ok(job)) {
         image_from_world(job, from_world, &images[0], coordinates);
@@ -346,7 +346,8 @@ static void read_register(struct job *job, struct transform_chain *out, const st
     (void)register_take_head(&text, edges); /* which was asked before */
     take_rows(job, out->matrix, &text, 4, "matrix");
     settle_matrix(job, out->matrix);
-    if (transform_line(&text, &line) && transform_line(&text, &line)) {
+    (void)transform_line(&text, &line); /* the word */
+    if (transform_line(&text, &line)) {
         job_bad(job, "\"%.*s\" behind the matrix and a word", TEXT_SHOW(line, 40));
     }
     if (!options->from) {
@@ -504,7 +505,7 @@ static void check_options(struct job *job, const struct kind *kind, const conus_
     const bool is_hdf5 = kind && kind->id == FORMAT_HDF5;
     const bool states = options->vectors || options->space;
     const char *problem = NULL;
-    if (options->transform && (is_field || is_hdf5)) {
+    if (kind && options->transform && !(kind->has & LIST)) {
         problem = "transform is for lists in ITK's text, and this is none";
     } else if (is_hdf5 && (options->from || options->to || states)) {
         problem =
@@ -515,8 +516,6 @@ static void check_options(struct job *job, const struct kind *kind, const conus_
         problem = options->from ? "to=IMAGE is needed, too" : "from=IMAGE is needed, too";
     } else if (kind && options->from && !(kind->has & (IMAGES | FIELD))) {
         problem = "from and to are for FSL's matrices and FreeSurfer's register.dat, and this is neither";
-    } else if (kind && options->transform && !(kind->has & LIST)) {
-        problem = "transform is for lists in ITK's text, and this is none";
     }
     if (problem) {
         job_fail(job, CONUS_ERROR_ARGUMENT, "%s", problem);

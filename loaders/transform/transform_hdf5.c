@@ -47,7 +47,7 @@ static double *copy_numbers(struct job *job, size_t *count, const struct hdf5_va
 {
     *count = count_of(value);
     double *numbers = job_array(job, count, sizeof *numbers);
-    for (size_t i = 0; i < *count; i++) {
+    for (size_t i = 0; numbers && value && i < *count; i++) {
         numbers[i] = hdf5_number(value, i);
         if (!isfinite(numbers[i])) {
             job_bad(job, "%.*s: number %zu is not finite", TEXT_SHOW(value->name, 80), i);

@@ -318,7 +318,7 @@ static void add_list(struct job *job, struct transform_chain *chain, const struc
                    list->count, list->count - 1);
     }
     const size_t end = chosen ? chosen : list->count;
-    for (size_t i = chosen ? chosen - 1 : is_chain; job_ok(job) && i < end; i++) {
+    for (size_t i = chosen ? chosen - 1 : is_chain; job_ok(job) && i < end && list->at; i++) {
         itk_chain_add(job, chain, &list->at[i]);
     }
     chain_end(job, chain);
