@@ -15,11 +15,11 @@ enum role {
     ROLE_SURFACE = 1 << 1,
     ROLE_VERTEX_LABELS = 1 << 2, /**< Also surfaces, which may have none. */
     ROLE_TRACTS = 1 << 3,
-    ROLE_TRANSFORM = 1 << 4, /**< Those of several steps; others are told apart by their reader. */
-    ROLE_SCENE = 1 << 5,     /**< An atlas that names other files, or has several parts. */
-    ROLE_REGION = 1 << 6,    /**< A mesh as a region of interest. */
-    ROLE_POSES = 1 << 7 /**< Without tables and lists, whose readers tell themselves apart. A row without an id says
-                           in its words why such a file holds none. */
+    ROLE_TRANSFORM = 1 << 4,
+    ROLE_SCENE = 1 << 5,  /**< An atlas that names other files, or has several parts. */
+    ROLE_REGION = 1 << 6, /**< A mesh as a region of interest. */
+    ROLE_POSES = 1 << 7   /**< Without tables and lists, whose readers tell themselves apart. A row without an id says
+                             in its words why such a file holds none. */
 };
 
 /** Formats that readers are chosen by. */
@@ -51,6 +51,12 @@ enum format_id {
     FORMAT_TCK,
     FORMAT_TT,
     FORMAT_TRX,
+    FORMAT_MATRIX,     /**< 4 x 4 numbers, of RAS or FSL's. */
+    FORMAT_ITK,        /**< Transforms as text, */
+    FORMAT_ITK_MATLAB, /**< and in MATLAB's level 4. */
+    FORMAT_XFM,
+    FORMAT_LTA,
+    FORMAT_REGISTER,  /**< FreeSurfer's register.dat. */
     FORMAT_ATLAS_XML, /**< FSL's or SPM's. */
     FORMAT_MANIFEST,  /**< JSON with the key "conus_atlas". */
     FORMAT_BRAINSIGHT,

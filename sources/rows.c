@@ -80,6 +80,28 @@ static bool is_matlab(const struct file_head *head)
     return matlab_is(head->bytes);
 }
 
+/* A header of NRRD or MetaImage that has three real numbers at each voxel. */
+static bool has_vectors(const struct file_head *head)
+{
+    bool is_nrrd = text_starts(head->bytes, "NRRD");
+    return is_nrrd
+               ? text_mentions(head->bytes, "kinds: vector") || text_mentions(head->bytes, "kinds: covariant-vector") ||
+                     text_mentions(head->bytes, "kinds: 3-vector")
+               : text_mentions(head->bytes, "ElementNumberOfChannels = 3") &&
+                     (text_mentions(head->bytes, "MET_FLOAT") || text_mentions(head->bytes, "MET_DOUBLE"));
+}
+
+/* elastix's parameters, which may come in any order. */
+static bool is_elastix(const struct file_head *head)
+{
+    return text_starts(head->start, "(Transform ") || text_mentions(head->bytes, "\n(Transform ");
+}
+
+static bool is_elastix_toml(const struct file_head *head)
+{
+    return text_starts(head->start, "Transform = \"") || text_mentions(head->bytes, "\nTransform = \"");
+}
+
 static bool is_zarr(const struct file_head *head)
 {
     return has_file(head->path, "zarr.json") || has_file(head->path, ".zarray") || has_file(head->path, ".zattrs");
@@ -148,6 +170,8 @@ static bool is_no_text(const struct file_head *head)
     {                                                                                                                  \
         .id = FORMAT_##id_, .roles = roles_, .is_hidden = true, __VA_ARGS__                                            \
     }
+/* One whose words are for who asks for a transform. */
+#define NO_TRANSFORM(words_, way_, ...) HIDDEN(OTHER, ROLE_TRANSFORM, .words = words_, .way = way_, __VA_ARGS__)
 
 /* In the order in which they are asked. */
 static const struct format formats[] = {
@@ -225,9 +249,11 @@ static const struct format formats[] = {
     TOLD("a CIFTI matrix of connections of parcels (.pconnseries.nii)", PARCELS, .intent = 3011),
     TOLD("a CIFTI matrix of connections of parcels (.pconnscalar.nii)", PARCELS, .intent = 3012),
     TOLD("a CIFTI matrix of an unknown kind", PARCELS, .is = is_matrix),
-    KNOWN(NIFTI, ROLE_VOLUME, "a volume", VOLUME, .has = nifti_has_magic),
+    KNOWN(NIFTI, ROLE_VOLUME | ROLE_TRANSFORM, "a volume", VOLUME, .has = nifti_has_magic),
     HIDDEN(NIFTI, ROLE_VOLUME, .has = nifti_is), /* ANALYZE has no more than a size */
     KNOWN(MGH, ROLE_VOLUME, "a volume", VOLUME, .has = mgh_is),
+    HIDDEN(NRRD, ROLE_TRANSFORM, .has = nrrd_is, .is = has_vectors),
+    HIDDEN(METAIMAGE, ROLE_TRANSFORM, .has = metaimage_is, .is = has_vectors),
     KNOWN(NRRD, ROLE_VOLUME, "a volume", VOLUME, .has = nrrd_is),
     KNOWN(METAIMAGE, ROLE_VOLUME, "a volume", VOLUME, .has = metaimage_is),
     KNOWN(AFNI, ROLE_VOLUME, "a volume", VOLUME, .has = afni_is),
@@ -293,6 +319,25 @@ static const struct format formats[] = {
     HIDDEN(LOCALITE, ROLE_POSES, .lines = "<"),
     HIDDEN(MARKUPS, ROLE_POSES,
            .lines = "{/# Markups fiducial file/# Fiducial List file/# columns = id,x,y,z/# columns = label,x,y,z"),
+    HIDDEN(MATRIX, ROLE_TRANSFORM, .has = matrix_is, .is = is_text),
+    HIDDEN(ITK, ROLE_TRANSFORM, .has = itk_is, .is = is_text),
+    HIDDEN(XFM, ROLE_TRANSFORM, .has = xfm_is, .is = is_text),
+    HIDDEN(LTA, ROLE_TRANSFORM, .has = lta_is, .is = is_text),
+    HIDDEN(REGISTER, ROLE_TRANSFORM, .has = register_is, .is = is_text),
+    HIDDEN(ITK_MATLAB, ROLE_TRANSFORM, .has = itk_matlab_is),
+    NO_TRANSFORM("a MATLAB file of level 5",
+                 "which is not read as a transform; ITK's (level 4, as out_0GenericAffine.mat) and 4 x 4 numbers of "
+                 "RAS mm as text are",
+                 MAGIC("MATLAB 5.0")),
+    NO_TRANSFORM("elastix's parameters",
+                 "which are not read; with (WriteITKCompositeTransform \"true\") and "
+                 "(ITKTransformOutputFileNameExtension \"tfm\") among its own, elastix writes ITK's text",
+                 .is = is_elastix),
+    NO_TRANSFORM("a design matrix of FSL's statistics", "and no transform", MAGIC("/NumWaves")),
+    NO_TRANSFORM("elastix's parameters as TOML",
+                 "which are not read; elastix writes ITK's text, too, with WriteITKCompositeTransform and "
+                 "ITKTransformOutputFileNameExtension = \"tfm\"",
+                 .is = is_elastix_toml),
     TOLD("a table of colours", "put it beside the volume as X.lut", NAMED(".lut"), .is = is_no_text,
          .certainty = KIND_BY_NAME),
     TOLD("values of the vertices of a surface, as text", NULL, .is = is_vertex_values),

@@ -156,3 +156,82 @@ bool freesurfer_is_curvature(const uint8_t *data, size_t size)
     return size >= PER_VERTEX + sizeof one && freesurfer_is_surface(data, size) && data[2] == 0xff &&
            memcmp(data + PER_VERTEX, one, sizeof one) == 0;
 }
+
+bool transform_line(struct text *rest, struct text *line)
+{
+    while (text_line(rest, line)) {
+        *line = text_trim(*line);
+        if (line->size && line->data[0] != '#') {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool matrix_is(const uint8_t *data, size_t size)
+{
+    struct text text = text_from_bytes(data, size);
+    struct text line;
+    struct text word;
+    double number;
+    return transform_line(&text, &line) && text_word(&line, &word) && text_to_double(word, &number);
+}
+
+bool itk_is(const uint8_t *data, size_t size)
+{
+    return text_starts(text_from_bytes(data, size), "#Insight Transform File V1.0");
+}
+
+bool xfm_is(const uint8_t *data, size_t size)
+{
+    return text_starts(text_from_bytes(data, size), "MNI Transform File");
+}
+
+bool lta_is(const uint8_t *data, size_t size)
+{
+    struct text text = text_from_bytes(data, size);
+    struct text line;
+    return transform_line(&text, &line) && text_starts(line, "type") && text_mentions(line, "=");
+}
+
+bool register_take_head(struct text *rest, double edges[2])
+{
+    struct text line;
+    double numbers[3] = {0};
+    bool is_head = text_line(rest, &line) && text_trim(line).size && !text_to_double(text_trim(line), &numbers[0]);
+    for (int i = 0; is_head && i < 3; i++) {
+        is_head = text_line(rest, &line) && text_to_double(text_trim(line), &numbers[i]);
+    }
+    memcpy(edges, numbers, 2 * sizeof *edges);
+    return is_head && matrix_is((const uint8_t *)rest->data, rest->size);
+}
+
+bool register_is(const uint8_t *data, size_t size)
+{
+    struct text text = text_from_bytes(data, size);
+    double edges[2];
+    return register_take_head(&text, edges);
+}
+
+/* Thousands 1 = big-endian; tens 0 = double, 1 = float; both ends 0. */
+bool itk_matlab_type(bool *swapped, bool *single, const uint8_t *data)
+{
+    uint32_t little = order_u32(data, BIG_ENDIAN_IS_SWAPPED ? false : true);
+    uint32_t big = order_u32(data, BIG_ENDIAN_IS_SWAPPED);
+    bool is_big = big == 1000 || big == 1010;
+    uint32_t type = is_big ? big - 1000 : little;
+    *swapped = is_big == BIG_ENDIAN_IS_SWAPPED;
+    *single = type == 10;
+    return type == 0 || type == 10;
+}
+
+bool itk_matlab_is(const uint8_t *data, size_t size)
+{
+    bool swapped;
+    bool single;
+    if (size < ITK_MATLAB_HEAD + 1 || !itk_matlab_type(&swapped, &single, data)) {
+        return false;
+    }
+    uint32_t length = order_u32(data + 16, swapped);
+    return length && length <= ITK_MATLAB_NAME_LIMIT && data[ITK_MATLAB_HEAD] >= 'A' && data[ITK_MATLAB_HEAD] <= 'Z';
+}

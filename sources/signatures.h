@@ -4,6 +4,7 @@
 #define CONUS_SOURCES_SIGNATURES_H
 
 #include "base/files/file.h"
+#include "base/text.h"
 
 /** Bytes that the functions of NIfTI want to see, if there are as many: the header, and where CIFTI's XML begins. */
 enum { NIFTI_HEAD_SIZE = 1024 };
@@ -54,5 +55,29 @@ bool freesurfer_is_surface(const uint8_t *data, size_t size);
 
 /** True where @p data begins like values of vertices (lh.curv, lh.thickness), which share a mark with quadrangles. */
 bool freesurfer_is_curvature(const uint8_t *data, size_t size);
+
+/** @name Transforms as text. @{ */
+/** The next line that is no comment ("#"), without white space around it; false at the end. */
+bool transform_line(struct text *rest, struct text *line);
+/** True where the first word is a number. */
+bool matrix_is(const uint8_t *data, size_t size);
+/** ITK's, */
+bool itk_is(const uint8_t *data, size_t size);
+/** and the MNI's. */
+bool xfm_is(const uint8_t *data, size_t size);
+/** FreeSurfer's .lta: the first line is "type = …". */
+bool lta_is(const uint8_t *data, size_t size);
+/** FreeSurfer's register.dat, */
+bool register_is(const uint8_t *data, size_t size);
+/** of which this takes what is before its matrix: a name, voxels' edges of the movable volume in its planes and between
+ * them, and an intensity. */
+bool register_take_head(struct text *rest, double edges[2]);
+/** @} */
+
+/** Transforms of ITK in MATLAB's level 4, */
+bool itk_matlab_is(const uint8_t *data, size_t size);
+enum { ITK_MATLAB_HEAD = 20, ITK_MATLAB_NAME_LIMIT = 64 }; /**< Bytes of a matrix' header, and of its name. */
+/** and the type with which each matrix begins; false where it is another. */
+bool itk_matlab_type(bool *swapped, bool *single, const uint8_t *data);
 
 #endif

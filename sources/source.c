@@ -41,12 +41,13 @@ struct source *source_open(struct job *job, const char *path)
     return is_open ? begin_source(job, source) : NULL;
 }
 
-struct source *source_of_memory(struct job *job, struct text bytes)
+struct source *source_of_memory(struct job *job, const char *path, struct text bytes)
 {
     struct source *source = job_new(job, struct source);
     if (!source) {
         return NULL;
     }
+    source->file.path = path;
     source->file.memory = (const uint8_t *)(bytes.size ? bytes.data : "");
     source->file.before.size = bytes.size;
     return begin_source(job, source);
@@ -74,12 +75,12 @@ struct bytes source_whole(struct job *job, struct source *source)
     return source->whole;
 }
 
-struct bytes source_bytes(struct job *job, struct source *source)
+struct bytes source_bytes(struct job *job, struct source *source, uint64_t limit)
 {
     if (!job_ok(job)) {
         return (struct bytes){0}; /* there may be no source */
     }
-    const struct bytes bytes = job_read_open(job, &source->file, memory_limit(job->max_memory), FILE_MAX_MEMORY);
+    const struct bytes bytes = job_read_open(job, &source->file, limit, FILE_MAX_MEMORY);
     threads_wait(&source->summing);
     if (job_ok(job)) {
         file_sha256(source->sha256, &bytes);

@@ -10,7 +10,7 @@
 struct source {
     char *path; /**< Owned, of source_open_atlas(); else NULL. */
     struct open_file file;
-    bool is_open;
+    bool is_open;          /**< Else it is in memory: `stored` is all of it, and not its own. */
     bool is_packed;        /**< By gzip, as a whole. */
     struct bytes stored;   /**< Its first bytes, HEAD_SIZE or all. */
     struct bytes unpacked; /**< Of one that is packed: what these give; none where they are damaged. */
@@ -25,8 +25,8 @@ struct source {
  * which the caller enters before. NULL after a failure. The job closes it. */
 struct source *source_open(struct job *job, const char *path);
 
-/** The same of @p bytes, a file in memory without a name, which must live as long as the job. */
-struct source *source_of_memory(struct job *job, struct text bytes);
+/** The same of @p bytes, a file in memory called @p path or NULL; both must live as long as the job. */
+struct source *source_of_memory(struct job *job, const char *path, struct text bytes);
 
 /** Reads it unpacked, from the beginning; any number of readers may take turns. @p source may be NULL after a failure.
  */
@@ -36,8 +36,8 @@ struct reader source_reader(struct job *job, const struct source *source);
  * source_close(), which may come before the job's end. None after a failure. */
 struct bytes source_whole(struct job *job, struct source *source);
 
-/** All of its bytes, as they are stored, below job->max_memory; they are summed up. */
-struct bytes source_bytes(struct job *job, struct source *source);
+/** All of its bytes, as they are stored, at most @p limit, which --max-memory raises; they are summed up. */
+struct bytes source_bytes(struct job *job, struct source *source, uint64_t limit);
 
 /** Begins to read its bytes for its sum, beside whoever reads it meanwhile. @p source may be NULL. */
 void source_sum_ahead(struct source *source);

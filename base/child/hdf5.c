@@ -4,7 +4,6 @@
 
 #include "base/byte_order.h"
 #include "base/child/child.h"
-#include "base/child/process.h"
 #include "base/memory.h"
 #include "base/order.h"
 #include "base/system/system.h"
@@ -24,12 +23,11 @@ struct place {
 };
 
 struct hdf5 {
-    struct bytes stream;
-    struct hdf5_object *objects; /* by path */
-    size_t count, capacity;
-    struct hdf5_value *attributes;
-    size_t attribute_count, attribute_capacity;
-    struct place *places; /* [count], by address */
+    struct text stream;
+    LIST(struct hdf5_object) objects; /* by path */
+    LIST(struct hdf5_value) attributes;
+    struct place *places; /* [objects.count], by address */
+    struct job *own;      /* of a bridge, else NULL */
 };
 
 bool hdf5_is(const uint8_t *data, size_t size)
@@ -41,17 +39,6 @@ bool hdf5_is(const uint8_t *data, size_t size)
         is = memcmp(data + at, mark, MARK_SIZE) == 0;
     }
     return is;
-}
-
-void hdf5_destroy(struct hdf5 *hdf5)
-{
-    if (hdf5) {
-        bytes_finish(&hdf5->stream);
-        memory_free(hdf5->objects);
-        memory_free(hdf5->attributes);
-        memory_free(hdf5->places);
-        memory_free(hdf5);
-    }
 }
 
 /* A frame's header, and where its parts are. */
@@ -134,9 +121,9 @@ static bool are_zeros(const uint8_t *data, size_t size)
     return are;
 }
 
-static conus_status fail_frame(size_t at, const char *what)
+static void fail_frame(struct job *job, size_t at, const char *what)
 {
-    return fail(CONUS_ERROR_DATA, "HDF5 stream: byte %zu: %s", at, what);
+    job_bad(job, "HDF5 stream: byte %zu: %s", at, what);
 }
 
 static bool is_name_of(enum hdf5_frame_kind kind, struct text name)
@@ -148,91 +135,82 @@ static bool is_name_of(enum hdf5_frame_kind kind, struct text name)
                                       : name.size > 0);
 }
 
-/* Parses the frame at byte `at` of the stream, which has `left` more bytes. */
-static conus_status parse_frame(struct frame *out, const uint8_t *data, size_t at, size_t left)
+/* The frame at byte `at` of the stream. */
+static struct frame parse_frame(struct job *job, struct text stream, size_t at)
 {
+    const uint8_t *data = (const uint8_t *)stream.data + at;
+    size_t left = stream.size - at;
+    struct frame frame = {0};
     if (left < HDF5_FRAME_HEADER_SIZE) {
-        return fail_frame(at, "cut off within a frame's header");
+        fail_frame(job, at, "cut off within a frame's header");
+        return frame;
     }
-    struct frame frame = {.kind = (enum hdf5_frame_kind)order_u32(data, SWAPPED),
-                          .address = order_u64(data + 16, SWAPPED),
-                          .value.name = {(const char *)data + HDF5_FRAME_HEADER_SIZE, order_u32(data + 88, SWAPPED)}};
+    frame = (struct frame){.kind = (enum hdf5_frame_kind)order_u32(data, SWAPPED),
+                           .address = order_u64(data + 16, SWAPPED),
+                           .value.name = {(const char *)data + HDF5_FRAME_HEADER_SIZE, order_u32(data + 88, SWAPPED)}};
     struct text *name = &frame.value.name;
     uint64_t size = order_u64(data + 96, SWAPPED);
     bool bare = frame.kind == HDF5_FRAME_FAILURE || frame.kind == HDF5_FRAME_END;
     left -= HDF5_FRAME_HEADER_SIZE;
     if (frame.kind < HDF5_FRAME_OBJECT || frame.kind > HDF5_FRAME_END || order_u32(data + 92, SWAPPED)) {
-        return fail_frame(at, "no frame");
+        fail_frame(job, at, "no frame");
+        return frame;
     }
     if (left < padded(name->size) || left - padded(name->size) < size ||
         left - padded(name->size) < padded((size_t)size)) {
-        return fail_frame(at, "cut off within a frame");
+        fail_frame(job, at, "cut off within a frame");
+        return frame;
     }
     const uint8_t *body = data + HDF5_FRAME_HEADER_SIZE + padded(name->size);
     frame.size = HDF5_FRAME_HEADER_SIZE + padded(name->size) + padded((size_t)size);
     if (!is_name_of(frame.kind, *name) ||
         !are_zeros((const uint8_t *)name->data + name->size, padded(name->size) - name->size) ||
         !are_zeros(body + size, padded((size_t)size) - (size_t)size)) {
-        return fail_frame(at, "a name that is none");
+        fail_frame(job, at, "a name that is none");
+    } else if (bare ? size != 0 : !take_shape(&frame.value, data) || !take_data(&frame.value, body, size)) {
+        fail_frame(job, at, "an impossible shape");
     }
-    if (bare ? size != 0 : !take_shape(&frame.value, data) || !take_data(&frame.value, body, size)) {
-        return fail_frame(at, "an impossible shape");
-    }
-    *out = frame;
-    return CONUS_OK;
+    return frame;
 }
 
-static conus_status add_object(struct hdf5 *hdf5, const struct frame *frame)
+static void take_frame(struct job *job, struct hdf5 *hdf5, const struct frame *frame, size_t at)
 {
-    if (!memory_reserve(&hdf5->objects, &hdf5->capacity, hdf5->count + 1, sizeof *hdf5->objects)) {
-        return CONUS_ERROR_MEMORY;
+    if (frame->kind == HDF5_FRAME_OBJECT) {
+        *LIST_ADD(job, &hdf5->objects) = (struct hdf5_object){.value = frame->value, .address = frame->address};
+    } else if (hdf5->objects.count) {
+        *LIST_ADD(job, &hdf5->attributes) = frame->value;
+        hdf5->objects.at[hdf5->objects.count - 1].attribute_count++;
+    } else {
+        fail_frame(job, at, "an attribute before any object");
     }
-    hdf5->objects[hdf5->count++] = (struct hdf5_object){.value = frame->value, .address = frame->address};
-    return CONUS_OK;
 }
 
-static conus_status add_attribute(struct hdf5 *hdf5, const struct frame *frame, size_t at)
+static void take_frames(struct job *job, struct hdf5 *hdf5)
 {
-    if (!hdf5->count) {
-        return fail_frame(at, "an attribute before any object");
-    }
-    if (!memory_reserve(&hdf5->attributes, &hdf5->attribute_capacity, hdf5->attribute_count + 1,
-                        sizeof *hdf5->attributes)) {
-        return CONUS_ERROR_MEMORY;
-    }
-    hdf5->attributes[hdf5->attribute_count++] = frame->value;
-    hdf5->objects[hdf5->count - 1].attribute_count++;
-    return CONUS_OK;
-}
-
-static conus_status take_frames(struct hdf5 *hdf5)
-{
-    const struct bytes *stream = &hdf5->stream;
-    struct frame frame = {0};
-    if (stream->size < HDF5_MAGIC_SIZE || memcmp(stream->data, HDF5_STREAM_MAGIC, HDF5_MAGIC_SIZE) != 0) {
-        return fail(CONUS_ERROR_DATA, "HDF5 stream: it does not begin with " HDF5_STREAM_MAGIC);
-    }
-    conus_status status = CONUS_OK;
+    const struct text stream = hdf5->stream;
     size_t at = HDF5_MAGIC_SIZE;
-    for (uint64_t count = 0; !status && frame.kind != HDF5_FRAME_END; count++) {
-        status = parse_frame(&frame, stream->data + at, at, stream->size - at);
-        if (status) {
-            return status;
+    if (!text_starts(stream, HDF5_STREAM_MAGIC)) {
+        job_bad(job, "HDF5 stream: it does not begin with " HDF5_STREAM_MAGIC);
+    }
+    for (uint64_t count = 0; job_ok(job); count++) {
+        const struct frame frame = parse_frame(job, stream, at);
+        if (!job_ok(job)) {
+            return;
         }
         if (frame.kind == HDF5_FRAME_FAILURE) { /* the name says what is wrong with the file */
-            uint32_t kind = order_u32(stream->data + at + 12, SWAPPED);
-            return fail(kind ? CONUS_ERROR_MEMORY : CONUS_ERROR_DATA, "%.*s", (int)frame.value.name.size,
-                        frame.value.name.data);
-        }
-        if (frame.kind == HDF5_FRAME_END) {
-            bool whole = frame.address == count && at + frame.size == stream->size;
-            status = whole ? CONUS_OK : fail_frame(at, "its end does not match its frames");
+            uint32_t kind = order_u32((const uint8_t *)stream.data + at + 12, SWAPPED);
+            job_fail(job, kind ? CONUS_ERROR_MEMORY : CONUS_ERROR_DATA, "%.*s", (int)frame.value.name.size,
+                     frame.value.name.data);
+        } else if (frame.kind == HDF5_FRAME_END) {
+            if (frame.address != count || at + frame.size != stream.size) {
+                fail_frame(job, at, "its end does not match its frames");
+            }
+            return;
         } else {
-            status = frame.kind == HDF5_FRAME_OBJECT ? add_object(hdf5, &frame) : add_attribute(hdf5, &frame, at);
+            take_frame(job, hdf5, &frame, at);
         }
         at += frame.size;
     }
-    return status;
 }
 
 /* A decimal number without its leading zeros; false for another name. */
@@ -293,127 +271,148 @@ static int compare_addresses(const void *a, const void *b)
 }
 
 /* Gives objects their attributes, and sorts them. */
-static conus_status settle(struct hdf5 *hdf5)
+static void settle(struct job *job, struct hdf5 *hdf5)
 {
-    const struct hdf5_value *attributes = hdf5->attributes;
-    for (size_t i = 0; i < hdf5->count; i++) {
-        hdf5->objects[i].attributes = attributes;
-        attributes = attributes ? attributes + hdf5->objects[i].attribute_count : NULL;
-    }
-    order_sort(hdf5->objects, hdf5->count, sizeof *hdf5->objects, compare_objects);
-    hdf5->places = memory_zeroed(hdf5->count, sizeof *hdf5->places);
+    const struct hdf5_value *attributes = hdf5->attributes.at;
+    struct hdf5_object *objects = hdf5->objects.at;
+    const size_t count = hdf5->objects.count;
+    hdf5->places = job_zeroed(job, count, sizeof *hdf5->places);
     if (!hdf5->places) {
-        return CONUS_ERROR_MEMORY;
+        return;
     }
-    for (size_t i = 0; i < hdf5->count; i++) {
-        if (i && compare_objects(&hdf5->objects[i - 1], &hdf5->objects[i]) == 0) {
-            struct text name = hdf5->objects[i].value.name;
-            return fail(CONUS_ERROR_DATA, "HDF5 stream: %.*s is there twice", TEXT_SHOW(name, 200));
+    for (size_t i = 0; i < count; i++) {
+        objects[i].attributes = attributes;
+        attributes = attributes ? attributes + objects[i].attribute_count : NULL;
+    }
+    order_sort(objects, count, sizeof *objects, compare_objects);
+    for (size_t i = 0; i < count; i++) {
+        if (i && compare_objects(&objects[i - 1], &objects[i]) == 0) {
+            job_bad(job, "HDF5 stream: %.*s is there twice", TEXT_SHOW(objects[i].value.name, 200));
         }
-        hdf5->places[i] = (struct place){hdf5->objects[i].address, i};
+        hdf5->places[i] = (struct place){objects[i].address, i};
     }
-    order_sort(hdf5->places, hdf5->count, sizeof *hdf5->places, compare_addresses);
-    return CONUS_OK;
+    order_sort(hdf5->places, count, sizeof *hdf5->places, compare_addresses);
 }
 
-conus_status hdf5_parse(struct hdf5 **out, struct bytes *stream)
+const struct hdf5 *hdf5_of_stream(struct job *job, struct text stream)
 {
-    struct hdf5 *hdf5 = memory_zeroed(1, sizeof *hdf5);
+    struct hdf5 *hdf5 = job_new(job, struct hdf5);
     if (!hdf5) {
-        bytes_finish(stream);
-        return CONUS_ERROR_MEMORY;
+        return job_spare(job, sizeof *hdf5);
     }
-    hdf5->stream = *stream;
-    *stream = (struct bytes){0};
-    conus_status status = take_frames(hdf5);
-    status = status ? status : settle(hdf5);
-    if (status) {
-        hdf5_destroy(hdf5);
-        return status;
-    }
-    *out = hdf5;
-    return CONUS_OK;
+    hdf5->stream = stream;
+    take_frames(job, hdf5);
+    settle(job, hdf5);
+    return job_ok(job) ? hdf5 : job_spare(job, sizeof *hdf5);
 }
 
-/* Runs conus-hdf5; `words` has room for the patterns behind its first two. */
-static conus_status run(struct bytes *out, const struct open_file *file, char **words, uint64_t limit)
+const struct hdf5 *hdf5_open(struct job *job, const struct open_file *file, const char *const *wanted, size_t count)
 {
     static const struct child_program program = {"conus-hdf5", "CONUS_HDF5", "HDF5"};
     enum { LIBRARIES = 1 << 28, BYTES_A_SECOND = 1 << 22, LEAST_SECONDS = 60 };
-    char name[] = "conus-hdf5";
-    char bytes[24];
-    uint64_t work = LEAST_SECONDS + file->before.size / BYTES_A_SECOND;
+    struct file_state now;
+    struct bytes stream = {0};
+    char **words = job_zeroed(job, count + 3, sizeof *words);
+    const uint64_t limit = memory_limit(job->max_memory);
+    const uint64_t work = LEAST_SECONDS + file->before.size / BYTES_A_SECOND;
     const uint32_t seconds = work < UINT32_MAX / 4 ? (uint32_t)work : UINT32_MAX / 4;
-    words[0] = name;
-    words[1] = bytes;
-    snprintf(bytes, sizeof bytes, "%llu", (unsigned long long)limit);
+    for (size_t i = 0; words && i < count + 2; i++) {
+        words[i] = i == 0   ? job_copy(job, text_from(program.name))
+                   : i == 1 ? job_format(job, "%llu", (unsigned long long)limit)
+                            : job_copy(job, text_from(wanted[i - 2]));
+    }
     const struct child_task task = {
         .program = &program,
         .limits = {.memory = limit, .beside = LIBRARIES + file->before.size, .seconds = seconds, .wait = 4 * seconds},
         .words = words,
         .descriptor = file->descriptor};
-    return child_run(out, &task);
+    if (JOB_CALL(job, child_run(&stream, &task)) && !job_adopt(job, stream.data)) {
+        stream = (struct bytes){0};
+    }
+    if (job_ok(job) && !(file_state_of(&now, file->descriptor) && file_state_equal(&now, &file->before))) {
+        job_fail(job, CONUS_ERROR_IO, FILE_CHANGED);
+    }
+    return hdf5_of_stream(job, (struct text){(const char *)stream.data, stream.size});
 }
 
-conus_status hdf5_read(struct hdf5 **out, const struct open_file *file, const char *const *wanted, size_t count,
-                       uint64_t max_memory)
+const struct hdf5 *hdf5_of_bytes(struct job *job, struct text file, const char *const *wanted, size_t count)
 {
-    struct file_state now;
-    struct bytes stream = {0};
-    char **words = memory_zeroed(count + 3, sizeof *words);
-    conus_status status = words ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < count; i++) {
-        words[2 + i] = memory_text(wanted[i], strlen(wanted[i]));
-        status = words[2 + i] ? CONUS_OK : CONUS_ERROR_MEMORY;
+    struct open_file copy = {.descriptor = job_step(job) ? system_open_scratch("conus-hdf5") : -1};
+    if (job_ok(job) && !(copy.descriptor >= 0 && system_write(copy.descriptor, file.data, file.size) &&
+                         file_state_of(&copy.before, copy.descriptor))) {
+        job_fail(job, CONUS_ERROR_IO, "HDF5: cannot copy the file: %s", text_error(errno));
     }
-    status = status ? status : run(&stream, file, words, memory_limit(max_memory));
-    if (!status && !(file_state_of(&now, file->descriptor) && file_state_equal(&now, &file->before))) {
-        status = fail(CONUS_ERROR_IO, FILE_CHANGED);
+    const struct hdf5 *hdf5 = hdf5_open(job, &copy, wanted, count);
+    if (copy.descriptor >= 0) {
+        file_close(&copy);
     }
-    for (size_t i = 0; words && i < count; i++) {
-        memory_free(words[2 + i]);
+    return hdf5;
+}
+
+/* Bridge: to callers without a job; what they get has one of its own. */
+static conus_status hand_over(struct hdf5 **out, struct job *job, const struct hdf5 *hdf5)
+{
+    if (!job_ok(job)) {
+        conus_status status = job_close(job, NULL, NULL);
+        memory_free(job);
+        return status;
     }
-    memory_free(words);
-    if (status) {
-        bytes_finish(&stream);
-    } else {
-        status = hdf5_parse(out, &stream);
+    *out = (struct hdf5 *)hdf5;
+    (*out)->own = job;
+    return CONUS_OK;
+}
+
+conus_status hdf5_parse(struct hdf5 **out, struct bytes *stream)
+{
+    struct job *job = memory_zeroed(1, sizeof *job);
+    const struct text text = {(const char *)stream->data, stream->size};
+    if (!job) {
+        bytes_finish(stream);
+        return CONUS_ERROR_MEMORY;
     }
-    return status && file->path ? fail_in(status, file->path) : status;
+    job_adopt(job, stream->data);
+    *stream = (struct bytes){0};
+    return hand_over(out, job, hdf5_of_stream(job, text));
 }
 
 conus_status hdf5_read_bytes(struct hdf5 **out, struct text file, const char *const *wanted, size_t count,
                              uint64_t max_memory)
 {
-    struct open_file copy = {.descriptor = system_open_scratch("conus-hdf5")};
-    bool is_there = copy.descriptor >= 0 && system_write(copy.descriptor, file.data, file.size) &&
-                    file_state_of(&copy.before, copy.descriptor);
-    conus_status status = is_there ? hdf5_read(out, &copy, wanted, count, max_memory)
-                                   : fail(CONUS_ERROR_IO, "HDF5: cannot copy the file: %s", text_error(errno));
-    if (copy.descriptor >= 0) {
-        file_close(&copy);
+    struct job *job = memory_zeroed(1, sizeof *job);
+    if (!job) {
+        return CONUS_ERROR_MEMORY;
     }
-    return status;
+    job->max_memory = max_memory;
+    return hand_over(out, job, hdf5_of_bytes(job, file, wanted, count));
+}
+
+void hdf5_destroy(struct hdf5 *hdf5)
+{
+    struct job *own = hdf5 ? hdf5->own : NULL;
+    if (own) {
+        job_end(own);
+        memory_free(own);
+    }
 }
 
 size_t hdf5_count(const struct hdf5 *hdf5)
 {
-    return hdf5->count;
+    return hdf5->objects.count;
 }
 
 const struct hdf5_object *hdf5_object(const struct hdf5 *hdf5, size_t index)
 {
-    return &hdf5->objects[index];
+    return &hdf5->objects.at[index];
 }
 
 /* The first object whose path is not below `path`. */
 static size_t lower_bound(const struct hdf5 *hdf5, struct text path)
 {
     size_t low = 0;
-    size_t high = hdf5->count;
+    size_t high = hdf5->objects.count;
     while (low < high) {
         size_t middle = low + (high - low) / 2;
-        bool below = compare_paths(hdf5->objects[middle].value.name, path) < 0;
+        bool below = compare_paths(hdf5->objects.at[middle].value.name, path) < 0;
         low = below ? middle + 1 : low;
         high = below ? high : middle;
     }
@@ -423,14 +422,14 @@ static size_t lower_bound(const struct hdf5 *hdf5, struct text path)
 const struct hdf5_object *hdf5_find(const struct hdf5 *hdf5, const char *path)
 {
     size_t at = lower_bound(hdf5, text_from(path));
-    return at < hdf5->count && text_equal(hdf5->objects[at].value.name, path) ? &hdf5->objects[at] : NULL;
+    return at < hdf5->objects.count && text_equal(hdf5->objects.at[at].value.name, path) ? &hdf5->objects.at[at] : NULL;
 }
 
 const struct hdf5_object *hdf5_find_address(const struct hdf5 *hdf5, uint64_t address)
 {
     const struct place key = {.address = address};
-    const struct place *found = bsearch(&key, hdf5->places, hdf5->count, sizeof key, compare_addresses);
-    return found ? &hdf5->objects[found->index] : NULL;
+    const struct place *found = bsearch(&key, hdf5->places, hdf5->objects.count, sizeof key, compare_addresses);
+    return found ? &hdf5->objects.at[found->index] : NULL;
 }
 
 struct text hdf5_last_name(struct text path)
@@ -445,8 +444,8 @@ struct text hdf5_last_name(struct text path)
 const struct hdf5_object *hdf5_next_in(const struct hdf5 *hdf5, size_t *at, struct text group)
 {
     size_t length = group.size == 1 ? 0 : group.size; /* of "/" */
-    for (*at = *at ? *at : lower_bound(hdf5, group); *at < hdf5->count;) {
-        const struct hdf5_object *object = &hdf5->objects[(*at)++];
+    for (*at = *at ? *at : lower_bound(hdf5, group); *at < hdf5->objects.count;) {
+        const struct hdf5_object *object = &hdf5->objects.at[(*at)++];
         struct text path = object->value.name;
         size_t own = hdf5_last_name(path).size;
         bool below = path.size > length && path.data[length] == '/' && memcmp(path.data, group.data, length) == 0;

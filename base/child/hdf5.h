@@ -6,8 +6,7 @@
 #define CONUS_BASE_CHILD_HDF5_H
 
 #include "base/child/hdf5_protocol.h"
-#include "base/files/file.h"
-#include "base/text.h"
+#include "base/job/job.h"
 
 /** A dataset, a group, or an attribute. */
 struct hdf5_value {
@@ -36,21 +35,26 @@ bool hdf5_is(const uint8_t *data, size_t size);
 
 /** Reads those objects of @p file, and their attributes, that any of @p count patterns @p wanted names: absolute paths
  * in which a name may be "*" (any one), and the last "**" (the object before it, and all below, at any depth). No
- * object may be named twice. What the file lacks is not there. @p max_memory: bytes of all that is read, and of the
- * program beside the file (0 = 8 GiB). Refused are links to other files, data that are stored in others, virtual
- * datasets, all filters but deflate, shuffle and fletcher32, groups within themselves. The message has the file's path.
- * CONUS_ERROR_UNSUPPORTED where there is no conus-hdf5. */
-conus_status hdf5_read(struct hdf5 **out, const struct open_file *file, const char *const *wanted, size_t count,
-                       uint64_t max_memory);
+ * object may be named twice. What the file lacks is not there. The job's max_memory: bytes of all that is read, and of
+ * the program beside the file. Refused are links to other files, data that are stored in others, virtual datasets, all
+ * filters but deflate, shuffle and fletcher32, groups within themselves. CONUS_ERROR_UNSUPPORTED where there is no
+ * conus-hdf5. The path is a place, which the caller enters before. The objects are the job's; after a failure there are
+ * none, here and below. */
+const struct hdf5 *hdf5_open(struct job *job, const struct open_file *file, const char *const *wanted, size_t count);
 
-/** The same of a file that is in memory. Messages without a path. */
+/** The same of a file that is in memory. */
+const struct hdf5 *hdf5_of_bytes(struct job *job, struct text file, const char *const *wanted, size_t count);
+
+/** The objects in @p stream, which must live as long as the job, at a multiple of 8. */
+const struct hdf5 *hdf5_of_stream(struct job *job, struct text stream);
+
+/** @name Bridge: the same for MINC, MATLAB and NWB, which are without a job; it goes with the last of them.
+ * hdf5_parse() takes over the stream, on success and on failure. @{ */
 conus_status hdf5_read_bytes(struct hdf5 **out, struct text file, const char *const *wanted, size_t count,
                              uint64_t max_memory);
-
-/** The objects in @p stream, which is taken over, on success and on failure. Messages without a path. */
 conus_status hdf5_parse(struct hdf5 **out, struct bytes *stream);
-
 void hdf5_destroy(struct hdf5 *hdf5);
+/** @} */
 
 size_t hdf5_count(const struct hdf5 *hdf5);
 const struct hdf5_object *hdf5_object(const struct hdf5 *hdf5, size_t index);

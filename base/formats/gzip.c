@@ -31,11 +31,6 @@ struct stream {
     uint8_t scratch[SCRATCH_SIZE];
 };
 
-bool gzip_is(const uint8_t *data, size_t size)
-{
-    return size >= 3 && data[0] == 0x1f && data[1] == 0x8b && data[2] == 8; /* 8: deflate, the only method there is */
-}
-
 /* Points zlib at where the next unpacked bytes belong, at most `limit` of them. */
 static size_t set_output(struct stream *stream, uint64_t limit)
 {

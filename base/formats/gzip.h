@@ -6,15 +6,7 @@
 #define CONUS_BASE_FORMATS_GZIP_H
 
 #include "base/files/file_sums.h"
-
-/** The smaller of two numbers of bytes, which fits into a size. */
-static inline size_t smaller_of(uint64_t a, uint64_t b)
-{
-    return (size_t)(a < b ? a : b);
-}
-
-/** True where @p data begins like a gzip file. */
-bool gzip_is(const uint8_t *data, size_t size);
+#include "base/gzip_mark.h"
 
 /** Unpacks the first @p limit bytes, or fewer where the stream ends earlier. No checksum is looked at. */
 conus_status gzip_head(struct bytes *out, const uint8_t *data, size_t size, size_t limit);

@@ -74,6 +74,20 @@ conus_status json_text_load(json_t **out, struct text text)
     return fail(CONUS_ERROR_DATA, "line %d, column %d: %s", error.line, error.column, error.text);
 }
 
+static void drop_root(void *root)
+{
+    json_decref(root);
+}
+
+json_t *json_text_read(struct job *job, struct text text)
+{
+    json_t *root = NULL;
+    if (JOB_CALL(job, json_text_load(&root, text))) {
+        job_own(job, drop_root, root);
+    }
+    return job_ok(job) ? root : NULL;
+}
+
 struct text json_text_of(const json_t *value)
 {
     return json_is_string(value) ? (struct text){json_string_value(value), json_string_length(value)} : text_from("");

@@ -3,8 +3,7 @@
 #ifndef CONUS_BASE_FORMATS_JSON_TEXT_H
 #define CONUS_BASE_FORMATS_JSON_TEXT_H
 
-#include "base/status.h"
-#include "base/text.h"
+#include "base/job/job.h"
 
 #include <jansson.h>
 
@@ -15,6 +14,9 @@ enum { JSON_TEXT_MEMORY = 1 << 28 }; /**< Bytes that a text may become. */
  * CONUS_ERROR_MEMORY if it has so many entries that it could take more than JSON_TEXT_MEMORY. *out is the caller's to
  * json_decref(). */
 conus_status json_text_load(json_t **out, struct text text);
+
+/** The same on a job, whose value it is; NULL after a failure. */
+json_t *json_text_read(struct job *job, struct text text);
 
 /** The text of @p value; "" where it is no text, or NULL. */
 struct text json_text_of(const json_t *value);

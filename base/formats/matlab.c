@@ -62,10 +62,12 @@ bool matlab_is(struct text text)
 
 /* Takes an element off: a tag of eight bytes and its data, padded to a multiple of eight unless they are packed; or
  * both in eight bytes. */
-static conus_status take_element(struct element *out, struct text *rest, bool swapped)
+static struct element take_element(struct job *job, struct text *rest, bool swapped)
 {
+    const struct element none = {.bytes = {"", 0}};
     if (rest->size < TAG) {
-        return fail(CONUS_ERROR_DATA, "cut off: %zu bytes where an element begins, %d are needed", rest->size, TAG);
+        job_bad(job, "cut off: %zu bytes where an element begins, %d are needed", rest->size, TAG);
+        return none;
     }
     uint32_t type = order_u32(at(*rest), swapped);
     uint32_t size = order_u32(at(*rest) + SMALL, swapped);
@@ -73,63 +75,61 @@ static conus_status take_element(struct element *out, struct text *rest, bool sw
     size = is_small ? type >> 16 : size;
     size_t left = is_small ? SMALL : rest->size - TAG;
     if (size > left) {
-        return fail(CONUS_ERROR_DATA, "an element of %u bytes, where there are %zu", size, left);
+        job_bad(job, "an element of %u bytes, where there are %zu", size, left);
+        return none;
     }
-    *out = (struct element){is_small ? type & 0xffff : type, {rest->data + (is_small ? SMALL : TAG), size}};
+    const struct element out = {is_small ? type & 0xffff : type, {rest->data + (is_small ? SMALL : TAG), size}};
     size_t padded = type == COMPRESSED ? size : ((size_t)size + 7) & ~(size_t)7;
     *rest = rest_of(*rest, is_small ? TAG : TAG + (padded < left ? padded : left));
-    return CONUS_OK;
+    return out;
 }
 
 /* Some programs write dimensions as UINT32, and names as UTF8; the bytes are the same. */
-static conus_status take_typed(struct text *out, struct text *rest, bool swapped, uint32_t type, const char *what)
+static struct text take_typed(struct job *job, struct text *rest, bool swapped, uint32_t type, const char *what)
 {
-    struct element element = {0};
-    conus_status status = take_element(&element, rest, swapped);
-    if (status) {
-        return status;
-    }
+    const struct element element = take_element(job, rest, swapped);
     if (element.type != type && !(type == INT32 && element.type == UINT32) && !(type == INT8 && element.type == UTF8)) {
-        return fail(CONUS_ERROR_DATA, "%s: an element of type %u, %u is needed", what, element.type, type);
+        job_bad(job, "%s: an element of type %u, %u is needed", what, element.type, type);
     }
-    *out = element.bytes;
-    return CONUS_OK;
+    return job_ok(job) ? element.bytes : (struct text){"", 0};
 }
 
-static conus_status use_memory(struct matlab *matlab, uint64_t bytes)
+static void use_memory(struct job *job, struct matlab *matlab, uint64_t bytes)
 {
     if (bytes > matlab->limit - matlab->used) {
-        return fail(CONUS_ERROR_MEMORY,
-                    "MATLAB's file needs more than the %llu bytes that are allowed; see --max-memory",
-                    (unsigned long long)matlab->limit);
+        job_fail(job, CONUS_ERROR_MEMORY,
+                 "MATLAB's file needs more than the %llu bytes that are allowed; see --max-memory",
+                 (unsigned long long)matlab->limit);
+    } else {
+        matlab->used += bytes;
     }
-    matlab->used += bytes;
-    return CONUS_OK;
 }
 
 /* @p count arrays more, side by side, that are still to be parsed. */
-static conus_status add_arrays(struct matlab *matlab, size_t count)
+static void add_arrays(struct job *job, struct matlab *matlab, size_t count)
 {
-    size_t bytes;
+    size_t bytes = 0;
     if (!memory_multiply(count, sizeof *matlab->arrays, &bytes)) {
-        return fail(CONUS_ERROR_MEMORY, "too many arrays");
+        job_fail(job, CONUS_ERROR_MEMORY, "too many arrays");
     }
-    conus_status status = use_memory(matlab, bytes);
-    if (!status && !memory_reserve(&matlab->arrays, &matlab->capacity, matlab->count + count, sizeof *matlab->arrays)) {
-        status = CONUS_ERROR_MEMORY;
+    use_memory(job, matlab, bytes);
+    if (matlab->capacity - matlab->count < count) {
+        const size_t wanted = 2 * matlab->capacity + count;
+        struct matlab_array *arrays = job_grow(job, matlab->arrays, wanted, sizeof *arrays);
+        matlab->arrays = arrays ? arrays : matlab->arrays;
+        matlab->capacity = arrays ? wanted : matlab->capacity;
     }
-    for (size_t i = 0; !status && i < count; i++) {
+    for (size_t i = 0; job_ok(job) && i < count; i++) {
         matlab->arrays[matlab->count++] = (struct matlab_array){0};
     }
-    return status;
 }
 
-static conus_status take_flags(struct matlab_array *array, struct text *rest)
+static void take_flags(struct job *job, struct matlab_array *array, struct text *rest)
 {
-    struct text flags = {"", 0};
-    conus_status status = take_typed(&flags, rest, array->swapped, UINT32, "flags of an array");
-    if (status || flags.size != 8) {
-        return status ? status : fail(CONUS_ERROR_DATA, "flags of an array: %zu bytes, 8 are needed", flags.size);
+    const struct text flags = take_typed(job, rest, array->swapped, UINT32, "flags of an array");
+    if (flags.size != 8) {
+        job_bad(job, "flags of an array: %zu bytes, 8 are needed", flags.size);
+        return;
     }
     enum { COMPLEX = 0x800 };
     uint32_t word = order_u32(at(flags), array->swapped);
@@ -138,217 +138,196 @@ static conus_status take_flags(struct matlab_array *array, struct text *rest)
                    (kind >= MATLAB_DOUBLE && kind <= MATLAB_UINT64);
     array->kind = is_read ? (enum matlab_class)kind : MATLAB_OTHER;
     array->is_complex = word & COMPLEX;
-    return CONUS_OK;
 }
 
-static conus_status take_dimensions(struct matlab_array *array, struct text *rest)
+static void take_dimensions(struct job *job, struct matlab_array *array, struct text *rest)
 {
-    struct text bytes = {"", 0};
-    conus_status status = take_typed(&bytes, rest, array->swapped, INT32, "dimensions of an array");
-    if (!status && (bytes.size % 4 || bytes.size < 8 || bytes.size > (size_t)4 * DIMENSION_LIMIT)) {
-        status = fail(CONUS_ERROR_DATA, "dimensions of an array: %zu bytes, allowed are 2 to %d numbers of 4",
-                      bytes.size, DIMENSION_LIMIT);
+    const struct text bytes = take_typed(job, rest, array->swapped, INT32, "dimensions of an array");
+    if (bytes.size % 4 || bytes.size < 8 || bytes.size > (size_t)4 * DIMENSION_LIMIT) {
+        job_bad(job, "dimensions of an array: %zu bytes, allowed are 2 to %d numbers of 4", bytes.size,
+                DIMENSION_LIMIT);
     }
     array->count = 1;
-    for (size_t i = 0; !status && i < bytes.size / 4; i++) {
+    for (size_t i = 0; job_ok(job) && i < bytes.size / 4; i++) {
         int32_t length = order_i32(at(bytes) + 4 * i, array->swapped);
         if (length < 0 || !memory_multiply(array->count, (size_t)length, &array->count)) {
-            status = fail(CONUS_ERROR_DATA, "dimensions of an array: %d is number %zu of them", length, i + 1);
+            job_bad(job, "dimensions of an array: %d is number %zu of them", length, i + 1);
         }
         array->rows = i == 0 ? (size_t)length : array->rows;
         array->columns = i == 1 ? (size_t)length : array->columns;
     }
-    return status;
 }
 
 /* Values of numbers: as many as the dimensions say. Of characters in UTF-8 there may be more bytes; and an empty text
  * may have any dimensions. */
-static conus_status take_values(struct matlab_array *array, struct text *rest)
+static void take_values(struct job *job, struct matlab_array *array, struct text *rest)
 {
-    struct element element;
     size_t bytes;
-    conus_status status = take_element(&element, rest, array->swapped);
-    if (status) {
-        return status;
-    }
+    const struct element element = take_element(job, rest, array->swapped);
     uint8_t size = element.type < TYPES ? value_size[element.type] : 0;
     if (!size || (array->kind != MATLAB_CHAR && element.type >= UTF8)) {
-        return fail(CONUS_ERROR_DATA, "%s has values of type %u", matlab_class_name(array).text, element.type);
+        job_bad(job, "%s has values of type %u", matlab_class_name(array).text, element.type);
     }
     bool fits = memory_multiply(array->count, size, &bytes) && bytes == element.bytes.size;
     bool is_free = array->kind == MATLAB_CHAR && (element.type == UTF8 || !element.bytes.size);
     if (!fits && !is_free) {
-        return fail(CONUS_ERROR_DATA, "%s of %zu values has %zu bytes, %u each are needed",
-                    matlab_class_name(array).text, array->count, element.bytes.size, size);
+        job_bad(job, "%s of %zu values has %zu bytes, %u each are needed", matlab_class_name(array).text, array->count,
+                element.bytes.size, size);
     }
     array->type = (uint8_t)element.type;
     array->bytes = element.bytes;
-    return CONUS_OK;
 }
 
 /* Parses each part, an element of its own with at least a tag, in turn. `names` are the names of a structure's fields.
  */
-static conus_status take_parts(struct matlab *matlab, size_t index, struct text *rest, struct text names)
+static void take_parts(struct job *job, struct matlab *matlab, size_t index, struct text *rest, struct text names)
 {
     struct matlab_array array = matlab->arrays[index];
     size_t name_size = array.fields ? names.size / array.fields : 0;
     size_t count = array.count;
     bool fits = array.kind == MATLAB_CELL || memory_multiply(array.count, array.fields, &count);
     if (!fits || count > rest->size / TAG) {
-        return fail(CONUS_ERROR_DATA, "%s of %zu elements in %zu bytes", matlab_class_name(&array).text, array.count,
-                    rest->size);
+        job_bad(job, "%s of %zu elements in %zu bytes", matlab_class_name(&array).text, array.count, rest->size);
     }
     if (array.depth == DEPTH_LIMIT) {
-        return fail(CONUS_ERROR_DATA, "arrays in arrays, more than %d deep", DEPTH_LIMIT);
+        job_bad(job, "arrays in arrays, more than %d deep", DEPTH_LIMIT);
+    }
+    if (!job_ok(job)) {
+        return;
     }
     matlab->arrays[index].parts = matlab->count;
-    conus_status status = add_arrays(matlab, count);
-    for (size_t i = 0; !status && i < count; i++) {
+    add_arrays(job, matlab, count);
+    for (size_t i = 0; job_ok(job) && i < count; i++) {
         struct matlab_array part = {.depth = (uint8_t)(array.depth + 1), .swapped = array.swapped};
-        status = take_typed(&part.bytes, rest, array.swapped, MATRIX, "a part of an array");
+        part.bytes = take_typed(job, rest, array.swapped, MATRIX, "a part of an array");
         part.name = (struct text){names.data + (name_size ? i % array.fields * name_size : 0), name_size};
         part.name.size = strnlen(part.name.data, name_size);
         matlab->arrays[matlab->count - count + i] = part;
     }
-    return status;
 }
 
 /* The names of fields, each in as many bytes, ended by a zero. */
-static conus_status take_field_names(struct text *names, struct matlab_array *array, struct text *rest)
+static struct text take_field_names(struct job *job, struct matlab_array *array, struct text *rest)
 {
-    struct text length = {"", 0};
-    conus_status status = take_typed(&length, rest, array->swapped, INT32, "length of names of fields");
-    int32_t size = !status && length.size == 4 ? order_i32(at(length), array->swapped) : 0;
-    status = status ? status : take_typed(names, rest, array->swapped, INT8, "names of fields");
-    if (!status && (size < 1 || names->size % (size_t)size)) {
-        status = fail(CONUS_ERROR_DATA, "names of fields: %zu bytes, of %d each", names->size, size);
+    const struct text length = take_typed(job, rest, array->swapped, INT32, "length of names of fields");
+    const int32_t size = length.size == 4 ? order_i32(at(length), array->swapped) : 0;
+    const struct text names = take_typed(job, rest, array->swapped, INT8, "names of fields");
+    if (size < 1 || names.size % (size_t)size) {
+        job_bad(job, "names of fields: %zu bytes, of %d each", names.size, size);
     }
-    array->fields = status ? 0 : names->size / (size_t)size;
-    return status;
+    array->fields = size > 0 && job_ok(job) ? names.size / (size_t)size : 0;
+    return names;
 }
 
 /* An array is parsed from its bytes, which are then its values. */
-static conus_status parse_array(struct matlab *matlab, size_t index)
+static void parse_array(struct job *job, struct matlab *matlab, size_t index)
 {
     struct matlab_array *array = &matlab->arrays[index];
     struct text rest = array->bytes;
     struct text names = {"", 0};
-    struct text name = names;
     array->bytes = names;
     array->name = array->depth ? array->name : names;
     if (!rest.size) {
-        return CONUS_OK; /* MATLAB_EMPTY */
+        return; /* MATLAB_EMPTY */
     }
-    conus_status status = take_flags(array, &rest);
-    if (status || array->kind == MATLAB_OTHER) { /* of which nothing else is known */
-        return status;
+    take_flags(job, array, &rest);
+    if (array->kind == MATLAB_OTHER) { /* of which nothing else is known */
+        return;
     }
-    status = take_dimensions(array, &rest);
-    status = status ? status : take_typed(&name, &rest, array->swapped, INT8, "name of an array");
+    take_dimensions(job, array, &rest);
+    const struct text name = take_typed(job, &rest, array->swapped, INT8, "name of an array");
     array->name = array->depth ? array->name : name;
-    if (!status && array->kind == MATLAB_STRUCT) {
-        status = take_field_names(&names, array, &rest);
+    if (array->kind == MATLAB_STRUCT) {
+        names = take_field_names(job, array, &rest);
     }
-    bool has_parts = array->kind == MATLAB_CELL || array->kind == MATLAB_STRUCT;
-    return status ? status : has_parts ? take_parts(matlab, index, &rest, names) : take_values(array, &rest);
+    if (array->kind == MATLAB_CELL || array->kind == MATLAB_STRUCT) {
+        take_parts(job, matlab, index, &rest, names);
+    } else {
+        take_values(job, array, &rest);
+    }
 }
 
-static conus_status matlab_check_header(bool *swapped, struct text text)
+/* Whether numbers are in the other byte order. */
+static bool check_header(struct job *job, struct text text)
 {
     if (text.size < HEADER) {
-        return fail(CONUS_ERROR_DATA, "MATLAB's header: %zu bytes, %d are needed", text.size, HEADER);
+        job_bad(job, "MATLAB's header: %zu bytes, %d are needed", text.size, HEADER);
+        return false;
     }
     const uint8_t *end = at(text) + HEADER - 4; /* version and byte order, two bytes each */
     bool is_big = end[2] == 'M' && end[3] == 'I';
     if (!is_big && !(end[2] == 'I' && end[3] == 'M')) {
-        return fail(CONUS_ERROR_DATA, "MATLAB's header: byte order %02x %02x, allowed are IM and MI", end[2], end[3]);
+        job_bad(job, "MATLAB's header: byte order %02x %02x, allowed are IM and MI", end[2], end[3]);
     }
-    *swapped = is_big == BIG_ENDIAN_IS_SWAPPED;
-    uint16_t version = order_u16(end, *swapped);
+    bool swapped = is_big == BIG_ENDIAN_IS_SWAPPED;
+    uint16_t version = order_u16(end, swapped);
     uint16_t wanted = is_level_7(text) ? 0x200 : 0x100;
-    return version == wanted ? CONUS_OK
-                             : fail(CONUS_ERROR_DATA, "MATLAB's header: version %#x, allowed is %#x", version, wanted);
+    if (version != wanted) {
+        job_bad(job, "MATLAB's header: version %#x, allowed is %#x", version, wanted);
+    }
+    return swapped;
+}
+
+/* The array that is packed in `packed`. */
+static struct element unpack(struct job *job, struct matlab *matlab, struct text packed, bool swapped)
+{
+    struct bytes bytes = {0};
+    if (JOB_CALL(job, gzip_unpack_zlib(&bytes, at(packed), packed.size, matlab->limit - matlab->used))) {
+        uint8_t *less = memory_resize(bytes.data, bytes.size, 1); /* it was unpacked into more than it takes */
+        bytes.data = less ? less : bytes.data;
+        job_adopt(job, bytes.data);
+    }
+    struct text inner = {(const char *)bytes.data, job_ok(job) ? bytes.size : 0};
+    use_memory(job, matlab, inner.size);
+    const struct element element = take_element(job, &inner, swapped);
+    if (inner.size) {
+        job_bad(job, "%zu bytes behind the packed array", inner.size);
+    }
+    return element;
 }
 
 /* One variable, packed or not: its bytes as an array that is still to be parsed. */
-static conus_status take_variable(struct matlab *matlab, size_t index, struct text *rest, bool swapped)
+static void take_variable(struct job *job, struct matlab *matlab, size_t index, struct text *rest, bool swapped)
 {
-    struct element element;
-    struct matlab_array *array = &matlab->arrays[index];
-    array->swapped = swapped;
-    array->bytes = (struct text){"", 0};
-    conus_status status = take_element(&element, rest, swapped);
-    if (status) {
-        return status;
-    }
+    struct element element = take_element(job, rest, swapped);
     if (element.type == COMPRESSED) {
-        struct bytes *bytes = &matlab->unpacked[index];
-        struct text packed = element.bytes;
-        status = gzip_unpack_zlib(bytes, at(packed), packed.size, matlab->limit - matlab->used);
-        if (status) {
-            return status;
-        }
-        uint8_t *less = memory_resize(bytes->data, bytes->size, 1); /* it was unpacked into more than it takes */
-        bytes->data = less ? less : bytes->data;
-        struct text inner = {(const char *)bytes->data, bytes->size};
-        if ((status = use_memory(matlab, bytes->size)) || (status = take_element(&element, &inner, swapped))) {
-            return status;
-        }
-        if (inner.size) {
-            return fail(CONUS_ERROR_DATA, "%zu bytes behind the packed array", inner.size);
-        }
+        element = unpack(job, matlab, element.bytes, swapped);
     }
     if (element.type != MATRIX) {
-        return fail(CONUS_ERROR_DATA, "an element of type %u, an array (%d) is needed", element.type, MATRIX);
+        job_bad(job, "an element of type %u, an array (%d) is needed", element.type, MATRIX);
     }
-    array->bytes = element.bytes;
-    return CONUS_OK;
+    matlab->arrays[index].swapped = swapped;
+    matlab->arrays[index].bytes = element.bytes;
 }
 
-static conus_status hand_over_matlab(struct matlab *out, struct matlab *matlab, conus_status status)
+static void parse_level_5(struct job *job, struct matlab *matlab, struct text text, bool swapped)
 {
-    if (status) {
-        matlab_finish(matlab);
-    } else {
-        *out = *matlab;
-    }
-    return status;
-}
-
-static conus_status parse_level_5(struct matlab *out, struct text text, uint64_t limit, bool swapped)
-{
-    struct matlab matlab = {.limit = limit};
-    struct element element;
-    conus_status status = CONUS_OK;
     struct text rest = rest_of(text, HEADER);
     size_t count = 0; /* of elements, which are all variables */
-    for (struct text ahead = rest; ahead.size; count++) {
-        status = take_element(&element, &ahead, swapped);
-        if (status) {
-            return status;
-        }
+    for (struct text ahead = rest; job_ok(job) && ahead.size; count++) {
+        (void)take_element(job, &ahead, swapped);
     }
-    matlab.variables = count;
-    matlab.unpacked = memory_zeroed(count, sizeof *matlab.unpacked);
-    status = matlab.unpacked ? add_arrays(&matlab, count) : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < count; i++) {
+    matlab->variables = count;
+    add_arrays(job, matlab, count);
+    for (size_t i = 0; job_ok(job) && i < count; i++) {
         char where[64];
-        status = take_variable(&matlab, i, &rest, swapped);
         snprintf(where, sizeof where, "variable %zu of MATLAB's file", i + 1);
-        status = status ? fail_in(status, where) : CONUS_OK;
+        const size_t place = job_in(job, where, JOB_ALONE);
+        take_variable(job, matlab, i, &rest, swapped);
+        job_out(job, place);
     }
-    for (size_t i = 0; !status && i < matlab.count; i++) { /* it grows on the way */
-        status = parse_array(&matlab, i);
-        status = status ? fail_in(status, "MATLAB's file") : CONUS_OK;
+    const size_t place = job_in(job, "MATLAB's file", JOB_ALONE);
+    for (size_t i = 0; job_ok(job) && i < matlab->count; i++) { /* it grows on the way */
+        parse_array(job, matlab, i);
     }
-    return hand_over_matlab(out, &matlab, status);
+    job_out(job, place);
 }
 
 /* Level 7.3: arrays are HDF5's datasets and groups, which say in attributes what they are. */
 
-static conus_status fail_object(const struct hdf5_object *object, const char *what)
+static void fail_object(struct job *job, const struct hdf5_object *object, const char *what)
 {
-    return fail(CONUS_ERROR_DATA, "%.*s: %s", TEXT_SHOW(object->value.name, 200U), what);
+    job_bad(job, "%.*s: %s", TEXT_SHOW(object->value.name, 200U), what);
 }
 
 /* Sets what the array is by the name of its class; another class is an object. */
@@ -381,7 +360,7 @@ static void take_class(struct matlab_array *array, const struct hdf5_object *obj
 }
 
 /* The dataset of an empty array holds its dimensions. */
-static conus_status take_empty(struct matlab_array *array, const struct hdf5_object *object)
+static void take_empty(struct job *job, struct matlab_array *array, const struct hdf5_object *object)
 {
     const struct hdf5_value *value = &object->value;
     bool fine = hdf5_is_number(value) && value->class != HDF5_FLOAT && value->count >= 2;
@@ -393,24 +372,25 @@ static conus_status take_empty(struct matlab_array *array, const struct hdf5_obj
         array->rows = i == 0 ? (size_t)length : array->rows;
         array->columns = i == 1 ? (size_t)length : array->columns;
     }
-    return fine && is_empty ? CONUS_OK
-                            : fail_object(object, "MATLAB_empty, but its values are not the dimensions of none");
+    if (!fine || !is_empty) {
+        fail_object(job, object, "MATLAB_empty, but its values are not the dimensions of none");
+    }
 }
 
 /* MATLAB's first dimension is HDF5's last. */
-static conus_status take_dims(struct matlab_array *array, const struct hdf5_object *object)
+static void take_dims(struct job *job, struct matlab_array *array, const struct hdf5_object *object)
 {
     const struct hdf5_value *value = &object->value;
     if (value->rank < 2) {
-        return fail_object(object, "less than two dimensions");
+        fail_object(job, object, "less than two dimensions");
+        return;
     }
     array->rows = (size_t)value->dims[value->rank - 1];
     array->columns = (size_t)value->dims[value->rank - 2];
     array->count = value->count;
-    return CONUS_OK;
 }
 
-static conus_status take_numbers(struct matlab_array *array, const struct hdf5_object *object)
+static void take_numbers(struct job *job, struct matlab_array *array, const struct hdf5_object *object)
 {
     static const uint8_t types[][4] = {
         {0, 0, SINGLE, DOUBLE}, {INT8, INT16, INT32, INT64}, {UINT8, UINT16, UINT32, UINT64}};
@@ -418,54 +398,55 @@ static conus_status take_numbers(struct matlab_array *array, const struct hdf5_o
     bool is_text = array->kind == MATLAB_CHAR;
     if (value->class == HDF5_OTHER && !is_text) { /* pairs of real and imaginary parts */
         array->is_complex = true;
-        return CONUS_OK;
+    } else if (!hdf5_is_number(value) || (is_text && (value->class != HDF5_UNSIGNED || value->size > 2))) {
+        fail_object(job, object,
+                    is_text ? "an array of characters must be of unsigned numbers of 1 or 2 bytes"
+                            : "an array of numbers must be of numbers");
+    } else {
+        array->type = types[value->class - HDF5_FLOAT][__builtin_ctzll(value->size)];
+        array->bytes = (struct text){(const char *)value->data, value->count * value->size};
     }
-    if (!hdf5_is_number(value) || (is_text && (value->class != HDF5_UNSIGNED || value->size > 2))) {
-        return fail_object(object, is_text ? "an array of characters must be of unsigned numbers of 1 or 2 bytes"
-                                           : "an array of numbers must be of numbers");
-    }
-    array->type = types[value->class - HDF5_FLOAT][__builtin_ctzll(value->size)];
-    array->bytes = (struct text){(const char *)value->data, value->count * value->size};
-    return CONUS_OK;
 }
 
-/* Room for parts; *first is the array's number of the first. */
-static conus_status add_parts(struct matlab *matlab, size_t index, size_t count, size_t each)
+/* Room for parts. */
+static void add_parts(struct job *job, struct matlab *matlab, size_t index, size_t count, size_t each)
 {
     const struct matlab_array array = matlab->arrays[index];
-    size_t all;
+    size_t all = 0;
     if (array.depth == DEPTH_LIMIT) {
-        return fail_object(array.object, "arrays in arrays, more than 32 deep");
+        fail_object(job, array.object, "arrays in arrays, more than 32 deep");
     }
     if (!memory_multiply(count, each, &all) || all > matlab->most - matlab->count) {
-        return fail_object(array.object, "arrays that are parts of several");
+        fail_object(job, array.object, "arrays that are parts of several");
+        return;
     }
     matlab->arrays[index].parts = matlab->count;
-    return add_arrays(matlab, all);
+    add_arrays(job, matlab, all);
 }
 
 /* Part `at` is where reference `index` of `references` leads to; the null reference is an empty array. */
-static conus_status take_part(struct matlab *matlab, size_t at, const struct hdf5_object *references, size_t index,
-                              const struct matlab_array *part)
+static void take_part(struct job *job, struct matlab *matlab, size_t at, const struct hdf5_object *references,
+                      size_t index, const struct matlab_array *part)
 {
     uint64_t address = (uint64_t)hdf5_whole(&references->value, index);
     matlab->arrays[at] = *part;
     matlab->arrays[at].object = address ? hdf5_find_address(matlab->hdf5, address) : NULL;
-    return !address || matlab->arrays[at].object ? CONUS_OK : fail_object(references, "a reference that leads nowhere");
+    if (address && !matlab->arrays[at].object) {
+        fail_object(job, references, "a reference that leads nowhere");
+    }
 }
 
-static conus_status take_cells(struct matlab *matlab, size_t index)
+static void take_cells(struct job *job, struct matlab *matlab, size_t index)
 {
     const struct matlab_array cell = matlab->arrays[index];
     const struct matlab_array part = {.depth = (uint8_t)(cell.depth + 1), .name = {"", 0}};
     if (cell.object->value.class != HDF5_REFERENCE) {
-        return fail_object(cell.object, "a cell array must be of references");
+        fail_object(job, cell.object, "a cell array must be of references");
     }
-    conus_status status = add_parts(matlab, index, cell.count, 1);
-    for (size_t i = 0; !status && i < cell.count; i++) {
-        status = take_part(matlab, matlab->arrays[index].parts + i, cell.object, i, &part);
+    add_parts(job, matlab, index, cell.count, 1);
+    for (size_t i = 0; job_ok(job) && i < cell.count; i++) {
+        take_part(job, matlab, matlab->arrays[index].parts + i, cell.object, i, &part);
     }
-    return status;
 }
 
 /* Whether the field of a structure is that of several: references, which are no cell array. */
@@ -474,138 +455,179 @@ static bool is_field_of_several(const struct hdf5_object *field)
     return field->value.class == HDF5_REFERENCE && !hdf5_attribute(field, "MATLAB_class");
 }
 
-/* Counts the fields of a group, which must be alike: those of one structure, or of as many structures each. */
-static conus_status count_fields(struct matlab_array *array, bool *several, const struct hdf5 *hdf5)
+/* Counts the fields of a group, which must be alike: those of one structure, or of as many structures each. Whether it
+ * is of several. */
+static bool count_fields(struct job *job, struct matlab_array *array, const struct hdf5 *hdf5)
 {
     const struct hdf5_object *first = NULL;
     const struct hdf5_object *field;
     size_t at = 0;
+    bool several = false;
     array->count = array->rows = array->columns = 1;
-    conus_status status = CONUS_OK;
-    for (array->fields = 0; !status && (field = hdf5_next_in(hdf5, &at, array->object->value.name)); array->fields++) {
+    array->fields = 0;
+    for (; job_ok(job) && (field = hdf5_next_in(hdf5, &at, array->object->value.name)); array->fields++) {
         first = first ? first : field;
-        *several = is_field_of_several(first);
-        bool alike = is_field_of_several(field) == *several &&
-                     (!*several || (field->value.rank == first->value.rank &&
-                                    memcmp(field->value.dims, first->value.dims, sizeof first->value.dims) == 0));
-        status = !alike     ? fail_object(field, "another number of structures than the fields beside it have")
-                 : *several ? take_dims(array, field)
-                            : CONUS_OK;
+        several = is_field_of_several(first);
+        bool alike = is_field_of_several(field) == several &&
+                     (!several || (field->value.rank == first->value.rank &&
+                                   memcmp(field->value.dims, first->value.dims, sizeof first->value.dims) == 0));
+        if (!alike) {
+            fail_object(job, field, "another number of structures than the fields beside it have");
+        } else if (several) {
+            take_dims(job, array, field);
+        }
     }
-    return status;
+    return several;
 }
 
-static conus_status take_fields(struct matlab *matlab, size_t index)
+static void take_fields(struct job *job, struct matlab *matlab, size_t index)
 {
     struct matlab_array structure = matlab->arrays[index];
     const struct hdf5_object *field;
-    bool several = false;
     size_t at = 0;
     if (structure.object->value.class != HDF5_GROUP) {
-        return fail_object(structure.object, "a structure must be a group");
+        fail_object(job, structure.object, "a structure must be a group");
     }
-    conus_status status = count_fields(&structure, &several, matlab->hdf5);
+    const bool several = count_fields(job, &structure, matlab->hdf5);
     matlab->arrays[index] = structure;
-    status = status ? status : add_parts(matlab, index, structure.count, structure.fields);
+    add_parts(job, matlab, index, structure.count, structure.fields);
     size_t to = matlab->arrays[index].parts;
-    for (; !status && (field = hdf5_next_in(matlab->hdf5, &at, structure.object->value.name)); to++) {
+    for (; job_ok(job) && (field = hdf5_next_in(matlab->hdf5, &at, structure.object->value.name)); to++) {
         struct matlab_array part = {
             .depth = (uint8_t)(structure.depth + 1), .name = hdf5_last_name(field->value.name), .object = field};
-        for (size_t i = 0; !status && several && i < structure.count; i++) {
-            status = take_part(matlab, to + i * structure.fields, field, i, &part);
+        for (size_t i = 0; job_ok(job) && several && i < structure.count; i++) {
+            take_part(job, matlab, to + i * structure.fields, field, i, &part);
         }
         if (!several) {
             matlab->arrays[to] = part;
         }
     }
-    return status;
 }
 
-static conus_status fill_array(struct matlab *matlab, size_t index)
+static void fill_array(struct job *job, struct matlab *matlab, size_t index)
 {
     struct matlab_array *array = &matlab->arrays[index];
     const struct hdf5_object *object = array->object;
     array->bytes = (struct text){"", 0};
     if (!object) {
-        return CONUS_OK; /* MATLAB_EMPTY */
+        return; /* MATLAB_EMPTY */
     }
     const struct hdf5_value *empty = hdf5_attribute(object, "MATLAB_empty");
     array->swapped = BIG_ENDIAN_IS_SWAPPED != true;
     take_class(array, object);
     if (array->kind == MATLAB_OTHER) {
-        return CONUS_OK;
+        return;
     }
     array->bytes = (struct text){"", 0};
     if (empty && hdf5_is_number(empty) && empty->count && hdf5_number(empty, 0) != 0) {
-        return take_empty(array, object);
+        take_empty(job, array, object);
+    } else if (array->kind == MATLAB_STRUCT) {
+        take_fields(job, matlab, index);
+    } else {
+        take_dims(job, array, object);
+        if (array->kind == MATLAB_CELL) {
+            take_cells(job, matlab, index);
+        } else {
+            take_numbers(job, array, object);
+        }
     }
-    if (array->kind == MATLAB_STRUCT) {
-        return take_fields(matlab, index);
-    }
-    conus_status status = take_dims(array, object);
-    return status ? status : array->kind == MATLAB_CELL ? take_cells(matlab, index) : take_numbers(array, object);
 }
 
 /* Lists the variables of the file: the members of its root, except MATLAB's own "#refs#" and "#subsystem#". */
-static conus_status add_variables(struct matlab *matlab)
+static void add_variables(struct job *job, struct matlab *matlab)
 {
     const struct hdf5_object *object;
     size_t at = 0;
-    conus_status status = CONUS_OK;
-    while (!status && (object = hdf5_next_in(matlab->hdf5, &at, text_from("/")))) {
+    while (job_ok(job) && (object = hdf5_next_in(matlab->hdf5, &at, text_from("/")))) {
         struct text name = hdf5_last_name(object->value.name);
         if (name.data[0] != '#') {
-            status = add_arrays(matlab, 1);
+            add_arrays(job, matlab, 1);
         }
-        if (!status && name.data[0] != '#') {
+        if (job_ok(job) && name.data[0] != '#') {
             matlab->arrays[matlab->variables++] = (struct matlab_array){.name = name, .object = object};
         }
     }
-    return status;
 }
 
-conus_status matlab_from_hdf5(struct matlab *out, struct hdf5 *hdf5, uint64_t limit)
+static void parse_level_7(struct job *job, struct matlab *matlab)
 {
-    struct matlab matlab = {.hdf5 = hdf5, .limit = limit};
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < hdf5_count(hdf5); i++) { /* what is there already; and each is a part of one */
-        const struct hdf5_value *value = &hdf5_object(hdf5, i)->value;
-        matlab.most += 1 + (value->class == HDF5_REFERENCE ? value->count : 0);
-        status = use_memory(&matlab, value->name.size + value->count * value->size);
+    const size_t place = job_in(job, "MATLAB's file", JOB_ALONE);
+    for (size_t i = 0; job_ok(job) && i < hdf5_count(matlab->hdf5); i++) { /* what is there already */
+        const struct hdf5_value *value = &hdf5_object(matlab->hdf5, i)->value;
+        matlab->most += 1 + (value->class == HDF5_REFERENCE ? value->count : 0); /* each is a part of one */
+        use_memory(job, matlab, value->name.size + value->count * value->size);
     }
-    status = status ? status : add_variables(&matlab);
-    for (size_t i = 0; !status && i < matlab.count; i++) { /* it grows on the way */
-        status = fill_array(&matlab, i);
+    add_variables(job, matlab);
+    for (size_t i = 0; job_ok(job) && i < matlab->count; i++) { /* it grows on the way */
+        fill_array(job, matlab, i);
     }
-    status = status ? fail_in(status, "MATLAB's file") : CONUS_OK;
-    return hand_over_matlab(out, &matlab, status);
+    job_out(job, place);
 }
 
-static conus_status parse_level_7(struct matlab *out, struct text text, uint64_t limit)
+static struct matlab *new_matlab(struct job *job, uint64_t limit)
+{
+    struct matlab *matlab = job_new(job, struct matlab);
+    matlab = matlab ? matlab : job_spare(job, sizeof *matlab);
+    matlab->limit = limit;
+    return matlab;
+}
+
+/* What was parsed; after a failure nothing. */
+static const struct matlab *settle(struct job *job, const struct matlab *matlab)
+{
+    return job_ok(job) ? matlab : job_spare(job, sizeof *matlab);
+}
+
+const struct matlab *matlab_of_hdf5(struct job *job, const struct hdf5 *hdf5, uint64_t limit)
+{
+    struct matlab *matlab = new_matlab(job, limit);
+    matlab->hdf5 = hdf5;
+    parse_level_7(job, matlab);
+    return settle(job, matlab);
+}
+
+const struct matlab *matlab_read(struct job *job, struct text text, uint64_t limit)
 {
     static const char *const all[] = {"/**"};
-    struct hdf5 *hdf5 = NULL;
-    conus_status status = hdf5_read_bytes(&hdf5, text, all, 1, limit ? limit : 1);
-    return status ? status : matlab_from_hdf5(out, hdf5, limit);
+    const bool swapped = check_header(job, text);
+    if (job_ok(job) && is_level_7(text)) {
+        const uint64_t before = job->max_memory;
+        job->max_memory = limit ? limit : 1;
+        const struct hdf5 *hdf5 = hdf5_of_bytes(job, text, all, 1);
+        job->max_memory = before;
+        return matlab_of_hdf5(job, hdf5, limit);
+    }
+    struct matlab *matlab = new_matlab(job, limit);
+    if (job_ok(job)) {
+        parse_level_5(job, matlab, text, swapped);
+    }
+    return settle(job, matlab);
 }
 
+/* Bridge: to callers without a job; what they get has one of its own. */
 conus_status matlab_parse(struct matlab *out, struct text text, uint64_t limit)
 {
-    bool swapped = false;
-    conus_status status = matlab_check_header(&swapped, text);
-    return status             ? status
-           : is_level_7(text) ? parse_level_7(out, text, limit)
-                              : parse_level_5(out, text, limit, swapped);
+    struct job *job = memory_zeroed(1, sizeof *job);
+    if (!job) {
+        return CONUS_ERROR_MEMORY;
+    }
+    const struct matlab *matlab = matlab_read(job, text, limit);
+    if (!job_ok(job)) {
+        conus_status status = job_close(job, NULL, NULL);
+        memory_free(job);
+        return status;
+    }
+    *out = *matlab;
+    out->own = job;
+    return CONUS_OK;
 }
 
 void matlab_finish(struct matlab *matlab)
 {
-    for (size_t i = 0; matlab->unpacked && i < matlab->variables; i++) {
-        bytes_finish(&matlab->unpacked[i]);
+    if (matlab->own) {
+        job_end(matlab->own);
+        memory_free(matlab->own);
     }
-    memory_free(matlab->unpacked);
-    memory_free(matlab->arrays);
-    hdf5_destroy(matlab->hdf5);
     *matlab = (struct matlab){0};
 }
 

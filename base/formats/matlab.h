@@ -42,23 +42,27 @@ struct matlab {
     struct matlab_array *arrays; /**< Variables first, then their parts, those of one array side by side. */
     size_t count, capacity;
     size_t variables;
-    struct bytes *unpacked; /**< [variables] of level 5; else NULL. */
-    struct hdf5 *hdf5;      /**< The file of level 7.3; else NULL. */
-    size_t most;            /**< Level 7.3: the most arrays there may be, so that none contains itself. */
-    uint64_t used, limit;   /**< Bytes of memory. */
+    const struct hdf5 *hdf5; /**< The file of level 7.3; else NULL. */
+    size_t most;             /**< Level 7.3: the most arrays there may be, so that none contains itself. */
+    uint64_t used, limit;    /**< Bytes of memory. */
+    struct job *own;         /**< Of the bridge, else NULL. */
 };
 
 /** True where @p text begins like such a file. */
 bool matlab_is(struct text text);
 
-/** Parses @p text, which must outlive it, in at most @p limit bytes. CONUS_ERROR_DATA for one that is damaged;
- * CONUS_ERROR_MEMORY where more is needed; CONUS_ERROR_UNSUPPORTED for level 7.3 without conus-hdf5. End it with
- * matlab_finish(). */
-conus_status matlab_parse(struct matlab *out, struct text text, uint64_t limit);
+/** Parses @p text, which must outlive the job, in at most @p limit bytes. CONUS_ERROR_DATA for one that is damaged;
+ * CONUS_ERROR_MEMORY where more is needed; CONUS_ERROR_UNSUPPORTED for level 7.3 without conus-hdf5. After a failure
+ * there are no arrays. */
+const struct matlab *matlab_read(struct job *job, struct text text, uint64_t limit);
 
-/** The same of level 7.3, from all objects of the file. @p hdf5 is taken over, on success and on failure. */
-conus_status matlab_from_hdf5(struct matlab *out, struct hdf5 *hdf5, uint64_t limit);
+/** The same of level 7.3, from all objects of the file. */
+const struct matlab *matlab_of_hdf5(struct job *job, const struct hdf5 *hdf5, uint64_t limit);
+
+/** Bridge: matlab_read() for poses without a job; it goes with the last of them. @{ */
+conus_status matlab_parse(struct matlab *out, struct text text, uint64_t limit);
 void matlab_finish(struct matlab *matlab);
+/** @} */
 
 /** The variable @p name; NULL if there is none. */
 const struct matlab_array *matlab_variable(const struct matlab *matlab, const char *name);

@@ -88,6 +88,11 @@ static inline double reader_f32(struct reader *r)
     const uint8_t *data = reader_take(r, sizeof(float));
     return data ? (double)order_f32(data, r->swapped) : 0;
 }
+static inline double reader_f64(struct reader *r)
+{
+    const uint8_t *data = reader_take(r, sizeof(double));
+    return data ? order_f64(data, r->swapped) : 0;
+}
 /** @} */
 
 /** A u32 that counts things of @p bytes_each bytes, which follow: 0 and a failure where the file cannot have them. */

@@ -6,33 +6,31 @@
 #ifndef CONUS_LOADERS_BRAINGLOBE_BRAINGLOBE_ATLAS_H
 #define CONUS_LOADERS_BRAINGLOBE_BRAINGLOBE_ATLAS_H
 
-#include "base/files/folder.h"
 #include "loaders/brainglobe/brainglobe_metadata.h"
 
+/** Texts are the job's. */
 struct brainglobe_atlas {
     struct brainglobe_metadata metadata; /**< Complete but for the orientation, which may be empty. */
     bool is_symmetric;                   /**< No file says which side a voxel is on. */
-    char *name;                          /**< "allen_mouse_25um": the folder of its versions; NULL until read. */
-    char *annotation;                    /**< Folders below the root, without '/' at either end. */
-    char *terminology;
-    char *template; /**< NULL where the atlas has none. */
+    const char *root;                    /**< The real path of the root, with '/' at its end; NULL until read. */
+    const char *name;                    /**< "allen_mouse_25um": the folder of its versions; NULL until read. */
+    const char *annotation;              /**< Folders below the root, without '/' at either end. */
+    const char *terminology;
+    const char *template; /**< NULL where the atlas has none. */
 };
 
 /** Whether @p folder, which ends in '/', has such a manifest.json: other programs have files of that name. */
-conus_status brainglobe_atlas_is(bool *out, const char *folder);
+bool brainglobe_atlas_is(struct job *job, const char *folder);
 
 /** Parses @p text. A place that leaves the root, by ".." or otherwise, is CONUS_ERROR_DATA. */
-conus_status brainglobe_atlas_parse(struct brainglobe_atlas *out, struct text text);
+struct brainglobe_atlas brainglobe_atlas_parse(struct job *job, struct text text);
 
-/** Reads manifest.json in @p folder, which ends in '/'; it joins @p read. *root gets the real path of the root, with
- * '/' at its end, the caller's to memory_free(). A place from where a link leaves the root is CONUS_ERROR_DATA. Errors
- * carry the path. */
-conus_status brainglobe_atlas_read(struct brainglobe_atlas *out, char **root, const char *folder,
-                                   struct file_sums *read);
-void brainglobe_atlas_finish(struct brainglobe_atlas *atlas);
+/** Reads manifest.json in @p folder, which ends in '/'. A place from where a link leaves the root is CONUS_ERROR_DATA.
+ * Errors carry the path. */
+struct brainglobe_atlas brainglobe_atlas_read(struct job *job, const char *folder);
 
 /** The folders of versions in @p folder, "1_2" and the like with a manifest.json, the newest last: 1_10 is newer than
- * 1_9. @p out is the caller's to finish, also on failure. */
-conus_status brainglobe_versions(struct names *out, const char *folder);
+ * 1_9. The job's. */
+struct names brainglobe_versions(struct job *job, const char *folder);
 
 #endif

@@ -4,7 +4,6 @@
 
 #include "base/formats/json_text.h"
 #include "base/geometry/math3.h"
-#include "base/memory.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -25,59 +24,62 @@ static bool read_three(double out[3], const json_t *list)
     return good;
 }
 
-conus_status brainglobe_metadata_parse(struct brainglobe_metadata *out, struct text text)
+void brainglobe_metadata_parse(struct job *job, struct brainglobe_metadata *out, struct text text)
 {
-    json_t *root = NULL;
     struct brainglobe_metadata metadata = *out;
-    conus_status status = json_text_load(&root, text);
-    if (!status && !json_is_object(root)) {
-        status = fail(CONUS_ERROR_DATA, "not a JSON object");
-    }
+    const json_t *root = json_text_read(job, text);
     const json_t *orientation = json_object_get(root, "orientation");
-    if (!status && orientation && !json_is_string(orientation)) {
-        status = fail(CONUS_ERROR_DATA, "orientation: a text of three letters is needed");
-    } else if (!status && orientation) {
-        snprintf(metadata.orientation, sizeof metadata.orientation, "%s", json_string_value(orientation));
-    }
     const json_t *resolution = json_object_get(root, "resolution");
-    if (!status && resolution && !read_three(metadata.resolution, resolution)) {
-        status = fail(CONUS_ERROR_DATA, "resolution: three numbers above 0, in micrometres, are needed");
-    }
     const json_t *shape = json_object_get(root, "shape");
+    const json_t *name = json_object_get(root, "name");
+    if (!json_is_object(root)) {
+        job_bad(job, "not a JSON object");
+    }
+    if (json_is_string(orientation)) {
+        snprintf(metadata.orientation, sizeof metadata.orientation, "%s", json_string_value(orientation));
+    } else if (orientation) {
+        job_bad(job, "orientation: a text of three letters is needed");
+    }
+    if (resolution && !read_three(metadata.resolution, resolution)) {
+        job_bad(job, "resolution: three numbers above 0, in micrometres, are needed");
+    }
     double voxels[3];
-    bool good = !status && shape && read_three(voxels, shape);
+    bool good = shape && read_three(voxels, shape);
     for (size_t i = 0; good && i < 3; i++) {
         good = voxels[i] >= 1 && voxels[i] <= INT32_MAX && voxels[i] == floor(voxels[i]); /* 528.0 as well */
         metadata.shape[i] = good ? (uint64_t)voxels[i] : 0;
     }
-    if (!status && shape && !good) {
-        status = fail(CONUS_ERROR_DATA, "shape: three whole numbers above 0 are needed");
+    if (shape && !good) {
+        job_bad(job, "shape: three whole numbers above 0 are needed");
     }
     /* "allen_mouse"; old files have the resolution behind it. Other names do no harm. */
-    const json_t *name = json_object_get(root, "name");
     metadata.is_allen_mouse = json_is_string(name) && text_starts(text_from(json_string_value(name)), "allen_mouse");
-    json_decref(root);
-    if (!status) {
+    if (job_ok(job)) {
         *out = metadata;
     }
-    return status;
 }
 
+bool brainglobe_metadata_take(struct job *job, struct brainglobe_metadata *out, const char *path)
+{
+    const char *file = job_beside(job, path, "metadata.json");
+    if (!job_has_file(job, file)) {
+        return false;
+    }
+    const size_t place = job_in(job, file, JOB_ALONE);
+    const struct bytes bytes = job_read(job, file, METADATA_LIMIT, "");
+    brainglobe_metadata_parse(job, out, (struct text){(const char *)bytes.data, bytes.size});
+    job_made_of(job, file, &bytes);
+    job_out(job, place);
+    return true;
+}
+
+/* Bridge: for the place of a TIFF stack. */
 conus_status brainglobe_metadata_read(struct brainglobe_metadata *out, bool *found, const char *path,
                                       struct file_sums *read)
 {
-    struct bytes bytes = {0};
-    char *file = file_beside(path, "metadata.json");
-    conus_status status = file ? CONUS_OK : CONUS_ERROR_MEMORY;
-    *found = file && file_exists(file);
-    status = status || !*found ? status : file_read(&bytes, file, METADATA_LIMIT);
-    if (!status && *found) {
-        status = brainglobe_metadata_parse(out, (struct text){(const char *)bytes.data, bytes.size});
-        status = status ? fail_in(status, file) : file_sums_add(read, file, &bytes);
-    }
-    bytes_finish(&bytes);
-    memory_free(file);
-    return status;
+    struct job job = {0};
+    *found = brainglobe_metadata_take(&job, out, path);
+    return job_close(&job, NULL, read);
 }
 
 /* Row and sign of the world axis that grows away from `corner`: BrainGlobe's letters name where an array axis starts.

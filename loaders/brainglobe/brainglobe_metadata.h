@@ -5,8 +5,7 @@
 #ifndef CONUS_LOADERS_BRAINGLOBE_BRAINGLOBE_METADATA_H
 #define CONUS_LOADERS_BRAINGLOBE_BRAINGLOBE_METADATA_H
 
-#include "base/files/file_sums.h"
-#include "base/text.h"
+#include "base/job/job.h"
 
 enum { BRAINGLOBE_ORIENTATION = 9 }; /**< Bytes of an orientation, cut off if it is longer than any can be. */
 
@@ -20,10 +19,13 @@ struct brainglobe_metadata {
 
 /** Takes "orientation", "resolution", "shape" and "name" of the object @p text; the rest of @p out stays. Damaged JSON,
  * and a value of another kind than these have, is CONUS_ERROR_DATA: things would lie anywhere. */
-conus_status brainglobe_metadata_parse(struct brainglobe_metadata *out, struct text text);
+void brainglobe_metadata_parse(struct job *job, struct brainglobe_metadata *out, struct text text);
 
-/** Likewise for the file metadata.json beside @p path (in it, where it ends in '/'), which joins @p read; *found is
- * false where there is no such file. */
+/** Likewise for the file metadata.json beside @p path (in it, where it ends in '/'), of which the result is made; false
+ * where there is no such file. */
+bool brainglobe_metadata_take(struct job *job, struct brainglobe_metadata *out, const char *path);
+
+/** Bridge: the same for the readers of volumes; it goes with their last status. */
 conus_status brainglobe_metadata_read(struct brainglobe_metadata *out, bool *found, const char *path,
                                       struct file_sums *read);
 

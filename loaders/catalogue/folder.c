@@ -71,24 +71,18 @@ static void add_brainglobe(struct job *job, conus_catalogue *catalogue, struct c
 /* The edges of its voxels, which the list shows; none where manifest.json is damaged, as loading it says. */
 static void find_spacing(struct job *job, double out[3], const char *folder)
 {
-    struct brainglobe_atlas atlas = {0};
-    char *root = NULL;
-    struct attempt attempt = job_try(job);
-    if (JOB_CALL(job, brainglobe_atlas_read(&atlas, &root, catalogue_join(job, folder, ""), &job->files))) {
-        for (size_t axis = 0; axis < 3; axis++) {
-            out[axis] = atlas.metadata.resolution[2 - axis] / 1000; /* i is the last axis */
-        }
+    const struct attempt attempt = job_try(job);
+    const struct brainglobe_atlas atlas = brainglobe_atlas_read(job, catalogue_join(job, folder, ""));
+    for (size_t axis = 0; job_ok(job) && axis < 3; axis++) {
+        out[axis] = atlas.metadata.resolution[2 - axis] / 1000; /* i is the last axis */
     }
     (void)attempt_end(job, &attempt, ATTEMPT_TRY);
-    brainglobe_atlas_finish(&atlas);
-    memory_free(root);
 }
 
 /* Adds the versions of the atlas in `folder`, called `name`, the newest first. */
 static void add_versions(struct job *job, conus_catalogue *catalogue, const char *folder, const char *name)
 {
-    struct names versions = {0};
-    (void)JOB_CALL(job, brainglobe_versions(&versions, folder));
+    const struct names versions = brainglobe_versions(job, folder);
     for (size_t i = versions.count; i-- > 0;) {
         bool is_newest = i + 1 == versions.count;
         struct catalogue_item found = {
@@ -102,7 +96,6 @@ static void add_versions(struct job *job, conus_catalogue *catalogue, const char
         find_spacing(job, found.atlas.spacing, found.atlas.path);
         catalogue_add(job, catalogue, &found);
     }
-    names_finish(&versions);
 }
 
 void brainglobe_look(struct job *job, conus_catalogue *catalogue, const char *folder)

@@ -5,7 +5,7 @@
  * list or below each other. */
 #include "loaders/labels/label_format.h"
 
-#include "base/job/json.h"
+#include "base/formats/json_text.h"
 #include "loaders/labels/label_cells.h"
 
 #include <string.h>
@@ -149,7 +149,7 @@ static void fill_structure(struct job *job, struct label_row *row, const json_t 
 static void parse_structures(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     (void)use;
-    parse_nodes(job, out, job_json(job, text), "structure ", fill_structure, NULL,
+    parse_nodes(job, out, json_text_read(job, text), "structure ", fill_structure, NULL,
                 "id/name/acronym/rgb_triplet/color_hex_triplet/structure_id_path/parent_structure_id/children");
 }
 
@@ -157,7 +157,7 @@ static void parse_structures(struct job *job, struct label_table *out, struct te
 static void parse_lists(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     static const char *const fields[] = {"R", "G", "B", "I"};
-    const json_t *root = job_json(job, text);
+    const json_t *root = json_text_read(job, text);
     const json_t *names = json_object_get(root, "labels");
     const json_t *lists[4];
     bool noted = false;
@@ -188,7 +188,7 @@ static void parse_lists(struct job *job, struct label_table *out, struct text te
 
 static void parse_map(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
-    json_t *root = job_json(job, text);
+    json_t *root = json_text_read(job, text);
     const char *key;
     json_t *name;
     (void)use;
@@ -268,7 +268,7 @@ static struct text try_field(struct job *job, struct label_table *out, void *use
 
 static void parse_objects(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
-    struct fields fields = find_fields(job_json(job, text));
+    struct fields fields = find_fields(json_text_read(job, text));
     if (!(fields.number && fields.name)) {
         job_bad(job, "the first object has no whole number (index, LabelValue, id, key, label) and name");
         return;
@@ -310,7 +310,7 @@ static void parse_ome_list(struct job *job, struct label_table *out, const json_
 /* Colours and properties lie in two lists; a label may be in one of them. */
 static void parse_ome(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
-    const json_t *root = job_json(job, text);
+    const json_t *root = json_text_read(job, text);
     const json_t *attributes = json_object_get(json_object_get(root, "attributes"), "ome");
     const json_t *about = json_object_get(attributes ? attributes : root, "image-label");
     struct label_table *colours = labels_new(job);
@@ -333,7 +333,7 @@ static void parse_ome(struct job *job, struct label_table *out, struct text text
 /* nnU-Net's labels: of version 2 names with their numbers, of version 1 numbers with their names. */
 static void parse_data_set(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
-    json_t *root = job_json(job, text);
+    json_t *root = json_text_read(job, text);
     const char *key;
     json_t *value;
     bool noted = false;
@@ -365,7 +365,7 @@ static void parse_data_set(struct job *job, struct label_table *out, struct text
 /* neuroglancer's segment properties: ids, and a property of the type label with as many values. */
 static void parse_segments(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
-    const json_t *root = job_json(job, text);
+    const json_t *root = json_text_read(job, text);
     const json_t *ids = json_object_get(json_object_get(root, "inline"), "ids");
     const json_t *properties = json_object_get(json_object_get(root, "inline"), "properties");
     const json_t *values = NULL;

@@ -365,9 +365,9 @@ void roi_of_volume(struct job *job, conus_roi **out, struct volume_file *file, d
     }
 }
 
-/* The region in a mesh of SimNIBS, a file of this sum. */
+/* The region in a mesh of SimNIBS, which is the last file of the job. */
 static void roi_of_mesh(struct job *job, conus_roi **out, const struct hdf5 *hdf5,
-                        const struct volume_selector *selector, const char sha256[65], double threshold)
+                        const struct volume_selector *selector, double threshold)
 {
     conus_volume_info info = {.role = CONUS_ROLE_SCALAR,
                               .path = selector->path,
@@ -376,53 +376,42 @@ static void roi_of_mesh(struct job *job, conus_roi **out, const struct hdf5 *hdf
                               .volume_count = 1,
                               .slope = 1,
                               .threshold = threshold};
-    memcpy(info.sha256, sha256, sizeof info.sha256);
-    size_t place = job_in(job, selector->path, JOB_ALONE);
+    const size_t place = job_in(job, selector->path, JOB_ALONE);
     struct roi_mesh mesh = simnibs_find(job, hdf5, selector);
     job_out(job, place);
     mesh.nodes = job_give(job, mesh.nodes, mesh.node_count * sizeof *mesh.nodes);
     mesh.tetrahedra = job_give(job, mesh.tetrahedra, mesh.count * sizeof *mesh.tetrahedra);
+    if (job_ok(job)) {
+        memcpy(info.sha256, job->files.items[job->files.count - 1].sha256, sizeof info.sha256);
+    }
     if (!JOB_CALL(job, roi_create_mesh(out, &info, &mesh))) {
         memory_free(mesh.nodes);
         memory_free(mesh.tetrahedra);
     }
 }
 
-static void destroy_hdf5(void *hdf5)
+/* The file, if it may be a mesh of SimNIBS; else NULL. MINC is known by the name of its group, which is asked first: so
+ * the program that reads HDF5 is started only once. */
+static struct source *open_mesh(struct job *job, const char *path)
 {
-    hdf5_destroy(hdf5);
-}
-
-/* Whether the file may be a mesh of SimNIBS. MINC is known by the name of its group, which is asked first: so the
- * program that reads HDF5 is started only once. */
-static bool may_be_mesh(struct job *job, const char *path)
-{
-    struct source source = {0};
     struct attempt attempt = job_try(job); /* another reader says what is wrong */
-    bool may_be = JOB_CALL(job, source_look(&source, path)) && format_find(&source.head, ROLE_REGION) &&
-                  !text_mentions(source.head.bytes, "minc-2.0");
+    struct source *source = source_open(job, path);
+    bool may_be = source && format_find(&source->head, ROLE_REGION) && !text_mentions(source->head.bytes, "minc-2.0");
     (void)attempt_end(job, &attempt, ATTEMPT_TRY);
-    source_close(&source);
-    return may_be;
+    return may_be ? source : NULL;
 }
 
 /* Likewise for a file; nothing where it is none of them. */
-static void load_mesh_region(struct job *job, conus_roi **out, const struct volume_selector *selector,
-                             const conus_roi_options *options)
+static void load_mesh_region(struct job *job, conus_roi **out, const struct volume_selector *selector, double threshold)
 {
-    struct open_file file;
-    struct hdf5 *hdf5 = NULL;
-    if (!may_be_mesh(job, selector->path) || !JOB_CALL(job, file_open(&file, selector->path))) {
-        return;
+    const size_t place = job_in(job, selector->path, JOB_ALONE);
+    struct source *source = open_mesh(job, selector->path);
+    const struct hdf5 *hdf5 = source ? hdf5_open(job, &source->file, simnibs_wanted, SIMNIBS_WANTED) : NULL;
+    job_out(job, place);
+    if (hdf5 && simnibs_is(hdf5)) {
+        source_made_of(job, source);
+        roi_of_mesh(job, out, hdf5, selector, threshold);
     }
-    if (JOB_CALL(job, hdf5_read(&hdf5, &file, simnibs_wanted, SIMNIBS_WANTED, options->max_memory))) {
-        job_own(job, destroy_hdf5, hdf5);
-    }
-    if (job_ok(job) && simnibs_is(hdf5) && JOB_CALL(job, file_sums_add_open(&job->files, &file))) {
-        const struct file_sum *sum = &job->files.items[job->files.count - 1];
-        roi_of_mesh(job, out, hdf5, selector, sum->sha256, options->threshold);
-    }
-    file_close(&file);
 }
 
 conus_status conus_roi_load(conus_roi **out, const char *path, const conus_roi_options *options)
@@ -435,10 +424,10 @@ conus_status conus_roi_load(conus_roi **out, const char *path, const conus_roi_o
     }
     options = options_of(conus_roi_options, options);
     const struct note_sink sink = {options->log, options->log_user, path};
-    struct job job = {.sink = &sink};
+    struct job job = {.sink = &sink, .max_memory = options->max_memory};
     volume_selector_read(&job, &selector, path);
     if (job_ok(&job)) {
-        load_mesh_region(&job, &roi, &selector, options);
+        load_mesh_region(&job, &roi, &selector, options->threshold);
     }
     if (!roi && job_ok(&job)) {
         volume_load(&job, &file, path, options->max_memory);

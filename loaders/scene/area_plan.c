@@ -236,13 +236,12 @@ static void find_ccf(struct area_plan *plan, const struct brainglobe_metadata *m
 /* What the folder says of its axes: the entry's orientation, else metadata.json, else "asr". */
 static struct brainglobe_metadata find_axes(const struct planning *p, const char *folder)
 {
-    bool found;
     struct brainglobe_metadata metadata = {.orientation = "asr"};
     if (p->area->orientation) {
         snprintf(metadata.orientation, sizeof metadata.orientation, "%s", p->area->orientation);
     } else {
         const char *inside = job_format(p->job, "%s/", folder);
-        (void)JOB_CALL(p->job, brainglobe_metadata_read(&metadata, &found, inside, &p->job->files));
+        (void)brainglobe_metadata_take(p->job, &metadata, inside);
     }
     find_ccf(p->plan, &metadata);
     return metadata;

@@ -22,7 +22,7 @@
 #include "loaders/scene/plan_cifti.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 #include "loaders/surfaces/mesh_file.h"
-#include "loaders/transform/transform_formats.h"
+#include "loaders/transform/transform_chain.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_zarr.h"
 
@@ -277,20 +277,16 @@ static void note_hemispheres(struct job *job, const char *folder)
  * folder of the manifest.json. NULL where there is none. It ends in '/'. */
 static const char *find_brainglobe(struct job *job, const char *path)
 {
-    struct names versions = {0};
     const int above = (int)(path_base(path) - path);
     const bool is_file = strcmp(path + above, "manifest.json") == 0;
     const char *folder = !is_file ? job_format(job, "%s%s", path, path[above] ? "/" : "")
                          : above  ? job_format(job, "%.*s", above, path)
                                   : "./";
-    bool is = false;
-    (void)JOB_CALL(job, brainglobe_atlas_is(&is, folder));
-    if (!is && !is_file && JOB_CALL(job, brainglobe_versions(&versions, folder)) && versions.count) {
-        folder = job_format(job, "%s%s/", folder, versions.names[versions.count - 1]);
-        is = true;
+    if (brainglobe_atlas_is(job, folder)) {
+        return folder;
     }
-    names_finish(&versions);
-    return is ? folder : NULL;
+    const struct names versions = is_file ? (struct names){0} : brainglobe_versions(job, folder);
+    return versions.count ? job_format(job, "%s%s/", folder, versions.names[versions.count - 1]) : NULL;
 }
 
 /* Loads the atlas whose manifest.json is in `folder`. */

@@ -6,16 +6,12 @@
 #include "atlas/placement.h"
 #include "atlas/space.h"
 #include "atlas/warp/warp.h"
-#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "loaders/maps/atlas_on_job.h"
-#include "loaders/transform/chain_file.h"
-#include "loaders/transform/field_file.h"
 #include "loaders/transform/transform_file.h"
 #include "loaders/transform/transform_name.h"
 #include "loaders/volumes/volume_file.h"
-#include "sources/source.h"
 
 #include <string.h>
 
@@ -150,82 +146,43 @@ static void warn_of_pair(struct job *job, const conus_atlas *atlas, const char *
     }
 }
 
-/* Reads an affine, a B-spline or, from HDF5, a chain. */
-static void read_chain(struct job *job, struct transform_chain *out, const char *path, bool is_hdf5,
-                       const conus_transform_options *options)
+static void finish_chain(void *chain)
 {
-    if (is_hdf5 && (options->from || options->to || options->vectors || options->space)) {
-        job_fail(job, CONUS_ERROR_ARGUMENT,
-                 "%s: from, to, relative and absolute are for files of FSL, ITK and SPM that are not HDF5, and so is "
-                 "space",
-                 path);
-    } else if (options->vectors || options->space) {
-        job_fail(job, CONUS_ERROR_ARGUMENT,
-                 "%s: relative and absolute are for deformation fields, as space is, and this is none", path);
-    }
-    if (is_hdf5) {
-        (void)JOB_CALL(job, chain_file_read(out, path, options->max_memory, &job->files, &job->notes));
-    } else {
-        (void)JOB_CALL(job, transform_file_read(out, path, options, &job->files));
-    }
-    if (options->inverse && out->count) {
-        job_refuse(job,
-                   is_hdf5 ? "%s: a chain with a deformation field is not inverted; the file of the other direction is "
-                             "needed: InverseComposite.h5 for Composite.h5 (ANTs), from-B_to-A for from-A_to-B "
-                             "(fMRIPrep)"
-                           : "%s: a B-spline is not inverted; that of the other direction is needed",
-                   path);
-    } else if (options->inverse) {
-        (void)mat4_invert_affine(out->matrix, out->matrix); /* which the reader has tried */
-    }
+    transform_chain_finish(chain);
 }
 
 void transform_load(struct job *job, conus_atlas *atlas, const char *path, const conus_transform_options *options)
 {
     conus_volume_info grid;
-    bool is_field = false;
-    const struct format *chain_format = NULL;
-    if (!job_ok(job)) {
+    struct transform_chain *chain = job_new(job, struct transform_chain);
+    if (!chain) {
         return; /* there may be no atlas */
     }
+    job_own(job, finish_chain, chain);
     const struct warp_plan plan = {
         .words = path, .grid = options->grid ? &grid : NULL, .max_memory = options->max_memory};
     if (options->grid) {
         (void)JOB_CALL(job, volume_file_header(&grid, options->grid));
     }
-    if (JOB_CALL(job, field_file_is(&is_field, path)) && !is_field) {
-        (void)JOB_CALL(job, source_find(&chain_format, path, ROLE_TRANSFORM));
-    }
-    const bool is_chain = chain_format != NULL;
-    if (options->transform && (is_field || is_chain)) {
-        job_fail(job, CONUS_ERROR_ARGUMENT, "%s: transform is for lists in ITK's text, and this is none", path);
-    }
+    const size_t place = job_in(job, path, JOB_ALONE);
+    struct source *source = source_open(job, path);
+    job_out(job, place);
     note_direction(job, atlas, path, options->inverse);
     warn_of_pair(job, atlas, path, options->inverse);
-    struct deformation field = {0};
-    struct transform_chain chain = {0};
-    if (is_field) {
-        (void)JOB_CALL(job, field_file_read(&field, path, options, &job->files, &job->notes));
-    } else {
-        read_chain(job, &chain, path, is_chain, options);
-    }
-    if (options->from && !is_field) {
+    transform_read(job, chain, source, options);
+    if (options->from && !chain->count) {
         warn_of_image(job, atlas, options);
     }
     sum_images(job, atlas, options);
     atlas_take(job, atlas);
     char *name = job_give(job, job_copy(job, text_from(path)), strlen(path) + 1);
-    if (is_field) {
-        warp_along(job, atlas, &field, 1, &plan);
-    } else if (chain.count) {
-        warp_along(job, atlas, chain.fields, chain.count, &plan);
+    if (chain->count) {
+        warp_along(job, atlas, chain->fields, chain->count, &plan);
     } else if (plan.grid) {
-        (void)JOB_CALL(job, atlas_move_onto(atlas, chain.matrix, &plan));
+        (void)JOB_CALL(job, atlas_move_onto(atlas, chain->matrix, &plan));
     } else {
-        (void)JOB_CALL(job, atlas_move(atlas, chain.matrix, path));
+        (void)JOB_CALL(job, atlas_move(atlas, chain->matrix, path));
     }
-    deformation_finish(&field);
-    transform_chain_finish(&chain);
     if (job_ok(job)) {
         char *before = atlas->last_transform;
         atlas->last_transform = name;
@@ -243,7 +200,7 @@ conus_status conus_atlas_transform(conus_atlas *atlas, const char *path, const c
     if (atlas->lacks_context) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: the atlas was loaded without its context, which moves with it", path);
     }
-    struct job job = {0};
+    struct job job = {.max_memory = options ? options->max_memory : 0};
     const struct atlas_mark mark = atlas_mark(atlas);
     transform_load(&job, atlas, path, options_of(conus_transform_options, options));
     return atlas_close(&job, atlas, mark);

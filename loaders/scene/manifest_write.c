@@ -49,9 +49,12 @@ static void look_for_transform(struct job *job, const struct manifest_draft *dra
     if (!path_ending_length(name, ".tfm/.mat/.lta/.xfm")) {
         return;
     }
-    const char *path = job_beside(&trial, draft->folder, name);
-    (void)JOB_CALL(&trial, transform_file_read(&transform, path, &(conus_transform_options){0}, &trial.files));
-    if (!find_fault(job, &trial) || trial.status == CONUS_ERROR_ARGUMENT) { /* FSL's, without its images */
+    const struct source *source = source_open(&trial, job_beside(&trial, draft->folder, name));
+    const bool is_matlab = source && format_id_of(&source->stored, ROLE_TRANSFORM) == FORMAT_HDF5;
+    if (!is_matlab) {
+        transform_read(&trial, &transform, source, &(conus_transform_options){0});
+    }
+    if (!find_fault(job, &trial) ? !is_matlab : trial.status == CONUS_ERROR_ARGUMENT) { /* FSL's, without its images */
         say_transform(job, draft, name, "a transform");
     }
     transform_chain_finish(&transform);
@@ -64,8 +67,8 @@ static bool is_field(struct job *job, const struct manifest_draft *draft, const 
 {
     struct job trial = {0}; /* whoever reads the volume says what is wrong */
     bool usable = false;
-    const char *words = NULL;
-    (void)JOB_CALL(&trial, field_file_words(&words, &usable, job_beside(&trial, draft->folder, name)));
+    const struct source *source = source_open(&trial, job_beside(&trial, draft->folder, name));
+    const char *words = source ? field_words(&usable, source) : NULL;
     bool is = !find_fault(job, &trial) && words;
     job_end(&trial);
     if (is && usable) {

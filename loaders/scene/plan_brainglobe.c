@@ -62,10 +62,9 @@ static struct manifest_volume volume_of(struct job *job, const char *place, cons
     return volume;
 }
 
-static struct manifest_parcellation plan_annotation(struct job *job, const struct brainglobe_atlas *atlas,
-                                                    const char *root)
+static struct manifest_parcellation plan_annotation(struct job *job, const struct brainglobe_atlas *atlas)
 {
-    const char *path = job_format(job, "%s%s/%s", root, atlas->annotation, annotations);
+    const char *path = job_format(job, "%s%s/%s", atlas->root, atlas->annotation, annotations);
     if (!has_array(job, path, &atlas->metadata)) {
         job_fail(job, CONUS_ERROR_IO,
                  "%s: the annotation of %g micrometres was not downloaded; python3 -c 'from brainglobe_atlasapi import "
@@ -77,9 +76,9 @@ static struct manifest_parcellation plan_annotation(struct job *job, const struc
 }
 
 /* Takes the template as the context. Nobody needs it for an answer, so one that is not there is a note. */
-static void plan_template(struct job *job, struct manifest *out, const struct brainglobe_atlas *atlas, const char *root)
+static void plan_template(struct job *job, struct manifest *out, const struct brainglobe_atlas *atlas)
 {
-    const char *path = job_format(job, "%s%s/%s", root, atlas->template, templates);
+    const char *path = job_format(job, "%s%s/%s", atlas->root, atlas->template, templates);
     const struct attempt attempt = job_try(job);
     const bool is_there = has_array(job, path, &atlas->metadata);
     const char *why = attempt_end(job, &attempt, ATTEMPT_TRY);
@@ -95,7 +94,7 @@ static void plan_template(struct job *job, struct manifest *out, const struct br
 }
 
 /* Notes what of the atlas is not heeded. */
-static void note_rest(struct job *job, const struct brainglobe_atlas *atlas, const char *root, const char *folder)
+static void note_rest(struct job *job, const struct brainglobe_atlas *atlas, const char *folder)
 {
     const char *orientation = atlas->metadata.orientation;
     if (orientation[0] && strcasecmp(orientation, axes) != 0) {
@@ -104,7 +103,7 @@ static void note_rest(struct job *job, const struct brainglobe_atlas *atlas, con
                  "so does conus",
                  folder, orientation, axes);
     }
-    const char *sides = job_format(job, "%s%s/hemispheres.ome.zarr", root, atlas->annotation);
+    const char *sides = job_format(job, "%s%s/hemispheres.ome.zarr", atlas->root, atlas->annotation);
     if (job_ok(job) && !atlas->is_symmetric && file_is_folder(sides)) {
         job_note(job, "%s (1 is left, 2 is right) is not used: areas are of both sides", sides);
     }
@@ -112,16 +111,14 @@ static void note_rest(struct job *job, const struct brainglobe_atlas *atlas, con
 
 void plan_brainglobe(struct job *job, struct manifest *out, const char **root, const char *folder)
 {
-    struct brainglobe_atlas atlas = {0};
-    char *above = NULL;
-    if (JOB_CALL(job, brainglobe_atlas_read(&atlas, &above, folder, &job->files))) {
-        *root = job_adopt(job, above);
+    const struct brainglobe_atlas atlas = brainglobe_atlas_read(job, folder);
+    if (job_ok(job)) {
+        *root = atlas.root;
         out->single = true;
-        *LIST_ADD(job, &out->parcellations) = plan_annotation(job, &atlas, *root);
+        *LIST_ADD(job, &out->parcellations) = plan_annotation(job, &atlas);
         if (atlas.template) {
-            plan_template(job, out, &atlas, *root);
+            plan_template(job, out, &atlas);
         }
-        note_rest(job, &atlas, *root, folder);
+        note_rest(job, &atlas, folder);
     }
-    brainglobe_atlas_finish(&atlas);
 }

@@ -161,7 +161,7 @@ void tract_file_read(struct job *job, struct tractogram *out, const char *path, 
 
 void tract_file_parse(struct job *job, struct tractogram *out, struct text bytes)
 {
-    struct source *source = source_of_memory(job, bytes);
+    struct source *source = source_of_memory(job, NULL, bytes);
     if (source) {
         read_format(job, out, source, CONUS_FILE_SPACE_AS_STATED);
     }

@@ -513,7 +513,7 @@ void trx_read(struct job *job, struct source *source, struct tract_build *build)
         job_refuse(job, "a TRX inside gzip: a TRX is packed itself; unpack the gzip");
     }
     if (!trx.folder) {
-        trx.archive = source_bytes(job, source);
+        trx.archive = source_bytes(job, source, memory_limit(job->max_memory));
         spend(&trx, trx.archive.size, "archive");
         trx.zip = job_ok(job) ? zip_parse(job, trx.archive.data, trx.archive.size) : trx.zip;
     }

@@ -3,24 +3,21 @@
 #ifndef CONUS_LOADERS_TRANSFORM_FIELD_FILE_H
 #define CONUS_LOADERS_TRANSFORM_FIELD_FILE_H
 
-#include "atlas/deformation/deformation.h"
-#include "base/files/file_sums.h"
-#include "base/notes.h"
-#include "base/status.h"
 #include "conus/atlas_info.h"
+#include "loaders/transform/transform_chain.h"
+#include "sources/source.h"
 
-/** Whether @p path is a NIfTI file, and so no affine. */
-conus_status field_file_is(bool *out, const char *path);
+/** Whether @p source, of a format of fields, is one and so no affine: NIfTI is in any case. Its path is the innermost
+ * place. */
+bool field_is(struct job *job, const struct source *source);
 
-/** The words of field_header_words() for the file @p path; NULL also for what is no NIfTI file, or damaged.
- * CONUS_ERROR_IO, CONUS_ERROR_MEMORY. */
-conus_status field_file_words(const char **out, bool *usable, const char *path);
+/** The words of field_header_words() for @p source; NULL also for what is no NIfTI file, or damaged. */
+const char *field_words(bool *usable, const struct source *source);
 
-/** Reads the field in @p path, for points of where poses are. Of @p options, from and to are FSL's images; inverse is
- * refused. What was read goes into @p read, what a careful user should know into @p notes. Errors name path, field,
- * value and what is allowed. End @p out with deformation_finish(). */
-conus_status field_file_read(struct deformation *out, const char *path, const conus_transform_options *options,
-                             struct file_sums *read, struct notes *notes);
+/** Reads the field in @p source, whose path is the innermost place, for points of where poses are, as a chain of one.
+ * Of @p options, from and to are FSL's images; inverse is refused. */
+void field_read(struct job *job, struct transform_chain *out, const struct source *source,
+                const conus_transform_options *options);
 
 /** How vectors are to be read. */
 enum field_kind {
@@ -42,8 +39,8 @@ struct field_header {
 
 enum { FIELD_HEADER_SIZE = 540 }; /**< Bytes that field_header_parse() wants to see, if there are as many. */
 
-/** Takes the fields from @p data, the first bytes of a NIfTI file (nifti_has_magic()), unpacked. */
-conus_status field_header_parse(struct field_header *out, const uint8_t *data, size_t size);
+/** Takes the fields from @p head, the first bytes of a NIfTI file (nifti_has_magic()), unpacked. */
+void field_header_parse(struct job *job, struct field_header *out, struct text head);
 
 /** Words for a file with this header ("a deformation field of SPM", static): a field that
  * conus_atlas_transform() may take, *usable, or what a program of registration writes besides. NULL where it says
@@ -53,7 +50,7 @@ const char *field_header_words(bool *usable, const struct field_header *header);
 /** Finds what the vectors are, by the header and by what is stated: @p has_images, FSL's two. The shape alone does not
  * say whose field one of 4 dimensions is. CONUS_ERROR_DATA for a file that is no field, CONUS_ERROR_UNSUPPORTED for
  * coefficients of splines, CONUS_ERROR_ARGUMENT where header and statement contradict each other. */
-conus_status field_header_kind(enum field_kind *out, const struct field_header *header, bool has_images,
-                               conus_vectors vectors, conus_file_space space);
+enum field_kind field_header_kind(struct job *job, const struct field_header *header, bool has_images,
+                                  conus_vectors vectors, conus_file_space space);
 
 #endif

@@ -3,20 +3,16 @@
 #ifndef CONUS_LOADERS_TRANSFORM_TRANSFORM_FILE_H
 #define CONUS_LOADERS_TRANSFORM_TRANSFORM_FILE_H
 
-#include "base/files/file_sums.h"
-#include "base/notes.h"
 #include "conus/atlas_info.h"
 #include "loaders/transform/transform_chain.h"
+#include "sources/source.h"
 
-/** The transform in @p file, whose name is @p path; arguments and errors otherwise as below, without the path. */
-conus_status transform_parse(struct transform_chain *out, const struct bytes *file, const char *path,
-                             const conus_transform_options *options);
-
-/** Reads the transform in @p path. Of @p options, from and to are the images that an FSL matrix or a register.dat
- * is between, and transform is which of several. What was read goes into @p read. Errors name path, field, value and
- * what is allowed; CONUS_ERROR_UNSUPPORTED for kinds of transforms that are not read. End @p out with
- * transform_chain_finish(). */
-conus_status transform_file_read(struct transform_chain *out, const char *path, const conus_transform_options *options,
-                                 struct file_sums *read);
+/** Reads the transform in @p source, for points of where poses are: an affine, a field, a B-spline or a chain. Of
+ * @p options, from and to are the images that an FSL matrix, a register.dat or FSL's field is between, and transform is
+ * which of several. What was read, but these images, goes into the job's files; what a careful user should know into
+ * its notes, with the path. Errors name path, field, value and what is allowed; CONUS_ERROR_UNSUPPORTED for kinds of
+ * transforms that are not read. End @p out with transform_chain_finish(), also after a failure. */
+void transform_read(struct job *job, struct transform_chain *out, struct source *source,
+                    const conus_transform_options *options);
 
 #endif

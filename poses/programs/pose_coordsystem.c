@@ -91,7 +91,7 @@ static struct text find_modality(struct job *job, json_t *root, const char *best
 
 struct pose_space pose_coordsystem_parse(struct job *job, struct text text, const char *modalities)
 {
-    json_t *root = job_json(job, text);
+    json_t *root = json_text_read(job, text);
     struct text modality = find_modality(job, root, modalities);
     struct pose_space space = find_space(job, value_of(root, modality, "CoordinateSystem"));
     struct text units = value_of(root, modality, "CoordinateUnits");

@@ -85,7 +85,7 @@ static void pose_by_matrix(conus_pose *out, const struct reading *reading)
     struct job *job = reading->job;
     double m[16];
     const size_t mark = job_in(job, "the coil's matrix", JOB_ALONE);
-    json_t *root = job_json(job, named_cell(&reading->cells, MATRIX));
+    json_t *root = json_text_read(job, named_cell(&reading->cells, MATRIX));
     bool fine = json_array_size(root) == 4;
     for (size_t i = 0; i < 4 && fine; i++) {
         double row[4];

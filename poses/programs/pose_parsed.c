@@ -6,7 +6,7 @@ json_t *pose_json(struct pose_reading *to, struct text text)
 {
     if (!to->json || to->parsed.data != text.data) {
         to->parsed = text;
-        to->json = job_json(to->job, text);
+        to->json = json_text_read(to->job, text);
     }
     return job_ok(to->job) ? to->json : NULL;
 }

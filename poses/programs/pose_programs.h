@@ -6,8 +6,8 @@
 
 #include "base/buffer.h"
 #include "base/child/hdf5.h"
+#include "base/formats/json_text.h"
 #include "base/formats/matlab.h"
-#include "base/job/json.h"
 #include "base/text.h"
 #include "conus/pose_file.h"
 #include "conus/probe.h"

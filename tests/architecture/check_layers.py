@@ -60,9 +60,9 @@ LIBRARY = {
     "base/files": "base base/system",
     "base/simd": "",
     "base/geometry": "base",
-    "base/child": "base base/files base/system",
-    "base/formats": "base base/files base/child base/system",
-    "base/job": "base base/files base/formats",
+    "base/child": "base base/files base/system base/job",
+    "base/formats": "base base/files base/job base/child base/system",
+    "base/job": "base base/files",
     "atlas/surface": "base base/geometry",
     "atlas/deformation": "base base/geometry",
     "atlas/tracts": "base base/files base/geometry base/simd",
@@ -81,7 +81,7 @@ LIBRARY = {
     "loaders": "base/formats loaders/labels sources",
     "loaders/tiff": "base base/job sources",
     "loaders/zarr": "base base/formats base/job base/system",
-    "loaders/brainglobe": "base base/files base/geometry base/formats base/system",
+    "loaders/brainglobe": "base base/job base/geometry base/formats base/system",
     "loaders/tracts": "base base/files base/geometry base/formats atlas/tracts loaders loaders/surfaces/foreign sources",
     "loaders/volumes/text": "base base/job base/geometry atlas/labels atlas",
     "loaders/volumes": "base base/files base/child base/geometry base/formats base/job atlas/labels atlas"
@@ -95,7 +95,7 @@ LIBRARY = {
     " loaders/labels loaders/cifti loaders/child loaders/surfaces/foreign sources loaders/volumes",
     "loaders/phantom": "base base/files base/geometry atlas/labels atlas atlas/phantom loaders/volumes loaders/surfaces",
     "loaders/manifest": "base base/files base/formats base/job atlas/labels atlas/surface atlas/areas loaders/volumes loaders/labels",
-    "loaders/transform": "base base/files base/geometry base/formats base/child atlas/deformation atlas loaders loaders/volumes sources",
+    "loaders/transform": "base base/job base/files base/geometry base/child atlas/deformation atlas loaders loaders/volumes sources",
     "loaders/maps": "base base/job base/files base/child base/geometry atlas atlas/fit loaders/volumes loaders/labels sources",
     "loaders/scene": "base base/files base/geometry base/formats base/job atlas/labels atlas/surface atlas atlas/areas atlas/fit"
     " atlas/warp loaders/maps loaders loaders/volumes loaders/labels loaders/cifti loaders/surfaces/foreign loaders/surfaces"

@@ -101,12 +101,18 @@ static void build(struct hdf5_builder *builder)
 /* Parses, and releases the builder's bytes. */
 static conus_status parse(struct matlab *out, struct hdf5_builder *builder, uint64_t limit)
 {
-    struct hdf5 *hdf5 = NULL;
-    struct bytes stream = {malloc(builder->bytes.size), builder->bytes.size};
-    memcpy(stream.data, builder->bytes.data, stream.size);
+    struct job *job = memory_zeroed(1, sizeof *job);
+    const struct text stream = job_text(job, (struct text){builder->bytes.data, builder->bytes.size});
+    const struct matlab *matlab = matlab_of_hdf5(job, hdf5_of_stream(job, stream), limit);
     buffer_finish(&builder->bytes);
-    conus_status status = hdf5_parse(&hdf5, &stream);
-    return status ? status : matlab_from_hdf5(out, hdf5, limit);
+    if (job_ok(job)) {
+        *out = *matlab;
+        out->own = job;
+        return CONUS_OK;
+    }
+    conus_status status = job_close(job, NULL, NULL);
+    memory_free(job);
+    return status;
 }
 
 static const char *class_of(const struct matlab *matlab, const char *name)
@@ -298,13 +304,10 @@ static void headers_are_checked(void **state)
 static conus_status parse_built(void *data)
 {
     const struct hdf5_builder *builder = data;
-    struct hdf5 *hdf5 = NULL;
-    struct matlab matlab = {0};
-    struct bytes stream = {memory_copy(builder->bytes.data, builder->bytes.size, 1), builder->bytes.size};
-    conus_status status = stream.data ? hdf5_parse(&hdf5, &stream) : CONUS_ERROR_MEMORY;
-    status = status ? status : matlab_from_hdf5(&matlab, hdf5, LIMIT);
-    matlab_finish(&matlab);
-    return status;
+    struct job job = {0};
+    const struct text stream = {builder->bytes.data, builder->bytes.size};
+    (void)matlab_of_hdf5(&job, hdf5_of_stream(&job, stream), LIMIT);
+    return job_close(&job, NULL, NULL);
 }
 
 static void every_failing_allocation_is_clean(void **state)

@@ -16,15 +16,15 @@ static void check_place(const char *place)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct brainglobe_atlas atlas = {0};
-    if (brainglobe_atlas_parse(&atlas, (struct text){(const char *)data, size})) {
-        return 0;
+    struct job job = {0};
+    const struct brainglobe_atlas atlas = brainglobe_atlas_parse(&job, (struct text){(const char *)data, size});
+    if (job_ok(&job)) {
+        check_place(atlas.annotation);
+        check_place(atlas.terminology);
+        if (atlas.template) {
+            check_place(atlas.template);
+        }
     }
-    check_place(atlas.annotation);
-    check_place(atlas.terminology);
-    if (atlas.template) {
-        check_place(atlas.template);
-    }
-    brainglobe_atlas_finish(&atlas);
+    job_end(&job);
     return 0;
 }

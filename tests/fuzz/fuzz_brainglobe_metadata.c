@@ -13,7 +13,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct brainglobe_metadata metadata = {.orientation = "asr", .resolution = {25, 25, 25}};
     const struct text text = {(const char *)data, size};
     double world_from_voxel[16];
-    conus_status status = brainglobe_metadata_parse(&metadata, text);
+    struct job job = {0};
+    brainglobe_metadata_parse(&job, &metadata, text);
+    const conus_status status = job_close(&job, NULL, NULL);
     if (!memchr(metadata.orientation, '\0', sizeof metadata.orientation) ||
         (status && (strcmp(metadata.orientation, "asr") != 0 || metadata.resolution[0] != 25))) {
         abort();

@@ -14,16 +14,17 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 static void read_header(const uint8_t *data, size_t size)
 {
     struct field_header header;
-    if (field_header_parse(&header, data, size)) {
-        return;
-    }
-    for (int n = 0; n < 18; n++) {
-        enum field_kind kind;
-        if (!field_header_kind(&kind, &header, n % 2, (conus_vectors)(n / 2 % 3), (conus_file_space)(n / 6)) &&
-            !(header.dim[1] > 1 && header.dim[2] > 1 && header.dim[3] > 1)) {
+    struct job job = {0};
+    field_header_parse(&job, &header, (struct text){(const char *)data, size});
+    for (int n = 0; job_ok(&job) && n < 18; n++) {
+        struct job asked = {0};
+        (void)field_header_kind(&asked, &header, n % 2, (conus_vectors)(n / 2 % 3), (conus_file_space)(n / 6));
+        if (job_ok(&asked) && !(header.dim[1] > 1 && header.dim[2] > 1 && header.dim[3] > 1)) {
             abort();
         }
+        job_end(&asked);
     }
+    job_end(&job);
 }
 
 /* Takes two points through the field and back. */

@@ -27,26 +27,23 @@ static void check(const struct matlab *matlab, const struct matlab_array *array)
     (void)matlab_field(matlab, array, 0, "name");
 }
 
-static conus_status parse(struct matlab *out, const uint8_t *data, size_t size)
+static const struct matlab *parse(struct job *job, const uint8_t *data, size_t size)
 {
     struct text text = {(const char *)data, size};
-    struct hdf5 *hdf5 = NULL;
     if (!text_starts(text, HDF5_STREAM_MAGIC)) {
-        return text_starts(text, "MATLAB 7") ? CONUS_ERROR_DATA : matlab_parse(out, text, LIMIT);
+        return text_starts(text, "MATLAB 7") ? NULL : matlab_read(job, text, LIMIT);
     }
-    struct bytes stream = {memory_copy(data, size, 1), size};
-    conus_status status = stream.data ? hdf5_parse(&hdf5, &stream) : CONUS_ERROR_MEMORY;
-    return status ? status : matlab_from_hdf5(out, hdf5, LIMIT);
+    text.data = job_adopt(job, memory_copy(data, size, 1)); /* at a multiple of 8 */
+    return text.data ? matlab_of_hdf5(job, hdf5_of_stream(job, text), LIMIT) : NULL;
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct matlab matlab;
-    if (parse(&matlab, data, size) == CONUS_OK) {
-        for (size_t i = 0; i < matlab.count; i++) {
-            check(&matlab, &matlab.arrays[i]);
-        }
-        matlab_finish(&matlab);
+    struct job job = {0};
+    const struct matlab *matlab = parse(&job, data, size);
+    for (size_t i = 0; matlab && i < matlab->count; i++) {
+        check(matlab, &matlab->arrays[i]);
     }
+    job_end(&job);
     return 0;
 }

@@ -12,11 +12,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static const struct volume_selector all = {.path = (char *)"mesh"};
     const conus_volume_info info = {.path = "mesh", .threshold = 1};
-    struct hdf5 *hdf5 = NULL;
     conus_roi *roi = NULL;
     struct job job = {0};
-    struct bytes stream = {memory_copy(data, size, 1), size};
-    if (stream.data && JOB_CALL(&job, hdf5_parse(&hdf5, &stream))) {
+    const char *copy = job_adopt(&job, memory_copy(data, size, 1));
+    const struct hdf5 *hdf5 = hdf5_of_stream(&job, (struct text){copy, copy ? size : 0});
+    if (job_ok(&job)) {
         struct roi_mesh mesh = simnibs_find(&job, hdf5, &all);
         mesh.nodes = job_give(&job, mesh.nodes, mesh.node_count * sizeof *mesh.nodes);
         mesh.tetrahedra = job_give(&job, mesh.tetrahedra, mesh.count * sizeof *mesh.tetrahedra);
@@ -29,6 +29,5 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
     job_end(&job);
     conus_roi_destroy(roi);
-    hdf5_destroy(hdf5);
     return 0;
 }

@@ -1414,7 +1414,7 @@ transform("MATRIX", ".txt", matrix_text, text=True, **NUMBERS)
 transform("MATRIX of FSL", ".mat", lambda n: matrix_text(negative(n)), text=True, keys=",from=@,to=@", **NUMBERS)
 transform("ITK", ".tfm", itk_text, text=True, lps=itk_text, **PARAMETERS)
 transform("ITK with a B-spline", ".tfm", itk_spline, text=True, lps=itk_spline, **PARAMETERS)
-transform("MATLAB", ".mat", itk_matlab, order=lambda n: itk_matlab(n, True), lps=itk_matlab,
+transform("ITK_MATLAB", ".mat", itk_matlab, order=lambda n: itk_matlab(n, True), lps=itk_matlab,
           nan="a number that is not finite", out_of_range="a number that is not finite")
 transform(
     "XFM", ".xfm", lambda n: b"MNI Transform File\nTransform_Type = Linear;\nLinear_Transform =\n" + matrix_text(n, "").
@@ -1708,10 +1708,9 @@ def readers_of_program():
     }
     formats = re.search(r"auto\s+\(default\), (.*?)\n +--",
                         run("query", "--help").stdout[run("query", "--help").stdout.index("--poses-format"):], re.S)[1]
-    kinds = re.search(r"enum kind \{ KIND_NONE, ([^}]*)\}", source("loaders/transform/transform_file.c"))[1]
     rows = re.findall(r"\((\w+), ([A-Z_ |]*ROLE_[A-Z_ |]*)", source("sources/rows.c"))
     rows = {role: {name for name, roles in rows if name != "OTHER" and f"ROLE_{role}" in roles.split(" | ")}
-            for role in ("SURFACE", "TRACTS")}
+            for role in ("SURFACE", "TRACTS", "TRANSFORM")}
     return {
         "volume": {name
                    for name in volumes},
@@ -1726,9 +1725,8 @@ def readers_of_program():
         "surfaces": {"FreeSurfer" if name == "FREESURFER" else name for name in rows["SURFACE"]},
         "vertex labels": {"GIFTI labels", "CIFTI labels", "FreeSurfer annotation", "FreeSurfer label"},
         "streamlines": {name.lower() for name in rows["TRACTS"]},
-        "transforms": {name.strip()[len("KIND_"):]
-                       for name in kinds.split(",")}
-        | set(re.findall(r"(x5|itk_hdf5)_parse", source("loaders/transform/chain_file.c"))) | {"field"},
+        "transforms": (rows["TRANSFORM"] - {"HDF5", "NIFTI", "NRRD", "METAIMAGE"}) | {"field"}
+        | set(re.findall(r"(x5|itk_hdf5)_parse", source("loaders/transform/transform_file.c"))),
     }
 
 

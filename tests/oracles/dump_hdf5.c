@@ -66,14 +66,18 @@ static void print_object(const struct hdf5 *hdf5, const struct hdf5_object *obje
 
 int main(int argc, char **argv)
 {
-    struct hdf5 *hdf5 = NULL;
     struct open_file file;
+    struct job job = {.max_memory = argc > 3 ? strtoull(argv[2], NULL, 10) : 0};
     conus_status status = argc > 3 ? file_open(&file, argv[1]) : CONUS_ERROR_ARGUMENT;
-    if (!status) {
-        status = hdf5_read(&hdf5, &file, (const char *const *)argv + 3, (size_t)argc - 3, strtoull(argv[2], NULL, 10));
-        file_close(&file);
-    }
     if (status) {
+        fprintf(stderr, "%s\n", conus_message());
+        return (int)status;
+    }
+    job_in(&job, argv[1], JOB_ALONE);
+    const struct hdf5 *hdf5 = hdf5_open(&job, &file, (const char *const *)argv + 3, (size_t)argc - 3);
+    file_close(&file);
+    if (!job_ok(&job)) {
+        status = job_close(&job, NULL, NULL);
         fprintf(stderr, "%s\n", conus_message());
         return (int)status;
     }
@@ -83,6 +87,6 @@ int main(int argc, char **argv)
         print_object(hdf5, hdf5_object(hdf5, i));
     }
     printf("]\n");
-    hdf5_destroy(hdf5);
+    job_end(&job);
     return 0;
 }

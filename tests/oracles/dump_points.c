@@ -3,28 +3,20 @@
  * for a point without an image. RAS mm. For tests/oracles/compare_composites.py. The kind of the file goes to
  * stderr. */
 #include "base/geometry/math3.h"
-#include "loaders/transform/chain_file.h"
 #include "loaders/transform/transform_file.h"
-#include "sources/source.h"
 
 #include <stdio.h>
 
 static conus_status read_file(struct transform_chain *chain, const char *path)
 {
-    struct file_sums read = {0};
     struct notes notes = {0};
-    const struct format *format = NULL;
-    conus_status status = source_find(&format, path, ROLE_TRANSFORM);
-    if (!status && format) {
-        status = chain_file_read(chain, path, 0, &read, &notes);
-    } else if (!status) {
-        status = transform_file_read(chain, path, &(conus_transform_options){0}, &read);
-    }
+    struct job job = {0};
+    transform_read(&job, chain, source_open(&job, path), &(conus_transform_options){0});
+    conus_status status = job_close(&job, &notes, NULL);
     for (size_t i = 0; i < notes.count; i++) {
         fprintf(stderr, "%s\n", notes.lines[i]);
     }
     notes_finish(&notes);
-    file_sums_finish(&read);
     return status;
 }
 

@@ -47,6 +47,19 @@ static void a_role_decides_what_bytes_are(void **state)
         {BYTES("\x89HDF\r\n\x1a\n\0"), ROLE_SURFACE, -1},
         {BYTES("MATLAB 5.0 MAT-file, Platform"), ROLE_POSES, FORMAT_MATLAB},
         {BYTES("MATLAB 5.0 MAT-file, Platform"), ROLE_VOLUME, -1},
+        {BYTES("# by hand\n1 0 0 0\n"), ROLE_TRANSFORM, FORMAT_MATRIX},
+        {BYTES("# by hand\n1 0 0 0\n"), ROLE_SURFACE, -1},
+        {BYTES("#Insight Transform File V1.0\n"), ROLE_TRANSFORM, FORMAT_ITK},
+        {BYTES("MNI Transform File\n"), ROLE_TRANSFORM, FORMAT_XFM},
+        {BYTES("type      = 1\n"), ROLE_TRANSFORM, FORMAT_LTA},
+        {BYTES("type      : 1\n"), ROLE_TRANSFORM, -1},
+        {BYTES("bert\n1\n1\n0.15\n1 0 0 0\n"), ROLE_TRANSFORM, FORMAT_REGISTER},
+        {BYTES("bert\n1\n1\n0.15\nround\n"), ROLE_TRANSFORM, -1},
+        {BYTES("\0\0\0\0\14\0\0\0\1\0\0\0\0\0\0\0\4\0\0\0Aff\0"), ROLE_TRANSFORM, FORMAT_ITK_MATLAB},
+        {BYTES("MATLAB 5.0 MAT-file, Platform"), ROLE_TRANSFORM, FORMAT_OTHER},
+        {BYTES("// elastix\n(Transform \"Euler\")"), ROLE_TRANSFORM, FORMAT_OTHER},
+        {BYTES("NRRD0004\nkinds: vector domain\n"), ROLE_TRANSFORM, FORMAT_NRRD},
+        {BYTES("NRRD0004\n"), ROLE_TRANSFORM, -1},
         {BYTES("# vtk DataFile Version 3.0\n"), ROLE_SURFACE, FORMAT_VTK},
         {BYTES("# vtk DataFile Version 3.0\n"), ROLE_TRACTS, FORMAT_VTK},
         {BYTES("# vtk DataFile Version 3.0\n"), ROLE_VOLUME, -1},
@@ -156,11 +169,11 @@ static void a_source_is_read_unpacked_by_any_number_of_readers(void **state)
         assert_true(reader_word(&second, &word) && text_equal(word, "OFF"));
         source_made_of(&job, source);
         assert_int_equal(job.files.count, 1);
-        const struct bytes stored = source_bytes(&job, source);
+        const struct bytes stored = source_bytes(&job, source, UINT64_MAX);
         char sha256[65];
         file_sha256(sha256, &stored);
         assert_string_equal(job.files.items[0].sha256, sha256);
-        struct source *copy = source_of_memory(&job, (struct text){(char *)stored.data, stored.size});
+        struct source *copy = source_of_memory(&job, NULL, (struct text){(char *)stored.data, stored.size});
         assert_int_equal(copy->is_packed, packs);
         struct reader third = source_reader(&job, copy);
         assert_true(reader_word(&third, &word) && text_equal(word, "OFF"));

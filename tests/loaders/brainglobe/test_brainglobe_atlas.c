@@ -20,23 +20,21 @@
 static void places_count_from_the_root(void **state)
 {
     (void)state;
-    struct brainglobe_atlas atlas;
-    assert_ok(brainglobe_atlas_parse(&atlas, text_from(WHOLE)));
+    struct job job = {0};
+    struct brainglobe_atlas atlas = brainglobe_atlas_parse(&job, text_from(WHOLE));
     assert_string_equal(atlas.annotation, "sets/a/1_2");
     assert_string_equal(atlas.terminology, "names/a/1_0");
     assert_string_equal(atlas.template, "templates/a/1_1");
     assert_near(atlas.metadata.resolution[2], 4000, 0);
     assert_int_equal(atlas.metadata.shape[2], 4);
     assert_false(atlas.is_symmetric);
-    brainglobe_atlas_finish(&atlas);
-    assert_ok(brainglobe_atlas_parse(&atlas, text_from("{" SIZES "," ANNOTATION "," NAMES "}")));
+    atlas = brainglobe_atlas_parse(&job, text_from("{" SIZES "," ANNOTATION "," NAMES "}"));
     assert_null(atlas.template);
     assert_true(atlas.is_symmetric);
-    brainglobe_atlas_finish(&atlas);
     static const char inside[] = "{" SIZES ",\"annotation_set\":{\"location\":\"a\"," TEMPLATE "}," NAMES "}";
-    assert_ok(brainglobe_atlas_parse(&atlas, text_from(inside)));
+    atlas = brainglobe_atlas_parse(&job, text_from(inside));
     assert_string_equal(atlas.template, "templates/a/1_1");
-    brainglobe_atlas_finish(&atlas);
+    assert_ok(job_close(&job, NULL, NULL));
 }
 
 static void write_file(const char *folder, const char *name, const void *data, size_t size)

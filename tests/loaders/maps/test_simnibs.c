@@ -78,13 +78,11 @@ static void build(struct hdf5_builder *builder, const struct bent *bent)
 static conus_status make_of(conus_roi **out, const struct hdf5_builder *builder, const struct volume_selector *selector,
                             const conus_volume_info *info)
 {
-    struct hdf5 *hdf5 = NULL;
     struct job job = {0};
     struct volume_selector named = *selector;
-    struct bytes stream = {memory_copy(builder->bytes.data, builder->bytes.size, 1), builder->bytes.size};
+    const struct hdf5 *hdf5 = hdf5_of_stream(&job, (struct text){builder->bytes.data, builder->bytes.size});
     named.path = (char *)info->path;
-    job_took(&job, stream.data ? CONUS_OK : CONUS_ERROR_MEMORY);
-    if (JOB_CALL(&job, hdf5_parse(&hdf5, &stream))) {
+    if (job_ok(&job)) {
         assert_true(simnibs_is(hdf5));
         struct roi_mesh mesh = simnibs_find(&job, hdf5, &named);
         mesh.nodes = job_give(&job, mesh.nodes, mesh.node_count * sizeof *mesh.nodes);
@@ -94,8 +92,6 @@ static conus_status make_of(conus_roi **out, const struct hdf5_builder *builder,
             memory_free(mesh.tetrahedra);
         }
     }
-    bytes_finish(&stream); /* which hdf5_parse() takes over */
-    hdf5_destroy(hdf5);
     return job_close(&job, NULL, NULL);
 }
 
@@ -214,12 +210,12 @@ static void what_is_no_mesh(void **state)
                                         "/mesh_roi/elm/node_number_list"};
     for (size_t i = 0; i < 3; i++) {
         struct hdf5_builder builder;
-        struct hdf5 *hdf5 = NULL;
+        struct job job = {0};
         build(&builder, &(struct bent){.missing = parts[i]});
-        struct bytes stream = {memory_copy(builder.bytes.data, builder.bytes.size, 1), builder.bytes.size};
-        assert_ok(hdf5_parse(&hdf5, &stream));
+        const struct hdf5 *hdf5 = hdf5_of_stream(&job, (struct text){builder.bytes.data, builder.bytes.size});
+        assert_true(job_ok(&job));
         assert_false(simnibs_is(hdf5));
-        hdf5_destroy(hdf5);
+        job_end(&job);
         buffer_finish(&builder.bytes);
     }
 }

@@ -60,22 +60,15 @@ static const double vectors[24] = {0, 0, 0, 1, 0, 3};
 
 static conus_status parse_with(struct transform_chain *chain, const struct hdf5_builder *builder, uint64_t max_memory)
 {
-    struct bytes stream = {memory_copy(builder->bytes.data, builder->bytes.size, 1), builder->bytes.size};
-    struct hdf5 *hdf5 = NULL;
-    struct buffer words = {0};
-    conus_status status = stream.data ? hdf5_parse(&hdf5, &stream) : CONUS_ERROR_MEMORY;
+    struct job job = {.max_memory = max_memory};
     chain_begin(chain);
-    if (!status) {
-        status = (x5_is(hdf5) ? x5_parse : itk_hdf5_parse)(chain, hdf5, max_memory, &words);
-        status = status ? status : buffer_status(&words);
-        status = status ? status : chain_end(chain);
-    }
-    if (status) {
+    const struct hdf5 *hdf5 = hdf5_of_stream(&job, (struct text){builder->bytes.data, builder->bytes.size});
+    (void)(x5_is(hdf5) ? x5_parse : itk_hdf5_parse)(&job, chain, hdf5);
+    chain_end(&job, chain);
+    if (!job_ok(&job)) {
         transform_chain_finish(chain);
     }
-    buffer_finish(&words);
-    hdf5_destroy(hdf5);
-    return status;
+    return job_close(&job, NULL, NULL);
 }
 
 /* Ends the file, and asserts that its chain takes `from` to `to`. */

@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "loaders/transform/field_file.h"
+#include "loaders/transform/transform_file.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "test.h"
@@ -81,22 +82,24 @@ static const char *write_field(const struct file *file, bool packed)
 
 static void check_file(const struct file *file, bool packed)
 {
-    struct deformation field = {0};
+    struct transform_chain chain;
     struct file_sums read = {0};
     struct notes notes = {0};
-    const conus_transform_options options = {0};
+    struct job job = {0};
     const char *path = write_field(file, packed);
     double p[3] = {1, 2, 3};
-    assert_ok(field_file_read(&field, path, &options, &read, &notes));
-    assert_int_equal(field.dim[0], NX);
-    assert_true(deformation_point(p, &field, p));
+    transform_read(&job, &chain, source_open(&job, path), &(conus_transform_options){0});
+    assert_ok(job_close(&job, &notes, &read));
+    assert_int_equal(chain.count, 1);
+    assert_int_equal(chain.fields->dim[0], NX);
+    assert_true(deformation_point(p, chain.fields, p));
     assert_near(p[0], 1 + file->shift, 1e-6);
     assert_near(p[1], 2, 1e-6);
     assert_near(p[2], 3, 1e-6);
-    assert_int_equal(field.stays_outside, !file->positions);
+    assert_int_equal(chain.fields->stays_outside, !file->positions);
     assert_int_equal(read.count, 1);
     assert_string_equal(read.items[0].path, path);
-    deformation_finish(&field);
+    transform_chain_finish(&chain);
     file_sums_finish(&read);
     notes_finish(&notes);
 }
@@ -110,13 +113,22 @@ static void both_headers_and_byte_orders_are_read(void **state)
     }
 }
 
+static conus_status find_kind(enum field_kind *out, const struct field_header *header, bool images,
+                              conus_vectors vectors, conus_file_space space)
+{
+    struct job job = {0};
+    enum field_kind kind = field_header_kind(&job, header, images, vectors, space);
+    *out = job_ok(&job) ? kind : *out;
+    return job_close(&job, NULL, NULL);
+}
+
 static enum field_kind kind_of(int code, const char *name, conus_vectors vectors, conus_file_space space,
                                double parameter)
 {
     struct field_header header = {.dim = {5, 9, 9, 9, 1, 3}, .intent_code = code, .parameter = parameter};
     enum field_kind kind = FIELD_FSL;
     strncpy(header.intent_name, name, sizeof header.intent_name - 1);
-    assert_ok(field_header_kind(&kind, &header, false, vectors, space));
+    assert_ok(find_kind(&kind, &header, false, vectors, space));
     return kind;
 }
 
@@ -141,18 +153,18 @@ static void headers_say_whose_field_it_is(void **state)
         assert_int_equal(kind_of(n ? 1007 : 0, "", vectors, space, 0), stated[n / 2][n % 2]);
         const struct field_header four = {.dim = {4, 9, 9, 9, 3}, .intent_code = n ? 0 : 1007};
         enum field_kind of_four = FIELD_FSL;
-        assert_ok(field_header_kind(&of_four, &four, false, vectors, space));
+        assert_ok(find_kind(&of_four, &four, false, vectors, space));
         assert_int_equal(of_four, stated[n / 2][n % 2]);
     }
     assert_int_equal(kind_of(1006, "", 0, CONUS_FILE_SPACE_RAS, 0), FIELD_RAS); /* nifti1.h: displacements */
     struct field_header header = {.dim = {4, 9, 9, 9, 3, 0}, .intent_code = 2006};
     enum field_kind kind;
-    assert_ok(field_header_kind(&kind, &header, true, 0, 0));
+    assert_ok(find_kind(&kind, &header, true, 0, 0));
     assert_int_equal(kind, FIELD_FNIRT);
-    assert_ok(field_header_kind(&kind, &header, true, CONUS_VECTORS_ABSOLUTE, 0));
+    assert_ok(find_kind(&kind, &header, true, CONUS_VECTORS_ABSOLUTE, 0));
     assert_int_equal(kind, FIELD_FSL);
     header.intent_code = 0;
-    assert_ok(field_header_kind(&kind, &header, true, 0, 0));
+    assert_ok(find_kind(&kind, &header, true, 0, 0));
     assert_int_equal(kind, FIELD_FSL);
 }
 
@@ -160,7 +172,7 @@ static void check_refused(struct field_header header, bool images, conus_vectors
                           const char *words)
 {
     enum field_kind kind = FIELD_FSL;
-    conus_status status = field_header_kind(&kind, &header, images, vectors, 0);
+    conus_status status = find_kind(&kind, &header, images, vectors, 0);
     if (status != wanted || !strstr(conus_message(), words) || kind != FIELD_FSL) {
         fail_msg("status %d, \"%s\", wanted: %s", (int)status, conus_message(), words);
     }
@@ -634,7 +646,7 @@ static void an_attached_atlas_is_warped(void **state)
     free(memory);
 }
 
-struct attempt {
+struct trial {
     conus_atlas *atlas;
     const char *path;
     bool done;
@@ -642,7 +654,7 @@ struct attempt {
 
 static conus_status transform(void *data)
 {
-    struct attempt *attempt = data;
+    struct trial *attempt = data;
     conus_status status = conus_atlas_transform(attempt->atlas, attempt->path, NULL);
     assert_int_equal(attempt->atlas->warp_count, status == CONUS_OK);
     assert_int_equal(label_at(attempt->atlas, 0, 3, 1, 1), status ? 4 : 0);
@@ -652,7 +664,7 @@ static conus_status transform(void *data)
 
 static conus_status transform_anew(void *path)
 {
-    struct attempt attempt = {.atlas = make_atlas(), .path = path};
+    struct trial attempt = {.atlas = make_atlas(), .path = path};
     conus_status status = transform(&attempt);
     conus_atlas_destroy(attempt.atlas);
     return status;
@@ -661,7 +673,7 @@ static conus_status transform_anew(void *path)
 static void every_failing_allocation_is_survived(void **state)
 {
     (void)state;
-    struct attempt attempt = {.atlas = make_atlas(), .path = write_field(&itk, true)};
+    struct trial attempt = {.atlas = make_atlas(), .path = write_field(&itk, true)};
     test_every_allocation(transform, &attempt);
     assert_true(test_every_primitive(transform_anew, (void *)attempt.path) > 5);
     conus_atlas_destroy(attempt.atlas);

@@ -2,7 +2,7 @@
 /* FSL's deformation fields and the images that they need. tests/cli/warp.bats moves atlases by them. */
 #include "atlas/deformation/deformation.h"
 #include "builders/nifti_builder.h"
-#include "loaders/transform/field_file.h"
+#include "loaders/transform/transform_file.h"
 #include "test.h"
 
 #include <string.h>
@@ -44,14 +44,14 @@ static void fsl_images_are_compared_at_all_corners(void **state)
         const double srow[12] = {0, 1, 0, shifts[i][0], 1, 0, 0, shifts[i][1], 0, 0, 1, 0};
         const char *image = write_image("image.nii", srow, 1);
         const conus_transform_options options = {.from = image, .to = image};
-        struct deformation field = {0};
-        struct file_sums read = {0};
-        struct notes notes = {0};
-        assert_fails(field_file_read(&field, path, &options, &read, &notes), CONUS_ERROR_ARGUMENT);
+        struct transform_chain chain;
+        struct job job = {0};
+        transform_read(&job, &chain, source_open(&job, path), &options);
+        assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_ARGUMENT);
         if (!strstr(conus_message(), "lies up to 31.6 mm from where the field does")) {
             fail_msg("%s", conus_message());
         }
-        notes_finish(&notes);
+        transform_chain_finish(&chain);
     }
 }
 

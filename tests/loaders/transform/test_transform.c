@@ -19,12 +19,23 @@
 #include <string.h>
 #include <unistd.h>
 
+static conus_status read_bytes(struct transform_chain *out, struct bytes file, const char *path,
+                               const conus_transform_options *options)
+{
+    struct job job = {0};
+    transform_read(&job, out, source_of_memory(&job, path, text_from_bytes(file.data, file.size)), options);
+    if (!job_ok(&job)) {
+        transform_chain_finish(out);
+    }
+    return job_close(&job, NULL, NULL);
+}
+
 /* Parses the matrix of an affine. */
 static conus_status parse_bytes(double out[16], const void *data, size_t size, const char *path)
 {
     struct transform_chain made;
     const struct bytes file = {(uint8_t *)data, size};
-    conus_status status = transform_parse(&made, &file, path, &(conus_transform_options){0});
+    conus_status status = read_bytes(&made, file, path, &(conus_transform_options){0});
     if (!status) {
         assert_int_equal(made.count, 0);
         memcpy(out, made.matrix, sizeof made.matrix);
@@ -130,7 +141,7 @@ static bool spline_point(double p[3], const char *entries)
     char *text = make_file(entries);
     struct transform_chain made;
     const struct bytes file = {(uint8_t *)text, strlen(text)};
-    bool is = !transform_parse(&made, &file, "x.tfm", &(conus_transform_options){0});
+    bool is = !read_bytes(&made, file, "x.tfm", &(conus_transform_options){0});
     if (is) {
         chain_point(p, &made);
         transform_chain_finish(&made);
@@ -188,9 +199,10 @@ static void itk_moves_points_alike(void **state)
     json_t *all = json_load_file(test_shared("files-2026/itk/expected.json"), 0, NULL);
     json_t *points = json_object_get(json_object_get(all, "ffd.tfm"), "points");
     struct transform_chain made;
-    struct file_sums sums = {0};
+    struct job job = {0};
     assert_true(json_array_size(points) > 20);
-    assert_ok(transform_file_read(&made, path, &(conus_transform_options){0}, &sums));
+    transform_read(&job, &made, source_open(&job, path), &(conus_transform_options){0});
+    assert_ok(job_close(&job, NULL, NULL));
     for (size_t i = 0; i < json_array_size(points); i++) {
         double n[6];
         for (size_t k = 0; k < 6; k++) {
@@ -202,7 +214,6 @@ static void itk_moves_points_alike(void **state)
         }
     }
     transform_chain_finish(&made);
-    file_sums_finish(&sums);
     json_decref(all);
 }
 
@@ -240,7 +251,7 @@ static void a_register_dat_is_between_two_images(void **state)
     for (size_t i = 0; i < 3; i++) {
         const struct bytes file = {(uint8_t *)texts[i], strlen(texts[i])};
         double p[3] = {-4, -8, -6};
-        assert_ok(transform_parse(&made, &file, "register.dat", &options));
+        assert_ok(read_bytes(&made, file, "register.dat", &options));
         mat4_point(p, made.matrix, p);
         assert_near(p[0], 114, 1e-9);
         assert_near(p[1], 194, 1e-9);
@@ -258,15 +269,15 @@ static void a_register_dat_is_between_two_images(void **state)
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         const struct bytes file = {(uint8_t *)bad[i].text, strlen(bad[i].text)};
-        assert_true(transform_parse(&made, &file, "register.dat", &options) != CONUS_OK);
+        assert_true(read_bytes(&made, file, "register.dat", &options) != CONUS_OK);
         assert_non_null(strstr(conus_message(), bad[i].words));
     }
     for (size_t size = 0; size < strlen(texts[1]) - 9; size++) {
-        assert_true(transform_parse(&made, &(struct bytes){(uint8_t *)texts[1], size}, "register.dat", &options));
+        assert_true(read_bytes(&made, (struct bytes){(uint8_t *)texts[1], size}, "register.dat", &options));
     }
     options.to = NULL;
     const struct bytes file = {(uint8_t *)texts[0], strlen(texts[0])};
-    assert_fails(transform_parse(&made, &file, "register.dat", &options), CONUS_ERROR_ARGUMENT);
+    assert_fails(read_bytes(&made, file, "register.dat", &options), CONUS_ERROR_ARGUMENT);
 }
 
 static void write_file(char path[64], const char *text)
@@ -459,14 +470,14 @@ static void what_cannot_be_moved_stays(void **state)
     conus_atlas_destroy(atlas);
 }
 
-struct attempt {
+struct trial {
     conus_atlas *atlas;
     const char *path;
 };
 
 static conus_status transform(void *data)
 {
-    const struct attempt *attempt = data;
+    const struct trial *attempt = data;
     conus_status status = conus_atlas_transform(attempt->atlas, attempt->path, NULL);
     assert_int_equal(attempt->atlas->is_moved, status == CONUS_OK);
     return status;
@@ -474,7 +485,7 @@ static conus_status transform(void *data)
 
 static conus_status transform_anew(void *path)
 {
-    struct attempt attempt = {.atlas = make_atlas(), .path = path};
+    struct trial attempt = {.atlas = make_atlas(), .path = path};
     conus_status status = transform(&attempt);
     conus_atlas_destroy(attempt.atlas);
     return status;
@@ -487,7 +498,7 @@ static void every_failing_allocation_is_survived(void **state)
     char *entry = make_spline(360, 0, spline_type, spline_grid);
     char *text = make_file(entry);
     for (int spline = 0; spline < 2; spline++) {
-        struct attempt attempt = {make_atlas(), path};
+        struct trial attempt = {make_atlas(), path};
         write_file(path, spline ? text : itk_affine);
         test_every_allocation(transform, &attempt);
         assert_true(test_every_primitive(transform_anew, (void *)attempt.path) > 5);
