@@ -42,6 +42,26 @@ struct reader source_reader(struct job *job, const struct source *source)
     return job_ok(job) ? reader_on(job, &source->file) : (struct reader){.job = job};
 }
 
+struct text source_unpacked(struct job *job, const struct source *source)
+{
+    const uint64_t limit = memory_limit(job->max_memory);
+    struct bytes stored = {0};
+    struct bytes bytes = {0};
+    if (!job_step(job)) {
+        return (struct text){"", 0};
+    }
+    bool fits = JOB_CALL(job, file_read_here(&stored, &source->file, SIZE_MAX, limit, FILE_MAX_MEMORY));
+    job->is_limit = !fits && source->file.before.size > limit;
+    if (fits && source->is_packed) {
+        (void)JOB_CALL(job, gzip_unpack_all(&bytes, stored.data, stored.size, limit));
+        bytes_finish(&stored);
+    } else {
+        bytes = stored;
+    }
+    const char *data = job_adopt(job, bytes.data);
+    return (struct text){data ? data : "", data ? bytes.size : 0};
+}
+
 void source_made_of(struct job *job, const struct source *source)
 {
     (void)JOB_CALL(job, file_sums_add_open(&job->files, &source->file));

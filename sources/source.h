@@ -24,6 +24,10 @@ struct source *source_open(struct job *job, const char *path);
  */
 struct reader source_reader(struct job *job, const struct source *source);
 
+/** The whole of it, unpacked, in the job's memory, of at most job->max_memory bytes: for readers that look back. Empty
+ * after a failure. */
+struct text source_unpacked(struct job *job, const struct source *source);
+
 /** The result is made of the file, whose bytes are read for its sum. */
 void source_made_of(struct job *job, const struct source *source);
 

@@ -12,6 +12,8 @@ struct mesh_foreign_options {
     uint64_t max_memory;   /**< Bytes, for each file, packed and unpacked, and each array in it; 0 = 8 GiB. */
 };
 
+/* Bridge: both run a job of their own, for the scene, which gives its job when it is on one itself. */
+
 /** Reads @p count files into @p out[count], in world mm, checked by mesh_check(), path set: all of them, or none.
  * Polygons and strips become triangles; LPS coordinates, RAS. @p notes gets what mesh_check() finds, and how many files
  * do not state their space, which is then RAS. An error names the file. */
