@@ -42,24 +42,21 @@ struct reader source_reader(struct job *job, const struct source *source)
     return job_ok(job) ? reader_on(job, &source->file) : (struct reader){.job = job};
 }
 
-struct text source_unpacked(struct job *job, const struct source *source)
+struct bytes source_whole(struct job *job, struct source *source)
 {
-    const uint64_t limit = memory_limit(job->max_memory);
     struct bytes stored = {0};
-    struct bytes bytes = {0};
-    if (!job_step(job)) {
-        return (struct text){"", 0};
+    const uint64_t limit = memory_limit(job->max_memory);
+    if (!source || !JOB_CALL(job, file_read_here(&stored, &source->file, SIZE_MAX, limit, FILE_MAX_MEMORY))) {
+        return (struct bytes){0};
     }
-    bool fits = JOB_CALL(job, file_read_here(&stored, &source->file, SIZE_MAX, limit, FILE_MAX_MEMORY));
-    job->is_limit = !fits && source->file.before.size > limit;
-    if (fits && source->is_packed) {
-        (void)JOB_CALL(job, gzip_unpack_all(&bytes, stored.data, stored.size, limit));
+    bytes_finish(&source->whole);
+    if (source->is_packed) {
+        (void)JOB_CALL(job, gzip_unpack_all(&source->whole, stored.data, stored.size, limit));
         bytes_finish(&stored);
     } else {
-        bytes = stored;
+        source->whole = stored;
     }
-    const char *data = job_adopt(job, bytes.data);
-    return (struct text){data ? data : "", data ? bytes.size : 0};
+    return source->whole;
 }
 
 void source_made_of(struct job *job, const struct source *source)
@@ -113,11 +110,15 @@ enum format_id source_scene(const struct source *source)
 
 void source_close(struct source *source)
 {
+    if (!source) {
+        return;
+    }
     if (source->is_open) {
         file_close(&source->file);
     }
     bytes_finish(&source->stored);
     bytes_finish(&source->unpacked);
+    bytes_finish(&source->whole);
     memory_free(source->path);
     *source = (struct source){0};
 }

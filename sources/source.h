@@ -13,6 +13,7 @@ struct source {
     bool is_packed;        /**< By gzip, as a whole. */
     struct bytes stored;   /**< Its first bytes, HEAD_SIZE or all. */
     struct bytes unpacked; /**< Of one that is packed: what these give; none where they are damaged. */
+    struct bytes whole;    /**< source_whole() */
     struct file_head head; /**< Of `unpacked` or else `stored`. */
 };
 
@@ -24,9 +25,9 @@ struct source *source_open(struct job *job, const char *path);
  */
 struct reader source_reader(struct job *job, const struct source *source);
 
-/** The whole of it, unpacked, in the job's memory, of at most job->max_memory bytes: for readers that look back. Empty
- * after a failure. */
-struct text source_unpacked(struct job *job, const struct source *source);
+/** All its bytes, unpacked, at most the job's max_memory; what gzip packs is verified to its end. They are there until
+ * source_close(), which may come before the job's end. None after a failure. */
+struct bytes source_whole(struct job *job, struct source *source);
 
 /** The result is made of the file, whose bytes are read for its sum. */
 void source_made_of(struct job *job, const struct source *source);
@@ -34,7 +35,7 @@ void source_made_of(struct job *job, const struct source *source);
 /** For callers without a job: opens @p path, which must outlive @p out. CONUS_ERROR_IO with the path,
  * CONUS_ERROR_MEMORY. @p out is the caller's to close, also on failure. */
 conus_status source_look(struct source *out, const char *path);
-void source_close(struct source *source);
+void source_close(struct source *source); /**< NULL is fine. */
 
 /** The same of the whole file @p stored, or of its first bytes, which is borrowed. */
 conus_status source_of(struct source *out, const char *path, const struct bytes *stored);

@@ -114,14 +114,13 @@ static void give_lines(struct tractogram *out, struct line_build *build)
     }
 }
 
-static void read_lines(struct job *job, struct tractogram *out, struct text file)
+static void read_lines(struct job *job, struct tractogram *out, const struct bytes *bytes)
 {
     struct line_build build = {
         .sink = {.job = job, .end = end_cell, .takes_lines = true, .max_memory = memory_limit(job->max_memory)},
         .left = memory_limit(job->max_memory)};
-    const struct bytes bytes = {(uint8_t *)file.data, file.size};
-    bool is_legacy = format_id_of(&bytes, ROLE_TRACTS) == FORMAT_VTK;
-    (is_legacy ? vtk_parse : vtp_parse)(&build.sink, file);
+    bool is_legacy = format_id_of(bytes, ROLE_TRACTS) == FORMAT_VTK;
+    (is_legacy ? vtk_parse : vtp_parse)(&build.sink, (struct text){(const char *)bytes->data, bytes->size});
     give_lines(out, &build);
     snprintf(out->format, sizeof out->format, is_legacy ? "VTK" : "VTP");
 }
@@ -129,7 +128,9 @@ static void read_lines(struct job *job, struct tractogram *out, struct text file
 /* Bridge: ends the job; its tractogram is good if all is well. */
 static conus_status close_lines(struct tractogram *out, struct tractogram *built, struct job *job, struct notes *notes)
 {
-    (void)JOB_CALL(job, notes_move(notes, &job->notes));
+    if (job->notes.count) {
+        (void)JOB_CALL(job, notes_move(notes, &job->notes));
+    }
     if (job_ok(job)) {
         *out = *built;
     } else {
@@ -143,7 +144,7 @@ conus_status vtk_lines_parse(struct tractogram *out, const struct bytes *bytes, 
 {
     struct job job = {.max_memory = max_memory};
     struct tractogram built = {0};
-    read_lines(&job, &built, (struct text){(const char *)bytes->data, bytes->size});
+    read_lines(&job, &built, bytes);
     return close_lines(out, &built, &job, notes);
 }
 
@@ -152,9 +153,9 @@ conus_status vtk_lines_read(struct tractogram *out, const char *path, uint64_t m
     struct job job = {.max_memory = max_memory};
     struct tractogram built = {0};
     (void)job_in(&job, path, JOB_ALONE);
-    const struct source *source = source_open(&job, path);
-    const struct text file = source_unpacked(&job, source);
-    read_lines(&job, &built, file);
+    struct source *source = source_open(&job, path);
+    const struct bytes bytes = source_whole(&job, source);
+    read_lines(&job, &built, &bytes);
     source_made_of(&job, source);
     if (job_ok(&job)) {
         memcpy(built.sha256, job.files.items[0].sha256, sizeof built.sha256);

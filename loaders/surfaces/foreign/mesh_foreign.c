@@ -177,8 +177,8 @@ static void read_file(const struct foreign_out *out, struct reading *work, const
     struct job *job = work->job;
     const struct job_mark mark = job_mark(job);
     const size_t place = job_in(job, path, JOB_ALONE);
-    const struct text file = source_unpacked(job, source_open(job, path));
-    const struct bytes bytes = {(uint8_t *)file.data, file.size};
+    struct source *source = source_open(job, path);
+    const struct bytes bytes = source_whole(job, source);
     struct mesh_build build = mesh_build_of(job);
     const struct attempt attempt = job_try(job);
     parse(&build, path, &bytes);
@@ -186,10 +186,10 @@ static void read_file(const struct foreign_out *out, struct reading *work, const
     if (said) {
         (void)JOB_CALL(job, notes_move_in(&job->notes, said, path));
     }
-    if (out->mesh) {
-        take_whole(out->mesh, &build, work, path);
-    } else {
+    if (out->parts) {
         take_objects(out, &build, work, path);
+    } else {
+        take_whole(out->mesh, &build, work, path);
     }
     if (job->status == CONUS_ERROR_DATA && format_is_lines(&bytes)) { /* which leave no triangle */
         (void)attempt_end(job, &attempt, ATTEMPT_DROP);
@@ -202,66 +202,70 @@ static void read_file(const struct foreign_out *out, struct reading *work, const
     job_release(job, mark);
 }
 
-static struct job job_for(const struct mesh_foreign_options *options)
+void mesh_foreign_file(struct job *job, struct mesh *out, const char *path, enum mesh_space space)
 {
-    return (struct job){.max_memory = options ? options->max_memory : 0};
+    struct reading work = {.job = job, .space = space};
+    struct mesh mesh = {0};
+    read_file(&(struct foreign_out){.mesh = &mesh}, &work, path);
+    say_unstated(&work);
+    if (job_ok(job)) {
+        *out = mesh;
+    } else {
+        mesh_finish(&mesh);
+    }
+}
+
+/* Says a problem once: mostly all objects share it. */
+static void move_notes(struct job *job, struct notes *from)
+{
+    for (size_t i = 0; from && i < from->count; i++) {
+        bool repeated = false;
+        for (size_t k = 0; k < i && !repeated; k++) {
+            repeated = strcmp(from->lines[k], from->lines[i]) == 0;
+        }
+        if (!repeated) {
+            job_put(job, from->marks[i].severity, "%s", from->lines[i]);
+        }
+    }
+}
+
+void mesh_foreign_objects(struct job *job, struct mesh_parts *parts, struct label_table *names, const char *path,
+                          enum mesh_space space)
+{
+    struct reading work = {.job = job, .space = space};
+    struct mesh_parts objects = {0};
+    const struct attempt attempt = job_try(job);
+    read_file(&(struct foreign_out){.parts = &objects, .names = names}, &work, path);
+    say_unstated(&work);
+    move_notes(job, attempt_notes(job, &attempt));
+    (void)attempt_end(job, &attempt, ATTEMPT_KEEP);
+    if (job_ok(job)) {
+        *parts = objects;
+    } else {
+        mesh_parts_finish(&objects);
+        label_table_finish(names);
+    }
 }
 
 conus_status mesh_foreign_read(struct mesh *out, const char *const *paths, size_t count,
                                const struct mesh_foreign_options *options, struct notes *notes)
 {
-    struct job job = job_for(options);
+    struct job job = {.max_memory = options ? options->max_memory : 0};
     struct reading work = {.job = &job, .space = options ? options->space : MESH_SPACE_UNSTATED};
     struct mesh *meshes = job_zeroed(&job, count, sizeof *meshes);
-    for (size_t i = 0; i < count && job_ok(&job); i++) {
+    for (size_t i = 0; meshes && i < count && job_ok(&job); i++) {
         read_file(&(struct foreign_out){.mesh = &meshes[i]}, &work, paths[i]);
     }
     say_unstated(&work);
-    (void)JOB_CALL(&job, notes_move(notes, &job.notes));
+    if (job.notes.count) {
+        (void)JOB_CALL(&job, notes_move(notes, &job.notes));
+    }
     for (size_t i = 0; meshes && i < count; i++) {
         if (job_ok(&job)) {
             out[i] = meshes[i];
         } else {
             mesh_finish(&meshes[i]);
         }
-    }
-    return job_close(&job, notes, NULL);
-}
-
-/* Reports a problem once: mostly all objects share it. */
-static void drop_repeated(struct notes *notes)
-{
-    size_t kept = 0;
-    for (size_t i = 0; i < notes->count; i++) {
-        bool repeated = false;
-        for (size_t k = 0; k < kept && !repeated; k++) {
-            repeated = strcmp(notes->lines[k], notes->lines[i]) == 0;
-        }
-        if (repeated) {
-            memory_free(notes->lines[i]);
-        } else {
-            notes->marks[kept] = notes->marks[i];
-            notes->lines[kept++] = notes->lines[i];
-        }
-    }
-    notes->count = kept;
-}
-
-conus_status mesh_foreign_objects(struct mesh_parts *parts, struct label_table *names, const char *path,
-                                  const struct mesh_foreign_options *options, struct notes *notes)
-{
-    struct job job = job_for(options);
-    struct reading work = {.job = &job, .space = options ? options->space : MESH_SPACE_UNSTATED};
-    struct mesh_parts objects = {0};
-    read_file(&(struct foreign_out){.parts = &objects, .names = names}, &work, path);
-    say_unstated(&work);
-    drop_repeated(&job.notes);
-    (void)JOB_CALL(&job, notes_move(notes, &job.notes));
-    if (job_ok(&job)) {
-        *parts = objects;
-    } else {
-        mesh_parts_finish(&objects);
-        label_table_finish(names);
     }
     return job_close(&job, notes, NULL);
 }
