@@ -179,10 +179,15 @@ static void cut_polygon(struct mesh_build *build, const uint32_t *corners, size_
 void mesh_build_triangle(struct mesh_build *build, uint32_t a, uint32_t b, uint32_t c)
 {
     struct job *job = build->sink.job;
-    if (build->triangles.count == UINT32_MAX) {
-        job_bad(job, "%zu triangles, allowed are up to 4294967295", build->triangles.count + 1);
+    const struct mesh_triangle triangle = {{a, b, c}};
+    if (build->triangles.count < build->triangles.capacity && job_ok(job)) {
+        build->triangles.at[build->triangles.count++] = triangle;
+    } else {
+        *LIST_ADD(job, &build->triangles) = triangle;
     }
-    *LIST_ADD(job, &build->triangles) = (struct mesh_triangle){{a, b, c}};
+    if (build->triangles.count > UINT32_MAX) {
+        job_bad(job, "%zu triangles, allowed are up to 4294967295", build->triangles.count);
+    }
     if (build->sink.objects.count) {
         *LIST_ADD(job, &build->owners) = (uint32_t)build->sink.objects.count - 1;
     }

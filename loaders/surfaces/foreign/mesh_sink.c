@@ -3,7 +3,6 @@
 #include "loaders/surfaces/foreign/mesh_sink.h"
 
 #include <ctype.h>
-#include <string.h>
 #include <strings.h>
 
 void sink_expect(struct mesh_sink *sink, size_t count)
@@ -19,7 +18,7 @@ void sink_expect(struct mesh_sink *sink, size_t count)
     }
 }
 
-void sink_vertex(struct mesh_sink *sink, const float position[3])
+void sink_vertex_more(struct mesh_sink *sink, const float position[3])
 {
     if (sink->vertices.count == sink->vertices.capacity || sink->vertices.count == UINT32_MAX) {
         sink_expect(sink, sink->vertices.count + 1);
@@ -34,7 +33,7 @@ size_t sink_cell(const struct mesh_sink *sink)
     return sink->cells[CELL_LINE] + sink->cells[CELL_POLYGON] + sink->cells[CELL_STRIP];
 }
 
-void sink_corner(struct mesh_sink *sink, int64_t index)
+void sink_corner_more(struct mesh_sink *sink, int64_t index)
 {
     if (index < 0 || (uint64_t)index >= sink->vertices.count) {
         if (sink->vertices.count) {

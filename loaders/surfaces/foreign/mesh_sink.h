@@ -9,6 +9,8 @@
 #include "atlas/surface/mesh_space.h"
 #include "base/job/job.h"
 
+#include <string.h>
+
 enum { SINK_ARRAY_LIMIT = 4096, SINK_COMPONENT_LIMIT = 65536 };
 
 enum cell { CELL_POINTS, CELL_LINE, CELL_POLYGON, CELL_STRIP, CELL_KINDS };
@@ -44,7 +46,15 @@ struct mesh_sink {
 /** Makes place for @p count vertices. A failure for more than 4294967295 of them. */
 void sink_expect(struct mesh_sink *sink, size_t count);
 
-void sink_vertex(struct mesh_sink *sink, const float position[3]);
+void sink_vertex_more(struct mesh_sink *sink, const float position[3]); /**< Where there is no place, or no job. */
+static inline void sink_vertex(struct mesh_sink *sink, const float position[3])
+{
+    if (sink->vertices.count < sink->vertices.capacity && job_ok(sink->job)) {
+        memcpy(sink->vertices.at[sink->vertices.count++].at, position, sizeof sink->vertices.at->at);
+    } else {
+        sink_vertex_more(sink, position);
+    }
+}
 
 /** The number of the cell that is being read, and the word for it in messages. Lines come first where they are wanted,
  * cells of single points are not counted. */
@@ -55,7 +65,16 @@ static inline const char *sink_cell_word(const struct mesh_sink *sink)
 }
 
 /** Appends a corner to the cell that is being read. A failure where @p index is no vertex yet. */
-void sink_corner(struct mesh_sink *sink, int64_t index);
+void sink_corner_more(struct mesh_sink *sink, int64_t index);
+static inline void sink_corner(struct mesh_sink *sink, int64_t index)
+{
+    if (index >= 0 && (uint64_t)index < sink->vertices.count && sink->corners.count < sink->corners.capacity &&
+        job_ok(sink->job)) {
+        sink->corners.at[sink->corners.count++] = (uint32_t)index;
+    } else {
+        sink_corner_more(sink, index);
+    }
+}
 
 /** Ends the cell, of whatever corners it has. */
 void sink_end(struct mesh_sink *sink, enum cell cell);

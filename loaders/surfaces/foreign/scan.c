@@ -136,11 +136,6 @@ size_t scan_count(struct scan *scan, size_t least, const char *what)
     return (size_t)count;
 }
 
-const uint8_t *scan_bytes(struct scan *scan, size_t size)
-{
-    return reader_has(&scan->r, size) ? reader_take(&scan->r, size) : NULL;
-}
-
 void scan_end(struct scan *scan, const char *what)
 {
     struct text word;

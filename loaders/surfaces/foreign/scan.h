@@ -51,7 +51,14 @@ int64_t scan_whole(struct scan *scan, int64_t least, const char *what);
 size_t scan_count(struct scan *scan, size_t least, const char *what);
 
 /** Takes @p size bytes; NULL where fewer are left. */
-const uint8_t *scan_bytes(struct scan *scan, size_t size);
+static inline const uint8_t *scan_bytes(struct scan *scan, size_t size)
+{
+    if (size > scan_left(scan) || !job_ok(scan->r.job)) {
+        return NULL;
+    }
+    scan->r.at += size;
+    return scan->r.at - size;
+}
 
 /** A failure where more than white space (and remarks) is left behind @p what. */
 void scan_end(struct scan *scan, const char *what);
