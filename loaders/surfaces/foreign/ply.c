@@ -249,17 +249,28 @@ static void fail_cut_off(const struct ply *ply)
             sink_cell(ply->sink));
 }
 
+/* The next word as a number; of a float, which is rounded once from the text, *rounded_once gets it. */
+static double next_word(struct ply *ply, float *rounded_once)
+{
+    struct text word;
+    double value = 0;
+    if (!scan_word(&ply->scan, &word)) {
+        fail_cut_off(ply);
+    } else if (rounded_once && text_to_float(word, rounded_once)) {
+        return 0;
+    } else if (!text_to_double(word, &value)) {
+        scan_refuse(&ply->scan, word, "a number");
+    }
+    if (rounded_once) {
+        *rounded_once = (float)value;
+    }
+    return value;
+}
+
 static double next_number(struct ply *ply, enum ply_type type)
 {
-    double value = 0;
     if (ply->is_text) {
-        struct text word;
-        if (!scan_word(&ply->scan, &word)) {
-            fail_cut_off(ply);
-        } else if (!text_to_double(word, &value)) {
-            scan_refuse(&ply->scan, word, "a number");
-        }
-        return value;
+        return next_word(ply, NULL);
     }
     const size_t size = types[type].size;
     const bool swapped = ply->scan.r.swapped;
@@ -272,16 +283,14 @@ static double next_number(struct ply *ply, enum ply_type type)
     return type >= PLY_FLOAT32 ? order_real(data, size, swapped) : (double)order_whole(data, size, is_signed, swapped);
 }
 
-/* The text of a coordinate is rounded once. */
 static float next_coordinate(struct ply *ply, enum ply_type type)
 {
-    struct text word;
     float value;
-    if (ply->is_text && scan_peek(&ply->scan, &word) && text_to_float(word, &value)) {
-        (void)scan_word(&ply->scan, &word);
-        return value;
+    if (!ply->is_text) {
+        return (float)next_number(ply, type);
     }
-    return (float)next_number(ply, type);
+    (void)next_word(ply, &value);
+    return value;
 }
 
 /* Whole numbers of 53 bits; others become -1, which is no vertex. */
