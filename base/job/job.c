@@ -263,8 +263,9 @@ static void *take(struct job *job, size_t bytes, bool zeroed)
     }
     bytes = bytes ? (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT : ALIGNMENT;
     if (bytes > job->chunk_left) {
-        job->chunk = add_block(job, CHUNK, false);
-        job->chunk_left = job->chunk ? CHUNK : 0;
+        uint8_t *block = add_block(job, CHUNK, false);
+        job->chunk = block ? block + ALIGNMENT : NULL; /* nothing begins where the block does: find_block() */
+        job->chunk_left = block ? CHUNK - ALIGNMENT : 0;
     }
     uint8_t *data = job->chunk;
     if (data) {
@@ -325,6 +326,15 @@ void *job_grow(struct job *job, void *block, size_t count, size_t size)
         *known = (struct job_block){.data = data, .size = bytes};
     }
     return data;
+}
+
+void job_drop(struct job *job, void *block)
+{
+    struct job_block *known = find_block(job, block);
+    if (known) {
+        memory_free(known->data);
+        *known = (struct job_block){0};
+    }
 }
 
 void job_own(struct job *job, void (*end)(void *), void *thing)

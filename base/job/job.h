@@ -152,6 +152,8 @@ void *job_array(struct job *job, size_t *count, size_t size);
 /** A larger block with the elements of @p block, which came from this function or is NULL. NULL, and @p block as it
  * was, on failure. */
 void *job_grow(struct job *job, void *block, size_t count, size_t size);
+/** Frees a block of these functions before the job ends, unless it is small. Not after job_release() of it. */
+void job_drop(struct job *job, void *block);
 /** Takes over @p data of memory_raw() and its kind; NULL, and the data is freed, after a failure. */
 void *job_adopt(struct job *job, void *data);
 /** Calls end(thing) when the job ends; at once after a failure. */

@@ -93,11 +93,9 @@ static void place_surface(struct surface *surface, const struct statement *state
 }
 
 /* Reads a file in which each object is an area. */
-static void read_objects(struct job *job, struct surface *out, const char *path, const struct statement *stated,
-                         const conus_load_options *options)
+static void read_objects(struct job *job, struct surface *out, const char *path, const struct statement *stated)
 {
-    const struct mesh_foreign_options foreign = {.space = stated->space, .max_memory = options->max_memory};
-    (void)JOB_CALL(job, mesh_foreign_objects(&out->parts, &out->labels.table, path, &foreign, &job->notes));
+    mesh_foreign_objects(job, &out->parts, &out->labels.table, path, stated->space);
     out->name = mesh_name(job, path);
     out->source = job_format(job, "the name in %s", path);
 }
@@ -107,13 +105,12 @@ static void read_objects(struct job *job, struct surface *out, const char *path,
 static void read_surface(struct job *job, struct surface *out, const char *path, const struct statement *stated,
                          const conus_load_options *options)
 {
-    const struct mesh_file_options file_options = {.space = stated->space, .max_memory = options->max_memory};
-    const struct mesh_file_options label_options = {
-        .max_memory = options->max_memory, .read = options->labels ? &job->files : NULL, .surface = path};
+    const struct mesh_file_options file_options = {.space = stated->space};
+    const struct mesh_file_options label_options = {.is_made_of = options->labels != NULL, .surface = path};
     const char *labels = options->labels ? options->labels : path;
     struct vertex_labels *vertices = &out->labels;
-    (void)JOB_CALL(job, mesh_file_read(&out->mesh, &out->about, path, &file_options, &job->notes));
-    (void)JOB_CALL(job, vertex_labels_read(vertices, labels, &label_options, &job->notes));
+    surface_read(job, &out->mesh, &out->about, path, &file_options);
+    surface_labels_read(job, vertices, labels, &label_options);
     if (!options->labels && !vertices->count) {
         label_table_finish(&vertices->table); /* of labels that no vertex has */
         out->name = out->about.name ? out->about.name : mesh_name(job, path);
@@ -121,8 +118,8 @@ static void read_surface(struct job *job, struct surface *out, const char *path,
         return;
     }
     out->source = job_format(job, "labels of vertices in %s", labels);
-    (void)JOB_CALL(job, mesh_file_sides_match(out->about.hemisphere, path, vertices->hemisphere, labels));
-    (void)JOB_CALL(job, vertex_labels_extend(vertices, out->mesh.vertex_count));
+    mesh_file_match_sides(job, out->about.hemisphere, path, vertices->hemisphere, labels);
+    vertex_labels_extend(job, vertices, out->mesh.vertex_count);
     if (vertices->count != out->mesh.vertex_count) {
         job_bad(job, "%s: labels of %zu vertices, the surface %s has %zu", labels, vertices->count, path,
                 out->mesh.vertex_count);
@@ -190,7 +187,7 @@ static void load_surface(struct load *load, const char *path, const struct state
         job_refuse(job, "%s: labels of vertices need a surface that numbers its vertices, as all formats but STL do",
                    path);
     } else if (!options->labels && mesh_format_is_foreign(format)) {
-        read_objects(job, surface, path, stated, options);
+        read_objects(job, surface, path, stated);
     } else {
         read_surface(job, surface, path, stated, options);
     }

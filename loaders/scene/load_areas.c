@@ -74,11 +74,11 @@ static void cut_labelled(struct surfaces *surfaces, struct labelled_surface *lab
     struct label said = {0};
     (void)JOB_CALL(surfaces->job, mesh_file_read(&mesh, &said, labelled->path, &options, &surfaces->notes));
     if (labelled->labels_path) {
-        (void)JOB_CALL(surfaces->job, mesh_file_sides_match(said.hemisphere, labelled->path, labels->hemisphere,
-                                                            labelled->labels_path));
+        mesh_file_match_sides(surfaces->job, said.hemisphere, labelled->path, labels->hemisphere,
+                              labelled->labels_path);
     }
     label_finish(&said);
-    (void)JOB_CALL(surfaces->job, vertex_labels_extend(labels, mesh.vertex_count));
+    vertex_labels_extend(surfaces->job, labels, mesh.vertex_count);
     if (mesh.vertex_count != labels->count) {
         job_bad(surfaces->job, "vertex_labels: %zu labels, %s has %zu vertices: they must be as many", labels->count,
                 path_base(labelled->path), mesh.vertex_count);

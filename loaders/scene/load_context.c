@@ -22,7 +22,7 @@ static const double default_opacity = 0.25;
 static struct context_surface read_context(struct job *job, const char *path, const conus_context_options *options)
 {
     struct context_surface out = {.opacity = options->opacity > 0 ? options->opacity : default_opacity};
-    const struct mesh_file_options file = {.max_memory = options->max_memory};
+    const struct mesh_file_options file = {0};
     const char *name = path_base(path);
     struct label about = {0};
     if (options->block_threshold != 0) {
@@ -32,7 +32,7 @@ static struct context_surface read_context(struct job *job, const char *path, co
         job_fail(job, CONUS_ERROR_ARGUMENT, "%s: opacity of %g, allowed is above 0 to 1 (0 = %g)", path,
                  options->opacity, default_opacity);
     }
-    (void)JOB_CALL(job, mesh_file_read(&out.mesh, &about, path, &file, &job->notes));
+    surface_read(job, &out.mesh, &about, path, &file);
     out.hemisphere = about.hemisphere               ? about.hemisphere
                      : strncmp(name, "lh.", 3) == 0 ? 'L' /* FreeSurfer's surfaces say it only by their name */
                      : strncmp(name, "rh.", 3) == 0 ? 'R'
@@ -106,7 +106,7 @@ conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path, const
     }
     options = options_of(conus_context_options, options);
     const struct note_sink sink = {options->log, options->log_user, path};
-    struct job job = {.sink = &sink};
+    struct job job = {.sink = &sink, .max_memory = options->max_memory};
     const struct atlas_mark mark = atlas_mark(atlas);
     context_load(&job, atlas, path, options);
     return atlas_close(&job, atlas, mark);

@@ -33,50 +33,45 @@ static double add_areas(double (*areas)[3], const uint32_t *first, const struct 
     return volume;
 }
 
-static conus_status add_vertices(conus_sites *sites, const struct mesh *mesh, double (*areas)[3], uint32_t *first,
-                                 bool flip)
+static void add_vertices(struct job *job, conus_sites *sites, const struct mesh *mesh, bool flip)
 {
-    conus_status status = mesh_find_first(first, mesh);
-    if (status) {
-        return status;
+    double(*areas)[3] = job_zeroed(job, mesh->vertex_count, sizeof *areas);
+    uint32_t *first = job_raw(job, mesh->vertex_count, sizeof *first);
+    if (!JOB_CALL(job, mesh_find_first(first, mesh))) {
+        return;
     }
     bool is_inward = add_areas(areas, first, mesh) < 0 && mesh->shape.closed;
-    for (size_t i = 0; i < mesh->vertex_count && !status; i++) {
+    for (size_t i = 0; i < mesh->vertex_count && job_ok(job); i++) {
         double normal[3];
         const double point[3] = {(double)mesh->positions[3 * i], (double)mesh->positions[3 * i + 1],
                                  (double)mesh->positions[3 * i + 2]};
         if (vec3_normalise(normal, areas[first[i]])) {
             vec3_scale(normal, normal, is_inward != flip ? -1 : 1);
-            status = sites_add(sites, point, normal, i);
+            (void)JOB_CALL(job, sites_add(sites, point, normal, i));
         }
     }
-    return status || mesh->shape.closed
-               ? status
-               : notes_add(&sites->notes, "%s: the surface is not closed: its normals are as its triangles are wound",
-                           mesh->path);
+    if (!mesh->shape.closed) {
+        (void)JOB_CALL(job, notes_add(&sites->notes,
+                                      "%s: the surface is not closed: its normals are as its triangles are wound",
+                                      mesh->path));
+    }
 }
 
 conus_status conus_sites_load(conus_sites **out, const char *path, bool flip)
 {
+    struct job job = {0};
     struct mesh mesh = {0};
-    struct notes notes = {0};
     conus_sites *sites = NULL;
-    double(*areas)[3] = NULL;
-    uint32_t *first = NULL;
-    conus_status status =
-        mesh_file_read(&mesh, NULL, path, &(const struct mesh_file_options){.external = true}, &notes);
-    notes_finish(&notes); /* about the shape: only the normals count here */
-    status = status ? status : sites_create(&sites, mesh.vertex_count, true);
-    if (!status) {
-        areas = memory_zeroed(mesh.vertex_count, sizeof *areas);
-        first = memory_raw(mesh.vertex_count, sizeof *first);
+    surface_read(&job, &mesh, NULL, path, &(const struct mesh_file_options){.external = true});
+    if (JOB_CALL(&job, sites_create(&sites, mesh.vertex_count, true))) {
         sites->path = memory_text(path, strlen(path));
         sites->vertex_count = mesh.vertex_count;
-        status = areas && first && sites->path ? add_vertices(sites, &mesh, areas, first, flip) : CONUS_ERROR_MEMORY;
+        if (job_need(&job, sites->path)) {
+            add_vertices(&job, sites, &mesh, flip);
+        }
     }
-    memory_free(areas);
-    memory_free(first);
     mesh_finish(&mesh);
+    conus_status status = job_close(&job, NULL, NULL); /* its notes are about the shape: only the normals count here */
     if (status) {
         conus_sites_destroy(sites);
         return status;
@@ -98,24 +93,21 @@ static bool has_label(const conus_sites *sites, size_t index, void *user)
 
 conus_status conus_sites_keep_labelled(conus_sites *sites, const char *path, bool labelled)
 {
+    struct job job = {0};
     struct vertex_labels labels = {0};
-    struct notes notes = {0};
     if (!sites->vertex_count) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: labels of vertices, but the points belong to no surface", path);
+        job_fail(&job, CONUS_ERROR_ARGUMENT, "%s: labels of vertices, but the points belong to no surface", path);
     }
-    const struct mesh_file_options options = {.external = true, .surface = sites->path};
-    conus_status status = vertex_labels_read(&labels, path, &options, &notes);
-    notes_finish(&notes);
-    if (!status && labels.is_list && labels.count <= sites->vertex_count) {
-        status = vertex_labels_extend(&labels, sites->vertex_count);
+    surface_labels_read(&job, &labels, path,
+                        &(const struct mesh_file_options){.external = true, .surface = sites->path});
+    vertex_labels_extend(&job, &labels, sites->vertex_count);
+    if (labels.count != sites->vertex_count) {
+        job_bad(&job, "%s: labels of %zu vertices, %s has %zu: they must be as many", path, labels.count, sites->path,
+                sites->vertex_count);
     }
-    if (!status && labels.count != sites->vertex_count) {
-        status = fail(CONUS_ERROR_DATA, "%s: labels of %zu vertices, %s has %zu: they must be as many", path,
-                      labels.count, sites->path, sites->vertex_count);
-    }
-    if (!status) {
+    if (job_ok(&job)) {
         sites_filter(sites, has_label, &(struct labelling){labels.labels, labelled});
     }
     vertex_labels_finish(&labels);
-    return status;
+    return job_close(&job, NULL, NULL);
 }

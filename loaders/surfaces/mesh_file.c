@@ -2,14 +2,9 @@
 /* Reads a surface, or labels of vertices, with the reader of its format. */
 #include "loaders/surfaces/mesh_file.h"
 
-#include "base/buffer.h"
-#include "base/files/file.h"
-#include "base/files/folder.h"
-#include "base/formats/gzip.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "base/system/system.h"
-#include "base/text.h"
+#include "base/path.h"
 #include "loaders/cifti/cifti.h"
 #include "loaders/cifti/cifti_file.h"
 #include "loaders/refuse.h"
@@ -24,85 +19,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
-
-/* The only surface of the file, or NULL. */
-static const struct cifti_model *only_surface(const struct cifti_choice *choice)
-{
-    const struct cifti_model *found = NULL;
-    for (size_t i = 0; i < choice->cifti.model_count; i++) {
-        const struct cifti_model *model = &choice->cifti.models[i];
-        if (model->is_surface && found) {
-            return NULL;
-        }
-        found = model->is_surface ? model : found;
-    }
-    return found;
-}
-
-static conus_status fail_structure(const struct cifti_choice *choice, const char *structure, const char *surface)
-{
-    struct buffer list = {0}; /* "CortexLeft, CortexRight" */
-    for (size_t i = 0; i < choice->cifti.model_count; i++) {
-        const struct cifti_model *model = &choice->cifti.models[i];
-        if (model->is_surface) {
-            buffer_format(&list, "%s%s", list.size ? ", " : "", model->structure->name);
-        }
-    }
-    buffer_text(&list, list.size ? "" : "no surface");
-    conus_status status = buffer_status(&list);
-    if (!status && structure) {
-        status = fail(CONUS_ERROR_DATA, "labels of %s, which %s is, are not there: the file has those of %s", structure,
-                      surface ? path_base(surface) : "the surface", list.data);
-    } else if (!status) {
-        status = fail(CONUS_ERROR_DATA,
-                      "%s does not say which structure it is (AnatomicalStructurePrimary), and the file has labels of "
-                      "%s: \"hemisphere\" in a manifest says which",
-                      surface ? path_base(surface) : "the surface", list.data);
-    }
-    buffer_finish(&list);
-    return status;
-}
-
-static conus_status take_model(struct vertex_labels *out, const struct cifti_choice *choice,
-                               const struct surface_about *about, const struct mesh_file_options *options)
-{
-    const char *structure = about->structure             ? about->structure
-                            : options->hemisphere == 'L' ? "CortexLeft"
-                            : options->hemisphere == 'R' ? "CortexRight"
-                                                         : NULL;
-    const struct cifti_model *model = structure ? cifti_choice_surface(choice, structure) : only_surface(choice);
-    if (!model) {
-        return fail_structure(choice, structure, options->surface);
-    }
-    if (about->vertices && about->vertices != model->vertex_count) {
-        return fail(CONUS_ERROR_DATA, "labels of %zu vertices of %s, %s has %zu: they must be as many",
-                    model->vertex_count, model->structure->name, path_base(options->surface), about->vertices);
-    }
-    out->count = model->vertex_count;
-    out->hemisphere = model->structure->side;
-    return cifti_choice_vertices(&out->labels, &out->table, choice, model);
-}
-
-/* Takes from the .dlabel.nii `bytes` the labels of options->surface: those of the structure that it says it is, else
- * of the cortex on the side options->hemisphere, else of the only surface of the file. They must be of as many vertices
- * as a GIFTI surface has. `map` chooses a map. Errors do not name the file. */
-static conus_status cifti_vertices_read(struct vertex_labels *out, const struct bytes *bytes, struct text map,
-                                        const struct mesh_file_options *options, struct notes *notes)
-{
-    struct cifti_choice choice = {0};
-    struct surface_about about = {0};
-    uint64_t limit = memory_limit(options->max_memory);
-    conus_status status = cifti_choice_read(&choice, bytes, map, limit, notes);
-    if (!status && options->surface) {
-        status = surface_about_read(&about, options->surface, limit);
-    }
-    status = status ? status : take_model(out, &choice, &about, options);
-    surface_about_finish(&about);
-    cifti_choice_finish(&choice);
-    return status;
-}
-
-static const struct mesh_file_options defaults;
 
 static bool is_own(enum format_id id)
 {
@@ -127,110 +43,6 @@ char *mesh_file_name(const char *path)
     return memory_text(file, length);
 }
 
-static conus_status parse_gifti(struct gifti *out, const struct bytes *bytes, const char *path,
-                                const struct mesh_file_options *options, struct notes *notes)
-{
-    const struct gifti_options gifti_options = {
-        .path = path, .external = options->external, .max_memory = options->max_memory};
-    return gifti_parse(out, bytes->data, bytes->size, &gifti_options, notes);
-}
-
-static conus_status take_gifti(struct mesh *out, struct label *about, const struct bytes *bytes, const char *path,
-                               const struct mesh_file_options *options, struct notes *notes)
-{
-    struct gifti gifti = {0};
-    conus_status status = parse_gifti(&gifti, bytes, path, options, notes);
-    status = status ? status : gifti_mesh(out, &gifti, options->space != MESH_SPACE_UNSTATED, notes);
-    if (!status && about) {
-        about->name = gifti.name;
-        about->hemisphere = gifti.hemisphere;
-        gifti.name = NULL;
-    }
-    gifti_finish(&gifti);
-    return status;
-}
-
-/* A surface of ours, in `bytes`. */
-static conus_status read_own(struct mesh *out, struct label *about, const struct bytes *bytes, const char *path,
-                             const struct mesh_file_options *options, struct notes *notes)
-{
-    static const double ras_from_lps[16] = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    struct mesh mesh = {0};
-    struct label said = {0};
-    struct notes own = {0};
-    bool as_stored = options->space != MESH_SPACE_UNSTATED;
-    const enum format_id id = format_id_of(bytes, ROLE_SURFACE);
-    conus_status status =
-        id == FORMAT_GIFTI ? take_gifti(&mesh, &said, bytes, path, options, &own)
-        : id == FORMAT_FREESURFER
-            ? freesurfer_surface_parse(&mesh, bytes->data, bytes->size, as_stored, &own)
-            : file_refuse(path, bytes,
-                          "a surface (GIFTI, FreeSurfer, or named as VTK, VTP, PLY, STL, OBJ, OFF or MZ3)");
-    conus_status moved = notes_move_in(notes, &own, path); /* also where it failed; parsers do not know the path */
-    status = status ? fail_in(status, path) : moved;
-    if (!status && options->space == MESH_SPACE_LPS) {
-        mesh_transform(&mesh, ras_from_lps);
-    }
-    if (!status) {
-        mesh.path = memory_text(path, strlen(path));
-        status = mesh.path ? mesh_check(&mesh, notes) : CONUS_ERROR_MEMORY;
-        status = status ? fail_in(status, path) : CONUS_OK;
-    }
-    if (status || !about) {
-        label_finish(&said);
-    } else {
-        *about = said;
-    }
-    if (status) {
-        mesh_finish(&mesh);
-        return status;
-    }
-    *out = mesh;
-    return CONUS_OK;
-}
-
-conus_status mesh_file_read(struct mesh *out, struct label *about, const char *path,
-                            const struct mesh_file_options *options, struct notes *notes)
-{
-    struct bytes bytes = {0};
-    options = options ? options : &defaults;
-    const struct format *format = NULL;
-    conus_status status = source_find(&format, path, ROLE_SURFACE);
-    if (mesh_format_is_foreign(format)) {
-        const struct mesh_foreign_options foreign = {options->space, options->max_memory};
-        return mesh_foreign_read(out, &path, 1, &foreign, notes);
-    }
-    status = status ? status : gzip_read(&bytes, path, memory_limit(options->max_memory), options->read);
-    status = status ? status : read_own(out, about, &bytes, path, options, notes);
-    bytes_finish(&bytes);
-    return status;
-}
-
-void vertex_labels_finish(struct vertex_labels *labels)
-{
-    memory_free(labels->labels);
-    label_table_finish(&labels->table);
-    *labels = (struct vertex_labels){0};
-}
-
-static conus_status take_gifti_labels(struct vertex_labels *out, const struct bytes *bytes, const char *path,
-                                      struct text wanted, const struct mesh_file_options *options, struct notes *notes)
-{
-    struct gifti gifti = {0};
-    size_t map = 0;
-    conus_status status = parse_gifti(&gifti, bytes, path, options, notes);
-    status = status ? status : gifti_find_labels(&gifti, notes);
-    status = status ? status : gifti_map_find(&map, &gifti, wanted, notes);
-    status = status ? status : gifti_labels(&out->labels, &out->count, &gifti, map, notes);
-    if (!status) {
-        out->table = gifti.labels;
-        out->hemisphere = gifti.hemisphere;
-        gifti.labels = (struct label_table){0};
-    }
-    gifti_finish(&gifti);
-    return status;
-}
-
 char mesh_file_side(char stated, const char *path)
 {
     static const struct {
@@ -246,110 +58,364 @@ char mesh_file_side(char stated, const char *path)
     return side;
 }
 
-conus_status mesh_file_sides_match(char surface_side, const char *surface, char labels_side, const char *labels)
+void mesh_file_match_sides(struct job *job, char surface_side, const char *surface, char labels_side,
+                           const char *labels)
 {
     static const char *const names[] = {"left", "right"};
     char of_surface = mesh_file_side(surface_side, surface);
     char of_labels = mesh_file_side(labels_side, labels);
-    return !of_surface || !of_labels || of_surface == of_labels
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "%s: labels of the %s side, the surface %s is of the %s one", labels,
-                      names[of_labels == 'R'], surface, names[of_surface == 'R']);
+    if (of_surface && of_labels && of_surface != of_labels) {
+        job_bad(job, "%s: labels of the %s side, the surface %s is of the %s one", labels, names[of_labels == 'R'],
+                surface, names[of_surface == 'R']);
+    }
+}
+
+/* A file that is read, and the notes of its parser, which does not know the path. */
+struct reading {
+    struct job *job;
+    const char *path;
+    const struct mesh_file_options *options;
+    struct source *source;
+    struct bytes bytes;
+    struct notes notes;
+};
+
+static struct reading begin_reading(struct job *job, const char *path, const struct mesh_file_options *options)
+{
+    struct reading reading = {.job = job, .path = path, .options = options, .source = source_open(job, path)};
+    reading.bytes = source_whole(job, reading.source);
+    if (options->is_made_of) {
+        source_made_of(job, reading.source);
+    }
+    return reading;
+}
+
+/* The parser is done: lets go of the file, and tells the notes, also where it was refused. */
+static void end_reading(struct reading *reading)
+{
+    source_close(reading->source);
+    conus_status status = notes_move_in(&reading->job->notes, &reading->notes, reading->path);
+    notes_finish(&reading->notes);
+    (void)JOB_CALL(reading->job, status);
+}
+
+static void parse_gifti(struct reading *reading, struct gifti *out)
+{
+    const struct gifti_options options = {
+        .path = reading->path, .external = reading->options->external, .max_memory = reading->job->max_memory};
+    (void)JOB_CALL(reading->job, gifti_parse(out, reading->bytes.data, reading->bytes.size, &options, &reading->notes));
+}
+
+static void read_gifti(struct reading *reading, struct mesh *out, struct label *said, bool as_stored)
+{
+    struct gifti gifti = {0};
+    parse_gifti(reading, &gifti);
+    if (JOB_CALL(reading->job, gifti_mesh(out, &gifti, as_stored, &reading->notes))) {
+        said->name = gifti.name;
+        said->hemisphere = gifti.hemisphere;
+        gifti.name = NULL;
+    }
+    gifti_finish(&gifti);
+}
+
+/* A surface of ours. */
+static void read_own(struct job *job, struct mesh *out, struct label *said, const char *path,
+                     const struct mesh_file_options *options)
+{
+    static const double ras_from_lps[16] = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    struct reading reading = begin_reading(job, path, options);
+    const struct bytes *bytes = &reading.bytes;
+    bool as_stored = options->space != MESH_SPACE_UNSTATED;
+    const enum format_id id = job_ok(job) ? format_id_of(bytes, ROLE_SURFACE) : FORMAT_OTHER;
+    if (id == FORMAT_GIFTI) {
+        read_gifti(&reading, out, said, as_stored);
+    } else if (id == FORMAT_FREESURFER) {
+        (void)JOB_CALL(job, freesurfer_surface_parse(out, bytes->data, bytes->size, as_stored, &reading.notes));
+    } else {
+        (void)JOB_CALL(job, file_refuse(path, bytes,
+                                        "a surface (GIFTI, FreeSurfer, or named as VTK, VTP, PLY, STL, OBJ, OFF or "
+                                        "MZ3)"));
+    }
+    end_reading(&reading);
+    if (!job_ok(job)) {
+        return;
+    }
+    if (options->space == MESH_SPACE_LPS) {
+        mesh_transform(out, ras_from_lps);
+    }
+    out->path = memory_text(path, strlen(path));
+    if (job_need(job, out->path)) {
+        (void)JOB_CALL(job, mesh_check(out, &job->notes));
+    }
+}
+
+void surface_read(struct job *job, struct mesh *out, struct label *about, const char *path,
+                  const struct mesh_file_options *options)
+{
+    struct mesh mesh = {0};
+    struct label said = {0};
+    if (mesh_format_is_foreign(source_format(job, path, ROLE_SURFACE))) {
+        mesh_foreign_file(job, out, path, options->space);
+        return;
+    }
+    const size_t place = job_in(job, path, JOB_ALONE);
+    read_own(job, &mesh, &said, path, options);
+    job_out(job, place);
+    if (!job_ok(job) || !about) {
+        label_finish(&said);
+    } else {
+        *about = said;
+    }
+    if (job_ok(job)) {
+        *out = mesh;
+    } else {
+        mesh_finish(&mesh);
+    }
+}
+
+void vertex_labels_finish(struct vertex_labels *labels)
+{
+    memory_free(labels->labels);
+    label_table_finish(&labels->table);
+    *labels = (struct vertex_labels){0};
+}
+
+void vertex_labels_extend(struct job *job, struct vertex_labels *labels, size_t count)
+{
+    if (!labels->is_list || labels->count >= count || !job_step(job)) {
+        return;
+    }
+    uint32_t *longer = memory_zeroed(count, sizeof *longer);
+    if (job_need(job, longer)) {
+        memcpy(longer, labels->labels, labels->count * sizeof *longer);
+        memory_free(labels->labels);
+        labels->labels = longer;
+        labels->count = count;
+    }
+}
+
+static void take_gifti(struct reading *reading, struct vertex_labels *out, struct text map)
+{
+    struct job *job = reading->job;
+    struct gifti gifti = {0};
+    size_t index = 0;
+    parse_gifti(reading, &gifti);
+    (void)JOB_CALL(job, gifti_find_labels(&gifti, &reading->notes));
+    (void)JOB_CALL(job, gifti_map_find(&index, &gifti, map, &reading->notes));
+    if (JOB_CALL(job, gifti_labels(&out->labels, &out->count, &gifti, index, &reading->notes))) {
+        out->table = gifti.labels;
+        out->hemisphere = gifti.hemisphere;
+        gifti.labels = (struct label_table){0};
+    }
+    gifti_finish(&gifti);
 }
 
 /* One area, called as the file is: "V1_exvivo" of lh.V1_exvivo.label, with the side that this says. */
-static conus_status take_freesurfer_label(struct vertex_labels *out, struct text text, const char *path)
+static void take_freesurfer_label(struct reading *reading, struct vertex_labels *out)
 {
+    struct job *job = reading->job;
+    const char *path = reading->path;
     const char *name = path_base(path);
     bool has_side = strncmp(name, "lh.", 3) == 0 || strncmp(name, "rh.", 3) == 0;
     name += has_side ? 3 : 0;
-    size_t ending = path_ending_length(name, ".label/.label.gz");
-    conus_status status = freesurfer_label_parse(&out->labels, &out->count, text);
-    struct label *label = status ? NULL : label_table_add(&out->table, 1);
-    status = status || label ? status : CONUS_ERROR_MEMORY;
-    status = status ? status : label_set_text(&label->name, (struct text){name, strlen(name) - ending});
+    const struct text stem = {name, strlen(name) - path_ending_length(name, ".label/.label.gz")};
+    const struct text text = {(const char *)reading->bytes.data, reading->bytes.size};
+    (void)JOB_CALL(job, freesurfer_label_parse(&out->labels, &out->count, text));
+    struct label *label = job_step(job) ? label_table_add(&out->table, 1) : NULL;
+    if (job_need(job, label)) {
+        (void)JOB_CALL(job, label_set_text(&label->name, stem));
+    }
     out->hemisphere = has_side ? mesh_file_side('\0', path) : '\0';
     out->is_list = true;
-    return status;
 }
 
-conus_status vertex_labels_extend(struct vertex_labels *labels, size_t count)
+/* An annotation has no mark of its own. */
+static void take_annotation(struct reading *reading, struct vertex_labels *out)
 {
-    if (!labels->is_list || labels->count >= count) {
-        return CONUS_OK;
+    struct job *job = reading->job;
+    const struct bytes *bytes = &reading->bytes;
+    const struct attempt attempt = job_try(job);
+    (void)JOB_CALL(
+        job, freesurfer_annot_parse(&out->labels, &out->count, &out->table, bytes->data, bytes->size, &reading->notes));
+    if (job->status != CONUS_ERROR_DATA) {
+        (void)attempt_end(job, &attempt, ATTEMPT_KEEP);
+        return;
     }
-    uint32_t *longer = memory_zeroed(count, sizeof *longer);
-    if (!longer) {
-        return CONUS_ERROR_MEMORY;
+    const char *why = attempt_end(job, &attempt, ATTEMPT_DROP);
+    const struct file_head nameless = head_of(NULL, bytes);
+    if (format_nearest(&nameless)) {
+        (void)JOB_CALL(job, file_refuse(NULL, bytes,
+                                        "labels of vertices (GIFTI or CIFTI labels, or a FreeSurfer annotation or "
+                                        "label)"));
     }
-    memcpy(longer, labels->labels, labels->count * sizeof *longer);
-    memory_free(labels->labels);
-    labels->labels = longer;
-    labels->count = count;
-    return CONUS_OK;
+    job_bad(job, "not GIFTI, and as a FreeSurfer annotation: %s", why);
 }
 
-static conus_status take_labels(struct vertex_labels *out, const struct bytes *bytes, const char *path, struct text map,
-                                const struct mesh_file_options *options, struct notes *notes)
+/* The only surface of the file, or NULL. */
+static const struct cifti_model *only_surface(const struct cifti_choice *choice)
 {
-    const struct file_head head = head_of(path, bytes);
+    const struct cifti_model *found = NULL;
+    for (size_t i = 0; i < choice->cifti.model_count; i++) {
+        const struct cifti_model *model = &choice->cifti.models[i];
+        if (model->is_surface && found) {
+            return NULL;
+        }
+        found = model->is_surface ? model : found;
+    }
+    return found;
+}
+
+static void fail_structure(struct job *job, const struct cifti_choice *choice, const char *structure,
+                           const char *surface)
+{
+    const char *list = ""; /* "CortexLeft, CortexRight" */
+    for (size_t i = 0; i < choice->cifti.model_count; i++) {
+        const struct cifti_model *model = &choice->cifti.models[i];
+        if (model->is_surface) {
+            list = job_format(job, "%s%s%s", list, *list ? ", " : "", model->structure->name);
+        }
+    }
+    list = *list ? list : "no surface";
+    surface = surface ? path_base(surface) : "the surface";
+    if (structure) {
+        job_bad(job, "labels of %s, which %s is, are not there: the file has those of %s", structure, surface, list);
+    } else {
+        job_bad(job,
+                "%s does not say which structure it is (AnatomicalStructurePrimary), and the file has labels of %s: "
+                "\"hemisphere\" in a manifest says which",
+                surface, list);
+    }
+}
+
+static void take_model(struct reading *reading, struct vertex_labels *out, const struct cifti_choice *choice,
+                       const struct surface_about *about)
+{
+    struct job *job = reading->job;
+    const struct mesh_file_options *options = reading->options;
+    const char *structure = about->structure             ? about->structure
+                            : options->hemisphere == 'L' ? "CortexLeft"
+                            : options->hemisphere == 'R' ? "CortexRight"
+                                                         : NULL;
+    const struct cifti_model *model = structure ? cifti_choice_surface(choice, structure) : only_surface(choice);
+    if (!model) {
+        fail_structure(job, choice, structure, options->surface);
+        return;
+    }
+    if (about->vertices && about->vertices != model->vertex_count) {
+        job_bad(job, "labels of %zu vertices of %s, %s has %zu: they must be as many", model->vertex_count,
+                model->structure->name, path_base(options->surface), about->vertices);
+    }
+    out->count = model->vertex_count;
+    out->hemisphere = model->structure->side;
+    (void)JOB_CALL(job, cifti_choice_vertices(&out->labels, &out->table, choice, model));
+}
+
+/* Of a .dlabel.nii the labels of options->surface: those of the structure that it says it is, else of the cortex on the
+ * side options->hemisphere, else of the only surface of the file. They must be of as many vertices as a GIFTI surface
+ * has. */
+static void take_cifti(struct reading *reading, struct vertex_labels *out, struct text map)
+{
+    struct job *job = reading->job;
+    const char *surface = reading->options->surface;
+    struct cifti_choice choice = {0};
+    struct surface_about about = {0};
+    const uint64_t limit = memory_limit(job->max_memory);
+    (void)JOB_CALL(job, cifti_choice_read(&choice, &reading->bytes, map, limit, &reading->notes));
+    if (surface) {
+        (void)JOB_CALL(job, surface_about_read(&about, surface, limit));
+    }
+    if (job_ok(job)) {
+        take_model(reading, out, &choice, &about);
+    }
+    surface_about_finish(&about);
+    cifti_choice_finish(&choice);
+}
+
+static void take_labels(struct reading *reading, struct vertex_labels *out, struct text map)
+{
+    const struct file_head head = head_of(reading->path, &reading->bytes);
     const struct format *format = format_find(&head, ROLE_VERTEX_LABELS);
     const enum format_id id = format ? format->id : FORMAT_OTHER;
     if (id == FORMAT_GIFTI) {
-        return take_gifti_labels(out, bytes, path, map, options, notes);
+        take_gifti(reading, out, map);
+    } else if (id == FORMAT_CIFTI) {
+        take_cifti(reading, out, map);
+    } else if (map.size) {
+        job_fail(reading->job, CONUS_ERROR_ARGUMENT, "map: found \"%.*s\", only GIFTI and CIFTI labels have several",
+                 TEXT_SHOW(map, 60));
+    } else if (id == FORMAT_FREESURFER_LABEL) {
+        take_freesurfer_label(reading, out);
+    } else if (!format) { /* else a surface */
+        take_annotation(reading, out);
     }
-    if (id == FORMAT_CIFTI) {
-        return cifti_vertices_read(out, bytes, map, options, notes);
-    }
-    if (map.size) {
-        return fail(CONUS_ERROR_ARGUMENT, "map: found \"%.*s\", only GIFTI and CIFTI labels have several",
-                    TEXT_SHOW(map, 60));
-    }
-    if (id == FORMAT_FREESURFER_LABEL) {
-        return take_freesurfer_label(out, (struct text){(const char *)bytes->data, bytes->size}, path);
-    }
-    if (format) { /* a surface */
-        return CONUS_OK;
-    }
-    conus_status status =
-        freesurfer_annot_parse(&out->labels, &out->count, &out->table, bytes->data, bytes->size, notes);
-    const struct file_head nameless = head_of(NULL, bytes);
-    if (status == CONUS_ERROR_DATA && format_nearest(&nameless)) { /* an annotation has no mark of its own */
-        return file_refuse(NULL, bytes,
-                           "labels of vertices (GIFTI or CIFTI labels, or a FreeSurfer annotation or label)");
-    }
-    return status == CONUS_ERROR_DATA ? fail_in(status, "not GIFTI, and as a FreeSurfer annotation") : status;
 }
 
-static conus_status read_labels(struct vertex_labels *out, const char *path, struct text map,
-                                const struct mesh_file_options *options, struct notes *notes)
+void surface_labels_read(struct job *job, struct vertex_labels *out, const char *path,
+                         const struct mesh_file_options *options)
 {
-    struct bytes bytes = {0};
+    char *file = NULL;
+    struct text map;
     struct vertex_labels labels = {0};
-    struct notes own = {0};
-    conus_status status = gzip_read(&bytes, path, memory_limit(options->max_memory), options->read);
-    if (status) {
-        return status;
+    if (!JOB_CALL(job, map_choice_split(&file, &map, path)) || !job_adopt(job, file)) {
+        return;
     }
-    status = take_labels(&labels, &bytes, path, map, options, &own);
-    bytes_finish(&bytes);
-    conus_status moved = notes_move_in(notes, &own, path);
-    status = status ? fail_in(status, path) : moved;
-    if (status) {
+    const size_t place = job_in(job, file, JOB_ALONE);
+    struct reading reading = begin_reading(job, file, options);
+    if (job_ok(job)) {
+        take_labels(&reading, &labels, map);
+    }
+    end_reading(&reading);
+    job_out(job, place);
+    if (job_ok(job)) {
+        *out = labels;
+    } else {
         vertex_labels_finish(&labels);
-        return status;
     }
-    *out = labels;
-    return CONUS_OK;
+}
+
+/* What a bridge is asked for, on its job. */
+static struct mesh_file_options begin_bridge(struct job *job, const struct mesh_file_options *options)
+{
+    struct mesh_file_options out = options ? *options : (struct mesh_file_options){0};
+    job->max_memory = out.max_memory;
+    out.is_made_of = out.read != NULL;
+    return out;
+}
+
+conus_status mesh_file_read(struct mesh *out, struct label *about, const char *path,
+                            const struct mesh_file_options *options, struct notes *notes)
+{
+    struct job job = {0};
+    struct mesh mesh = {0};
+    struct label said = {0};
+    const struct mesh_file_options all = begin_bridge(&job, options);
+    surface_read(&job, &mesh, &said, path, &all);
+    conus_status status = job_close(&job, notes, all.read);
+    if (status || !about) {
+        label_finish(&said);
+    } else {
+        *about = said;
+    }
+    if (status) {
+        mesh_finish(&mesh);
+    } else {
+        *out = mesh;
+    }
+    return status;
 }
 
 conus_status vertex_labels_read(struct vertex_labels *out, const char *path, const struct mesh_file_options *options,
                                 struct notes *notes)
 {
-    char *file = NULL;
-    struct text map;
-    conus_status status = map_choice_split(&file, &map, path);
-    status = status ? status : read_labels(out, file, map, options ? options : &defaults, notes);
-    memory_free(file);
+    struct job job = {0};
+    struct vertex_labels labels = {0};
+    const struct mesh_file_options all = begin_bridge(&job, options);
+    surface_labels_read(&job, &labels, path, &all);
+    conus_status status = job_close(&job, notes, all.read);
+    if (status) {
+        vertex_labels_finish(&labels);
+    } else {
+        *out = labels;
+    }
     return status;
 }

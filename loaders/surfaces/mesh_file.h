@@ -6,17 +6,18 @@
 #include "atlas/labels/labels.h"
 #include "atlas/surface/mesh.h"
 #include "atlas/surface/mesh_space.h"
-#include "base/files/file_sums.h"
+#include "base/job/job.h"
 #include "sources/format.h"
 
 /** Zero is the default of each. */
 struct mesh_file_options {
     enum mesh_space space;
     bool external;          /**< GIFTI arrays may lie in other files in the same folder. */
-    uint64_t max_memory;    /**< For a file, and for the numbers of one array; 8 GiB.    */
-    struct file_sums *read; /**< Gets the file that is read. */
+    bool is_made_of;        /**< The file that is read is one of the job's. */
     const char *surface;    /**< For labels: the surface whose vertices they label; NULL if not known. */
     char hemisphere;        /**< For labels: 'L' or 'R', used if the surface does not name its structure. */
+    uint64_t max_memory;    /**< Of the bridges, for a file, and for the numbers of one array; 0 = 8 GiB. */
+    struct file_sums *read; /**< Of the bridges: gets the file that is read. */
 };
 
 /** The name in the file name of @p path: "lh.pial" of "lh.pial.surf.gii.gz". The caller's to memory_free(); NULL
@@ -28,14 +29,15 @@ char *mesh_file_name(const char *path);
 char mesh_file_side(char stated, const char *path);
 
 /** CONUS_ERROR_DATA where a surface is of another side than the labels of its vertices. */
-conus_status mesh_file_sides_match(char surface_side, const char *surface, char labels_side, const char *labels);
+void mesh_file_match_sides(struct job *job, char surface_side, const char *surface, char labels_side,
+                           const char *labels);
 
 /** Reads the surface @p path: GIFTI or FreeSurfer, each plain or gzip, by content; else, by its name, that of another
- * program (loaders/surfaces/foreign/mesh_foreign.h). Checked by mesh_check(), path set. @p
- * about, if not NULL, gets name and hemisphere as far as the file says them; its strings are the caller's to
- * memory_free(). Notes and errors carry the path. @p options may be NULL. */
-conus_status mesh_file_read(struct mesh *out, struct label *about, const char *path,
-                            const struct mesh_file_options *options, struct notes *notes);
+ * program (loaders/surfaces/foreign/mesh_foreign.h). Checked by mesh_check(), path set; @p out is the caller's to
+ * finish, and untouched by a failure. @p about, if not NULL, gets name and hemisphere as far as the file says them; its
+ * strings are the caller's to memory_free(). Notes and errors carry the path. */
+void surface_read(struct job *job, struct mesh *out, struct label *about, const char *path,
+                  const struct mesh_file_options *options);
 
 /** Labels of the vertices of a surface that lies elsewhere. */
 struct vertex_labels {
@@ -47,23 +49,29 @@ struct vertex_labels {
 };
 
 /** Extends a list of at most @p count labels to @p count, the vertices of its surface. */
-conus_status vertex_labels_extend(struct vertex_labels *labels, size_t count);
+void vertex_labels_extend(struct job *job, struct vertex_labels *labels, size_t count);
 
 void vertex_labels_finish(struct vertex_labels *labels);
 
 /** Reads GIFTI labels (.label.gii, the first LABEL array, or that of ",map=K" or ",map=NAME" behind @p path; also those
  * of a surface file itself), a FreeSurfer annotation (.annot) or label (lh.V1.label), or, likewise with maps, those of
  * one surface in a CIFTI file (.dlabel.nii), each plain or gzip. A surface without labels has none: count 0. Notes and
- * errors carry the path.
- * @p options may be NULL. */
+ * errors carry the path. @p out is untouched by a failure. */
+void surface_labels_read(struct job *job, struct vertex_labels *out, const char *path,
+                         const struct mesh_file_options *options);
+
+/* Bridge: the same without a job, for the scene's plans and areas, whose notes wait beside its job, until it is one
+ * loop. @p options may be NULL. */
+conus_status mesh_file_read(struct mesh *out, struct label *about, const char *path,
+                            const struct mesh_file_options *options, struct notes *notes);
 conus_status vertex_labels_read(struct vertex_labels *out, const char *path, const struct mesh_file_options *options,
                                 struct notes *notes);
 
-/** Whether mesh_foreign_read() reads a surface of @p format, of ROLE_SURFACE: GIFTI and FreeSurfer are others. NULL is
+/** Whether mesh_foreign.h reads a surface of @p format, of ROLE_SURFACE: GIFTI and FreeSurfer are others. NULL is
  * none. */
 bool mesh_format_is_foreign(const struct format *format);
 
-/** Whether mesh_file_read() keeps the vertices of such a file in their order, so that labels can be matched with them:
+/** Whether surface_read() keeps the vertices of such a file in their order, so that labels can be matched with them:
  * all but STL, which does not number its vertices. */
 bool mesh_format_keeps_vertices(const struct format *format);
 

@@ -4,8 +4,8 @@
 
 #include "base/formats/gzip.h"
 #include "base/memory.h"
-#include "loaders/surfaces/foreign/foreign_mesh.h"
-#include "sources/format.h"
+#include "loaders/surfaces/foreign/foreign.h"
+#include "sources/source.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -18,147 +18,147 @@ bool vtk_lines_are_in(const char *path)
     return are;
 }
 
-/* A tractogram that is being built. */
-struct building {
-    struct tractogram *out;
-    const struct foreign_mesh *mesh;
-    struct foreign_lines *lines;
+/* A sink that keeps lines, and counts polygons. */
+struct line_build {
+    struct mesh_sink sink; /* The first member. Its corners are those of all lines. */
+    LIST(size_t) ends;     /* Of lines. */
+    bool has_surface;
     uint64_t left; /* bytes of memory that may still be taken */
     bool in_order; /* corner k is vertex k, so that nothing need be gathered */
 };
 
-/* Numbers of vertices become numbers of the corners of lines. */
-static conus_status gather(float **out, struct building *building, const float *values, size_t components)
+static void end_cell(struct mesh_sink *sink, enum cell cell)
 {
-    const struct corners *corners = &building->lines->corners;
+    struct line_build *build = (struct line_build *)sink;
+    const size_t count = sink->corners.count - sink->first;
+    if (cell == CELL_LINE) {
+        *LIST_ADD(sink->job, &build->ends) = sink->corners.count;
+        sink->first = sink->corners.count;
+    } else {
+        build->has_surface |= (cell == CELL_POLYGON && count > 0) || (cell == CELL_STRIP && count > 2);
+        sink->corners.count = sink->first;
+    }
+}
+
+/* Gives numbers of vertices away as numbers of the corners of lines. */
+static float *give_numbers(struct line_build *build, float *values, size_t components)
+{
+    struct job *job = build->sink.job;
+    const size_t count = build->sink.corners.count;
+    const uint32_t *corners = build->sink.corners.at;
     size_t numbers = 0;
     size_t size = 0;
-    if (!memory_multiply(corners->count, components, &numbers) || !memory_multiply(numbers, sizeof **out, &size) ||
-        size > building->left) {
-        return fail(CONUS_ERROR_MEMORY, "streamlines: %zu times %zu numbers take more than is allowed (--max-memory)",
-                    corners->count, components);
+    if (build->in_order) {
+        return job_give(job, values, count * components * sizeof *values);
     }
-    building->left -= size;
-    *out = memory_raw(numbers, sizeof **out);
-    if (!*out) {
-        return CONUS_ERROR_MEMORY;
+    if (!memory_multiply(count, components, &numbers) || !memory_multiply(numbers, sizeof *values, &size) ||
+        size > build->left) {
+        job_fail(job, CONUS_ERROR_MEMORY, "streamlines: %zu times %zu numbers take more than is allowed (--max-memory)",
+                 count, components);
+        return NULL;
     }
-    for (size_t k = 0; k < corners->count; k++) {
-        memcpy(&(*out)[k * components], &values[corners->indices[k] * components], components * sizeof *values);
+    build->left -= size;
+    float *out = job_raw(job, numbers, sizeof *out);
+    for (size_t k = 0; out && k < count; k++) {
+        memcpy(&out[k * components], &values[corners[k] * components], components * sizeof *values);
     }
-    return CONUS_OK;
+    return job_give(job, out, size);
 }
 
-/* Positions of the mesh are those of the tractogram, or copied. */
-static conus_status fill_points(struct building *building, struct foreign_mesh *mesh)
+static void give_scalar(struct tractogram *out, struct line_build *build, struct sink_array *array)
 {
-    struct tractogram *out = building->out;
-    conus_status status = CONUS_OK;
-    if (building->in_order) {
-        out->points = mesh->positions;
-        mesh->positions = NULL;
-    } else {
-        status = gather(&out->points, building, mesh->positions, 3);
-    }
-    out->point_count = status ? 0 : building->lines->corners.count;
-    out->space = (unsigned char)mesh->space;
-    return status;
-}
-
-static conus_status lines_fill_scalar(struct building *building, struct foreign_array *array)
-{
-    struct tractogram *out = building->out;
-    size_t things = array->per_point ? building->mesh->vertex_count : building->lines->count;
+    struct job *job = build->sink.job;
+    const size_t things = array->per_point ? build->sink.vertices.count : build->ends.count;
     if (array->count / array->components != things) {
-        return fail(CONUS_ERROR_DATA, "%s: %zu numbers, %zu times %u are needed", array->name, array->count, things,
-                    array->components);
+        job_bad(job, "%s: %zu numbers, %zu times %u are needed", array->name, array->count, things, array->components);
+        return;
     }
-    struct tract_scalar *scalar = &out->scalars[out->scalar_count];
+    struct tract_scalar *scalar = &out->scalars[out->scalar_count++];
     *scalar = (struct tract_scalar){NULL, array->per_point, array->components, NULL};
-    if (array->per_point && !building->in_order) {
-        conus_status status = gather(&scalar->values, building, array->values, array->components);
-        if (status) {
-            return status;
-        }
-    } else {
-        scalar->values = array->values;
-        array->values = NULL;
-    }
-    scalar->name = array->name;
-    array->name = NULL;
-    out->scalar_count++;
-    return CONUS_OK;
+    scalar->values = array->per_point ? give_numbers(build, array->values, array->components)
+                                      : job_give(job, array->values, array->count * sizeof *array->values);
+    scalar->name = job_give(job, array->name, strlen(array->name) + 1);
 }
 
-/* Builds the tractogram, which takes what it can from @p mesh and @p lines. */
-static conus_status lines_build(struct tractogram *out, struct foreign_mesh *mesh, struct foreign_lines *lines,
-                                uint64_t max_memory, struct notes *notes)
+/* Fills in the tractogram, which takes what it can. */
+static void give_lines(struct tractogram *out, struct line_build *build)
 {
-    const struct corners *corners = &lines->corners;
-    struct building building = {out, mesh, lines, max_memory, .in_order = corners->count == mesh->vertex_count};
-    for (size_t k = 0; building.in_order && k < corners->count; k++) {
-        building.in_order = corners->indices[k] == k;
+    struct job *job = build->sink.job;
+    const size_t corners = build->sink.corners.count;
+    const size_t lines = build->ends.count;
+    build->in_order = corners == build->sink.vertices.count;
+    for (size_t k = 0; build->in_order && k < corners; k++) {
+        build->in_order = build->sink.corners.at[k] == k;
     }
-    if (!lines->count && mesh->triangle_count) {
-        return fail(CONUS_ERROR_DATA, "a surface and no lines, streamlines are needed");
+    if (!lines && build->has_surface) {
+        job_bad(job, "a surface and no lines, streamlines are needed");
     }
-    conus_status status = fill_points(&building, mesh);
-    if (status) {
-        return status;
+    out->points = give_numbers(build, corners ? build->sink.vertices.at->at : NULL, 3);
+    out->first = job_step(job) ? memory_zeroed(lines + 1, sizeof *out->first) : NULL;
+    out->scalars = job_step(job) ? memory_zeroed(build->sink.arrays.count, sizeof *out->scalars) : NULL;
+    if (!job_need(job, out->first) || !job_need(job, out->scalars)) {
+        return;
     }
-    out->first = memory_zeroed(lines->count + 1, sizeof *out->first);
-    out->scalars = out->first ? memory_zeroed(lines->array_count, sizeof *out->scalars) : NULL;
-    if (!out->scalars) {
-        return CONUS_ERROR_MEMORY;
+    out->point_count = corners;
+    out->space = (unsigned char)build->sink.space;
+    for (size_t i = 0; i < lines; i++) {
+        out->first[i + 1] = build->ends.at[i];
     }
-    for (size_t i = 0; i < lines->count; i++) {
-        out->first[i + 1] = lines->ends[i];
+    out->streamline_count = lines;
+    for (size_t i = 0; i < build->sink.arrays.count && job_ok(job); i++) {
+        give_scalar(out, build, &build->sink.arrays.at[i]);
     }
-    out->streamline_count = lines->count;
-    for (size_t i = 0; !status && i < lines->array_count; i++) {
-        status = lines_fill_scalar(&building, &lines->arrays[i]);
+    const size_t polygons = build->sink.cells[CELL_POLYGON] + build->sink.cells[CELL_STRIP];
+    if (polygons) {
+        job_note(job, "%zu polygons are not read", polygons);
     }
-    if (!status && lines->behind) {
-        status = notes_add(notes, "%zu polygons are not read", lines->behind);
+}
+
+static void read_lines(struct job *job, struct tractogram *out, const struct bytes *bytes)
+{
+    struct line_build build = {
+        .sink = {.job = job, .end = end_cell, .takes_lines = true, .max_memory = memory_limit(job->max_memory)},
+        .left = memory_limit(job->max_memory)};
+    bool is_legacy = format_id_of(bytes, ROLE_TRACTS) == FORMAT_VTK;
+    (is_legacy ? vtk_parse : vtp_parse)(&build.sink, (struct text){(const char *)bytes->data, bytes->size});
+    give_lines(out, &build);
+    snprintf(out->format, sizeof out->format, is_legacy ? "VTK" : "VTP");
+}
+
+/* Bridge: ends the job; its tractogram is good if all is well. */
+static conus_status close_lines(struct tractogram *out, struct tractogram *built, struct job *job, struct notes *notes)
+{
+    if (job->notes.count) {
+        (void)JOB_CALL(job, notes_move(notes, &job->notes));
     }
-    return status;
+    if (job_ok(job)) {
+        *out = *built;
+    } else {
+        tractogram_finish(built);
+    }
+    return job_close(job, NULL, NULL);
 }
 
 conus_status vtk_lines_parse(struct tractogram *out, const struct bytes *bytes, uint64_t max_memory,
                              struct notes *notes)
 {
+    struct job job = {.max_memory = max_memory};
     struct tractogram built = {0};
-    struct foreign_lines lines = {.max_memory = max_memory};
-    struct foreign_mesh mesh = {.lines = &lines};
-    bool legacy = format_id_of(bytes, ROLE_TRACTS) == FORMAT_VTK;
-    conus_status status =
-        legacy ? vtk_parse(&mesh, bytes->data, bytes->size) : vtp_parse(&mesh, bytes->data, bytes->size, max_memory);
-    status = status ? status : notes_move(notes, &mesh.notes);
-    status = status ? status : lines_build(&built, &mesh, &lines, max_memory, notes);
-    snprintf(built.format, sizeof built.format, legacy ? "VTK" : "VTP");
-    foreign_mesh_finish(&mesh);
-    foreign_lines_finish(&lines);
-    if (status) {
-        tractogram_finish(&built);
-        return status;
-    }
-    *out = built;
-    return CONUS_OK;
+    read_lines(&job, &built, bytes);
+    return close_lines(out, &built, &job, notes);
 }
 
 conus_status vtk_lines_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes)
 {
-    struct bytes bytes = {0};
-    struct file_sums sums = {0};
-    conus_status status = gzip_read(&bytes, path, max_memory, &sums);
-    if (!status) {
-        status = vtk_lines_parse(out, &bytes, max_memory, notes);
-        status = status ? fail_in(status, path) : CONUS_OK;
+    struct job job = {.max_memory = max_memory};
+    struct tractogram built = {0};
+    (void)job_in(&job, path, JOB_ALONE);
+    struct source *source = source_open(&job, path);
+    const struct bytes bytes = source_whole(&job, source);
+    read_lines(&job, &built, &bytes);
+    source_made_of(&job, source);
+    if (job_ok(&job)) {
+        memcpy(built.sha256, job.files.items[0].sha256, sizeof built.sha256);
     }
-    if (!status) {
-        memcpy(out->sha256, sums.items[0].sha256, sizeof out->sha256);
-    }
-    file_sums_finish(&sums);
-    bytes_finish(&bytes);
-    return status;
+    return close_lines(out, &built, &job, notes);
 }

@@ -90,7 +90,7 @@ LIBRARY = {
     " sources",
     "loaders/labels": "base base/system base/job base/files base/geometry base/formats atlas/labels sources",
     "loaders/child": "base base/child base/system atlas/surface atlas",
-    "loaders/surfaces/foreign": "base base/files base/geometry base/formats atlas/labels atlas/surface loaders",
+    "loaders/surfaces/foreign": "base base/geometry base/formats base/job atlas/labels atlas/surface loaders sources",
     "loaders/surfaces": "base base/job base/files base/geometry base/formats base/system atlas/labels atlas/surface atlas loaders"
     " loaders/labels loaders/cifti loaders/child loaders/surfaces/foreign sources loaders/volumes",
     "loaders/phantom": "base base/files base/geometry atlas/labels atlas atlas/phantom loaders/volumes loaders/surfaces",

@@ -292,6 +292,27 @@ static void what_is_given_outlives_the_job(void **state)
     memory_free(large);
 }
 
+/* The first small thing begins where the arena's block does, or nearly. */
+static void one_block_ends_early(void **state)
+{
+    (void)state;
+    struct job job = {0};
+    char *first = job_copy(&job, text_from("first"));
+    char *other = job_copy(&job, text_from("other"));
+    uint8_t *large = job_raw(&job, 1 << 16, 1);
+    job_drop(&job, first);
+    job_drop(&job, large);
+    job_drop(&job, NULL);
+    job_drop(&job, job.nothing);
+    large = job_zeroed(&job, 1 << 16, 1);
+    assert_non_null(large);
+    assert_string_equal(other, "other");
+    first = job_give(&job, job_copy(&job, text_from("given")), sizeof "given");
+    job_end(&job);
+    assert_string_equal(first, "given");
+    memory_free(first);
+}
+
 static void count_end(void *user)
 {
     ++*(int *)user;
@@ -431,6 +452,7 @@ TEST_GROUP(job)
         cmocka_unit_test(sizes_that_do_not_multiply_are_refused),
         cmocka_unit_test(files_say_what_is_wrong_without_their_path),
         cmocka_unit_test(names_of_a_folder_are_sorted),
+        cmocka_unit_test(one_block_ends_early),
         cmocka_unit_test(every_failing_primitive),
         cmocka_unit_test(every_failing_allocation),
     };

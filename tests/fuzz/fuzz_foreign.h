@@ -4,27 +4,36 @@
 #ifndef CONUS_TESTS_FUZZ_FUZZ_FOREIGN_H
 #define CONUS_TESTS_FUZZ_FUZZ_FOREIGN_H
 
-#include "loaders/surfaces/foreign/foreign_mesh.h"
+#include "loaders/surfaces/foreign/foreign.h"
+#include "loaders/surfaces/foreign/mesh_build.h"
 
 #include <stdlib.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-static inline void check_foreign(struct foreign_mesh *foreign, conus_status status)
+static inline void check_build(struct mesh_build *build)
 {
+    struct job *job = build->sink.job;
     struct mesh mesh = {0};
-    struct notes notes = {0};
-    for (size_t i = 0; !status && i < 3 * foreign->triangle_count; i++) {
-        if (foreign->triangles[i] >= foreign->vertex_count) {
+    for (size_t i = 0; job_ok(job) && i < 3 * build->triangles.count; i++) {
+        if (build->triangles.at[i / 3].corners[i % 3] >= build->sink.vertices.count) {
             abort();
         }
     }
-    if (!status && !foreign_mesh_take(&mesh, foreign) && !mesh_check(&mesh, &notes) && !mesh.triangle_count) {
+    mesh_build_give(&mesh, build);
+    if (JOB_CALL(job, mesh_check(&mesh, &job->notes)) && !mesh.triangle_count) {
         abort();
     }
     mesh_finish(&mesh);
-    notes_finish(&notes);
-    foreign_mesh_finish(foreign);
+    job_end(job);
+}
+
+static inline void check_foreign(mesh_parser *parse, const uint8_t *data, size_t size)
+{
+    struct job job = {.max_memory = 1 << 24};
+    struct mesh_build build = mesh_build_of(&job);
+    parse(&build.sink, (struct text){(const char *)data, size});
+    check_build(&build);
 }
 
 #endif

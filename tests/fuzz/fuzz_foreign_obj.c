@@ -2,14 +2,14 @@
 /* Wavefront OBJ: every triangle has an object, every object a triangle, and no two the same name. */
 #include "fuzz_foreign.h"
 
-static void check_objects(const struct foreign_mesh *mesh, const struct obj_objects *objects)
+static void check_objects(const struct mesh_build *mesh, const struct mesh_objects *objects)
 {
     size_t next = 0; /* objects are numbered as they come first */
-    for (size_t i = 0; i < mesh->triangle_count; i++) {
-        if (objects->owners[i] > next) {
+    for (size_t i = 0; i < mesh->triangles.count; i++) {
+        if (mesh->owners.at[i] > next) {
             abort();
         }
-        next += objects->owners[i] == next;
+        next += mesh->owners.at[i] == next;
     }
     if (next != objects->count) {
         abort();
@@ -25,13 +25,13 @@ static void check_objects(const struct foreign_mesh *mesh, const struct obj_obje
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct foreign_mesh mesh = {0};
-    struct obj_objects objects = {0};
-    conus_status status = obj_parse(&mesh, &objects, data, size);
-    if (!status) {
+    struct job job = {0};
+    struct mesh_build mesh = mesh_build_of(&job);
+    obj_parse(&mesh.sink, (struct text){(const char *)data, size});
+    const struct mesh_objects objects = mesh_build_objects(&mesh);
+    if (job_ok(&job)) {
         check_objects(&mesh, &objects);
     }
-    obj_objects_finish(&objects);
-    check_foreign(&mesh, status);
+    check_build(&mesh);
     return 0;
 }

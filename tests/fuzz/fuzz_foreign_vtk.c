@@ -4,8 +4,6 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct foreign_mesh mesh = {0};
-    conus_status status = vtk_parse(&mesh, data, size);
-    check_foreign(&mesh, status);
+    check_foreign(vtk_parse, data, size);
     return 0;
 }

@@ -4,8 +4,6 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct foreign_mesh mesh = {0};
-    conus_status status = vtp_parse(&mesh, data, size, 1 << 24);
-    check_foreign(&mesh, status);
+    check_foreign(vtp_parse, data, size);
     return 0;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses Geomview's OFF as text. */
-#include "loaders/surfaces/foreign/foreign_mesh.h"
+#include "loaders/surfaces/foreign/foreign.h"
 
-#include "loaders/surfaces/foreign/words.h"
+#include "loaders/surfaces/foreign/scan.h"
 
 /* The layout of a vertex. Colours, normals and texture coordinates are numbers behind its position, and are skipped. */
 struct off {
@@ -10,9 +10,16 @@ struct off {
     bool has_colours; /* of vertices: to the end of the line */
 };
 
-/* The word that a file begins with: [ST][C][N]OFF, perhaps with the number of vertices right behind it. */
-static conus_status read_keyword(struct off *out, struct words *words, struct text word)
+/* The word that a file begins with, [ST][C][N]OFF, perhaps with the number of vertices right behind it. It may be
+ * missing. */
+static void read_keyword(struct off *out, struct scan *scan)
 {
+    struct text word;
+    int64_t count;
+    if (!scan_peek(scan, &word) || text_to_int(word, &count)) {
+        return;
+    }
+    (void)scan_word(scan, &word);
     struct text rest = word;
     bool texture = text_starts(rest, "ST");
     rest = texture ? (struct text){rest.data + 2, rest.size - 2} : rest;
@@ -21,97 +28,75 @@ static conus_status read_keyword(struct off *out, struct words *words, struct te
     bool normals = text_starts(rest, "N");
     rest = normals ? (struct text){rest.data + 1, rest.size - 1} : rest;
     out->numbers = (normals ? 3U : 0U) + (texture ? 2U : 0U);
-    int64_t count;
     if (text_starts(rest, "OFF") && text_to_int((struct text){rest.data + 3, rest.size - 3}, &count)) {
-        words->rest.size += rest.size - 3;
-        words->rest.data = rest.data + 3;
-        return CONUS_OK;
+        scan->r.at = (const uint8_t *)rest.data + 3;
+    } else if (!text_equal(rest, "OFF")) {
+        job_refuse(scan->r.job, "header: \"%.*s\", allowed are OFF, COFF, NOFF, CNOFF and ST in front",
+                   TEXT_SHOW(word, 60));
     }
-    return text_equal(rest, "OFF")
-               ? CONUS_OK
-               : fail(CONUS_ERROR_UNSUPPORTED, "header: \"%.*s\", allowed are OFF, COFF, NOFF, CNOFF and ST in front",
-                      TEXT_SHOW(word, 60));
 }
 
 /* Takes the numbers that are left on the line; all of them must be numbers. */
-static conus_status off_skip_numbers(struct words *words, const char *what)
+static void skip_colour(struct scan *scan)
 {
-    struct text line = {0};
+    struct text line;
     struct text word;
     double value;
-    (void)words_line(words, &line);
-    while (text_word(&line, &word) && *word.data != words->comment) {
+    (void)scan_line(scan, &line);
+    while (text_word(&line, &word) && *word.data != scan->comment) {
         if (!text_to_double(word, &value)) {
-            words->line--;
-            return words_fail(words, word, what);
+            scan->line--;
+            scan_refuse(scan, word, "a colour");
+            return;
         }
     }
-    return CONUS_OK;
 }
 
-static conus_status read_vertex(struct foreign_mesh *out, const struct off *off, struct words *words)
+static void read_vertex(struct mesh_sink *sink, const struct off *off, struct scan *scan)
 {
     float position[3];
-    double value;
-    conus_status status = CONUS_OK;
-    for (int a = 0; !status && a < 3; a++) {
-        status = words_float(&position[a], words, "a vertex of three numbers");
+    for (int a = 0; a < 3; a++) {
+        position[a] = scan_float(scan, "a vertex of three numbers");
     }
-    for (size_t i = 0; !status && i < off->numbers; i++) {
-        status = words_number(&value, words, "a normal or a texture coordinate");
+    for (size_t i = 0; i < off->numbers; i++) {
+        (void)scan_float(scan, "a normal or a texture coordinate");
     }
-    if (status || (off->has_colours && (status = off_skip_numbers(words, "a colour")))) {
-        return status;
+    if (off->has_colours) {
+        skip_colour(scan);
     }
-    return foreign_add_vertex(out, position);
+    sink_vertex(sink, position);
 }
 
 /* A colour may follow the corners. */
-static conus_status read_face(struct foreign_mesh *out, struct words *words)
+static void read_face(struct mesh_sink *sink, struct scan *scan)
 {
-    size_t count = 0;
-    conus_status status = words_count(&count, words, 2, "number of corners");
-    for (size_t i = 0; !status && i < count; i++) {
-        int64_t index;
-        status = words_whole(&index, words, 0, "the number of a vertex");
-        status = status ? status : foreign_add_corner(out, index);
+    const size_t count = scan_count(scan, 2, "number of corners");
+    for (size_t i = 0; i < count && job_ok(sink->job); i++) {
+        sink_corner(sink, scan_whole(scan, 0, "the number of a vertex"));
     }
-    if (status || (status = off_skip_numbers(words, "a colour"))) {
-        return status;
-    }
-    return foreign_end_polygon(out);
+    skip_colour(scan);
+    sink_end(sink, CELL_POLYGON);
 }
 
-conus_status off_parse(struct foreign_mesh *out, const uint8_t *data, size_t size)
+void off_parse(struct mesh_sink *sink, struct text file)
 {
-    struct words words = {.rest = {(const char *)data, size}, .line = 1, .comment = '#'};
+    struct scan scan = scan_of(sink->job, file);
     struct off off = {0};
-    size_t vertices = 0;
-    size_t faces = 0;
-    int64_t number;
     struct text word;
-    conus_status status = CONUS_OK;
-    if (words_peek(&words, &word) && !text_to_int(word, &number)) { /* the keyword may be missing */
-        (void)words_next(&words, &word);
-        status = read_keyword(&off, &words, word);
+    scan.comment = '#';
+    read_keyword(&off, &scan);
+    if (scan_peek(&scan, &word) && text_equal(word, "BINARY")) {
+        job_refuse(sink->job, "header: a binary OFF file, only text is read");
     }
-    if (status) {
-        return status;
+    const size_t vertices = scan_count(&scan, 6, "number of vertices");
+    const size_t faces = scan_count(&scan, 2, "number of faces");
+    (void)scan_whole(&scan, 0, "number of edges");
+    sink_expect(sink, vertices);
+    for (size_t i = 0; i < vertices && job_ok(sink->job); i++) {
+        read_vertex(sink, &off, &scan);
     }
-    if (words_peek(&words, &word) && text_equal(word, "BINARY")) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "header: a binary OFF file, only text is read");
+    for (size_t i = 0; i < faces && job_ok(sink->job); i++) {
+        read_face(sink, &scan);
     }
-    if ((status = words_count(&vertices, &words, 6, "number of vertices")) ||
-        (status = words_count(&faces, &words, 2, "number of faces")) ||
-        (status = words_whole(&number, &words, 0, "number of edges")) ||
-        (status = foreign_reserve_vertices(out, vertices))) {
-        return status;
-    }
-    for (size_t i = 0; !status && i < vertices; i++) {
-        status = read_vertex(out, &off, &words);
-    }
-    for (size_t i = 0; !status && i < faces; i++) {
-        status = read_face(out, &words);
-    }
-    return status ? status : words_end(&words, "the last face");
+    scan_end(&scan, "the last face");
 }

@@ -115,8 +115,9 @@ static void sides_that_two_files_state_are_compared(void **state)
                  {0, "tpl-fsLR_hemi-L_sphere.surf.gii", 0, "x_hemi-R_dseg.label.gii", false},
                  {0, "MOTOR.L1.gii", 0, "x_hemi-R_dseg.label.gii", true}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        conus_status status =
-            mesh_file_sides_match(cases[i].surface_side, cases[i].surface, cases[i].labels_side, cases[i].labels);
+        struct job job = {0};
+        mesh_file_match_sides(&job, cases[i].surface_side, cases[i].surface, cases[i].labels_side, cases[i].labels);
+        conus_status status = job_close(&job, NULL, NULL);
         if ((status == CONUS_OK) != cases[i].fits) {
             fail_msg("%s, %s: %d", cases[i].surface, cases[i].labels, (int)status);
         }

@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Polygons become triangles; tests/corpus/foreign/ has strips, pieces, objects and spaces. */
 #include "base/buffer.h"
-#include "loaders/surfaces/foreign/foreign_mesh.h"
+#include "loaders/surfaces/foreign/foreign.h"
+#include "loaders/surfaces/foreign/mesh_build.h"
 #include "test.h"
 
 #include <stdio.h>
 
-static conus_status parse_obj(struct foreign_mesh *out, const uint8_t *data, size_t size)
+static struct mesh_build build_obj(struct job *job, const char *data, size_t size)
 {
-    return obj_parse(out, NULL, data, size);
+    struct mesh_build build = mesh_build_of(job);
+    obj_parse(&build.sink, (struct text){data, size});
+    return build;
 }
 
 /* An L in both directions and from another corner, a quadrilateral, an M, and corners in a line. The L has the area 3
@@ -28,23 +31,25 @@ static void polygons_become_triangles(void **state)
                  {"f 1 2 7 2", 2, 0, 0}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         char file[256];
-        struct foreign_mesh mesh = {0};
+        struct job job = {0};
         double area = 0;
         double signed_area = 0;
         int size = snprintf(file, sizeof file, text, cases[i].face);
-        assert_ok(parse_obj(&mesh, (const uint8_t *)file, (size_t)size));
-        assert_int_equal(mesh.triangle_count, cases[i].triangles);
-        for (size_t t = 0; t < mesh.triangle_count; t++) {
-            const float *a = &mesh.positions[3 * (size_t)mesh.triangles[3 * t]];
-            const float *b = &mesh.positions[3 * (size_t)mesh.triangles[3 * t + 1]];
-            const float *c = &mesh.positions[3 * (size_t)mesh.triangles[3 * t + 2]];
+        const struct mesh_build mesh = build_obj(&job, file, (size_t)size);
+        assert_true(job_ok(&job));
+        assert_int_equal(mesh.triangles.count, cases[i].triangles);
+        for (size_t t = 0; t < mesh.triangles.count; t++) {
+            const uint32_t *corners = mesh.triangles.at[t].corners;
+            const float *a = mesh.sink.vertices.at[corners[0]].at;
+            const float *b = mesh.sink.vertices.at[corners[1]].at;
+            const float *c = mesh.sink.vertices.at[corners[2]].at;
             double part = (double)((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2;
             signed_area += part;
             area += part < 0 ? -part : part;
         }
         assert_near(area, cases[i].area, 1e-12);
         assert_near(signed_area, cases[i].signed_area, 1e-12);
-        foreign_mesh_finish(&mesh);
+        job_end(&job);
     }
 }
 
@@ -55,18 +60,16 @@ static void large_polygons_have_a_limit(void **state)
     static const size_t sizes[] = {1024, 1025, 1000000};
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         struct buffer file = {0};
-        struct foreign_mesh mesh = {0};
+        struct job job = {0};
         buffer_text(&file, "v 0 0 0\nv 9 0 0\n");
         buffer_text(&file, "v 0 9 0\nf");
         for (size_t k = 0; k < sizes[i]; k++) {
             buffer_format(&file, " %zu", k % 3 + 1);
         }
-        conus_status status = parse_obj(&mesh, (const uint8_t *)file.data, file.size);
-        assert_int_equal(status, i ? CONUS_ERROR_UNSUPPORTED : CONUS_OK);
-        if (!i) {
-            assert_int_equal(mesh.triangle_count, 1022);
-        }
-        foreign_mesh_finish(&mesh);
+        const struct mesh_build mesh = build_obj(&job, file.data, file.size);
+        assert_int_equal(job.status, i ? CONUS_ERROR_UNSUPPORTED : CONUS_OK);
+        assert_int_equal(mesh.triangles.count, i ? 0 : 1022);
+        job_end(&job);
         buffer_finish(&file);
     }
 }
@@ -76,14 +79,17 @@ static void other_files_are_refused(void **state)
 {
     (void)state;
     static const char binary[] = "v 0 0 0\0\377";
-    struct foreign_mesh mesh = {0};
-    assert_fails(parse_obj(&mesh, (const uint8_t *)binary, sizeof binary), CONUS_ERROR_DATA);
-    assert_string_equal(conus_message(), "content: binary data, an OBJ file is text");
-    assert_fails(ply_parse(&mesh, (const uint8_t *)"plough\n", 7), CONUS_ERROR_DATA);
-    assert_string_equal(conus_message(), "header: a PLY file begins with a line \"ply\"");
+    struct job job = {0};
+    (void)build_obj(&job, binary, sizeof binary);
+    assert_string_equal(job.message, "content: binary data, an OBJ file is text");
+    assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_DATA);
+    struct mesh_build mesh = mesh_build_of(&job);
+    ply_parse(&mesh.sink, text_from("plough\n"));
+    assert_string_equal(job.message, "header: a PLY file begins with a line \"ply\"");
+    assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_DATA);
 }
 
-TEST_GROUP(foreign_mesh)
+TEST_GROUP(mesh_build)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(polygons_become_triangles),
