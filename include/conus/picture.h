@@ -169,8 +169,9 @@ typedef struct conus_drawn_probe {
                                        the first object. */
 } conus_drawn_probe;
 
-/** A point in a picture: a ball, perhaps with a line to where it points. Or a mark over a picture in space, whatever lies
- * before it: a line, or a disc around its first end, or in place of both a name beside that, with a thin line to it. */
+/** A point in a picture: a ball, perhaps with a line to where it points. Or a mark over a picture in space, whatever
+ * lies before it: a line, or a disc around its first end, or in place of both a name beside that, with a thin line to
+ * it. */
 typedef struct conus_drawn_point {
     const char *name;  /**< UTF-8, beside the ball where it hides neither a ball nor another name; NULL = none. */
     const char *group; /**< Points of one group have one colour and a row in the legend: the first six groups have one
@@ -245,19 +246,19 @@ typedef struct conus_view {
     size_t probe_count;              /**< 0 = none. */
     bool has_unselected; /**< Areas and pathways that the selection or the probes do not hit have one colour. */
     uint8_t
-        unselected_rgb[3];   /**< It, sRGB; else they are a neutral grey with a selection, or have their own, paler. */
-    bool own_colours;        /**< With a selection: objects have their own colours. Else, unless the atlas has a palette
-                                (conus_atlas_use_palette(), not the safe colours), what is hit has one of six colours by
-                                its place in the answer: what is hit first, then pathways, bundles and what is listed,
-                                areas behind others, and what else stands out. From the seventh on it is grey, with a
-                                number in picture and legend but for areas that are only behind others; all else is a
-                                neutral grey. Pathways that are haze have their own. */
-    bool no_cone;            /**< With a selection: only its contacts are drawn, not its cone. */
-    bool print;              /**< As for paper: what is drawn in space has a thin dark line around it, and of several
-                                panels each has a letter: a, b, c. */
-    const conus_drawn_point *marks; /**< [mark_count] Over the drawing; names not with no_legend, nor where they would lie on
-                                one before or beside the drawing. */
-    size_t mark_count;       /**< 0 = none. */
+        unselected_rgb[3]; /**< It, sRGB; else they are a neutral grey with a selection, or have their own, paler. */
+    bool own_colours;      /**< With a selection: objects have their own colours. Else, unless the atlas has a palette
+                              (conus_atlas_use_palette(), not the safe colours), what is hit has one of six colours by
+                              its place in the answer: what is hit first, then pathways, bundles and what is listed,
+                              areas behind others, and what else stands out. From the seventh on it is grey, with a
+                              number in picture and legend but for areas that are only behind others; all else is a
+                              neutral grey. Pathways that are haze have their own. */
+    bool no_cone;          /**< With a selection: only its contacts are drawn, not its cone. */
+    bool print;            /**< As for paper: what is drawn in space has a thin dark line around it, and of several
+                              panels each has a letter: a, b, c. */
+    const conus_drawn_point *marks;  /**< [mark_count] Over the drawing; names not with no_legend, nor where they would
+                                 lie on  one before or beside the drawing. */
+    size_t mark_count;               /**< 0 = none. */
     const conus_drawn_point *points; /**< [point_count] Without probes: balls over the drawing, and over cuts
                                         that go through them or, of smaller ones, are up to #CONUS_POINT_NEAR_CUT from
                                         their middle. With a selection they are white, unless @p own_colours or the

@@ -340,8 +340,8 @@ static void the_answer_names_all_that_are_as_good(void **state)
     assert_headline(&viewer, "No answer yet", " ");
     tool_aim_along(&viewer, FIRST_TOOL, (const double[]){0, 70, 0}, (const double[]){0, -1, 0});
     assert_headline(&viewer, "Sphere", "100 % of the cone \u00b7\u00a050.0 mm from the start");
-    for (double x = 0; conus_selection_result(viewer_selection(&viewer), 0)->share >= 1; x += 0.125) {
-        tool_aim_along(&viewer, FIRST_TOOL, (const double[]){x, 70, 0}, (const double[]){0, -1, 0});
+    for (int x = 0; conus_selection_result(viewer_selection(&viewer), 0)->share >= 1; x++) {
+        tool_aim_along(&viewer, FIRST_TOOL, (const double[]){x / 8.0, 70, 0}, (const double[]){0, -1, 0});
     }
     struct headline headline;
     headline_find(&headline, &viewer); /* some rays pass by it */

@@ -615,8 +615,8 @@ static void points_that_cannot_be_drawn_are_refused(void **state)
 static void points_alone_are_those_over_a_drawing(void **state)
 {
     struct scene scene = need_scene(state);
-    static const conus_drawn_point points[] = {
-        {.group = "a", .end = {NAN}, .radius = 2}, {.group = "b", .at = {0, -18, 0}, .end = {NAN}, .radius = 2}};
+    static const conus_drawn_point points[] = {{.group = "a", .end = {NAN}, .radius = 2},
+                                               {.group = "b", .at = {0, -18, 0}, .end = {NAN}, .radius = 2}};
     conus_pose camera;
     assert_ok(conus_pose_toward(&camera, (double[]){-100, 0, 0}, (double[]){0, 0, 0}, NULL));
     conus_view view = {.width = 200,
@@ -1025,8 +1025,8 @@ static conus_status attempt_probe(void *data)
     return status;
 }
 
-static const conus_drawn_point two_points[] = {
-    {.name = "P1", .group = "P", .end = {10, 10, 10}, .radius = 2}, {.name = "Q1", .at = {9, 0, 0}, .end = {NAN}}};
+static const conus_drawn_point two_points[] = {{.name = "P1", .group = "P", .end = {10, 10, 10}, .radius = 2},
+                                               {.name = "Q1", .at = {9, 0, 0}, .end = {NAN}}};
 
 static conus_status attempt_points(void *data)
 {

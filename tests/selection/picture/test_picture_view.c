@@ -335,8 +335,9 @@ static int one_of(uint64_t *random, int count)
     return (int)test_random(random, 0, count);
 }
 
-/* 500 changes at random, or a fourth of them, as a window has them: another answer or none, drafts, opacities, what is hidden, the colours.
- * Each picture is that of its own view, as a renderer draws it that has drawn nothing before: none is late. */
+/* 500 changes at random, or a fourth of them, as a window has them: another answer or none, drafts, opacities, what is
+ * hidden, the colours. Each picture is that of its own view, as a renderer draws it that has drawn nothing before: none
+ * is late. */
 static void no_picture_is_late(void **state)
 {
     enum { CHANGES = 500, OPACITIES = 4 };
@@ -367,13 +368,26 @@ static void no_picture_is_late(void **state)
         conus_image *own = NULL;
         conus_renderer *fresh = NULL;
         switch (one_of(&random, 8)) {
-        case 0: view.draft = !view.draft; break;
-        case 1: view.opacity = opacities[one_of(&random, OPACITIES)]; break;
-        case 2: hides = one_of(&random, 4); break;
-        case 3: view.own_colours = !view.own_colours; break;
-        case 4: view.no_pale = !view.no_pale; break;
-        case 5: view.side = one_of(&random, 2) ? CONUS_SIDE_FRONT : CONUS_SIDE_LEFT; break;
-        default: view.selection = answers[one_of(&random, 3)];
+        case 0:
+            view.draft = !view.draft;
+            break;
+        case 1:
+            view.opacity = opacities[one_of(&random, OPACITIES)];
+            break;
+        case 2:
+            hides = one_of(&random, 4);
+            break;
+        case 3:
+            view.own_colours = !view.own_colours;
+            break;
+        case 4:
+            view.no_pale = !view.no_pale;
+            break;
+        case 5:
+            view.side = one_of(&random, 2) ? CONUS_SIDE_FRONT : CONUS_SIDE_LEFT;
+            break;
+        default:
+            view.selection = answers[one_of(&random, 3)];
         }
         assert_ok(conus_atlas_set_hidden(atlas, hidden[hides]));
         assert_ok(conus_renderer_update(renderer));
