@@ -134,4 +134,19 @@ enum look_theme_colour {
 #define LOOK_RANKS(ROW)                                                                                                \
     ROW(LOOK_RANK_1) ROW(LOOK_RANK_2) ROW(LOOK_RANK_3) ROW(LOOK_RANK_4) ROW(LOOK_RANK_5) ROW(LOOK_RANK_6)
 
+#ifndef __cplusplus /* ui.cpp draws no answer */
+/** sRGB of what has a rank, 0 = none, in an answer: its colour by `weight` (conus_selection_weight()), the rest
+ * `not_hit`. */
+static inline void look_ranked(unsigned char rgb[3], unsigned long rank, double weight, unsigned not_hit)
+{
+#define LOOK_ROW(colour) colour,
+    static const unsigned ranks[] = {LOOK_RANKS(LOOK_ROW)};
+#undef LOOK_ROW
+    const unsigned colour = !rank ? not_hit : rank <= sizeof ranks / sizeof *ranks ? ranks[rank - 1] : LOOK_RANK_MORE;
+    for (int shift = 16; shift >= 0; shift -= 8) {
+        *rgb++ = (unsigned char)(weight * (colour >> shift & 255) + (1 - weight) * (not_hit >> shift & 255) + 0.5);
+    }
+}
+#endif
+
 #endif

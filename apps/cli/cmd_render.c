@@ -1080,7 +1080,8 @@ static int draw_picture(struct picture *picture, const conus_selection *selectio
     }
     int code = settings->cuts.cuts
                    ? render_cuts_find(&planes, &count, &settings->cuts, picture->has_cut_at ? picture->cut_at : NULL,
-                                      picture->atlas, &picture->frame, picture->selector, selection, pose)
+                                      picture->atlas, &picture->frame, picture->selector, selection, pose,
+                                      settings->engine.radius > 0)
                    : EXIT_DONE;
     code = code ? code : prepare_caption(picture, &view);
     code = code ? code : draw_frames(picture, &view, planes, count, path);

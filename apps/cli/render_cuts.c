@@ -318,31 +318,51 @@ static int add_mosaic(struct cut_finder *finder, int plane, size_t count)
     return code;
 }
 
-/* The middle of what a ray from the apex through the contact passes of the object; the contact where that is not known,
- * as of an open surface. */
-static void find_middle(double out[3], conus_selector *selector, const conus_result *hit, const conus_pose *pose)
+/* The middle of what a ray passes of the object; false where that is not known, as of an open surface. */
+static bool find_middle(double out[3], conus_selector *selector, const conus_pose *ray, uint32_t object)
 {
     conus_segments *segments = NULL;
-    conus_pose ray;
-    conus_status status = conus_pose_toward(&ray, pose->world_from_device + 12, hit->contact, NULL);
-    status = status ? status : conus_segments_create(&segments, selector, &ray);
-    bool found = status;
-    for (int a = 0; a < 3; a++) {
-        out[a] = hit->contact[a] - INTO * pose->world_from_device[8 + a];
-    }
-    for (size_t i = 0; i < conus_segments_count(segments) && !found; i++) {
+    bool found = false;
+    const size_t count = conus_segments_create(&segments, selector, ray) ? 0 : conus_segments_count(segments);
+    for (size_t i = 0; i < count && !found; i++) {
         const conus_segment *segment = conus_segments_segment(segments, i);
-        found = segment->object == hit->object && isfinite(segment->exit);
+        found = segment->object == object && isfinite(segment->exit);
         for (int a = 0; a < 3 && found; a++) {
             out[a] = (segment->entry_at[a] + segment->exit_at[a]) / 2;
         }
     }
     conus_segments_destroy(segments);
+    return found;
+}
+
+/* The middle of the object on the ray through the contact: from a cone's apex, or in a tube along the axis, which is
+ * the ray to take where it passes the object. Else the contact. */
+static void find_hit(double out[3], conus_selector *selector, const conus_result *hit, const conus_pose *pose,
+                     bool is_tube)
+{
+    const double *m = pose->world_from_device;
+    conus_pose ray = *pose;
+    double *from = ray.world_from_device + 12;
+    bool found = is_tube && find_middle(out, selector, pose, hit->object);
+    if (!found && is_tube) {
+        double along = 0;
+        for (int a = 0; a < 3; a++) {
+            along += (hit->contact[a] - m[12 + a]) * m[8 + a];
+        }
+        for (int a = 0; a < 3; a++) {
+            from[a] = hit->contact[a] - along * m[8 + a];
+        }
+    }
+    const bool has_ray = is_tube || !conus_pose_toward(&ray, m + 12, hit->contact, NULL);
+    found = found || (has_ray && find_middle(out, selector, &ray, hit->object));
+    for (int a = 0; a < 3 && !found; a++) {
+        out[a] = hit->contact[a] - INTO * m[8 + a];
+    }
 }
 
 /* --at, the middle of the best hit, or that of the atlas. */
 static int find_point(struct cut_finder *finder, const double *given, conus_selector *selector,
-                      const conus_selection *selection, const conus_pose *pose)
+                      const conus_selection *selection, const conus_pose *pose, bool is_tube)
 {
     for (int a = 0; a < 3; a++) {
         finder->through[a] = (finder->low[a] + finder->high[a]) / 2;
@@ -360,7 +380,7 @@ static int find_point(struct cut_finder *finder, const double *given, conus_sele
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         if (result->object && result->pixels) {
-            find_middle(finder->through, selector, result, pose);
+            find_hit(finder->through, selector, result, pose, is_tube);
             return EXIT_DONE;
         }
     }
@@ -369,7 +389,7 @@ static int find_point(struct cut_finder *finder, const double *given, conus_sele
 
 int render_cuts_find(conus_cut_plane **planes, size_t *count, const struct cut_settings *settings, const double *at,
                      const conus_atlas *atlas, const conus_frame *frame, conus_selector *selector,
-                     const conus_selection *selection, const conus_pose *pose)
+                     const conus_selection *selection, const conus_pose *pose, bool is_tube)
 {
     struct cut_finder finder = {.settings = settings, .frame = frame};
     struct cut_word words[CUT_LIMIT + 1];
@@ -379,7 +399,7 @@ int render_cuts_find(conus_cut_plane **planes, size_t *count, const struct cut_s
     if (status || !finder.planes) {
         return status ? print_status(status) : print_no_memory();
     }
-    int code = find_point(&finder, at, selector, selection, pose);
+    int code = find_point(&finder, at, selector, selection, pose, is_tube);
     for (size_t i = 0; i < word_count && !code; i++) {
         const struct cut_word *word = &words[i];
         if (word->plane == PLANES) {

@@ -22,8 +22,6 @@ enum { SIDE_LIMIT = 512, COARSE_LIMIT = 128, REACH = 3 };
 /* Of all pictures and the table; the page's choice, in its order. */
 enum colours { COLOURS_OF_ANSWER, COLOURS_OF_FILE, COLOURS_SAFE };
 
-#define BYTES(colour) {LOOK_RGB(colour)},
-
 static const double RADIANS = 3.14159265358979323846 / 180;
 static const uint8_t neutral[3] = {LOOK_RGB(LOOK_NOT_HIT)};
 
@@ -273,22 +271,40 @@ static double find_depth(const conus_pose *pose)
     return depth;
 }
 
-/* The objects that are hit, or their places among the colours. */
-static void write_hits(FILE *out, bool ranks)
+/* The colour of a hit by its place in the answer and its share, as in pictures; returns its place among the colours. */
+static size_t colour_hit(uint8_t rgb[3], uint32_t object)
 {
-    const char *before = "";
-    for (size_t i = 0; i < conus_selection_count(page.selection); i++) {
-        const uint32_t object = conus_selection_result(page.selection, i)->object;
-        if (object) {
-            fprintf(out, "%s%zu", before, ranks ? conus_selection_rank(page.selection, object) : (size_t)object);
-            before = ", ";
+    const size_t rank = conus_selection_rank(page.selection, object);
+    look_ranked(rgb, rank, conus_selection_weight(page.selection, object), LOOK_NOT_HIT);
+    return rank;
+}
+
+/* The objects that are hit, their places among the colours, and the colours. */
+static void write_hits(FILE *out)
+{
+    static const char *const heads[] = {"\"hits\": [", "], \"ranks\": [", "], \"colours\": ["};
+    for (int list = 0; list < 3; list++) {
+        const char *before = heads[list];
+        size_t left = conus_selection_count(page.selection);
+        for (const conus_result *result = conus_selection_result(page.selection, 0); left; left--, result++) {
+            uint8_t rgb[3];
+            const size_t rank = colour_hit(rgb, result->object);
+            if (result->object && list < 2) {
+                fprintf(out, "%s%zu", before, list ? rank : (size_t)result->object);
+            } else if (result->object) {
+                fprintf(out, "%s\"#%02x%02x%02x\"", before, rgb[0], rgb[1], rgb[2]);
+            }
+            before = result->object ? ", " : before;
         }
+        fputs(before == heads[list] ? before : "", out);
     }
+    fputs("]", out);
 }
 
 /* Asks what is in a cone. {"depth": mm to the deepest hit, 0 where the cone has no end, "hits": numbers of the objects
- * in the answer's order, "ranks": the place of each among the colours}, or {"error": ...}; web_rows() has the answer,
- * and pictures what it hits. Neither has those of the question before where this one is refused. */
+ * in the answer's order, "ranks": the place of each among the colours, "colours": "#rrggbb" of each where colours are
+ * of the answer}, or {"error": ...}; web_rows() has the answer, and pictures what it hits. Neither has those of the
+ * question before where this one is refused. */
 EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double toward_x, double toward_y,
                                          double toward_z, double angle, uint32_t resolution, int all_layers)
 {
@@ -307,11 +323,9 @@ EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double to
     status = status ? status : conus_select(&page.selection, page.selector, &pose, angle * RADIANS);
     FILE *out = status ? NULL : begin_text();
     if (out) {
-        fprintf(out, "{\"depth\": %.9g, \"hits\": [", all_layers ? 0 : find_depth(&pose));
-        write_hits(out, false);
-        fputs("], \"ranks\": [", out);
-        write_hits(out, true);
-        fputs("]}", out);
+        fprintf(out, "{\"depth\": %.9g, ", all_layers ? 0 : find_depth(&pose));
+        write_hits(out);
+        fputs("}", out);
     }
     return status ? say_error() : end_text(out);
 }
@@ -465,9 +479,6 @@ struct paint {
  * neutral grey, or its own with much of that. NULL without memory. */
 static struct paint *choose_paints(void)
 {
-    static const uint8_t ranks[][3] = {LOOK_RANKS(BYTES)};
-    static const uint8_t more[3] = {LOOK_RGB(LOOK_RANK_MORE)};
-    const bool by_rank = page.colours != COLOURS_OF_FILE;
     const size_t count = page.selection ? conus_selection_count(page.selection) : 0;
     struct paint *paints = calloc(conus_atlas_object_count(page.atlas) + 1, sizeof *paints);
     for (size_t i = 1; paints && i <= conus_atlas_object_count(page.atlas); i++) {
@@ -480,13 +491,12 @@ static struct paint *choose_paints(void)
     }
     for (size_t i = 0; paints && i < count; i++) {
         const conus_result *result = conus_selection_result(page.selection, i);
-        const size_t rank = conus_selection_rank(page.selection, result->object);
-        if (rank) {
-            const uint8_t *rgb = !by_rank ? conus_atlas_object(page.atlas, result->object)->rgb
-                                 : rank <= sizeof ranks / sizeof *ranks ? ranks[rank - 1]
-                                                                        : more;
-            memcpy(paints[result->object].rgb, rgb, sizeof more);
-            paints[result->object].is_behind = !result->pixels;
+        struct paint hit = {.is_behind = !result->pixels};
+        if (colour_hit(hit.rgb, result->object)) {
+            if (page.colours == COLOURS_OF_FILE) {
+                memcpy(hit.rgb, conus_atlas_object(page.atlas, result->object)->rgb, sizeof hit.rgb);
+            }
+            paints[result->object] = hit;
         }
     }
     return paints;

@@ -169,30 +169,24 @@ typedef struct conus_drawn_probe {
                                        the first object. */
 } conus_drawn_probe;
 
-/** A point in a picture: a ball, perhaps with a line to where it points. */
+/** A point in a picture: a ball, perhaps with a line to where it points. Or a mark over a picture in space, whatever
+ * lies before it: a line, or a disc around its first end, or in place of both a name beside that, with a thin line to
+ * it. */
 typedef struct conus_drawn_point {
-    const char
-        *name; /**< UTF-8, written beside the ball where it hides neither a ball nor another name; NULL = none. */
+    const char *name;  /**< UTF-8, beside the ball where it hides neither a ball nor another name; NULL = none. */
     const char *group; /**< Points of one group have one colour and a row in the legend: the first six groups have one
-                          each, all others one together. NULL = none. */
-    double at[3];      /**< World mm. */
-    double end[3];     /**< Where the line ends, world mm; NaN = there is no line. Not in cuts. */
+                          each, all others one together. NULL = none. Not of marks. */
+    double at[3];      /**< World mm. A mark is not drawn where one of its ends is behind the camera. */
+    double end[3];     /**< Where the line ends, world mm; of points NaN = there is no line. Not in cuts. */
     double radius;     /**< Of the ball, mm, from 0 on; 0 = 1. Balls that would hardly be seen are drawn larger, and the
-                          paler the farther they lie behind the atlas's middle. */
+                          paler the farther they lie behind the atlas's middle. Of a mark's disc, in 14ths of the
+                          letters' size; 0 = the line. */
+    uint8_t rgb[3];    /**< sRGB of a mark's line or disc. */
+    bool dashed;       /**< A mark's line has dashes, which go on in the next mark. */
 } conus_drawn_point;
 
 /** How near to a cut the middle of a smaller ball is drawn there, mm. */
 #define CONUS_POINT_NEAR_CUT 2.0
-
-/** Something over a picture in space, whatever lies before it: a line, or a disc, and a name. */
-typedef struct conus_mark {
-    double ends[2][3]; /**< World mm. Not drawn where one of them is behind the camera. */
-    double radius;     /**< Of a disc around the first end in place of the line, in 14ths of the letters' size; 0 = the
-                          line. */
-    const char *name;  /**< UTF-8, beside the first end, with a thin line to it, in place of both; NULL = none. */
-    uint8_t rgb[3];    /**< sRGB of the line or disc. */
-    bool dashed;       /**< The line has dashes, which go on in the next mark. */
-} conus_mark;
 
 /** Options of conus_render(). */
 typedef struct conus_view {
@@ -252,19 +246,19 @@ typedef struct conus_view {
     size_t probe_count;              /**< 0 = none. */
     bool has_unselected; /**< Areas and pathways that the selection or the probes do not hit have one colour. */
     uint8_t
-        unselected_rgb[3];   /**< It, sRGB; else they are a neutral grey with a selection, or have their own, paler. */
-    bool own_colours;        /**< With a selection: objects have their own colours. Else, unless the atlas has a palette
-                                (conus_atlas_use_palette(), not the safe colours), what is hit has one of six colours by
-                                its place in the answer: what is hit first, then pathways, bundles and what is listed,
-                                areas behind others, and what else stands out. From the seventh on it is grey, with a
-                                number in picture and legend but for areas that are only behind others; all else is a
-                                neutral grey. Pathways that are haze have their own. */
-    bool no_cone;            /**< With a selection: only its contacts are drawn, not its cone. */
-    bool print;              /**< As for paper: what is drawn in space has a thin dark line around it, and of several
-                                panels each has a letter: a, b, c. */
-    const conus_mark *marks; /**< [mark_count] Over the drawing; names not with no_legend, nor where they would lie on
-                                one before or beside the drawing. */
-    size_t mark_count;       /**< 0 = none. */
+        unselected_rgb[3]; /**< It, sRGB; else they are a neutral grey with a selection, or have their own, paler. */
+    bool own_colours;      /**< With a selection: objects have their own colours. Else, unless the atlas has a palette
+                              (conus_atlas_use_palette(), not the safe colours), what is hit has one of six colours by
+                              its place in the answer: what is hit first, then pathways, bundles and what is listed,
+                              areas behind others, and what else stands out. From the seventh on it is grey, with a
+                              number in picture and legend but for areas that are only behind others; all else is a
+                              neutral grey. Pathways that are haze have their own. */
+    bool no_cone;          /**< With a selection: only its contacts are drawn, not its cone. */
+    bool print;            /**< As for paper: what is drawn in space has a thin dark line around it, and of several
+                              panels each has a letter: a, b, c. */
+    const conus_drawn_point *marks;  /**< [mark_count] Over the drawing; names not with no_legend, nor where they would
+                                 lie on  one before or beside the drawing. */
+    size_t mark_count;               /**< 0 = none. */
     const conus_drawn_point *points; /**< [point_count] Without probes: balls over the drawing, and over cuts
                                         that go through them or, of smaller ones, are up to #CONUS_POINT_NEAR_CUT from
                                         their middle. With a selection they are white, unless @p own_colours or the

@@ -551,14 +551,14 @@ void picture_draw_marks(struct draw_list *list, const struct picture *picture)
     double phase = 0;
     const double unit = picture->em / 14;
     for (size_t i = 0; i < picture->options.mark_count; i++) {
-        const conus_mark *mark = &picture->options.marks[i];
+        const conus_drawn_point *mark = &picture->options.marks[i];
         double ends[2][2];
         double depth;
         float rgba[4];
         bool is_seen = true;
         for (int e = 0; e < 2 && is_seen; e++) {
-            is_seen =
-                camera_project(&ends[e][0], &ends[e][1], &depth, &picture->camera, &picture->frame, mark->ends[e]);
+            is_seen = camera_project(&ends[e][0], &ends[e][1], &depth, &picture->camera, &picture->frame,
+                                     e ? mark->end : mark->at);
         }
         draw_colour(rgba, mark->rgb, 1);
         if (is_seen && mark->name) {

@@ -124,12 +124,9 @@ static conus_status colour_by_palette(uint8_t (*rgb)[3], const uint32_t *ranks, 
     return CONUS_OK;
 }
 
-#define COLOUR(colour) colour,
-
 uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, unsigned not_hit, const bool *listed,
                                const conus_selection *selection))[3]
 {
-    static const unsigned colours[PICTURE_RANKS] = {LOOK_RANKS(COLOUR)};
     uint8_t(*rgb)[3] = memory_raw(atlas->object_count + 1, sizeof *rgb);
     const bool has_palette = rgb && ranks && atlas->has_palette;
     if (has_palette && colour_by_palette(rgb, ranks, atlas)) {
@@ -138,13 +135,7 @@ uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, 
     }
     for (size_t object = 0; rgb && !has_palette && object <= atlas->object_count; object++) {
         const uint32_t rank = ranks ? ranks[object] : 0;
-        const unsigned colour = !rank ? not_hit : rank <= PICTURE_RANKS ? colours[rank - 1] : LOOK_RANK_MORE;
-        const double weight = rank ? conus_selection_weight(selection, (uint32_t)object) : 1;
-        for (int c = 0; c < 3; c++) {
-            const int shift = 16 - 8 * c;
-            rgb[object][c] =
-                (uint8_t)(weight * (colour >> shift & 255) + (1 - weight) * (not_hit >> shift & 255) + 0.5);
-        }
+        look_ranked(rgb[object], rank, rank ? conus_selection_weight(selection, (uint32_t)object) : 1, not_hit);
     }
     for (size_t object = 1; rgb && listed && object <= atlas->object_count; object++) {
         if (listed[object] && !(ranks && ranks[object])) {

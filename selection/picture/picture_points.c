@@ -59,10 +59,7 @@ conus_status picture_points_check(const conus_view *view)
 /* The first groups have the colours of the first ranks, all others one. */
 static void colour_group(uint8_t rgb[3], size_t group)
 {
-#define RANK_RGB(colour) {LOOK_RGB(colour)},
-    static const uint8_t colours[][3] = {LOOK_RANKS(RANK_RGB){LOOK_RGB(LOOK_RANK_MORE)}};
-    const size_t last = sizeof colours / sizeof *colours - 1;
-    memcpy(rgb, colours[group < last ? group : last], 3);
+    look_ranked(rgb, group + 1, 1, LOOK_RANK_MORE);
 }
 
 conus_status picture_points_init(struct picture *picture)

@@ -175,6 +175,40 @@ static void a_ball_casts_a_disc(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* A disc of squares of 6 pixels on a lattice of 4 has no corners afterwards. One square alone stays, and a line of
+ * squares. */
+static void squares_have_no_stairs(void **state)
+{
+    enum { SIDE = 160, EDGE = 4, REACH = 3 };
+    uint8_t mask[SIDE * SIDE] = {0};
+    uint8_t thin[SIDE * SIDE] = {0};
+    (void)state;
+    for (int cell = 0; cell < SIDE * SIDE / EDGE / EDGE; cell++) {
+        const int at[2] = {cell % (SIDE / EDGE) * EDGE - 1, cell / (SIDE / EDGE) * EDGE - 1};
+        const bool is_inside = hypot(at[0] + 3 - 80, at[1] + 3 - 80) < 50;
+        const bool is_thin = at[1] == 39 || (at[0] == 79 && at[1] == 119);
+        for (int n = 0; n < 36; n++) {
+            const int x = at[0] + n % 6;
+            const int y = at[1] + n / 6;
+            if (x >= 0 && y >= 0 && x < SIDE && y < SIDE) {
+                mask[y * SIDE + x] |= is_inside;
+                thin[y * SIDE + x] |= is_thin;
+            }
+        }
+    }
+    outline_smooth(mask, SIDE, SIDE, REACH);
+    outline_smooth(thin, SIDE, SIDE, REACH);
+    for (int y = 0; y < SIDE; y++) {
+        for (int x = 0; x < SIDE; x++) {
+            const double r = hypot(x + 0.5 - 80, y + 0.5 - 80);
+            if (fabs(r - 51) > 1.6) { /* squares reach 1 beyond their cells; their corners 1.84 from there */
+                assert_int_equal(mask[y * SIDE + x], r < 51);
+            }
+        }
+    }
+    assert_true(thin[42 * SIDE + 80] && thin[122 * SIDE + 82] && !thin[60 * SIDE + 80]);
+}
+
 /* Compares the pixels with `wanted`: 1 = bright, 2 = dark, . = unchanged. */
 static void check_lines(const uint8_t *rgba, const char *wanted)
 {
@@ -291,6 +325,7 @@ TEST_GROUP(chosen)
         cmocka_unit_test(several_areas_have_one_shape_and_hidden_ones_none),
         cmocka_unit_test(a_small_area_is_found),
         cmocka_unit_test(a_ball_casts_a_disc),
+        cmocka_unit_test(squares_have_no_stairs),
         cmocka_unit_test(an_outline_is_bright_within_and_dark_beside),
         cmocka_unit_test(an_outline_is_dashed_where_it_is_hidden),
     };

@@ -121,6 +121,15 @@ nifti.write("sides.nii", (12, 10, 10), "B", lambda i, j, k: i // 2 + 1)'
     grep -q ' %<' tube.svg
 }
 
+# The slab is from -6 to -3; a needle that begins in it at -5 has 2 mm of it, and all its contacts are at its start.
+@test "cuts of a needle go through its axis, in the middle of what it passes of the best hit" {
+    conus phantom slabs -o . --size 32
+    answers render slabs.nii.gz --origin=2,-5,3 --toward 2,0,3 --radius 1 --cuts axial,coronal,sagittal -q -o inside.svg
+    for title in 'x = 2' 'y = −4' 'z = 3'; do grep -q ">$title mm<" inside.svg; done
+    answers render slabs.nii.gz --origin=2,-60,3 --toward 2,0,3 --radius 1 --cuts coronal,sagittal -q -o outside.svg
+    for title in 'x = 2' 'y = −4.5'; do grep -q ">$title mm<" outside.svg; done
+}
+
 # colour_at FILE X Y: red, green and blue of a pixel, by parts of width and height.
 colour_at() {
     /usr/bin/python3 - "$@" <<'END'

@@ -318,7 +318,8 @@ test("a saved page has the atlas and the answer, and saves TSV, JSON and PNG", {
   assert.ok(png.readUInt32BE(16) >= 600 && png.readUInt32BE(16) === png.readUInt32BE(20));
 });
 
-// A hit has the colour of its place in the answer, which base/look.h names, and all else the neutral grey; of the file
+// A hit has the colour of its place in the answer, which base/look.h names, with the more of the neutral grey the less of
+// the cone it has (conus_selection_weight()), and all else that grey; of the file
 // hits have their own, which MRIcron stores as 256 reds, greens and blues, and all else a fourth of it over the grey. In
 // 3-D they are darker on a slope: the ratios of red, green and blue stay.
 test("3-D and the table's chips have one colour for one area", { skip }, async (t) => {
@@ -332,7 +333,10 @@ test("3-D and the table's chips have one colour for one area", { skip }, async (
   const place = (name) => README.findIndex((row) => row[1] === name) + 1;
   const over = page.locator('[data-pane="3"] .over');
   const box = await over.boundingBox();
-  for (const [kind, colour] of [["of the answer", (name) => named(place(name) ? `RANK_${place(name)}` : "NOT_HIT")],
+  const shares = JSON.parse(await page.evaluate(() => JSON.stringify(rows))).filter((row) => row.kind !== "unassigned").map((row) => row.share);
+  const weight = (at) => 0.4 + 0.6 * Math.round(8 * Math.min(Math.max((shares[at] - 0.02) / 0.48, 0), 1)) / 8;
+  const ofAnswer = (name) => named(`RANK_${place(name)}`).map((v, c) => Math.floor(weight(place(name) - 1) * v + (1 - weight(place(name) - 1)) * named("NOT_HIT")[c] + 0.5));
+  for (const [kind, colour] of [["of the answer", (name) => (place(name) ? ofAnswer(name) : named("NOT_HIT"))],
     ["of the file", (name) => own(name).map((v, c) => (place(name) ? v : (v + 3 * named("NOT_HIT")[c]) / 4))]]) {
     await settle(page, () => page.locator("#colours").selectOption(kind));
     const [download] = await Promise.all([page.waitForEvent("download", WAIT), page.locator("[data-save=png]").click()]);

@@ -28,7 +28,8 @@ static bool find_verdict(struct headline *out, struct viewer *viewer)
 
 static void put_share(char out[SHARE_TEXT], double share)
 {
-    snprintf(out, SHARE_TEXT, share < 0.01 ? "%.1f %%" : "%.0f %%", 100 * share);
+    const bool is_fine = share < 0.01 || (share > 0.99 && share < 1); /* what is not all is not 100 % */
+    snprintf(out, SHARE_TEXT, is_fine ? "%.1f %%" : "%.0f %%", share < 1 ? fmin(100 * share, 99.9) : 100);
 }
 
 /* Whether the answer is of a point, and not of a ball. */

@@ -34,6 +34,29 @@ const char *outline_name(struct viewer *viewer, enum outline which)
     return which == OUTLINE_CHOSEN ? NULL : plans_name(viewer, kinds[which]);
 }
 
+void outline_smooth(uint8_t *mask, uint32_t width, uint32_t height, uint32_t reach)
+{
+    const size_t across = (size_t)width + 1;
+    uint32_t *sums = calloc(across, ((size_t)height + 1) * sizeof *sums); /* of all pixels above and to the left */
+    for (size_t y = 0; sums && y < height; y++) {
+        for (size_t x = 0; x < width; x++) {
+            uint32_t *sum = sums + y * across + x;
+            sum[across + 1] = sum[across] + sum[1] - *sum + mask[y * width + x];
+        }
+    }
+    for (uint32_t y = 0; sums && y < height; y++) {
+        const uint32_t *rows[2] = {sums + across * (y < reach ? 0 : y - reach),
+                                   sums + across * (y + reach < height ? y + reach + 1 : height)};
+        for (uint32_t x = 0; x < width; x++) {
+            const uint32_t left = x < reach ? 0 : x - reach;
+            const uint32_t right = x + reach < width ? x + reach + 1 : width;
+            const size_t all = (size_t)(right - left) * (size_t)(rows[1] - rows[0]) / across;
+            mask[(size_t)y * width + x] = 2 * (rows[1][right] - rows[1][left] - rows[0][right] + rows[0][left]) > all;
+        }
+    }
+    free(sums);
+}
+
 /* Whether a neighbour beside, above or below has the other value. */
 static bool is_edge(const uint8_t *mask, uint32_t width, uint32_t height, uint32_t x, uint32_t y)
 {

@@ -29,6 +29,10 @@ bool *outline_wanted(struct viewer *viewer, enum outline which);
 /** The name of an object that has it; NULL: @p which is not of a plan. */
 const char *outline_name(struct viewer *viewer, enum outline which);
 
+/** Takes the stairs off a shape, @p mask, [height width] of 0 and 1: each pixel becomes what most are that are up to
+ * @p reach beside it. A square stays that is wider than 1.42 @p reach + 1. Unchanged without memory. */
+void outline_smooth(uint8_t *mask, uint32_t width, uint32_t height, uint32_t reach);
+
 /** Draws a line inside the edge of @p mask, [height width] of 0 and 1, and a dark one outside; none at the picture's
  * border. All else of a mask that is filled becomes so. */
 void outline_draw(uint8_t *rgba, struct outline_top *top, const uint8_t *mask, uint32_t width, uint32_t height,

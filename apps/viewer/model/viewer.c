@@ -414,23 +414,13 @@ unsigned viewer_cut_version(const struct viewer *viewer)
     return viewer->version - viewer->moves;
 }
 
-#define BYTES(colour) {LOOK_RGB(colour)},
-
 void viewer_rank_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object, size_t rank)
 {
-    static const uint8_t ranks[][3] = {LOOK_RANKS(BYTES)}, grey[3] = {LOOK_RGB(LOOK_NOT_HIT)};
     const conus_object *info = conus_atlas_object(viewer->drawn->atlas, object);
-    const bool by_rank = info && colours_by_rank(viewer, object);
-    memcpy(rgb,
-           !info                                 ? (const uint8_t[]){LOOK_RGB(LOOK_NO_OBJECT)}
-           : !by_rank                            ? info->rgb
-           : rank > sizeof ranks / sizeof *ranks ? (const uint8_t[]){LOOK_RGB(LOOK_RANK_MORE)}
-           : rank                                ? ranks[rank - 1]
-                                                 : grey,
-           3);
-    for (int c = 0; c < 3 && by_rank && rank; c++) {
-        const double weight = conus_selection_weight(viewer_selection(viewer), object);
-        rgb[c] = (uint8_t)(weight * rgb[c] + (1 - weight) * grey[c] + 0.5);
+    if (info && colours_by_rank(viewer, object)) {
+        look_ranked(rgb, rank, conus_selection_weight(viewer_selection(viewer), object), LOOK_NOT_HIT);
+    } else {
+        memcpy(rgb, info ? info->rgb : (const uint8_t[]){LOOK_RGB(LOOK_NO_OBJECT)}, 3);
     }
 }
 

@@ -43,15 +43,15 @@ static void find_cells(struct shadow *shadow, struct viewer *viewer, enum outlin
 
 /* Whether something else than its own objects lies before the nearest cell beside a pixel. */
 static bool is_hidden(const struct window *window, const struct shadow *shadow, const bool *own, const float *nearest,
-                      uint32_t x, uint32_t y)
+                      uint32_t x, uint32_t y, uint32_t beside)
 {
     const double *from = shadow->eye.camera.world_from_device + 12;
     double depth = INFINITY;
     double direction[3];
     double at[3];
     uint32_t object;
-    for (uint32_t j = y > 0 ? y - 1 : 0; j <= y + 1 && j < shadow->height; j++) {
-        for (uint32_t i = x > 0 ? x - 1 : 0; i <= x + 1 && i < shadow->width; i++) {
+    for (uint32_t j = y > beside ? y - beside : 0; j <= y + beside && j < shadow->height; j++) {
+        for (uint32_t i = x > beside ? x - beside : 0; i <= x + beside && i < shadow->width; i++) {
             depth = fmin(depth, (double)nearest[(size_t)j * shadow->width + i]);
         }
     }
@@ -62,7 +62,7 @@ static bool is_hidden(const struct window *window, const struct shadow *shadow, 
 
 /* Finds where its outline, the pixels of `rgba` that are opaque, is hidden (1) or not (2): dash by dash. */
 static void find_hidden(uint8_t *hidden, const struct window *window, const struct shadow *shadow, const bool *own,
-                        const uint8_t *rgba, const float *nearest)
+                        const uint8_t *rgba, const float *nearest, uint32_t beside)
 {
     for (uint32_t y = 0; y < shadow->height; y++) {
         for (uint32_t x = 0; x < shadow->width; x++) {
@@ -70,7 +70,7 @@ static void find_hidden(uint8_t *hidden, const struct window *window, const stru
             if (rgba[4 * pixel + 3] < 255 || hidden[pixel]) {
                 continue;
             }
-            uint8_t is = is_hidden(window, shadow, own, nearest, x, y) ? 1 : 2;
+            uint8_t is = is_hidden(window, shadow, own, nearest, x, y, beside) ? 1 : 2;
             for (uint32_t j = y; j < shadow->height && j / OUTLINE_DASH == y / OUTLINE_DASH; j++) {
                 uint32_t left = x / OUTLINE_DASH * OUTLINE_DASH;
                 for (uint32_t i = left; i < shadow->width && i < left + OUTLINE_DASH; i++) {
@@ -98,12 +98,14 @@ static void cast(struct window *window, enum outline which, uint32_t width, uint
         for (size_t pixel = 0; pixel < pixels; pixel++) {
             nearest[pixel] = INFINITY;
         }
-        cells_cast(nearest, width, height, &shadow->cells, &shadow->eye);
+        const double edge = cells_cast(nearest, width, height, &shadow->cells, &shadow->eye);
+        const uint32_t reach = (uint32_t)fmin(0.75 * edge, 32); /* cells are drawn larger */
         for (size_t pixel = 0; pixel < pixels; pixel++) {
             mask[pixel] = isfinite(nearest[pixel]) != 0;
         }
+        outline_smooth(mask, width, height, reach);
         outline_draw(rgba, &shadow->top, mask, width, height, &outline_looks[which]);
-        find_hidden(mask + pixels, window, shadow, own, rgba, nearest);
+        find_hidden(mask + pixels, window, shadow, own, rgba, nearest, reach + 1);
         outline_dash(rgba, mask, mask + pixels, width, height);
         texture_set(&shadow->texture, rgba, width, height, true);
     }

@@ -23,10 +23,6 @@ static void draw_field(struct window *window)
 {
     static const char open[] = "Open";
     static const char choose[] = "Choose a file";
-    static const char formats[] =
-        "Volumes (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF), surfaces, CIFTI labels, FSL's XML, "
-        "folders of surfaces or of BrainGlobe, manifests. On an atlas that is open: streamlines (.trk, .tck, .trx, "
-        "VTK, .tt.gz), an image as context";
     struct start *start = &window->start;
     float around = 14 * window->screen.scale; /* a button's text, and before it */
     float buttons = ui_text_width(open) + ui_text_width(choose) + 2 * around;
@@ -39,14 +35,17 @@ static void draw_field(struct window *window)
     if (moved) {
         start_move(start, moved);
     }
-    ui_tip("a path, or the name of an installed atlas; Enter opens it");
+    ui_tip(
+        "a path, or the name of an installed atlas, which the arrow keys choose; Enter opens it: volumes (NIfTI,\n"
+        "MGH, NRRD, MetaImage, AFNI, TIFF), surfaces, CIFTI labels, FSL's XML, folders of surfaces or of BrainGlobe,\n"
+        "manifests; on an atlas that is open streamlines (.trk, .tck, .trx, VTK, .tt.gz), an image as context");
     ui_same_line();
     asked = ui_button(open, "opens what is typed on its left") || asked;
     ui_same_line();
     if (ui_button(choose, "by folders (Ctrl+O)")) {
         window_show_dialog(window, DIALOG_OPEN);
     }
-    ui_text_wrapped(start->why[0] ? THEME_ORANGE : THEME_HINT, start->why[0] ? start->why : formats);
+    ui_text_wrapped(THEME_ORANGE, start->why);
     if (asked) {
         window_request_typed(window);
     }
@@ -250,7 +249,7 @@ static bool has_pictures(struct start *start)
     return has;
 }
 
-/* What an atlas is opened for, and where more of them come from, while nothing that was opened before has the place. */
+/* What an atlas is opened for, while nothing that was opened before has the place. */
 static void draw_guide(const struct window *window)
 {
     static const char *const asks[][2] = {{"Mouse", "What does the cone hit? A click holds it"},
@@ -266,11 +265,6 @@ static void draw_guide(const struct window *window)
     draw_list_title("Once an atlas is open");
     for (size_t i = 0; i < sizeof asks / sizeof asks[0]; i++) {
         panel_key(window, asks[i][0], asks[i][1]);
-    }
-    ui_gap(ui_line() / 2);
-    if (conus_catalogue_count(window->start.catalogue)) {
-        draw_list_title("More atlases");
-        ui_text_wrapped(THEME_HINT, sources);
     }
 }
 
@@ -298,11 +292,6 @@ static void draw_lists(struct window *window, float height)
 
 static void draw_keys(const struct window *window)
 {
-    if (start_path(&window->start, 0)) {
-        panel_key(window, "1, 2 \u2026", "open what has this number");
-    }
-    panel_key(window, "A-Z, Tab", "search or type a path; the arrow keys choose, Enter opens");
-    panel_key(window, "Ctrl+O", "choose a file");
     if (window->files.session_waits) {
         panel_key(window, "Escape", "open atlases without the session");
     } else if (window->viewer) {
@@ -327,7 +316,7 @@ void panel_start(struct window *window)
     ui_gap(ui_line() / 2);
     draw_field(window);
     ui_gap(ui_line() / 2);
-    draw_lists(window, fmaxf(ui_room_below() - 6.5F * ui_line(), 10 * ui_line()));
+    draw_lists(window, fmaxf(ui_room_below() - 3.5F * ui_line(), 10 * ui_line()));
     ui_gap(ui_line() / 2);
     draw_keys(window);
     ui_scroll_end();

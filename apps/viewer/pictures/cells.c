@@ -193,8 +193,9 @@ static uint32_t clamped(double pixel, uint32_t size)
     return (uint32_t)fmin(fmax(pixel, 0), size);
 }
 
-void cells_cast(float *nearest, uint32_t width, uint32_t height, const struct cells *cells, const struct eye *eye)
+double cells_cast(float *nearest, uint32_t width, uint32_t height, const struct cells *cells, const struct eye *eye)
 {
+    double largest = 0;
     const double *m = eye->camera.world_from_device;
     const double size[2] = {width, height};
     double pixels = height / (eye->frustum[3] - eye->frustum[2]); /* of 1 mm at depth 1 mm */
@@ -212,6 +213,7 @@ void cells_cast(float *nearest, uint32_t width, uint32_t height, const struct ce
         }
         double half =
             overlap * cells->edge / 2 * pixels / depth * (away / depth); /* off the middle it is seen larger */
+        largest = fmax(largest, 2 * half / overlap);
         uint32_t left = clamped(floor(at[0] - half + 0.5), width);
         uint32_t right = clamped(floor(at[0] + half + 0.5), width);
         uint32_t bottom = clamped(floor(at[1] + half + 0.5), height);
@@ -222,4 +224,5 @@ void cells_cast(float *nearest, uint32_t width, uint32_t height, const struct ce
             }
         }
     }
+    return largest;
 }

@@ -19,7 +19,7 @@ conus_status cells_find(struct cells *out, const conus_atlas *atlas, const bool 
 void cells_finish(struct cells *cells); /**< One that is all 0 is fine. */
 
 /** Sets how far from the eye the nearest of them is, mm, in @p nearest, [height width], top row first, where what
- * stands there is farther: INFINITY = nothing. */
-void cells_cast(float *nearest, uint32_t width, uint32_t height, const struct cells *cells, const struct eye *eye);
+ * stands there is farther: INFINITY = nothing. Returns the edge of the nearest cell, pixels. */
+double cells_cast(float *nearest, uint32_t width, uint32_t height, const struct cells *cells, const struct eye *eye);
 
 #endif

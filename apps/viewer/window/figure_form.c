@@ -77,17 +77,17 @@ static bool set_camera(conus_view *view, struct eye *eye, const char *streamline
 
 /* What the pane has over its picture. */
 struct marks {
-    conus_mark items[TOOL_COUNT * (CONE_LINES + 3 + HITS_NAMED)];
+    conus_drawn_point items[TOOL_COUNT * (CONE_LINES + 3 + HITS_NAMED)];
     size_t count;
     char names[TOOL_COUNT][HITS_NAMED][VIEW_ATLAS_TITLE];
 };
 
-static conus_mark *add_mark(struct marks *marks, const double from[3], const double to[3], uint32_t rgb)
+static conus_drawn_point *add_mark(struct marks *marks, const double from[3], const double to[3], uint32_t rgb)
 {
-    conus_mark *mark = &marks->items[marks->count++];
+    conus_drawn_point *mark = &marks->items[marks->count++];
     for (int a = 0; a < 3; a++) {
-        mark->ends[0][a] = from[a];
-        mark->ends[1][a] = to[a];
+        mark->at[a] = from[a];
+        mark->end[a] = to[a];
         mark->rgb[a] = (uint8_t)(rgb >> (16 - 8 * a));
     }
     return mark;

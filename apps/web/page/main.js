@@ -14,7 +14,6 @@ const SPEAK = 700; // ms, and the answer is spoken
 const TABLE = /\.(txt|tsv|csv|lut|ctbl|json)$/i;
 const WORDS = { origin: "Start", toward: "Target" };
 const GREYS = ["#black", "#white"]; // of the image below the areas
-const RANKS = ["LOOK_RANK_1", "LOOK_RANK_2", "LOOK_RANK_3", "LOOK_RANK_4", "LOOK_RANK_5", "LOOK_RANK_6"];
 const NUDGES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 const $ = (/** @type {string} */ selector) => /** @type {any} */ (document.querySelector(selector));
@@ -36,6 +35,8 @@ let objects = [];
 let hits = [];
 /** The place of each among the colours. @type {number[]} */
 let ranks = [];
+/** The colour of each by it and its share. @type {string[]} */
+let tints = [];
 /** The files of the open atlas, each with whether it is an image below the areas. @type {[string, ArrayBuffer, boolean?][]} */
 let files = [];
 /** Those that came last, of which one may be opened. @type {[string, ArrayBuffer, boolean?][]} */
@@ -196,7 +197,7 @@ function fillTable() {
     const [title, ...rgb] = objects[number - 1];
     const nearest = nearestOf(row);
     const [swatch, name] = tr.cells[1].childNodes;
-    swatch.style.setProperty("--chip", byRank() ? RANKS[ranks[i] - 1] ?? "LOOK_RANK_MORE" : `rgb(${rgb.slice(0, 3)})`);
+    swatch.style.setProperty("--chip", byRank() ? tints[i] ?? "LOOK_RANK_MORE" : `rgb(${rgb.slice(0, 3)})`);
     swatch.classList.toggle("behind", !row.pixels);
     if (name.data !== title) name.data = title;
     for (const [column, text] of Object.entries({ 0: String(row.rank), 2: row.pixels ? `${(100 * row.share).toFixed(2)} %` : "behind", 3: String(row.pixels), 4: typeof nearest === "number" ? nearest.toFixed(1) : "" })) {
@@ -296,6 +297,7 @@ async function answer() {
     const drawn = await ask("draw", { question: why ? { ...question, toward: question.origin } : question, cuts: needed.filter(isCut).map(({ request }) => request), view: solid?.request ?? null, chosen, given }, given);
     hits = drawn.hits;
     ranks = drawn.ranks;
+    tints = drawn.colours;
     const marked = byRank() ? hits.map((_, i) => hits[ranks.indexOf(i + 1)]) : []; // in the order of the colours
     spare.push(...needed.filter(isCut).flatMap(({ pane, request }, i) => pane.show(drawn.cuts[i], request, marked)));
     if (solid) spare.push(...view.show(drawn.view, solid.request, marked));

@@ -75,10 +75,10 @@ const CALLS = {
   /** The answer to a question and all pictures of it; of one that is refused why, and pictures without a cone. */
   draw({ question: q, cuts, view, chosen, given }) {
     spare = given;
-    const { error: refused, depth, hits = [], ranks = [] } = JSON.parse(conus.ask(...q.origin, ...q.toward, q.angle, q.resolution, q.layers === "all" ? 1 : 0));
+    const { error: refused, depth, hits = [], ranks = [], colours = [] } = JSON.parse(conus.ask(...q.origin, ...q.toward, q.angle, q.resolution, q.layers === "all" ? 1 : 0));
     const rows = refused ? "" : conus.rows(NDJSON);
     if (!refused) cut = placeCuts(q, rows);
-    const out = { refused, depth, rows, hits, ranks, cut, cuts: [] };
+    const out = { refused, depth, rows, hits, ranks, colours, cut, cuts: [] };
     for (const c of cuts) {
       const through = 3 - c.right - c.up;
       if (!q.cut && cut) c.centre[through] = cut[through];

@@ -45,11 +45,11 @@ static void asks_well(const char *answer, const char *hits, double depth)
 static void test_rows_of_an_answer(void **state)
 {
     (void)state;
-    asks_well(web_ask(3, 50, 4, 3, 0, 4, 1, 16, 0), "\"hits\": [1], \"ranks\": [1]}", 38);
+    asks_well(web_ask(3, 50, 4, 3, 0, 4, 1, 16, 0), "\"hits\": [1], \"ranks\": [1], \"colours\": [\"#d2246c\"]}", 38);
     const char *first = web_rows(CONUS_FORMAT_CSV);
     assert_non_null(strstr(first, "Slab anterior,SlA,1,1,208,1,"));
     assert_null(strstr(first, "Slab posterior"));
-    asks_well(web_ask(3, 50, 4, 3, 0, 4, 1, 16, 1), "\"hits\": [1, 2], \"ranks\": [1, 2]}", 0);
+    asks_well(web_ask(3, 50, 4, 3, 0, 4, 1, 16, 1), "\"ranks\": [1, 2], \"colours\": [\"#d2246c\", \"#009ca8\"]}", 0);
     assert_non_null(strstr(web_rows(CONUS_FORMAT_CSV), "Slab posterior"));
     assert_non_null(strstr(web_sidecar(), "\"sha256\""));
 }
@@ -127,6 +127,27 @@ static void test_view_is_lit_from_the_eye(void **state)
     web_use_colours(COLOURS_OF_ANSWER);
 }
 
+/* A cone that the posterior one has but a few pixels of: it has a little of its colour, in the answer as in the view,
+ * and the rest is grey, as conus_selection_weight() says. */
+static void test_what_has_little_is_pale(void **state)
+{
+    char hex[8];
+    (void)state;
+    const char *answer = web_ask(-50, 8, 0, 0, 8, 0, 28, 128, 0);
+    const char *list = strstr(answer, "\"colours\": [\"#");
+    assert_non_null(strstr(answer, "\"hits\": [1, 2]"));
+    const conus_result *small = conus_selection_result(page.selection, 1);
+    assert_true(small->share > 0 && small->share < 0.2);
+    const double weight = conus_selection_weight(page.selection, 2);
+    const uint8_t *rgb = web_view(64, -100, -9, 0, 0, -9, 0, 10, 0) + (size_t)4 * (32 * 64 + 32);
+    assert_true(weight < 0.7 && list);
+    assert_memory_equal(list + 12, "\"#d2246c\", \"#", 13);
+    snprintf(hex, sizeof hex, "%.6s", list + 25);
+    const unsigned colour = (unsigned)strtoul(hex, NULL, 16);
+    assert_int_equal(colour >> 16, (int)(weight * (LOOK_RANK_2 >> 16) + (1 - weight) * (LOOK_NOT_HIT >> 16) + 0.5));
+    is_about(rgb, colour);
+}
+
 /* From behind the posterior one hides the other, which is the second of all layers: stripes of its colour and grey. */
 static void test_what_is_behind_has_stripes(void **state)
 {
@@ -179,6 +200,7 @@ int main(void)
         cmocka_unit_test(test_cut_has_its_top_row_first),
         cmocka_unit_test(test_view_is_upright_and_not_mirrored),
         cmocka_unit_test(test_view_is_lit_from_the_eye),
+        cmocka_unit_test(test_what_has_little_is_pale),
         cmocka_unit_test(test_what_is_behind_has_stripes),
         cmocka_unit_test(test_pictures_are_refused),
         cmocka_unit_test(test_nothing_that_draws_is_linked),

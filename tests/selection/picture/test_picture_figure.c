@@ -615,7 +615,8 @@ static void points_that_cannot_be_drawn_are_refused(void **state)
 static void points_alone_are_those_over_a_drawing(void **state)
 {
     struct scene scene = need_scene(state);
-    static const conus_drawn_point points[] = {{NULL, "a", {0, 0, 0}, {NAN}, 2}, {NULL, "b", {0, -18, 0}, {NAN}, 2}};
+    static const conus_drawn_point points[] = {{.group = "a", .end = {NAN}, .radius = 2},
+                                               {.group = "b", .at = {0, -18, 0}, .end = {NAN}, .radius = 2}};
     conus_pose camera;
     assert_ok(conus_pose_toward(&camera, (double[]){-100, 0, 0}, (double[]){0, 0, 0}, NULL));
     conus_view view = {.width = 200,
@@ -1024,16 +1025,17 @@ static conus_status attempt_probe(void *data)
     return status;
 }
 
+static const conus_drawn_point two_points[] = {{.name = "P1", .group = "P", .end = {10, 10, 10}, .radius = 2},
+                                               {.name = "Q1", .at = {9, 0, 0}, .end = {NAN}}};
+
 static conus_status attempt_points(void *data)
 {
-    static const conus_drawn_point points[] = {{"P1", "P", {0, 0, 0}, {10, 10, 10}, 2},
-                                               {"Q1", NULL, {9, 0, 0}, {NAN}, 0}};
     static const conus_cut_plane plane = {.right = {1, 0, 0}, .up = {0, 1, 0}};
     const struct scene *scene = data;
     conus_image *image = NULL;
-    static const conus_mark marks[] = {{.ends = {{0, 0, 0}, {9, 9, 9}}, .dashed = true}, {.radius = 3}, {.name = "M"}};
+    static const conus_drawn_point marks[] = {{.end = {9, 9, 9}, .dashed = true}, {.radius = 3}, {.name = "M"}};
     const conus_view view = {
-        .width = 200, .height = 80, .points = points, .point_count = 2, .marks = marks, .mark_count = 3};
+        .width = 200, .height = 80, .points = two_points, .point_count = 2, .marks = marks, .mark_count = 3};
     conus_status status = conus_cuts_image(&image, scene->atlas, &plane, 1, NULL, scene->renderer, &view);
     assert_true((status == CONUS_OK) == (image != NULL));
     conus_image_destroy(image);
@@ -1042,12 +1044,10 @@ static conus_status attempt_points(void *data)
 
 static conus_status attempt_points_alone(void *data)
 {
-    static const conus_drawn_point points[] = {{"P1", "P", {0, 0, 0}, {10, 10, 10}, 2},
-                                               {"Q1", NULL, {9, 0, 0}, {NAN}, 0}};
     static const conus_cut_view cut = {.mm_per_pixel = 1};
     const struct scene *scene = data;
     conus_image *image = NULL;
-    const conus_view view = {.width = 200, .height = 80, .points = points, .point_count = 2};
+    const conus_view view = {.width = 200, .height = 80, .points = two_points, .point_count = 2};
     conus_status status = conus_points_image(&image, scene->atlas, &view, &cut);
     assert_true((status == CONUS_OK) == (image != NULL));
     conus_image_destroy(image);

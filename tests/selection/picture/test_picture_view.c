@@ -330,11 +330,89 @@ static void a_draft_has_the_areas_of_its_answer(void **state)
     finish(&left);
 }
 
+static int one_of(uint64_t *random, int count)
+{
+    return (int)test_random(random, 0, count);
+}
+
+/* 500 changes at random, or a fourth of them, as a window has them: another answer or none, drafts, opacities, what is
+ * hidden, the colours. Each picture is that of its own view, as a renderer draws it that has drawn nothing before: none
+ * is late. */
+static void no_picture_is_late(void **state)
+{
+    enum { CHANGES = 500, OPACITIES = 4 };
+    static const double opacities[OPACITIES][4] = {
+        {NAN, NAN, NAN, NAN}, {NAN, 0.5, NAN, NAN}, {NAN, NAN, 0, 0.3}, {NAN, 1, 1, 0}};
+    static const bool hidden[][4] = {{false}, {false, true}, {false, false, true}, {false, false, false, true}};
+    static const double origins[2][3] = {{-60, 0, 0}, {60, 0, 0}};
+    const conus_renderer_options rays = {.engine = CONUS_ENGINE_RAYS};
+    conus_atlas *atlas = balls_beside_a_pathway();
+    conus_selector *selector = NULL;
+    conus_selection *answers[3] = {NULL};
+    conus_renderer *renderer = NULL;
+    uint64_t random = 102;
+    size_t late = 0;
+    (void)state;
+    assert_int_equal(conus_atlas_object_count(atlas), 3);
+    assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.resolution = 16}));
+    for (int i = 0; i < 2; i++) {
+        conus_pose pose;
+        assert_ok(conus_pose_toward(&pose, origins[i], (double[]){0, 0, 0}, NULL));
+        assert_ok(conus_select(&answers[i], selector, &pose, radians_from_degrees(20)));
+    }
+    assert_ok(conus_renderer_create(&renderer, atlas, &rays));
+    conus_view view = {.width = 48, .height = 36, .no_legend = true};
+    int hides = 0;
+    for (size_t change = 0; change < test_trials(CHANGES); change++) {
+        conus_image *shown = NULL;
+        conus_image *own = NULL;
+        conus_renderer *fresh = NULL;
+        switch (one_of(&random, 8)) {
+        case 0:
+            view.draft = !view.draft;
+            break;
+        case 1:
+            view.opacity = opacities[one_of(&random, OPACITIES)];
+            break;
+        case 2:
+            hides = one_of(&random, 4);
+            break;
+        case 3:
+            view.own_colours = !view.own_colours;
+            break;
+        case 4:
+            view.no_pale = !view.no_pale;
+            break;
+        case 5:
+            view.side = one_of(&random, 2) ? CONUS_SIDE_FRONT : CONUS_SIDE_LEFT;
+            break;
+        default:
+            view.selection = answers[one_of(&random, 3)];
+        }
+        assert_ok(conus_atlas_set_hidden(atlas, hidden[hides]));
+        assert_ok(conus_renderer_update(renderer));
+        assert_ok(conus_renderer_create(&fresh, atlas, &rays));
+        assert_ok(conus_render(&shown, renderer, &view));
+        assert_ok(conus_render(&own, fresh, &view));
+        late += difference(shown, own) > 0;
+        conus_image_destroy(shown);
+        conus_image_destroy(own);
+        conus_renderer_destroy(fresh);
+    }
+    assert_int_equal(late, 0);
+    conus_renderer_destroy(renderer);
+    conus_selection_destroy(answers[0]);
+    conus_selection_destroy(answers[1]);
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
 TEST_GROUP(picture_view)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rolled_up_areas_look_like_one),
         cmocka_unit_test(a_draft_has_the_areas_of_its_answer),
+        cmocka_unit_test(no_picture_is_late),
         cmocka_unit_test(pictures_have_their_size_and_are_opaque),
         cmocka_unit_test(a_cone_that_begins_in_an_area_is_not_drawn_through_it),
         cmocka_unit_test(options_show_in_the_picture),
