@@ -88,12 +88,17 @@ struct bytes source_bytes(struct job *job, struct source *source, uint64_t limit
     return bytes;
 }
 
+static bool is_unwanted(void *source)
+{
+    return ((struct source *)source)->stops;
+}
+
 /* Where a byte cannot be read there is no sum: who asks for it tries again, and hears why. */
 static void sum_bytes(void *user, size_t piece)
 {
     struct source *source = user;
     (void)piece;
-    (void)file_sha256_open(source->sha256, &source->file, &source->stops);
+    (void)file_sha256_open(source->sha256, &source->file, is_unwanted, source);
 }
 
 void source_sum_ahead(struct source *source)
@@ -110,7 +115,7 @@ const char *source_sum(struct job *job, struct source *source)
         return job->nothing; /* there may be no source */
     }
     threads_wait(&source->summing);
-    bool has_sum = source->sha256[0] || JOB_CALL(job, file_sha256_open(source->sha256, &source->file, NULL));
+    bool has_sum = source->sha256[0] || JOB_CALL(job, file_sha256_open(source->sha256, &source->file, NULL, NULL));
     return has_sum ? source->sha256 : job->nothing;
 }
 

@@ -50,7 +50,7 @@ void file_sha256(char out[65], const struct bytes *bytes)
     file_sha256_end(out, &context);
 }
 
-conus_status file_sha256_open(char out[65], const struct open_file *file, const _Atomic bool *stops)
+conus_status file_sha256_open(char out[65], const struct open_file *file, bool (*stops)(void *user), void *user)
 {
     enum { PART = 1 << 20 };
     struct sha256_ctx context;
@@ -60,7 +60,7 @@ conus_status file_sha256_open(char out[65], const struct open_file *file, const 
     for (uint64_t at = 0; !status && at < file->before.size; at += PART) {
         uint64_t left = file->before.size - at;
         size_t size = left < PART ? (size_t)left : PART;
-        status = stops && *stops ? CONUS_ERROR_CANCELLED : file_part_here(part, file, at, size);
+        status = stops && stops(user) ? CONUS_ERROR_CANCELLED : file_part_here(part, file, at, size);
         sha256_update(&context, status ? 0 : size, part);
     }
     memory_free(part);

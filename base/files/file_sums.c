@@ -64,7 +64,7 @@ conus_status file_sums_put(struct file_sums *sums, const char *path, const char 
 conus_status file_sums_add_open(struct file_sums *sums, const struct open_file *file)
 {
     char sha256[65];
-    conus_status status = file_sha256_open(sha256, file, NULL);
+    conus_status status = file_sha256_open(sha256, file, NULL, NULL);
     return status ? fail_in(status, file->path) : file_sums_put(sums, file->path, sha256);
 }
 

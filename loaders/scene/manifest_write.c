@@ -49,7 +49,7 @@ static void look_for_transform(struct job *job, const struct manifest_draft *dra
     if (!path_ending_length(name, ".tfm/.mat/.lta/.xfm")) {
         return;
     }
-    const struct source *source = source_open(&trial, job_beside(&trial, draft->folder, name));
+    struct source *source = source_open(&trial, job_beside(&trial, draft->folder, name));
     const bool is_matlab = source && format_id_of(&source->stored, ROLE_TRANSFORM) == FORMAT_HDF5;
     if (!is_matlab) {
         transform_read(&trial, &transform, source, &(conus_transform_options){0});

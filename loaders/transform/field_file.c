@@ -383,7 +383,7 @@ static void note_looks(struct job *job, const struct source *source, bool positi
  * intent 1006, which ITK and 3D Slicer write for displacements, and others (VISTASOFT) for positions; @p is_stated: the
  * caller says which. */
 static void set_vectors(struct job *job, struct deformation *field, enum field_kind kind, bool is_stated,
-                        const struct source *source)
+                        struct source *source)
 {
     static const double flip[16] = {-1, [5] = -1, [10] = 1, [15] = 1};
     double lps[16];
@@ -456,7 +456,7 @@ static void check_from(struct job *job, const conus_volume_info *field, const ch
 }
 
 static void set_flirt(struct job *job, struct deformation *field, enum field_kind kind, const conus_volume_info *grid,
-                      const conus_transform_options *options, const struct source *source)
+                      const conus_transform_options *options, struct source *source)
 {
     conus_volume_info to = {0};
     double world[16];
@@ -494,7 +494,7 @@ static void set_flirt(struct job *job, struct deformation *field, enum field_kin
     check_finite(job, field);
 }
 
-void field_read(struct job *job, struct transform_chain *out, const struct source *source,
+void field_read(struct job *job, struct transform_chain *out, struct source *source,
                 const conus_transform_options *options)
 {
     struct volume_file file = {0};

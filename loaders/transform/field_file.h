@@ -16,7 +16,7 @@ const char *field_words(bool *usable, const struct source *source);
 
 /** Reads the field in @p source, whose path is the innermost place, for points of where poses are, as a chain of one.
  * Of @p options, from and to are FSL's images; inverse is refused. */
-void field_read(struct job *job, struct transform_chain *out, const struct source *source,
+void field_read(struct job *job, struct transform_chain *out, struct source *source,
                 const conus_transform_options *options);
 
 /** How vectors are to be read. */
