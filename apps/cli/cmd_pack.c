@@ -52,7 +52,7 @@ static int save(const struct pack_settings *settings, const conus_atlas *atlas, 
     const char **sources = calloc(count + 1, sizeof *sources);
     char *words = arguments_text(arguments);
     int code = sources && words ? EXIT_DONE : print_no_memory();
-    for (size_t i = 0; i < count && !code; i++) {
+    for (size_t i = 0; sources && i < count; i++) {
         sources[i] = conus_inputs_at(i);
     }
     if (!code) {

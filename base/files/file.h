@@ -119,10 +119,6 @@ void file_sha256(char out[65], const struct bytes *bytes);
 
 struct sha256_ctx;
 
-/** The same of an open file, a part at a time, until stops(@p user), if not NULL, is true: CONUS_ERROR_CANCELLED. Other
- * errors as of file_part_here(). */
-conus_status file_sha256_open(char out[65], const struct open_file *file, bool (*stops)(void *user), void *user);
-
 /** The same of all bytes given to @p context, which is as new afterwards. */
 void file_sha256_end(char out[65], struct sha256_ctx *context);
 

@@ -2,7 +2,6 @@
 /* A file's identity: its state, and the SHA-256 of its bytes. */
 #include "base/files/file.h"
 
-#include "base/memory.h"
 #include "base/system/system.h"
 
 #include <nettle/sha2.h>
@@ -48,24 +47,4 @@ void file_sha256(char out[65], const struct bytes *bytes)
     sha256_init(&context);
     sha256_update(&context, bytes->size, bytes->data);
     file_sha256_end(out, &context);
-}
-
-conus_status file_sha256_open(char out[65], const struct open_file *file, bool (*stops)(void *user), void *user)
-{
-    enum { PART = 1 << 20 };
-    struct sha256_ctx context;
-    uint8_t *part = memory_raw(PART, 1);
-    conus_status status = part ? CONUS_OK : CONUS_ERROR_MEMORY;
-    sha256_init(&context);
-    for (uint64_t at = 0; !status && at < file->before.size; at += PART) {
-        uint64_t left = file->before.size - at;
-        size_t size = left < PART ? (size_t)left : PART;
-        status = stops && stops(user) ? CONUS_ERROR_CANCELLED : file_part_here(part, file, at, size);
-        sha256_update(&context, status ? 0 : size, part);
-    }
-    memory_free(part);
-    if (!status) {
-        file_sha256_end(out, &context);
-    }
-    return status;
 }

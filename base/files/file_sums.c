@@ -5,6 +5,7 @@
 #include "base/files/inputs.h"
 #include "base/memory.h"
 
+#include <nettle/sha2.h>
 #include <string.h>
 
 void file_sums_cut(struct file_sums *sums, size_t count)
@@ -57,6 +58,26 @@ conus_status file_sums_put(struct file_sums *sums, const char *path, const char 
     status = sum.path ? append_sum(sums, &sum) : CONUS_ERROR_MEMORY;
     if (status) {
         memory_free(sum.path);
+    }
+    return status;
+}
+
+conus_status file_sha256_open(char out[65], const struct open_file *file, bool (*stops)(void *user), void *user)
+{
+    enum { PART = 1 << 20 };
+    struct sha256_ctx context;
+    uint8_t *part = memory_raw(PART, 1);
+    conus_status status = part ? CONUS_OK : CONUS_ERROR_MEMORY;
+    sha256_init(&context);
+    for (uint64_t at = 0; !status && at < file->before.size; at += PART) {
+        uint64_t left = file->before.size - at;
+        size_t size = left < PART ? (size_t)left : PART;
+        status = stops && stops(user) ? CONUS_ERROR_CANCELLED : file_part_here(part, file, at, size);
+        sha256_update(&context, status ? 0 : size, part);
+    }
+    memory_free(part);
+    if (!status) {
+        file_sha256_end(out, &context);
     }
     return status;
 }

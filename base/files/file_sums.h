@@ -20,6 +20,10 @@ struct file_sums {
 
 void file_sums_finish(struct file_sums *sums);
 
+/** Lower-case SHA-256 of an open file in hexadecimal, read a part at a time, until stops(@p user), if not NULL, is
+ * true: CONUS_ERROR_CANCELLED. Other errors as of file_part_here(). */
+conus_status file_sha256_open(char out[65], const struct open_file *file, bool (*stops)(void *user), void *user);
+
 /** Adds @p path with the sum of @p content, the bytes that were read from it, unless it is there. */
 conus_status file_sums_add(struct file_sums *sums, const char *path, const struct bytes *content);
 

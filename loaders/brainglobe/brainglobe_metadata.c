@@ -73,15 +73,6 @@ bool brainglobe_metadata_take(struct job *job, struct brainglobe_metadata *out, 
     return true;
 }
 
-/* Bridge: for the place of a TIFF stack. */
-conus_status brainglobe_metadata_read(struct brainglobe_metadata *out, bool *found, const char *path,
-                                      struct file_sums *read)
-{
-    struct job job = {0};
-    *found = brainglobe_metadata_take(&job, out, path);
-    return job_close(&job, NULL, read);
-}
-
 /* Row and sign of the world axis that grows away from `corner`: BrainGlobe's letters name where an array axis starts.
  */
 static bool read_corner(int *row, double *sign, char corner)

@@ -25,10 +25,6 @@ void brainglobe_metadata_parse(struct job *job, struct brainglobe_metadata *out,
  * where there is no such file. */
 bool brainglobe_metadata_take(struct job *job, struct brainglobe_metadata *out, const char *path);
 
-/** Bridge: the same for the readers of volumes; it goes with their last status. */
-conus_status brainglobe_metadata_read(struct brainglobe_metadata *out, bool *found, const char *path,
-                                      struct file_sums *read);
-
 /** The matrix from (axis 0, axis 1, axis 2), counted from the corner in units of @p scale[axis] mm, to the world. Three
  * letters, one each of R or L, A or P, S or I, are needed: else CONUS_ERROR_DATA. */
 conus_status brainglobe_axes(double world_from_axes[16], const char *orientation, const double scale[3]);

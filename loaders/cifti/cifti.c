@@ -500,7 +500,8 @@ static conus_status on_end(void *user, const struct xml_event *event)
 static void cifti_read_header(struct job *job, struct volume_header *header, size_t shape[2], const struct bytes *file)
 {
     const uint64_t max_memory = memory_limit(job->max_memory);
-    if (!JOB_CALL(job, nifti_matrix_parse(header, shape, file->data, file->size))) {
+    nifti_matrix_read(job, header, shape, file->data, file->size);
+    if (!job_ok(job)) {
         return;
     }
     if (header->info.slope != 1 || header->info.intercept != 0) {
@@ -529,16 +530,16 @@ static struct text find_xml(struct job *job, const struct bytes *file, const str
     struct text xml = {0};
     size_t count = 0;
     size_t found = 0;
-    size_t end;
-    const struct bytes head = {file->data, job_ok(job) ? (size_t)header->offset : 0};
-    (void)JOB_CALL(job, nifti_extensions_parse(&extensions, &count, &end, &head, header));
+    if (!job_ok(job)) {
+        return xml;
+    }
+    (void)nifti_extensions_read(job, &extensions, &count, text_from_bytes(file->data, (size_t)header->offset), header);
     for (size_t i = 0; i < count; i++) {
         if (extensions[i].code == NIFTI_CIFTI_XML) {
             xml = text_from_bytes(extensions[i].data, extensions[i].size);
             found++;
         }
     }
-    memory_free(extensions);
     if (found != 1) {
         job_bad(job, "extensions of ecode %d, which hold the XML: found %zu, one is needed", NIFTI_CIFTI_XML, found);
     }

@@ -300,26 +300,23 @@ static void begin_header(struct job *job, struct volume_header *out, struct fiel
     out->offset = (uint64_t)f->vox_offset;
 }
 
-/* Bridge: CIFTI reports a status. */
-conus_status nifti_matrix_parse(struct volume_header *out, size_t shape[2], const uint8_t *data, size_t size)
+void nifti_matrix_read(struct job *job, struct volume_header *out, size_t shape[2], const uint8_t *data, size_t size)
 {
-    struct job job = {0};
     struct fields f = {0};
     const int64_t *dim = f.dim;
-    read_fields(&job, &f, data, size);
+    read_fields(job, &f, data, size);
     if (f.pair || !nifti_matrix_intent(data, size)) {
-        job_bad(&job, "not a CIFTI-2 file: a single NIfTI-2 file of an intent_code of 3000 to 3099");
+        job_bad(job, "not a CIFTI-2 file: a single NIfTI-2 file of an intent_code of 3000 to 3099");
     }
-    begin_header(&job, out, &f);
+    begin_header(job, out, &f);
     if (dim[0] != 6 || dim[1] != 1 || dim[2] != 1 || dim[3] != 1 || dim[4] != 1) {
-        job_bad(&job,
+        job_bad(job,
                 "dim: found %lld: %lld x %lld x %lld x %lld x ..., a CIFTI matrix has 6 dimensions, the first four of "
                 "them 1",
                 (long long)dim[0], (long long)dim[1], (long long)dim[2], (long long)dim[3], (long long)dim[4]);
     }
     shape[0] = (size_t)dim[5];
     shape[1] = (size_t)dim[6];
-    return job_close(&job, NULL, NULL);
 }
 
 /* Reads the fixed part of a header. */
@@ -348,9 +345,8 @@ static void parse_header(struct job *job, struct volume_header *out, const struc
     }
 }
 
-/* Lists the extensions in @p head; gives where the last one ends. Broken ones are an error: labels would vanish. */
-static size_t read_extensions(struct job *job, struct volume_extension **out, size_t *count, struct text head,
-                              const struct volume_header *header)
+size_t nifti_extensions_read(struct job *job, struct volume_extension **out, size_t *count, struct text head,
+                             const struct volume_header *header)
 {
     size_t at = header->header_size + EXTENDER_SIZE;
     *count = 0;
@@ -378,17 +374,6 @@ static size_t read_extensions(struct job *job, struct volume_extension **out, si
         at += (size_t)esize;
     }
     return at;
-}
-
-/* Bridge: CIFTI reports a status. */
-conus_status nifti_extensions_parse(struct volume_extension **out, size_t *count, size_t *end, const struct bytes *head,
-                                    const struct volume_header *header)
-{
-    struct job job = {0};
-    *out = NULL;
-    *end = read_extensions(&job, out, count, (struct text){(const char *)head->data, head->size}, header);
-    *out = job_give(&job, *out, (*count + 1) * sizeof **out);
-    return job_close(&job, NULL, NULL);
 }
 
 /* Whether `path` ends in ".ext" or ".ext.gz", whatever the case; *at is where "ext" stands. */
@@ -443,7 +428,7 @@ static void nifti_around(struct job *job, struct volume_input *v)
     const struct text head = reader_keep(&r, is_longer        ? HEAD_LIMIT
                                              : v->header.pair ? (size_t)(r.end - r.at)
                                                               : (size_t)v->header.offset);
-    const size_t end = read_extensions(job, &v->extensions, &v->extension_count, head, &v->header);
+    const size_t end = nifti_extensions_read(job, &v->extensions, &v->extension_count, head, &v->header);
     if (job_ok(job)) {
         v->embedded = trim_zeros((struct text){head.data + end, head.size - end});
     }

@@ -10,11 +10,11 @@
 
 /** Reads the fixed part of the header of a CIFTI-2 file, which has no grid and no place: @p shape becomes dim[5] and
  * dim[6], the faster index first, info.volume_count their product. */
-conus_status nifti_matrix_parse(struct volume_header *out, size_t shape[2], const uint8_t *data, size_t size);
+void nifti_matrix_read(struct job *job, struct volume_header *out, size_t shape[2], const uint8_t *data, size_t size);
 
-/** Lists the extensions in @p head, which holds everything before the voxels; *end is where the last one ends. Broken
- * ones are an error: labels would vanish with them. @p out is the caller's to memory_free(). */
-conus_status nifti_extensions_parse(struct volume_extension **out, size_t *count, size_t *end, const struct bytes *head,
-                                    const struct volume_header *header);
+/** Lists the *count extensions in @p head, which holds everything before the voxels, and gives where the last one ends.
+ * Broken ones are an error: labels would vanish with them. */
+size_t nifti_extensions_read(struct job *job, struct volume_extension **out, size_t *count, struct text head,
+                             const struct volume_header *header);
 
 #endif

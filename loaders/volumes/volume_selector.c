@@ -150,16 +150,3 @@ void volume_selector_refuse(struct job *job, const struct volume_selector *selec
         }
     }
 }
-
-conus_status volume_selector_parse(struct volume_selector *out, const char *text)
-{
-    struct job job = {0};
-    volume_selector_read(&job, out, text);
-    out->path = job_give(&job, out->path, strlen(out->path) + 1);
-    return job_close(&job, NULL, NULL);
-}
-
-void volume_selector_finish(struct volume_selector *selector)
-{
-    memory_free(selector->path);
-}

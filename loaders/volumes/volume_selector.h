@@ -29,8 +29,4 @@ void volume_selector_read(struct job *job, struct volume_selector *out, const ch
 /** CONUS_ERROR_ARGUMENT where a key is given that is not @p allowed (of VOLUME_KEY()). */
 void volume_selector_refuse(struct job *job, const struct volume_selector *selector, unsigned allowed);
 
-/** Bridge: the first one for the regions of load_scalar.c, and their end. */
-conus_status volume_selector_parse(struct volume_selector *out, const char *text);
-void volume_selector_finish(struct volume_selector *selector);
-
 #endif

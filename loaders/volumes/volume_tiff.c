@@ -16,7 +16,7 @@ static struct brainglobe_metadata find_place(struct job *job, const struct volum
     bool whole = stated->orientation[0] && stated->resolution[0] > 0;
     struct brainglobe_metadata place = {0};
     if (!whole) {
-        (void)JOB_CALL(job, brainglobe_metadata_read(&place, &found, keys->path, &job->files));
+        found = brainglobe_metadata_take(job, &place, keys->path);
     }
     if (stated->orientation[0]) {
         memcpy(place.orientation, stated->orientation, sizeof place.orientation);

@@ -61,7 +61,7 @@ LIBRARY = {
     "base/simd": "",
     "base/geometry": "base",
     "base/child": "base base/files base/system base/job",
-    "base/formats": "base base/files base/job base/child base/system",
+    "base/formats": "base base/files base/job base/child",
     "base/job": "base base/files",
     "atlas/surface": "base base/geometry",
     "atlas/deformation": "base base/geometry",
@@ -73,7 +73,7 @@ LIBRARY = {
     "atlas/fit": "base base/geometry atlas/surface atlas",
     "atlas/phantom": "base base/geometry atlas/labels atlas/surface atlas",
     "poses/rows": "base base/files base/formats base/geometry base/job base/system",
-    "poses/programs": "base base/files base/child base/geometry base/formats base/job poses/rows",
+    "poses/programs": "base base/files base/child base/geometry base/formats poses/rows",
     "poses": "base base/child base/geometry base/formats base/system sources poses/rows poses/programs",
     # What a file is, for every room that reads files. It knows none of their readers.
     "sources": "base base/files base/formats base/child base/job",
@@ -82,7 +82,7 @@ LIBRARY = {
     "loaders/tiff": "base base/job sources",
     "loaders/zarr": "base base/formats base/job base/system",
     "loaders/brainglobe": "base base/job base/geometry base/formats base/system",
-    "loaders/tracts": "base base/files base/geometry base/formats atlas/tracts loaders loaders/surfaces/foreign sources",
+    "loaders/tracts": "base base/job base/files base/geometry base/formats atlas/tracts loaders loaders/surfaces/foreign sources",
     "loaders/volumes/text": "base base/job base/geometry atlas/labels atlas",
     "loaders/volumes": "base base/files base/child base/geometry base/formats base/job atlas/labels atlas"
     " loaders loaders/tiff loaders/zarr loaders/brainglobe loaders/volumes/text sources loaders/labels",
@@ -91,7 +91,7 @@ LIBRARY = {
     "loaders/labels": "base base/system base/job base/files base/geometry base/formats atlas/labels sources",
     "loaders/child": "base base/child base/system atlas/surface atlas",
     "loaders/surfaces/foreign": "base base/geometry base/formats base/job atlas/labels atlas/surface loaders sources",
-    "loaders/surfaces": "base base/job base/files base/geometry base/formats base/system atlas/labels atlas/surface atlas loaders"
+    "loaders/surfaces": "base base/job base/files base/geometry base/formats atlas/labels atlas/surface atlas loaders"
     " loaders/labels loaders/cifti loaders/child loaders/surfaces/foreign sources loaders/volumes",
     "loaders/phantom": "base base/files base/geometry atlas/labels atlas atlas/phantom loaders/volumes loaders/surfaces",
     "loaders/manifest": "base base/files base/formats base/job atlas/labels atlas/surface atlas/areas loaders/volumes loaders/labels",
