@@ -832,6 +832,14 @@ static void choose_families(struct head *head)
     }
 }
 
+/* Of conus overlap, whose query is a region, the same in many rows. */
+static bool is_of_regions(const struct head *head)
+{
+    const size_t query = find_name(head, "query", 0);
+    return query != COLUMN_NONE && head->out->role_of[query] == ROLE_NAME && !head->words.name.size &&
+           find_name(head, "peak x", 0) != COLUMN_NONE;
+}
+
 /* Where nothing else names the rows: the first column if it has no name of its own, or the first one of texts; all of
  * its cells differ. */
 static void find_row_names(struct head *head)
@@ -1604,6 +1612,9 @@ static void plan(struct head *head, bool *is_short)
             note_places(head);
         }
         note_angles(head);
+        if (is_of_regions(head)) {
+            drop_role(head, ROLE_NAME);
+        }
         find_row_names(head);
         find_kept(head);
         if (!out->is_bids) {
