@@ -560,6 +560,17 @@ static void find_roles(struct head *head)
     }
 }
 
+/* Whether a cell of the column is a number. */
+static bool has_number(const struct head *head, size_t column)
+{
+    double value;
+    size_t r = 0;
+    while (r < head->row_count && !table_number(&value, &head->out->table, columns_cell(head, r, column))) {
+        r++;
+    }
+    return r < head->row_count;
+}
+
 /* A column beside a position, without a role, that says that rows are more than points, or no axis straight down. */
 static void refuse_turned(struct head *head, const struct family *position)
 {
@@ -567,6 +578,12 @@ static void refuse_turned(struct head *head, const struct family *position)
     for (size_t i = 0; i < head->family_count; i++) {
         const struct family *family = &head->families[i];
         bool is_beside = family->kind == UNKNOWN && position->kind != OF_SPACE && is_whole(family);
+        bool is_end = head->out->is_bids && family->kind >= TARGET && family->kind <= QUATERNION && is_whole(family);
+        for (size_t k = 0; k < 3 && is_end; k++) { /* of nothing but n/a it is none */
+            is_end = has_number(head, family->at[k]);
+        }
+        FAULT_IF(is_end, head, "%s beside x y z: --poses-format table reads them; without them the rows are points",
+                 FAMILY_SHOWN(head, family));
         FAULT_IF(family != position && (family->kind == TURNED || is_beside || family->kind == ENTRY), head,
                  "%s beside %s: a direction has the columns dx dy dz, a point to look at tx ty tz, an axis entry_x "
                  "entry_y "
@@ -581,14 +598,16 @@ static void refuse_turned(struct head *head, const struct family *position)
             is_one = is_one || text_is_one_of(word, turned, true) ||
                      (is_straight && text_is_one_of(word, inclined, true) && strcmp(head->names[i], "angle") != 0);
         }
+        is_one = is_one && (!head->out->is_bids || has_number(head, i)); /* else names of shafts */
         for (size_t k = 0; is_one && k < head->family_count; k++) {
             const size_t *at = head->families[k].at;
             is_one = at[0] != i && at[1] != i && at[2] != i;
         }
         FAULT_IF(is_one, head,
                  "column \"%.*s\" beside %s: angles and rotations are read as tilt_ml and tilt_ap (one of them may "
-                 "be 0), phi and theta, dx dy dz, tx ty tz, qw qx qy qz or m00...m33; without it the rows are %s",
+                 "be 0), phi and theta, dx dy dz, tx ty tz, qw qx qy qz or m00...m33%s; without it the rows are %s",
                  POSE_QUOTE(head->line.cells[i]), FAMILY_SHOWN(head, position),
+                 head->out->is_bids ? ", with --poses-format table here" : "",
                  is_straight ? "straight down" : "points");
     }
 }
@@ -811,6 +830,14 @@ static void choose_families(struct head *head)
     if (!named) { /* the user's word is enough */
         refuse_turned(head, position);
     }
+}
+
+/* Of conus overlap, whose query is a region, the same in many rows. */
+static bool is_of_regions(const struct head *head)
+{
+    const size_t query = find_name(head, "query", 0);
+    return query != COLUMN_NONE && head->out->role_of[query] == ROLE_NAME && !head->words.name.size &&
+           find_name(head, "peak x", 0) != COLUMN_NONE;
 }
 
 /* Where nothing else names the rows: the first column if it has no name of its own, or the first one of texts; all of
@@ -1067,8 +1094,11 @@ static void find_columns(struct head *head)
         set_role(head, column, ROLE_NAME);
     }
     take_named(head);
-    if (out->is_bids) { /* other columns are of others, whatever they are called */
+    if (out->is_bids) { /* other columns are of others, unless they say that rows are more than points */
         out->is_of_points = true;
+        if (!head->is_named) {
+            refuse_turned(head, &head->named);
+        }
         find_spaces(head);
         find_pairs(head);
     } else {
@@ -1582,6 +1612,9 @@ static void plan(struct head *head, bool *is_short)
             note_places(head);
         }
         note_angles(head);
+        if (is_of_regions(head)) {
+            drop_role(head, ROLE_NAME);
+        }
         find_row_names(head);
         find_kept(head);
         if (!out->is_bids) {

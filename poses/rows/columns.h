@@ -63,8 +63,8 @@ struct columns {
     char shown[ROLES][COLUMN_NAME_SIZE]; /**< What the header calls it. */
     size_t head_lines;                   /**< Lines to the end of the header. */
     uint64_t header_sum;                 /**< Of the header's line. */
-    bool is_bids; /**< Before columns_plan(): marks belong to cells, no column is unusual, and only x, y, z and name, or
-                     those that the user names, and words of space and unit have a role. */
+    bool is_bids; /**< Before columns_plan(): marks belong to cells, no column but a direction's is unusual, and only x,
+                     y, z and name, or those that the user names, and words of space and unit have a role. */
     int side;     /**< Before columns_plan(): sides_of_file(). */
     double beside_mm;  /**< Before columns_plan(): mm per unit, as a file beside it says; 0 = none does. */
     bool is_of_points; /**< It gives no direction. */

@@ -2,6 +2,7 @@
 /* A list of poses: adding rows, ending it, and comparing the space that it names with that of an atlas. */
 #include "poses/rows/pose_row.h"
 
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/atlas_info.h"
 
@@ -203,6 +204,33 @@ static const char *edition_of(const char *name)
     return text_mentions(text, "2009") ? "NLin2009" : text_mentions(text, "Lin") ? "earlier" : "";
 }
 
+/* FreeSurfer's c_ras, mm: where the header places the middle of the grid, from which tkRAS counts. False: no volume. */
+static bool find_c_ras(double out[3], const conus_atlas *atlas)
+{
+    const conus_volume_info *volume = conus_atlas_volume(atlas, 0);
+    for (int i = 0; volume && i < 3; i++) {
+        const double *m = volume->world_from_voxel + i;
+        out[i] = m[0] * (double)volume->dim[0] / 2 + m[4] * (double)volume->dim[1] / 2 +
+                 m[8] * (double)volume->dim[2] / 2 + m[12];
+    }
+    return volume != NULL;
+}
+
+/* tkRAS on what may be, or is, that person's scan. */
+static conus_status refuse_tkras(const char *at, const char *words, const conus_atlas *atlas)
+{
+    double c[3];
+    char by[96] = "c_ras, which is in the header of the scan";
+    if (find_c_ras(c, atlas)) {
+        snprintf(by, sizeof by, "c_ras, by the atlas's header (%.2f, %.2f, %.2f) mm", c[0], c[1], c[2]);
+    }
+    return fail(
+        CONUS_ERROR_DATA,
+        "positions are in %s, FreeSurfer's surface RAS, which is scanner RAS minus %s: p may be p or p + c_ras in "
+        "the atlas (%s); needed is the list in scanner RAS, or the atlas moved by minus c_ras",
+        at, by, words);
+}
+
 conus_status pose_space_match(struct notes *notes, const struct pose_space *space, const conus_atlas *atlas)
 {
     static const conus_brain brains[] = {
@@ -212,10 +240,13 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
         [POSE_BRAIN_MNI305] = CONUS_BRAIN_MNI305,     [POSE_BRAIN_OTHER] = CONUS_BRAIN_OWN};
     char words[192];
     char at[sizeof space->name + 32];
+    double c[3];
+    const bool is_tkras = space->brain == POSE_BRAIN_OTHER && !text_equal_ignoring_case(text_from(space->name), "n/a");
+    const bool is_centred = is_tkras && find_c_ras(c, atlas) && vec3_length(c) <= 0.01; /* both are one */
     conus_brain brain = brains[space->brain];
     const conus_brain_view view = conus_atlas_brain(atlas);
-    if (!space->name[0] ||
-        (space->brain == POSE_BRAIN_SUBJECT && (view.brain == CONUS_BRAIN_OWN || (!view.brain && view.is_moved)))) {
+    if (!space->name[0] || ((space->brain == POSE_BRAIN_SUBJECT || (is_centred && !view.is_moved)) &&
+                            (view.brain == CONUS_BRAIN_OWN || (!view.brain && view.is_moved)))) {
         return CONUS_OK; /* a moved atlas lies where its header does not say: where the poses are, as the caller means
                           */
     }
@@ -223,6 +254,9 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
     snprintf(at, sizeof at, "\"%s\"%s", space->name, space->is_of_path ? " (by the file's name)" : "");
     if (!view.brain && view.is_moved) {
         return notes_warn(notes, "positions are in %s; they must be where the atlas was moved to (%s)", at, words);
+    }
+    if (is_tkras && !is_centred && !view.is_moved && (!view.brain || view.brain == CONUS_BRAIN_OWN)) {
+        return refuse_tkras(at, words, atlas);
     }
     if (!view.brain || !brain) {
         return notes_warn(
@@ -245,8 +279,9 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
     default:
         return fail(CONUS_ERROR_DATA,
                     "positions are in %s, the atlas in another space (%s): the areas named would be wrong%s", at, words,
-                    brain == CONUS_BRAIN_OWN ? "; needed is the same list in MNI space, or an atlas of that person "
-                                               "(',template=none' behind it)"
-                                             : "");
+                    is_tkras                   ? "; needed is the same list in MNI space"
+                    : brain == CONUS_BRAIN_OWN ? "; needed is the same list in MNI space, or an atlas of that person "
+                                                 "(',template=none' behind it)"
+                                               : "");
     }
 }

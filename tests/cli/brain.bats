@@ -129,7 +129,7 @@ aligned.txt wwwwww
 simnibs.txt rrrwr-
 invesalius.txt rrrwr-
 individual/sub-1_electrodes.tsv rrrwr-
-tkRAS/sub-1_electrodes.tsv rrrwrw
+tkRAS/sub-1_electrodes.tsv rrrrrr
 MNI152NLin2009cAsym/sub-1_electrodes.tsv nwwwrr
 MNI152NLin6Asym/sub-1_electrodes.tsv n--wrr
 Talairach/sub-1_electrodes.tsv rrrwrr

@@ -585,7 +585,8 @@ static void each_brain_against_each(void **state)
         enum pose_brain brain;
         const char *wanted; /* on an unknown one, one person's own, MNI 152, Colin 27, MNI 305, Talairach, another */
     } cases[] = {{"NIfTI:Scanner", POSE_BRAIN_SUBJECT, "w-xxxxx"},
-                 {"tkRAS", POSE_BRAIN_OTHER, "wwxxxxx"},
+                 {"tkRAS", POSE_BRAIN_OTHER, "xxxxxxx"},
+                 {"n/a", POSE_BRAIN_OTHER, "wwxxxxx"},
                  {"NIfTI:Aligned", POSE_BRAIN_UNKNOWN, "wwwwwww"},
                  {"MNI152Lin", POSE_BRAIN_MNI152, "wx-nwxw"},
                  {"MNIColin27", POSE_BRAIN_COLIN27, "wxn-wxw"},
@@ -613,6 +614,27 @@ static void each_brain_against_each(void **state)
             }
             notes_finish(&notes);
         }
+    }
+    /* tkRAS is scanner RAS where c_ras, the point with index dim / 2, is 0 */
+    const struct pose_space surface = pose_space_named(text_from("tkRAS"), POSE_BRAIN_OTHER);
+    double *m = atlas->volumes[0].info.world_from_voxel;
+    memcpy(m, (const double[16]){-1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 8, -8, 8, 1}, 16 * sizeof *m);
+    for (int k = 0; k < 3; k++) {
+        struct notes notes = {0};
+        atlas->brain = CONUS_BRAIN_OWN;
+        m[12 + k] += 0.009;
+        assert_ok(pose_space_match(&notes, &surface, atlas));
+        assert_int_equal(notes.count, 0);
+        atlas->brain = CONUS_BRAIN_UNKNOWN;
+        assert_ok(pose_space_match(&notes, &surface, atlas));
+        assert_int_equal(notes.count, 1);
+        assert_non_null(strstr(notes.lines[0], "it is not known"));
+        m[12 + k] += 5;
+        assert_fails(pose_space_match(&notes, &surface, atlas), CONUS_ERROR_DATA);
+        assert_non_null(strstr(conus_message(), (const char *const[]){"(5.01, 0.00, 0.00) mm", "(0.00, 5.01, 0.00) mm",
+                                                                      "(0.00, 0.00, 5.01) mm"}[k]));
+        m[12 + k] -= 5.009;
+        notes_finish(&notes);
     }
     conus_atlas_destroy(atlas);
 }
