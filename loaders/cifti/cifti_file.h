@@ -11,7 +11,6 @@ struct cifti_choice {
     size_t map;
     struct label_table table; /**< Of the map, sorted; label 0 is nothing. */
     uint32_t *labels;         /**< [cifti.count] of the grayordinates; 0 = no area. */
-    struct job *own;          /**< Of cifti_choice_read(). */
 };
 
 /** Parses @p file and takes the map @p wanted (map_choice_make()). NULL after a failure. */
@@ -46,14 +45,5 @@ struct cifti_file {
 /** Opens @p path, a .dlabel.nii (FORMAT_CIFTI), plain or gzip. Notes and errors carry the path. NULL after a failure.
  */
 struct cifti_file *cifti_file_open(struct job *job, const char *path);
-
-/** @name For mesh_file.c, until that is on a job: mesh_bridge.c @{ */
-conus_status cifti_choice_read(struct cifti_choice *out, const struct bytes *bytes, struct text wanted,
-                               uint64_t max_memory, struct notes *notes);
-void cifti_choice_finish(struct cifti_choice *choice);
-/** *labels is the caller's to memory_free(). */
-conus_status cifti_choice_vertices(uint32_t **labels, struct label_table *table, const struct cifti_choice *choice,
-                                   const struct cifti_model *model);
-/** @} */
 
 #endif

@@ -16,11 +16,4 @@ uint32_t *freesurfer_annot_read(struct reader *r, struct label_table *table, siz
  * CONUS_ERROR_DATA where the file is cut off, or lists voxels. NULL after a failure. */
 uint32_t *freesurfer_label_read(struct job *job, struct text text, size_t *count);
 
-/** @name For mesh_file.c, until that is on a job: mesh_bridge.c @{ */
-/** *labels are the caller's to memory_free(). */
-conus_status freesurfer_annot_parse(uint32_t **labels, size_t *count, struct label_table *table, const uint8_t *data,
-                                    size_t size, struct notes *notes);
-conus_status freesurfer_label_parse(uint32_t **labels, size_t *count, struct text text);
-/** @} */
-
 #endif

@@ -18,8 +18,4 @@ void freesurfer_surface_read(struct reader *r, struct mesh *out, bool as_stored)
  * no rotation, with or without a mirror. */
 bool freesurfer_world_from_surface(double out[16], const double axes[9], const double centre[3]);
 
-/** For mesh_file.c, until that is on a job: mesh_bridge.c */
-conus_status freesurfer_surface_parse(struct mesh *out, const uint8_t *data, size_t size, bool as_stored,
-                                      struct notes *notes);
-
 #endif

@@ -49,7 +49,6 @@ struct gifti {
     char *structure;           /**< The first AnatomicalStructurePrimary, "CortexLeft"; NULL if none.        */
     char *layer;               /**< The first AnatomicalStructureSecondary, "Pial"; NULL if none.            */
     char *geometric_type;      /**< The first GeometricType, "Anatomical"; NULL if none.                     */
-    struct job *own;           /**< Of gifti_parse(). */
 };
 
 /** Parses @p document. Arrays may lie in files beside the document's path @p beside; where that is NULL they are
@@ -77,22 +76,5 @@ void gifti_settle_labels(struct job *job, struct gifti *gifti);
  * note then names the others. CONUS_ERROR_ARGUMENT for a name that no array or several have; a number is checked by
  * gifti_vertices(). */
 size_t gifti_map(struct job *job, const struct gifti *gifti, struct text wanted);
-
-/** @name For mesh_file.c, until that is on a job: mesh_bridge.c @{ */
-struct gifti_options {
-    const char *path;    /**< Of the file. */
-    bool external;       /**< Arrays may lie in files beside this one. */
-    uint64_t max_memory; /**< For the numbers of one array; 0: 8 GiB. */
-};
-/** gifti_read(); name and labels may be taken out of @p out. */
-conus_status gifti_parse(struct gifti *out, const uint8_t *data, size_t size, const struct gifti_options *options,
-                         struct notes *notes);
-void gifti_finish(struct gifti *gifti);
-conus_status gifti_mesh(struct mesh *out, const struct gifti *gifti, bool as_stored, struct notes *notes);
-/** *labels is the caller's to memory_free(). */
-conus_status gifti_labels(uint32_t **labels, size_t *count, const struct gifti *gifti, size_t map, struct notes *notes);
-conus_status gifti_find_labels(struct gifti *gifti, struct notes *notes);
-conus_status gifti_map_find(size_t *out, const struct gifti *gifti, struct text wanted, struct notes *notes);
-/** @} */
 
 #endif

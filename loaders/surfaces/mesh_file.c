@@ -7,6 +7,7 @@
 #include "base/path.h"
 #include "loaders/cifti/cifti.h"
 #include "loaders/cifti/cifti_file.h"
+#include "loaders/labels/labels_on_job.h"
 #include "loaders/refuse.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 #include "loaders/surfaces/freesurfer_labels.h"
@@ -70,52 +71,62 @@ void mesh_file_match_sides(struct job *job, char surface_side, const char *surfa
     }
 }
 
-/* A file that is read, and the notes of its parser, which does not know the path. */
+/* A file that is read. Its parser does not know the path: notes of before, and who hears them, wait until the end. */
 struct reading {
     struct job *job;
     const char *path;
     const struct mesh_file_options *options;
-    struct source *source;
+    struct job_mark mark;
+    struct notes before;
+    const struct note_sink *sink;
     struct bytes bytes;
-    struct notes notes;
 };
 
 static struct reading begin_reading(struct job *job, const char *path, const struct mesh_file_options *options)
 {
-    struct reading reading = {.job = job, .path = path, .options = options, .source = source_open(job, path)};
-    reading.bytes = source_whole(job, reading.source);
+    struct reading reading = {.job = job, .path = path, .options = options, .mark = job_mark(job), .sink = job->sink};
+    reading.before = label_notes_swap(job, (struct notes){0});
+    job->sink = NULL;
+    struct source *source = source_open(job, path);
+    reading.bytes = source_whole(job, source);
     if (options->is_made_of) {
-        source_made_of(job, reading.source);
+        source_made_of(job, source);
     }
     return reading;
 }
 
-/* The parser is done: lets go of the file, and tells the notes, also where it was refused. */
+/* The parser is done: lets go of the file and what was made of it, and tells the notes, also where it was refused. */
 static void end_reading(struct reading *reading)
 {
-    source_close(reading->source);
-    conus_status status = notes_move_in(&reading->job->notes, &reading->notes, reading->path);
-    notes_finish(&reading->notes);
-    (void)JOB_CALL(reading->job, status);
+    struct job *job = reading->job;
+    struct notes said = label_notes_swap(job, reading->before);
+    job->sink = reading->sink;
+    job_release(job, reading->mark);
+    conus_status status = notes_move_in(&job->notes, &said, reading->path);
+    notes_finish(&said);
+    (void)JOB_CALL(job, status);
 }
 
-static void parse_gifti(struct reading *reading, struct gifti *out)
+static struct text text_of(const struct reading *reading)
 {
-    const struct gifti_options options = {
-        .path = reading->path, .external = reading->options->external, .max_memory = reading->job->max_memory};
-    (void)JOB_CALL(reading->job, gifti_parse(out, reading->bytes.data, reading->bytes.size, &options, &reading->notes));
+    return (struct text){(const char *)reading->bytes.data, reading->bytes.size};
+}
+
+static struct gifti *parse_gifti(struct reading *reading)
+{
+    const struct text document = text_from_bytes(reading->bytes.data, reading->bytes.size);
+    return gifti_read(reading->job, document, reading->options->external ? reading->path : NULL);
 }
 
 static void read_gifti(struct reading *reading, struct mesh *out, struct label *said, bool as_stored)
 {
-    struct gifti gifti = {0};
-    parse_gifti(reading, &gifti);
-    if (JOB_CALL(reading->job, gifti_mesh(out, &gifti, as_stored, &reading->notes))) {
-        said->name = gifti.name;
-        said->hemisphere = gifti.hemisphere;
-        gifti.name = NULL;
+    struct job *job = reading->job;
+    struct gifti *gifti = parse_gifti(reading);
+    gifti_surface(job, out, gifti, as_stored);
+    if (job_ok(job)) {
+        said->name = job_give(job, gifti->name, gifti->name ? strlen(gifti->name) + 1 : 0);
+        said->hemisphere = gifti->hemisphere;
     }
-    gifti_finish(&gifti);
 }
 
 /* A surface of ours. */
@@ -130,7 +141,8 @@ static void read_own(struct job *job, struct mesh *out, struct label *said, cons
     if (id == FORMAT_GIFTI) {
         read_gifti(&reading, out, said, as_stored);
     } else if (id == FORMAT_FREESURFER) {
-        (void)JOB_CALL(job, freesurfer_surface_parse(out, bytes->data, bytes->size, as_stored, &reading.notes));
+        struct reader r = reader_of(job, text_of(&reading));
+        freesurfer_surface_read(&r, out, as_stored);
     } else {
         (void)JOB_CALL(job, file_refuse(path, bytes,
                                         "a surface (GIFTI, FreeSurfer, or named as VTK, VTP, PLY, STL, OBJ, OFF or "
@@ -194,20 +206,23 @@ void vertex_labels_extend(struct job *job, struct vertex_labels *labels, size_t 
     }
 }
 
+/* Takes the labels that the job made. */
+static void take_vertices(struct job *job, struct vertex_labels *out, uint32_t *made)
+{
+    out->labels = job_give(job, made, out->count * sizeof *made);
+}
+
 static void take_gifti(struct reading *reading, struct vertex_labels *out, struct text map)
 {
     struct job *job = reading->job;
-    struct gifti gifti = {0};
-    size_t index = 0;
-    parse_gifti(reading, &gifti);
-    (void)JOB_CALL(job, gifti_find_labels(&gifti, &reading->notes));
-    (void)JOB_CALL(job, gifti_map_find(&index, &gifti, map, &reading->notes));
-    if (JOB_CALL(job, gifti_labels(&out->labels, &out->count, &gifti, index, &reading->notes))) {
-        out->table = gifti.labels;
-        out->hemisphere = gifti.hemisphere;
-        gifti.labels = (struct label_table){0};
+    struct gifti *gifti = parse_gifti(reading);
+    gifti_settle_labels(job, gifti);
+    const size_t index = gifti_map(job, gifti, map);
+    take_vertices(job, out, gifti_vertices(job, &out->count, gifti, index));
+    if (job_ok(job)) {
+        labels_move(job, &out->table, &gifti->labels);
+        out->hemisphere = gifti->hemisphere;
     }
-    gifti_finish(&gifti);
 }
 
 /* One area, called as the file is: "V1_exvivo" of lh.V1_exvivo.label, with the side that this says. */
@@ -219,8 +234,7 @@ static void take_freesurfer_label(struct reading *reading, struct vertex_labels 
     bool has_side = strncmp(name, "lh.", 3) == 0 || strncmp(name, "rh.", 3) == 0;
     name += has_side ? 3 : 0;
     const struct text stem = {name, strlen(name) - path_ending_length(name, ".label/.label.gz")};
-    const struct text text = {(const char *)reading->bytes.data, reading->bytes.size};
-    (void)JOB_CALL(job, freesurfer_label_parse(&out->labels, &out->count, text));
+    take_vertices(job, out, freesurfer_label_read(job, text_of(reading), &out->count));
     struct label *label = job_step(job) ? label_table_add(&out->table, 1) : NULL;
     if (job_need(job, label)) {
         (void)JOB_CALL(job, label_set_text(&label->name, stem));
@@ -235,13 +249,15 @@ static void take_annotation(struct reading *reading, struct vertex_labels *out)
     struct job *job = reading->job;
     const struct bytes *bytes = &reading->bytes;
     const struct attempt attempt = job_try(job);
-    (void)JOB_CALL(
-        job, freesurfer_annot_parse(&out->labels, &out->count, &out->table, bytes->data, bytes->size, &reading->notes));
+    struct reader r = reader_of(job, text_of(reading));
+    take_vertices(job, out, freesurfer_annot_read(&r, &out->table, &out->count));
     if (job->status != CONUS_ERROR_DATA) {
         (void)attempt_end(job, &attempt, ATTEMPT_KEEP);
         return;
     }
+    const struct notes said = label_notes_swap(job, (struct notes){0}); /* they stay */
     const char *why = attempt_end(job, &attempt, ATTEMPT_DROP);
+    (void)label_notes_swap(job, said);
     const struct file_head nameless = head_of(NULL, bytes);
     if (format_nearest(&nameless)) {
         (void)JOB_CALL(job, file_refuse(NULL, bytes,
@@ -307,7 +323,7 @@ static void take_model(struct reading *reading, struct vertex_labels *out, const
     }
     out->count = model->vertex_count;
     out->hemisphere = model->structure->side;
-    (void)JOB_CALL(job, cifti_choice_vertices(&out->labels, &out->table, choice, model));
+    take_vertices(job, out, cifti_vertices(job, &out->table, choice, model));
 }
 
 /* Of a .dlabel.nii the labels of options->surface: those of the structure that it says it is, else of the cortex on the
@@ -317,18 +333,11 @@ static void take_cifti(struct reading *reading, struct vertex_labels *out, struc
 {
     struct job *job = reading->job;
     const char *surface = reading->options->surface;
-    struct cifti_choice choice = {0};
-    struct surface_about about = {0};
-    const uint64_t limit = memory_limit(job->max_memory);
-    (void)JOB_CALL(job, cifti_choice_read(&choice, &reading->bytes, map, limit, &reading->notes));
-    if (surface) {
-        (void)JOB_CALL(job, surface_about_read(&about, surface, limit));
-    }
+    const struct cifti_choice *choice = cifti_choose(job, &reading->bytes, map);
+    const struct surface_about about = surface ? surface_about_of(job, surface) : (struct surface_about){0};
     if (job_ok(job)) {
-        take_model(reading, out, &choice, &about);
+        take_model(reading, out, choice, &about);
     }
-    surface_about_finish(&about);
-    cifti_choice_finish(&choice);
 }
 
 static void take_labels(struct reading *reading, struct vertex_labels *out, struct text map)

@@ -37,10 +37,4 @@ struct surface_list surface_list_make(struct job *job, const char *folder);
 const struct surface_item *surface_list_find(struct job *job, const char **kind, const struct surface_list *list,
                                              const char *structure, size_t vertices);
 
-/** @name For mesh_file.c, until that is on a job: mesh_bridge.c @{ */
-/** Structure and vertices only. */
-conus_status surface_about_read(struct surface_about *out, const char *path, uint64_t max_memory);
-void surface_about_finish(struct surface_about *about);
-/** @} */
-
 #endif
