@@ -533,7 +533,8 @@ static struct text find_xml(struct job *job, const struct bytes *file, const str
     if (!job_ok(job)) {
         return xml;
     }
-    (void)nifti_extensions_read(job, &extensions, &count, text_from_bytes(file->data, (size_t)header->offset), header);
+    const struct text head = {(const char *)file->data, (size_t)header->offset};
+    (void)nifti_extensions_read(job, &extensions, &count, head, header);
     for (size_t i = 0; i < count; i++) {
         if (extensions[i].code == NIFTI_CIFTI_XML) {
             xml = text_from_bytes(extensions[i].data, extensions[i].size);

@@ -101,7 +101,7 @@ LIBRARY = {
     " atlas/warp loaders/maps loaders loaders/volumes loaders/labels loaders/cifti loaders/surfaces/foreign loaders/surfaces"
     " loaders/manifest loaders/transform loaders/tracts loaders/brainglobe sources",
     "loaders/catalogue": "base base/system base/files base/formats base/job loaders/brainglobe loaders/volumes loaders/labels",
-    "loaders/arrays": "base atlas atlas/areas loaders/labels loaders/maps loaders/volumes loaders/scene",
+    "loaders/arrays": "base atlas atlas/areas loaders/labels loaders/maps loaders/volumes loaders/scene loaders/tracts",
     "render/gl": "base base/geometry base/system",
     "render/id": "base base/geometry atlas/surface atlas render/gl",
     "render/draw": "base base/formats",

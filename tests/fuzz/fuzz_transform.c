@@ -18,7 +18,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         struct transform_chain made = {0};
         double p[3] = {1, 2, 3};
         struct job job = {0};
-        transform_read(&job, &made, source_of_memory(&job, "file.txt", text_from_bytes(data, size)),
+        transform_read(&job, &made, source_of_memory(&job, "file.txt", (struct text){(const char *)data, size}),
                        &(conus_transform_options){.transform = chosen});
         if (job_close(&job, NULL, NULL)) {
             transform_chain_finish(&made);

@@ -23,7 +23,7 @@ static conus_status read_bytes(struct transform_chain *out, struct bytes file, c
                                const conus_transform_options *options)
 {
     struct job job = {0};
-    transform_read(&job, out, source_of_memory(&job, path, text_from_bytes(file.data, file.size)), options);
+    transform_read(&job, out, source_of_memory(&job, path, (struct text){(const char *)file.data, file.size}), options);
     if (!job_ok(&job)) {
         transform_chain_finish(out);
     }
