@@ -10,7 +10,7 @@
 struct source {
     char *path; /**< Owned, of source_open_atlas(); else NULL. */
     struct open_file file;
-    bool is_open;          /**< Else it is in memory: `stored` is all of it, and not its own. */
+    bool is_open;
     bool is_packed;        /**< By gzip, as a whole. */
     struct bytes stored;   /**< Its first bytes, HEAD_SIZE or all. */
     struct bytes unpacked; /**< Of one that is packed: what these give; none where they are damaged. */
