@@ -200,9 +200,10 @@ conus_status conus_atlas_transform(conus_atlas *atlas, const char *path, const c
     if (atlas->lacks_context) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: the atlas was loaded without its context, which moves with it", path);
     }
-    struct job job = {.max_memory = options ? options->max_memory : 0};
+    options = options_of(conus_transform_options, options);
+    struct job job = {.max_memory = options->max_memory};
     const struct atlas_mark mark = atlas_mark(atlas);
-    transform_load(&job, atlas, path, options_of(conus_transform_options, options));
+    transform_load(&job, atlas, path, options);
     return atlas_close(&job, atlas, mark);
 }
 

@@ -147,7 +147,10 @@ static struct pose_space hear_path(struct job *job, const char *path)
 void pose_coordsystem_hear_name(struct job *job, conus_pose_list *list, const char *path)
 {
     const bool is_heard = path && !list->space.is_of_path;
+    const struct attempt attempt =
+        job_try(job); /* a name that is none of an image counts where the content is silent */
     struct pose_space said = is_heard ? hear_path(job, path) : (struct pose_space){0};
+    (void)attempt_end(job, &attempt, list->space.name[0] ? ATTEMPT_DROP : ATTEMPT_KEEP);
     if (!said.name[0]) {
         return;
     }

@@ -258,6 +258,9 @@ void pose_nwb_parse(struct pose_reading *to, struct text text)
     pose_refuse_axis(to, "electrodes");
     if (JOB_CALL(to->job, hdf5_read_bytes(&hdf5, text, wanted, sizeof wanted / sizeof wanted[0], left ? left : 1))) {
         job_own(to->job, destroy_hdf5, hdf5);
+        if (!job_ok(to->job)) {
+            return;
+        }
         if (hdf5_find(hdf5, TABLE) && to->options->space < CONUS_SPACE_CCF) {
             job_bad(to->job, "electrodes of NWB lie in the CCF or count from bregma: space ccf or bregma is needed");
         }

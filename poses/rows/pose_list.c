@@ -247,8 +247,14 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
     const conus_brain_view view = conus_atlas_brain(atlas);
     if (!space->name[0] || ((space->brain == POSE_BRAIN_SUBJECT || (is_centred && !view.is_moved)) &&
                             (view.brain == CONUS_BRAIN_OWN || (!view.brain && view.is_moved)))) {
-        return CONUS_OK; /* a moved atlas lies where its header does not say: where the poses are, as the caller means
-                          */
+        /* a moved atlas lies where its header does not say: where the poses are, as the caller means */
+        return is_centred && !view.is_moved
+                   ? notes_add(
+                         notes,
+                         "positions are in \"%s\", FreeSurfer's surface RAS: c_ras is 0 by the grid of the atlas; "
+                         "it must be 0 in orig.mgz, too",
+                         space->name)
+                   : CONUS_OK;
     }
     describe_brain(words, sizeof words, &view, atlas);
     snprintf(at, sizeof at, "\"%s\"%s", space->name, space->is_of_path ? " (by the file's name)" : "");

@@ -370,6 +370,8 @@ static void a_name_contradicts_its_coordinate_system(void **state)
     } cases[] = {{"ACPC", "MNI152Lin", true},
                  {"MNI152Lin", "ACPC", true},
                  {"ACPC", "Other", true},
+                 {"CapTrak", "MNI152Lin", false},
+                 {"CTF", "MNI152Lin", true},
                  {"ACPC", "T1w", false},
                  {"MNI152Lin", "MNI152NLin2009cAsym", false},
                  {"ours", "ACPC", false}};
@@ -624,11 +626,12 @@ static void each_brain_against_each(void **state)
         atlas->brain = CONUS_BRAIN_OWN;
         m[12 + k] += 0.009;
         assert_ok(pose_space_match(&notes, &surface, atlas));
-        assert_int_equal(notes.count, 0);
+        assert_int_equal(notes.count, 1);
+        assert_non_null(strstr(notes.lines[0], "c_ras is 0 by the grid of the atlas"));
         atlas->brain = CONUS_BRAIN_UNKNOWN;
         assert_ok(pose_space_match(&notes, &surface, atlas));
-        assert_int_equal(notes.count, 1);
-        assert_non_null(strstr(notes.lines[0], "it is not known"));
+        assert_int_equal(notes.count, 2);
+        assert_non_null(strstr(notes.lines[1], "it is not known"));
         m[12 + k] += 5;
         assert_fails(pose_space_match(&notes, &surface, atlas), CONUS_ERROR_DATA);
         assert_non_null(strstr(conus_message(), (const char *const[]){"(5.01, 0.00, 0.00) mm", "(0.00, 5.01, 0.00) mm",

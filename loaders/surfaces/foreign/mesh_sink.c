@@ -11,7 +11,9 @@ void sink_expect(struct mesh_sink *sink, size_t count)
         job_bad(sink->job, "%zu vertices, allowed are up to 4294967295", count);
     }
     if (count > sink->vertices.capacity) {
-        const size_t wanted = count > 2 * sink->vertices.capacity ? count : 2 * sink->vertices.capacity;
+        const size_t twice = 2 * sink->vertices.capacity;
+        const size_t doubled = twice < UINT32_MAX ? twice : UINT32_MAX;
+        const size_t wanted = count > doubled ? count : doubled;
         struct mesh_point *larger = job_grow(sink->job, sink->vertices.at, wanted, sizeof *larger);
         sink->vertices.at = larger ? larger : sink->vertices.at;
         sink->vertices.capacity = larger ? wanted : sink->vertices.capacity;

@@ -80,6 +80,9 @@ static void give_triangles(struct mesh_sink *sink, const struct stl *stl)
 {
     const size_t count = stl->corners.count;
     const struct mesh all = {.positions = count ? stl->corners.at->at : NULL, .vertex_count = count};
+    if (count > UINT32_MAX) {
+        job_bad(sink->job, "%zu corners, allowed are up to 4294967295", count);
+    }
     uint32_t *numbers = job_raw(sink->job, count, sizeof *numbers);
     if (!numbers || !JOB_CALL(sink->job, mesh_find_first(numbers, &all))) {
         return;
