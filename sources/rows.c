@@ -111,7 +111,8 @@ static bool is_zarr(const struct file_head *head)
 static bool is_image_half(const struct file_head *head)
 {
     const uint8_t *data = (const uint8_t *)head->bytes.data;
-    return !nifti_has_magic(data, head->bytes.size) && !tiff_is(data, head->bytes.size);
+    return !nifti_has_magic(data, head->bytes.size) && !tiff_is(data, head->bytes.size) &&
+           !hdf5_is(data, head->bytes.size);
 }
 
 static bool has_trx_header(const struct file_head *head)

@@ -164,6 +164,8 @@ void volume_select(struct job *job, struct volume_file *file, size_t volume)
         if (JOB_CALL(job, status)) {
             bytes_finish(&file->voxels);
             file->voxels = other.voxels;
+            const struct volume_header *header = &file->opened->v->header; /* of chunks the sum is the volume's */
+            memcpy(file->info.sha256, header->info.sha256, sizeof file->info.sha256);
         } else if (!status) {
             bytes_finish(&other.voxels);
         }

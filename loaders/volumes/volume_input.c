@@ -122,7 +122,7 @@ void volume_choose(struct job *job, struct volume_input *v, bool is_series, bool
                  header->info.dim[0], header->info.dim[1], header->info.dim[2], header->info.datatype,
                  header->volume_size, (unsigned long long)limit);
     }
-    header->info.volume = is_series ? 0 : (size_t)v->keys.volume;
+    header->info.volume = is_series || !job_ok(job) ? 0 : (size_t)v->keys.volume;
     if (v->reader->around && job_ok(job)) {
         v->reader->around(job, v);
     }

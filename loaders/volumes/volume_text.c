@@ -186,7 +186,7 @@ static void find_run(struct job *job, struct volume_input *v, bool may_be_packed
     }
     v->encoding = is_packed ? ", gzip" : words[text->encoding];
     v->read = text->interleaved || text->encoding >= TEXT_NUMBERS ? text_read : NULL;
-    v->scratch = text->interleaved ? total : 0;
+    v->scratch = v->read ? total : 0;
 }
 
 typedef void text_parse(struct job *job, struct text_volume *out, struct reader r);

@@ -54,13 +54,20 @@ static void drop_bytes(struct job *job, struct tiff *tiff)
     tiff->file.data = NULL;
 }
 
+enum { PIECE = 1 << 22 };
+
+/* Pages that are unpacked together. */
+static size_t pages_of_piece(const struct tiff *tiff)
+{
+    return smaller_of(PIECE / tiff->page_bytes + 1, tiff->pages.count);
+}
+
 static void tiff_read(struct job *job, struct volume_input *v, size_t first, size_t count,
                       const struct voxel_sink *sink)
 {
-    enum { PIECE = 1 << 22 };
     struct tiff *tiff = v->own;
     const size_t each = v->header.info.dim[0] * v->header.info.dim[1];
-    const size_t most = smaller_of(PIECE / tiff->page_bytes + 1, tiff->pages.count);
+    const size_t most = pages_of_piece(tiff);
     uint8_t *pages = job_raw(job, most, tiff->page_bytes);
     (void)first;
     (void)count; /* one volume */
@@ -100,6 +107,7 @@ static void tiff_open(struct job *job, struct volume_input *v)
     v->run.has_footer = v->header.has_unit = true;
     v->read = tiff->whole ? NULL : tiff_read;
     v->gives_slabs = true;
+    v->scratch = tiff->whole ? 0 : pages_of_piece(tiff) * tiff->page_bytes;
     snprintf(v->header.info.format, sizeof v->header.info.format, tiff->file.big ? "BigTIFF" : "TIFF");
     check_shape(job, found, place.shape);
     if (JOB_CALL(job, brainglobe_voxels(world, &place))) {
