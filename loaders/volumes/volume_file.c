@@ -38,7 +38,7 @@ static void describe(struct job *job, struct volume_file *file, const struct vol
     file->extension_count = v->extension_count;
     file->embedded = v->embedded;
     file->text = v->text;
-    file->max_memory = job->max_memory;
+    file->max_memory = memory_limit(job->max_memory);
     file->path = (char *)v->path;
     file->info.path = v->path;
     snprintf(file->info.format, sizeof file->info.format, "%.16s%s%s%s", v->header.info.format,
