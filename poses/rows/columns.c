@@ -64,6 +64,9 @@ static const char turned[] = "normal/normals/nrm/vec/vector/orient/orientation/o
 /* And beside a depth alone, which would be straight down. */
 static const char inclined[] = "angle/inclination/winkel/theta/phi";
 
+/* Columns that make balls or cones of rows in other tables than those of BIDS. */
+static const char read_in_tables[] = "radius/near/far/phi/theta";
+
 static const struct {
     enum family_kind kind;
     const char *words;
@@ -603,6 +606,10 @@ static void refuse_turned(struct head *head, const struct family *position)
             const size_t *at = head->families[k].at;
             is_one = at[0] != i && at[1] != i && at[2] != i;
         }
+        const bool is_read = head->out->is_bids && text_is_one_of(text_from(head->names[i]), read_in_tables, true);
+        FAULT_IF(is_read && !is_one && has_number(head, i), head,
+                 "column \"%.*s\" beside %s: --poses-format table reads it; without it the rows are points",
+                 POSE_QUOTE(head->line.cells[i]), FAMILY_SHOWN(head, position));
         FAULT_IF(is_one, head,
                  "column \"%.*s\" beside %s: angles and rotations are read as tilt_ml and tilt_ap (one of them may "
                  "be 0), phi and theta, dx dy dz, tx ty tz, qw qx qy qz or m00...m33%s; without it the rows are %s",
