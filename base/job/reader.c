@@ -23,7 +23,6 @@ enum {
 struct reader_source {
     struct open_file file;
     uint64_t file_at;      /* bytes of the file that were read */
-    bool is_own;           /* the file is to be closed */
     bool is_packed, ended; /* ended: there is no more */
     z_stream z;
     uint8_t *packed; /* [BLOCK] bytes of the file that zlib works through; owned, as the window is, since memory of the
@@ -40,9 +39,6 @@ static void close_source(void *user)
     }
     memory_free(source->packed);
     memory_free(source->window);
-    if (source->is_own) {
-        file_close(&source->file);
-    }
 }
 
 /* The next bytes of the file as it is stored, at most `space`; 0 at its end. */
@@ -127,11 +123,15 @@ static void begin_unpacking(struct job *job, struct reader_source *source)
     }
 }
 
-/* A reader of the file that the source has open. */
-static struct reader begin_reading(struct job *job, struct reader_source *source)
+struct reader reader_on(struct job *job, const struct open_file *file)
 {
     struct reader r = {.job = job};
+    struct reader_source *source = job_new(job, struct reader_source);
     uint8_t head[MAGIC];
+    if (!source) {
+        return r;
+    }
+    source->file = *file;
     job_own(job, close_source, source);
     size_t size = read_stored(job, source, head, MAGIC);
     source->file_at = 0;
@@ -140,26 +140,6 @@ static struct reader begin_reading(struct job *job, struct reader_source *source
     }
     r.source = job_ok(job) ? source : NULL;
     return r;
-}
-
-struct reader reader_open(struct job *job, const char *path)
-{
-    struct reader_source *source = job_new(job, struct reader_source);
-    if (!source || !JOB_CALL(job, file_open_here(&source->file, path))) {
-        return (struct reader){.job = job};
-    }
-    source->is_own = true;
-    return begin_reading(job, source);
-}
-
-struct reader reader_on(struct job *job, const struct open_file *file)
-{
-    struct reader_source *source = job_new(job, struct reader_source);
-    if (!source) {
-        return (struct reader){.job = job};
-    }
-    source->file = *file;
-    return begin_reading(job, source);
 }
 
 struct reader reader_of(struct job *job, struct text text)

@@ -3,7 +3,7 @@
  * The one reader: of bytes in memory, of a file, or of what gzip packs in a file; block by block, so that no file is
  * held twice. No read passes the end.
  *
- *     struct reader r = reader_open(job, path);
+ *     struct reader r = reader_on(job, &file);
  *     size_t count = reader_count(&r, sizeof(float));
  *     float *values = reader_f32s(&r, &count);
  *
@@ -26,11 +26,8 @@ struct reader {
     struct reader_source *source; /**< Where more comes from; NULL = nowhere. */
 };
 
-/** Reads a regular file, unpacked where gzip packs it: all members, behind which only zeros may follow. The path is a
- * place, which the caller enters before. The job closes the file. */
-struct reader reader_open(struct job *job, const char *path);
-
-/** The same of a file that is open, and outlives the reader. */
+/** Reads an open file, which outlives the reader, unpacked where gzip packs it: all members, behind which only zeros
+ * may follow. The path is a place, which the caller enters before. */
 struct reader reader_on(struct job *job, const struct open_file *file);
 
 /** Reads @p text, which must outlive the reader. */

@@ -5,6 +5,7 @@
 
 #include "base/buffer.h"
 #include "base/memory.h"
+#include "sources/source.h"
 #include "test.h"
 
 #include <stdio.h>
@@ -96,7 +97,7 @@ static const char *write_scratch(const char *name, const struct buffer *content)
 static void check_words(const char *path)
 {
     struct job job = {0};
-    struct reader r = reader_open(&job, path);
+    struct reader r = source_reader(&job, source_open(&job, path));
     struct text text;
     for (size_t i = 0; i < 500; i++) {
         assert_true(i % 2 ? reader_line(&r, &text) : reader_word(&r, &text));
@@ -132,7 +133,7 @@ static void words_and_lines_cross_blocks_and_members(void **state)
 static void assert_refused(const char *path, conus_status status, const char *message)
 {
     struct job job = {0};
-    struct reader r = reader_open(&job, path);
+    struct reader r = source_reader(&job, source_open(&job, path));
     reader_skip(&r, 10);
     assert_fails(job_close(&job, NULL, NULL), status);
     assert_string_equal(conus_message(), message);
@@ -173,7 +174,7 @@ static void how_much_is_left_is_known(void **state)
         if (packs) {
             append_packed(&packed, zeros.data, zeros.size);
         }
-        struct reader r = reader_open(&job, write_scratch("zeros", packs ? &packed : &zeros));
+        struct reader r = source_reader(&job, source_open(&job, write_scratch("zeros", packs ? &packed : &zeros)));
         for (size_t at = 0; at < SIZE; at += 1024) {
             assert_true(packs ? reader_most(&r) >= SIZE - at : reader_most(&r) == SIZE - at);
             reader_skip(&r, 1024);
@@ -195,7 +196,7 @@ static void a_file_that_changes_is_refused(void **state)
     for (int grows = 0; grows < 2; grows++) {
         struct job job = {0};
         const char *path = write_scratch("changing", &plain);
-        struct reader r = reader_open(&job, path);
+        struct reader r = source_reader(&job, source_open(&job, path));
         FILE *file = fopen(path, grows ? "ab" : "wb");
         assert_non_null(file);
         assert_int_equal(fputc('x', file), 'x');
@@ -265,7 +266,7 @@ static void an_open_file_outlives_its_readers_and_their_memory(void **state)
 static conus_status read_all(void *data)
 {
     struct job job = {0};
-    struct reader r = reader_open(&job, data);
+    struct reader r = source_reader(&job, source_open(&job, data));
     struct text text;
     size_t count = 2;
     size_t size = 1;

@@ -4,6 +4,7 @@
 
 #include "base/geometry/math3.h"
 #include "builders/nifti_builder.h"
+#include "sources/source.h"
 #include "test.h"
 
 #include <stdio.h>
@@ -82,7 +83,7 @@ static conus_status read_surface(void *path)
 {
     struct job job = {0};
     struct mesh mesh = {0};
-    struct reader r = reader_open(&job, path);
+    struct reader r = source_reader(&job, source_open(&job, path));
     freesurfer_surface_read(&r, &mesh, false);
     if (job_ok(&job)) {
         assert_int_equal(mesh.vertex_count, VERTICES);

@@ -3,6 +3,7 @@
 #include "loaders/surfaces/freesurfer_labels.h"
 
 #include "builders/nifti_builder.h"
+#include "sources/source.h"
 #include "test.h"
 
 #include <stdio.h>
@@ -54,7 +55,7 @@ static conus_status read_annot(void *path)
     struct job job = {0};
     struct label_table *table = labels_new(&job);
     size_t count;
-    struct reader r = reader_open(&job, path);
+    struct reader r = source_reader(&job, source_open(&job, path));
     const uint32_t *labels = freesurfer_annot_read(&r, table, &count);
     assert_int_equal(labels != NULL, job_ok(&job));
     if (labels) {
