@@ -125,7 +125,8 @@ void source_made_of(struct job *job, struct source *source)
     (void)JOB_CALL(job, file_sums_put(&job->files, source->file.path, sha256));
 }
 
-conus_status source_look(struct source *out, const char *path)
+/* Opens a file; `out` is to be closed, also on failure. */
+static conus_status open_file(struct source *out, const char *path)
 {
     *out = (struct source){0};
     conus_status status = file_open(&out->file, path);
@@ -149,7 +150,7 @@ conus_status source_open_atlas(struct source *out, const char *path)
     *out = (struct source){0};
     conus_status status = map_choice_split(&plain, &map, path);
     if (!status && file_exists(plain)) {
-        status = source_look(out, plain);
+        status = open_file(out, plain);
     }
     out->path = plain;
     if (status || (map.size && source_scene(out) != FORMAT_CIFTI)) {
@@ -189,7 +190,7 @@ void source_close(struct source *source)
 conus_status source_find(const struct format **out, const char *path, unsigned roles)
 {
     struct source source = {.head = {.path = path, .is_folder = file_is_folder(path)}};
-    conus_status status = source.head.is_folder ? CONUS_OK : source_look(&source, path);
+    conus_status status = source.head.is_folder ? CONUS_OK : open_file(&source, path);
     *out = status ? NULL : format_find(&source.head, roles);
     source_close(&source);
     return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;

@@ -48,15 +48,13 @@ const char *source_sum(struct job *job, struct source *source);
 /** The result is made of the file. */
 void source_made_of(struct job *job, struct source *source);
 
-/** For callers without a job: opens @p path, which must outlive @p out. CONUS_ERROR_IO with the path,
- * CONUS_ERROR_MEMORY. @p out is the caller's to close, also on failure. */
-conus_status source_look(struct source *out, const char *path);
 void source_close(struct source *source); /**< NULL is fine. */
 
-/** The same of the whole file @p stored, or of its first bytes, which is borrowed. */
+/** For callers without a job: looks at the whole file @p stored, or at its first bytes, which is borrowed, as the file
+ * @p path. CONUS_ERROR_MEMORY. @p out is the caller's to close, also on failure. */
 conus_status source_of(struct source *out, const char *path, const struct bytes *stored);
 
-/** The same of a file that is given as an atlas, which may end in ",map=K" if it is one of CIFTI labels. One that
+/** Likewise opens a file that is given as an atlas, which may end in ",map=K" if it is one of CIFTI labels. One that
  * cannot be read is no error: who wants to read it says why. CONUS_ERROR_MEMORY. */
 conus_status source_open_atlas(struct source *out, const char *path);
 

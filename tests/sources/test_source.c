@@ -100,9 +100,10 @@ static void folders_are_of_formats_too(void **state)
     assert_int_equal(id_of(test_in(""), ROLE_TRACTS), -1);
     assert_ok(file_write_soon(test_in("header.json"), "{}", 2));
     assert_int_equal(id_of(test_in(""), ROLE_TRACTS), FORMAT_TRX);
-    struct source source;
-    assert_fails(source_look(&source, test_in("")), CONUS_ERROR_IO);
-    source_close(&source);
+    struct job job = {0};
+    assert_null(source_open(&job, test_in("")));
+    assert_int_equal(job.status, CONUS_ERROR_IO);
+    job_end(&job);
 }
 
 static void what_cannot_be_read_is_of_no_format(void **state)
@@ -111,18 +112,18 @@ static void what_cannot_be_read_is_of_no_format(void **state)
     struct source source;
     const char *absent = test_scratch("absent.obj");
     assert_int_equal(id_of(absent, ROLE_SURFACE), -1);
-    assert_fails(source_look(&source, absent), CONUS_ERROR_IO);
-    source_close(&source);
     assert_ok(source_open_atlas(&source, absent)); /* its reader says why */
     assert_false(source.is_open);
     assert_int_equal(source_scene(&source), FORMAT_OTHER);
     source_close(&source);
     const char *damaged = write_file("damaged", "\x1f\x8b\x08\0\xff\xff\xff\xff\xff\xff\xff\xff", 12, false);
-    assert_ok(source_look(&source, damaged));
-    assert_true(source.is_packed);
-    assert_int_equal(source.head.bytes.size, 0);
-    assert_int_equal(source.stored.size, 12);
-    source_close(&source);
+    struct job job = {0};
+    const struct source *opened = source_open(&job, damaged);
+    assert_non_null(opened);
+    assert_true(opened->is_packed);
+    assert_int_equal(opened->head.bytes.size, 0);
+    assert_int_equal(opened->stored.size, 12);
+    assert_ok(job_close(&job, NULL, NULL));
 }
 
 /* XML and JSON are read unpacked only. */
