@@ -237,6 +237,18 @@ conus_status conus_frame_find(conus_frame *out, const conus_atlas *atlas, conus_
     return status;
 }
 
+conus_status frame_of_options(conus_frame *out, const conus_frame *given, conus_space space)
+{
+    if (!given) {
+        return conus_frame_find(out, NULL, space, NULL);
+    }
+    if ((size_t)given->space >= SPACES) {
+        return fail(CONUS_ERROR_ARGUMENT, "frame: its space is none");
+    }
+    *out = *given;
+    return CONUS_OK;
+}
+
 /* LPS to RAS and back, which makes no "-0" of 0. */
 static void flip(double out[3], const double in[3])
 {

@@ -3,6 +3,7 @@
 #include "selection/selector.h"
 
 #include "atlas/bundles.h"
+#include "atlas/frame.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
@@ -114,7 +115,9 @@ conus_status conus_selector_create(conus_selector **out, const conus_atlas *atla
     selector->options = *options_of(conus_selector_options, options);
     selector->options.resolution =
         selector->options.resolution ? selector->options.resolution : CONUS_RESOLUTION_DEFAULT;
-    conus_status status = selector_prepare_ranking(selector);
+    conus_status status = frame_of_options(&selector->frame, selector->options.frame, CONUS_SPACE_RAS);
+    selector->options.frame = NULL; /* the caller's may end */
+    status = status ? status : selector_prepare_ranking(selector);
     status = status ? status : conus_selector_set_range(selector, NULL);
     const char *level = selector->options.level;
     selector->options.level = NULL;
@@ -169,6 +172,7 @@ conus_status selector_share(conus_selector **out, const conus_selector *selector
     }
     *shared = (conus_selector){.atlas = selector->atlas, /* and all scratch is its own */
                                .options = selector->options,
+                               .frame = selector->frame,
                                .range = {selector->options.range[0], selector->options.range[1]},
                                .ranking = selector->ranking,
                                .level = selector->level,

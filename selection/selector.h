@@ -14,6 +14,7 @@
 struct conus_selector {
     const conus_atlas *atlas;
     conus_selector_options options; /**< Defaults filled in; strings are not kept (score is parsed). */
+    conus_frame frame;              /**< Of positions in tables. */
     double range[2];                /**< Range of the next question: the options', or a query's own. */
     double angle, slope;            /**< The last question's angle, which most have, and the tangent of its half. */
     struct ranking ranking;

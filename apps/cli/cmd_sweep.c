@@ -152,10 +152,10 @@ static conus_status add_shares(struct sweep *sweep, const struct answerer *answe
 
 static conus_status add_admissions(const struct answerer *answerer, const conus_pose_row *row, double angle)
 {
-    conus_sweep *admissions = NULL;
-    conus_status status = conus_sweep_create(&admissions, answerer->selector, &row->pose, angle);
-    status = status ? status : conus_report_add_sweep(answerer->report, row->id, admissions);
-    conus_sweep_destroy(admissions);
+    conus_table *table = NULL;
+    conus_status status = conus_sweep(&table, answerer->selector, &row->pose, angle);
+    status = status ? status : conus_report_add_table(answerer->report, row->id, table);
+    conus_table_destroy(table);
     return status;
 }
 

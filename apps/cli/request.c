@@ -172,6 +172,7 @@ conus_status request_start(struct request *request, const conus_selector_options
     for (size_t i = 0; i < request->atlases.count && !status; i++) {
         struct answerer *answerer = &request->answerers[i];
         own.level = i ? NULL : options->level;
+        own.frame = &request->frame;
         status = conus_selector_create(&answerer->selector, request->atlases.items[i].atlas, &own);
         status = status ? status : conus_aims_create(&answerer->aims, answerer->selector);
     }
@@ -213,8 +214,8 @@ int request_start_without_rays(struct request *request, const conus_report_optio
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < request->atlases.count && !status; i++) {
-        const conus_selector_options selector = {.level = i ? NULL : request->settings->engine.level,
-                                                 .engine = CONUS_ENGINE_RAYS};
+        const conus_selector_options selector = {
+            .level = i ? NULL : request->settings->engine.level, .frame = &request->frame, .engine = CONUS_ENGINE_RAYS};
         status = conus_selector_create(&request->answerers[i].selector, request->atlases.items[i].atlas, &selector);
         status = status ? status : request_report(request, i, options);
     }

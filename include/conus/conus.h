@@ -68,6 +68,7 @@
 #include <conus/streamline_list.h>
 #include <conus/streamlines.h>
 #include <conus/sweep.h>
+#include <conus/table.h>
 #include <conus/track.h>
 #include <conus/version.h>
 

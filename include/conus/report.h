@@ -49,7 +49,7 @@ typedef enum conus_rows {
     CONUS_ROWS_ANSWERS = 0, /**< From conus_report_add(). */
     CONUS_ROWS_SHARES, /**< The same with the angle, and for people a table of shares by angle; answers in a row that
                      have one id belong together. */
-    CONUS_ROWS_ADMISSIONS,  /**< From conus_report_add_sweep(). */
+    CONUS_ROWS_ADMISSIONS,  /**< Tables of conus_sweep(). */
     CONUS_ROWS_CHANCES,     /**< From conus_report_add_jitter(). */
     CONUS_ROWS_SUMMARIES,   /**< From conus_report_add(), one row each: the best, the runner-up, and by how much. Not as
                            #CONUS_FORMAT_TABLE. */
@@ -163,15 +163,15 @@ CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *qu
                                             const conus_selection *selection);
 
 /**
- * Adds what a growing cone admits.
+ * Adds the answer of a study: of conus_sweep().
  * @param report The report.
  * @param query_id As for conus_report_add().
- * @param sweep The admissions; may end afterwards.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows.
+ * @param table Of the report's selector, with positions in the frame of the report. It may end afterwards.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows or of another frame.
  * @threads One at a time for each @p report.
  * @since 0.1
  */
-CONUS_CHECKED conus_status conus_report_add_sweep(conus_report *report, const char *query_id, const conus_sweep *sweep);
+CONUS_CHECKED conus_status conus_report_add_table(conus_report *report, const char *query_id, conus_table *table);
 
 /**
  * Adds an answer under errors of the pose.

@@ -8,6 +8,7 @@
 
 #include <conus/atlas_info.h>
 #include <conus/pose.h>
+#include <conus/space.h>
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -65,8 +66,9 @@ typedef struct conus_selector_options {
     const char *score; /**< Ranking, a name from conus_score() or a formula of them; NULL = "share". */
     conus_log log;     /**< NULL = silent. */
     void *log_user;    /**< Passed to @p log. */
-    double slice_fraction; /**< F of Eq. 7, more than 0 to 1: which part of the slices the ID pass takes. 0 = the
-                              paper's fifth. */
+    double slice_fraction;    /**< F of Eq. 7, more than 0 to 1: which part of the slices the ID pass takes. 0 = the
+                                 paper's fifth. */
+    const conus_frame *frame; /**< Of positions in tables; NULL = world mm, #CONUS_SPACE_RAS. Copied. */
 } conus_selector_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

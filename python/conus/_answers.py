@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The answers: selections, answers to many poses, sweeps and chances, as arrays and tables."""
+"""The answers: selections, answers to many poses, and chances, as arrays and tables."""
 from __future__ import annotations
 
 import html
@@ -10,7 +10,7 @@ import numpy as np
 
 from ._conus import ffi, lib
 from ._library import (
-    ADMISSION, CHANCE, CLUSTER, COVERAGE, RESULT, STEP, Bound, Error, array_of, check, choice, owned, path_of, text, utf8, whole,
+    CHANCE, CLUSTER, COVERAGE, RESULT, STEP, Bound, Error, array_of, check, choice, owned, path_of, text, utf8, whole,
 )
 
 if TYPE_CHECKING:
@@ -628,33 +628,6 @@ class _Study:
 
     def _repr_html_(self) -> str:
         return str(self.to_dataframe()._repr_html_())
-
-
-class Sweep(_Study):
-    """At which opening a growing cone admits each object, narrowest first."""
-
-    def __init__(self, atlas: Atlas, pointer: Any) -> None:
-        sweep = owned(pointer, lib.conus_sweep_destroy)
-        count = lib.conus_sweep_count(sweep)
-        super().__init__(atlas, array_of(lib.conus_sweep_admission(sweep, 0), count, ADMISSION))
-
-    def _ranks(self) -> Array:
-        return np.arange(1, len(self) + 1)
-
-    def _measures(self) -> dict[str, Any]:
-        angle = np.rad2deg(self.records["angle"])
-        return {
-            "angle_deg": angle,
-            "half_angle_deg": angle / 2,
-            "margin_deg": np.rad2deg(self.records["margin"]),
-            "distance_mm": self.records["distance"],
-            **points_of("", self.records["point"], self.space),
-            "measured": np.select(
-                [self.records["kind"] == lib.CONUS_KIND_BUNDLE, self.records["is_surface"]],
-                ["streamline", "surface"],
-                "voxel centre",
-            ),
-        }
 
 
 class Jitter(_Study):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, NamedTuple, 
 
 import numpy as np
 
-from ._answers import Answers, Array, Clusters, Jitter, Objects, Overlap, Selection, Sweep, Track, kind_word
+from ._answers import Answers, Array, Clusters, Jitter, Objects, Overlap, Selection, Track, kind_word
 from ._axis import Clearances, Segments
 from ._callback import Callback, load_progress, receive
 from ._candidates import candidates_stream, depth_of
@@ -50,6 +50,7 @@ from ._plan import Plan, constraints_of, plan_of, stream_of
 from ._probe import Contacts, Probe, poses_of_probe
 from ._progress import LoadProgress, Progress, telling
 from ._space import Place, frame_of, place_of, space_of
+from ._table import Table
 from ._track import Tracker, follow
 from ._tracts import SPACES, Tractogram, moves, options_of, polylines_of, tractograms_of
 
@@ -619,6 +620,7 @@ class Selector(Guarded):
         options.slice_fraction = real("slice_fraction", slice_fraction)
         options.level, options.score = words
         self.space = space_of(atlas._p, space, bregma)
+        options.frame = self.space._frame if self.space else ffi.NULL
         self._owner = GLOwner() if engine == "gl" else None
         self.atlas = atlas
         self._layers = layers == "all"
@@ -1051,7 +1053,7 @@ class Selector(Guarded):
     def sweep(
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
         angle: float = 60,
-    ) -> Sweep:
+    ) -> Table:
         """At which opening a growing cone admits each object: ``conus sweep``.
 
         Parameters
@@ -1063,13 +1065,13 @@ class Selector(Guarded):
 
         Returns
         -------
-        Sweep
+        Table
             The narrowest first.
         """
-        aim, out = self._pose(origin, toward, direction, up, pose), ffi.new("conus_sweep **")
+        aim, out = self._pose(origin, toward, direction, up, pose), ffi.new("conus_table **")
         opening = math.radians(real("angle", angle))
-        self._call(lib.conus_sweep_create, out, self._p, aim, opening)
-        sweep: Sweep = self._place(Sweep(self.atlas, out[0]))
+        self._call(lib.conus_sweep, out, self._p, aim, opening)
+        sweep = Table(out[0])
         self._warn_of(aim, opening)
         return sweep
 
@@ -1646,7 +1648,7 @@ class Atlas:
         return self.plan(reach, avoid, **given).tolerance(pivot)
 
     def sweep(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
-              angle: float = 60, **options: Any) -> Sweep:
+              angle: float = 60, **options: Any) -> Table:
         """At which opening a growing cone admits each object: see :meth:`Selector.sweep`."""
         return self._selector(options).sweep(
             origin, toward=toward, direction=direction, up=up, pose=pose, angle=angle

@@ -195,7 +195,8 @@ static conus_status begin_plan(conus_report *report, const conus_plan *plan, boo
 static conus_status add_pose(struct report_row **rows, conus_report *report, const conus_planned *pose, size_t count)
 {
     const struct report_query query = {
-        .cone = {.pose = pose->pose, .angle = pose->angle, .range = {pose->near, pose->far}}, .is_axis = true};
+        .asked = {.cone = {.pose = pose->pose, .angle = pose->angle, .range = {pose->near, pose->far}},
+                  .is_axis = true}};
     conus_status status = report_append(rows, report, pose->id, &query, count);
     const double *m = pose->pose.world_from_device;
     const double axis[3] = {-m[8], -m[9], -m[10]};

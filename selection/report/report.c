@@ -2,6 +2,7 @@
 /* Reports: makes them, and collects what they are to say. */
 #include "selection/report/report.h"
 
+#include "atlas/frame.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
@@ -69,20 +70,34 @@ static conus_status check_options(const conus_report_options *options)
     return contacts_check(contacts);
 }
 
-/* The caller's frame, or that of a space that needs no atlas. */
-static conus_status report_frame(conus_frame *out, const conus_report_options *options)
-{
-    if (!options->frame) {
-        return conus_frame_find(out, NULL, options->space, NULL);
-    }
-    *out = *options->frame;
-    return conus_space_name((size_t)out->space) ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "frame: its space is none");
-}
-
 static conus_status find_prefixes(conus_report *report)
 {
     report->prefixes = memory_zeroed(report->atlas->object_count + 1, sizeof *report->prefixes);
     return report->prefixes ? conus_atlas_prefixes(report->prefixes, report->atlas) : CONUS_ERROR_MEMORY;
+}
+
+/* Makes the columns of rows of tables. */
+static conus_status make_fields(conus_report *report)
+{
+    const struct table_fields *fields = report_fields(report->options.rows);
+    if (!fields) {
+        return CONUS_OK;
+    }
+    report->fields = memory_zeroed(fields->count, sizeof *report->fields);
+    for (size_t i = 0; i < fields->count && report->fields; i++) {
+        const struct table_field *field = &fields->at[i];
+        if (table_has_field(report->atlas, field)) {
+            report->fields[report->field_count] = (struct report_column){.name = field->name,
+                                                                         .units = field->unit,
+                                                                         .description = field->help,
+                                                                         .type = field->type,
+                                                                         .offset = report->field_count,
+                                                                         .home = HOME_TABLE,
+                                                                         .unless_zeros = field->unless_zeros};
+            report->field_count++;
+        }
+    }
+    return report->fields ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 /* Makes the further columns of the marks. */
@@ -122,7 +137,7 @@ conus_status conus_report_create(conus_report **out, const conus_selector *selec
     options = options_of(conus_report_options, options);
     conus_frame frame;
     conus_status status = check_options(options);
-    status = status ? status : report_frame(&frame, options);
+    status = status ? status : frame_of_options(&frame, options->frame, options->space);
     if (status) {
         return status;
     }
@@ -145,6 +160,7 @@ conus_status conus_report_create(conus_report **out, const conus_selector *selec
     status = status || options->format != CONUS_FORMAT_TABLE ? status : find_prefixes(report);
     bool is_draft = options->format == CONUS_FORMAT_BEP032;
     status = status || !is_draft ? status : report_bep032_create(&report->bep032, report->atlas);
+    status = status ? status : make_fields(report);
     status = status ? status : make_kept(report);
     if (status) {
         conus_report_destroy(report);
@@ -167,7 +183,10 @@ void report_clear(conus_report *report)
     for (size_t i = 0; i < report->query_count; i++) {
         memory_free(report->queries[i].id);
         memory_free(report->queries[i].error);
-        memory_free(report->queries[i].roi.path);
+        if (!report->queries[i].table) {
+            memory_free(report->queries[i].asked.region.path);
+        }
+        conus_table_destroy(report->queries[i].table);
         free_kept(&report->queries[i], report);
     }
     report->query_count = 0;
@@ -231,6 +250,7 @@ void conus_report_destroy(conus_report *report)
         memory_free((char *)report->kept[i].name);
     }
     memory_free(report->kept);
+    memory_free(report->fields);
     report_bep032_destroy(report->bep032);
     memory_free(report->plan.constraints);
     memory_free(report->plan.columns);
@@ -309,7 +329,7 @@ conus_status report_append(struct report_row **rows, conus_report *report, const
 /* Where a row begins, mm; infinite where it is not known. */
 static double depth_of(const conus_report *report, const struct report_row *row)
 {
-    bool by_entry = report->selector.layers && !(report->queries[row->query].ball > 0);
+    bool by_entry = report->selector.layers && !(report->queries[row->query].asked.ball > 0);
     double depth = by_entry ? row->result.entry : row->result.distance;
     return row->result.object && isfinite(depth) ? depth : INFINITY;
 }
@@ -336,9 +356,8 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
 {
     const struct statistics *statistics = &selection->statistics;
     bool is_ball = selection->region.shape == REGION_BALL;
-    struct report_query query = {.cone = selection->cone,
+    struct report_query query = {.asked = {.cone = selection->cone, .ball = is_ball ? selection->region.radius : 0},
                                  .step = selection->step,
-                                 .ball = is_ball ? selection->region.radius : 0,
                                  .is_point = selection->is_point};
     if (report->options.rows != CONUS_ROWS_ANSWERS && report->options.rows != CONUS_ROWS_SHARES &&
         report->options.rows != CONUS_ROWS_SUMMARIES) {
@@ -366,24 +385,31 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
     return status || report->options.no_voxels ? status : report_add_voxels(report, selection);
 }
 
-conus_status conus_report_add_sweep(conus_report *report, const char *query_id, const conus_sweep *sweep)
+conus_status conus_report_add_table(conus_report *report, const char *query_id, conus_table *table)
 {
     struct report_row *rows;
-    if (report->options.rows != CONUS_ROWS_ADMISSIONS) {
-        return refuse_rows("a sweep");
-    }
+    struct report_query query = {.asked = *table_question(table)};
     conus_status status =
-        report_append(&rows, report, query_id, &(struct report_query){.cone = sweep->cone}, sweep->count);
-    for (size_t i = 0; !status && i < sweep->count; i++) {
-        rows[i].admission = sweep->rows[i];
+        table_is_of(table, report_fields(report->options.rows), &report->frame)
+            ? CONUS_OK
+            : fail(CONUS_ERROR_ARGUMENT, "report: a table of other rows, or with positions in another "
+                                         "space");
+    status = status ? status : report_append(&rows, report, query_id, &query, conus_table_rows(table));
+    if (status) {
+        return status;
     }
-    return status;
+    report->queries[report->query_count - 1].table = table_hold(table);
+    for (size_t i = 0; i < conus_table_rows(table); i++) {
+        rows[i].of_table =
+            (struct report_table_row){.object = conus_table_objects(table)[i], .table = table, .index = i};
+    }
+    return CONUS_OK;
 }
 
 conus_status conus_report_add_jitter(conus_report *report, const char *query_id, const conus_jitter *jitter)
 {
     struct report_row *rows;
-    const struct report_query query = {.cone = jitter->cone, .jitter = jitter->options};
+    const struct report_query query = {.asked = {.cone = jitter->cone, .jitter = jitter->options}};
     if (report->options.rows != CONUS_ROWS_CHANCES) {
         return refuse_rows("an answer under errors of the pose");
     }
@@ -397,7 +423,7 @@ conus_status conus_report_add_jitter(conus_report *report, const char *query_id,
 conus_status conus_report_add_segments(conus_report *report, const char *query_id, const conus_segments *segments)
 {
     struct report_row *rows;
-    const struct report_query query = {.cone = segments->cone, .is_axis = true};
+    const struct report_query query = {.asked = {.cone = segments->cone, .is_axis = true}};
     if (report->options.rows != CONUS_ROWS_SEGMENTS && !report_is_of_probe(report->options.format)) {
         return refuse_rows("segments");
     }
@@ -411,7 +437,7 @@ conus_status conus_report_add_segments(conus_report *report, const char *query_i
 conus_status conus_report_add_clearances(conus_report *report, const char *query_id, const conus_clearances *clearances)
 {
     struct report_row *rows;
-    const struct report_query query = {.cone = clearances->cone, .is_axis = true};
+    const struct report_query query = {.asked = {.cone = clearances->cone, .is_axis = true}};
     if (report->options.rows != CONUS_ROWS_CLEARANCES) {
         return refuse_rows("clearances");
     }
@@ -430,10 +456,10 @@ conus_status conus_report_add_connections(conus_report *report, const char *quer
                                           const conus_connectivity *connectivity)
 {
     struct report_row *rows;
-    const struct report_query query = {.cone = connectivity->cone,
-                                       .ball = connectivity->ball,
-                                       .end_radius = connectivity->radius,
-                                       .is_whole = connectivity->is_whole};
+    const struct report_query query = {.asked = {.cone = connectivity->cone,
+                                                 .ball = connectivity->ball,
+                                                 .end_radius = connectivity->radius,
+                                                 .is_whole = connectivity->is_whole}};
     if (report->options.rows != CONUS_ROWS_CONNECTIONS) {
         return refuse_rows("connections");
     }
@@ -449,18 +475,18 @@ conus_status conus_report_add_connections(conus_report *report, const char *quer
 static conus_status append_region(struct report_row **rows, conus_report *report, const char *query_id,
                                   const conus_overlap *overlap, size_t count, conus_rows kind, const char *what)
 {
-    struct report_query query = {.roi = {.path = memory_text(overlap->path, strlen(overlap->path)),
-                                         .volume = overlap->volume,
-                                         .threshold = overlap->threshold,
-                                         .volume_mm3 = overlap->volume_mm3,
-                                         .tetrahedra = overlap->tetrahedra}};
-    memcpy(query.roi.sha256, overlap->sha256, sizeof query.roi.sha256);
+    struct report_query query = {.asked.region = {.path = memory_text(overlap->path, strlen(overlap->path)),
+                                                  .volume = overlap->volume,
+                                                  .threshold = overlap->threshold,
+                                                  .volume_mm3 = overlap->volume_mm3,
+                                                  .tetrahedra = overlap->tetrahedra}};
+    memcpy(query.asked.region.sha256, overlap->sha256, sizeof query.asked.region.sha256);
     conus_status status = report->options.rows != kind ? refuse_rows(what)
-                          : query.roi.path             ? CONUS_OK
+                          : query.asked.region.path    ? CONUS_OK
                                                        : CONUS_ERROR_MEMORY;
     status = status ? status : append_query(report, query_id, &query);
     if (status) {
-        memory_free(query.roi.path);
+        memory_free(query.asked.region.path);
         return status;
     }
     report->queries[report->query_count - 1].first_row = report->row_count;

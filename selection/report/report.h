@@ -9,18 +9,9 @@
 #include "selection/ends/connectivity.h"
 #include "selection/selector.h"
 #include "selection/study/study.h"
+#include "selection/table/table.h"
 
 #include <string.h>
-
-/** The region of interest of a query. */
-struct report_roi {
-    char *path; /**< Owned; NULL of another query. */
-    char sha256[65];
-    size_t volume;    /**< Index in a 4-D file, from 0.               */
-    double threshold; /**< 0 of a mask.                         */
-    double volume_mm3;
-    uint64_t tetrahedra; /**< 0 of voxels. */
-};
 
 /** A connection, with what begins all rows. */
 struct report_connection {
@@ -76,12 +67,20 @@ static inline bool report_is_angle(const struct report_constraint *constraint)
     return constraint->asked->kind == CONUS_CONSTRAINT_LEAN || constraint->asked->kind == CONUS_CONSTRAINT_ENTRY_ANGLE;
 }
 
+/** A row of a table. */
+struct report_table_row {
+    conus_kind kind;
+    uint32_t object;
+    const conus_table *table;
+    size_t index;
+};
+
 /** One result of one query. options.rows says which member it has; kind and object begin all of them. */
 struct report_row {
     size_t query; /**< Index into conus_report.queries. */
     union {
         conus_result result;
-        conus_admission admission;
+        struct report_table_row of_table;
         conus_chance chance;
         conus_coverage coverage;
         conus_cluster_row cluster;
@@ -100,16 +99,11 @@ struct report_query {
     const conus_probe_contact *contact; /**< Of the report's probes; NULL = there is none. */
     const char *probe;                  /**< The contact's probe, where it is not called as in its file; else NULL. */
     char *error;                        /**< Why there is no answer, likewise; NULL if there is one. */
-    struct cone cone;
-    uint32_t cone_pixels;        /**< Pixels of the aperture.                              */
-    double ball;                 /**< Radius of a ball around the cone's origin; 0 of a cone. */
-    bool is_point;               /**< The ball only stands for its centre. */
-    bool is_axis;                /**< Its rows describe the cone's axis: segments, clearances. */
-    conus_step step;             /**< In a report on a track. */
-    conus_jitter_options jitter; /**< For chances. */
-    struct report_roi roi;       /**< For coverages and clusters. */
-    double end_radius;           /**< For connections, mm. */
-    bool is_whole;               /**< These are of all streamlines, whatever the cone. */
+    conus_table *table;                 /**< Of rows of tables: held; NULL of another. */
+    struct table_question asked;        /**< Its region's path is owned unless the table has it. */
+    uint32_t cone_pixels;               /**< Pixels of the aperture.                              */
+    bool is_point;                      /**< The ball only stands for its centre. */
+    conus_step step;                    /**< In a report on a track. */
     size_t first_row;
     size_t first_voxel; /**< Where in conus_report.voxels its rows begin. */
 };
@@ -135,7 +129,9 @@ struct conus_report {
     struct report_plan plan;
     struct text *electrode_lines; /**< For CONUS_FORMAT_BIDS: the header without the added columns, then the rows. */
     size_t electrode_line_count, electrode_line_capacity, electrode_field_count;
-    struct report_bep032 *bep032;       /**< For CONUS_FORMAT_BEP032; owned. */
+    struct report_bep032 *bep032; /**< For CONUS_FORMAT_BEP032; owned. */
+    struct report_column *fields; /**< [field_count] Of rows of tables: their columns. */
+    size_t field_count;
     struct report_column *kept;         /**< [options.marks->count] The further columns; their names are owned. */
     size_t taken;                       /**< Queries that were handed out before. */
     const conus_probe_contact *contact; /**< A batch's: of the answers added next. NULL = in their order. */

@@ -63,7 +63,7 @@ static void write_query(struct buffer *out, const conus_report *report, size_t i
         buffer_format(out, "***** %s: %s *****\n\n", query->id, query->error);
         return;
     }
-    const double *m = query->cone.pose.world_from_device;
+    const double *m = query->asked.cone.pose.world_from_device;
     char focus[FOCUS_SIZE];
     snprintf(focus, sizeof focus, "%4.0f mm [%c],%4.0f mm [%c],%4.0f mm [%c]", m[12], m[12] >= 0 ? 'R' : 'L', m[13],
              m[13] >= 0 ? 'A' : 'P', m[14], m[14] < 0 ? 'I' : 'S');

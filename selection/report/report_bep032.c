@@ -115,7 +115,7 @@ const char *report_side(const conus_report *report, size_t query)
         return NULL;
     }
     double at[3];
-    memcpy(at, report->queries[query].cone.pose.world_from_device + 12, sizeof at);
+    memcpy(at, report->queries[query].asked.cone.pose.world_from_device + 12, sizeof at);
     char side = known->sides[report_area(report, query)];
     double right = at[0];
     if (known->has_ccf) {

@@ -11,26 +11,6 @@
 #include <stddef.h>
 #include <string.h>
 
-static struct cell no_cell(void)
-{
-    return (struct cell){.type = CELL_NONE};
-}
-
-static struct cell text_cell(const char *value)
-{
-    return value && value[0] ? (struct cell){.type = CELL_TEXT, .text = value} : no_cell();
-}
-
-static struct cell integer_cell(uint64_t value)
-{
-    return (struct cell){.type = CELL_INTEGER, .integer = value};
-}
-
-static struct cell number_cell(double value)
-{
-    return isfinite(value) ? (struct cell){.type = CELL_NUMBER, .number = value} : no_cell();
-}
-
 static const conus_object *object_of(const conus_report *report, const struct report_row *row)
 {
     return conus_atlas_object(report->atlas, row->result.object);
@@ -43,16 +23,14 @@ void report_point(const conus_report *report, double point[3])
 
 const char *report_units(const conus_report *report, const struct report_column *column)
 {
-    bool is_place =
-        column->type == COLUMN_X || column->type == COLUMN_Y || column->type == COLUMN_Z || column->moved_only;
-    return is_place ? conus_space_unit(report->frame.space) : column->units;
+    return column_is_place(column->type) ? conus_space_unit(report->frame.space) : column->units;
 }
 
 unsigned report_needs_met(const conus_report *report, const struct report_row *row)
 {
     const struct report_query *query = &report->queries[row->query];
-    unsigned there = query->ball > 0 ? 0 : NEEDS_RAYS;
-    there |= !query->is_point && (query->ball > 0 || report->selector.layers) ? NEEDS_CENSUS : 0;
+    unsigned there = query->asked.ball > 0 ? 0 : NEEDS_RAYS;
+    there |= !query->is_point && (query->asked.ball > 0 || report->selector.layers) ? NEEDS_CENSUS : 0;
     there |= row->result.object ? NEEDS_OBJECT : 0;
     there |= row->result.kind == CONUS_KIND_BUNDLE ? NEEDS_BUNDLE : 0;
     return there;
@@ -199,14 +177,14 @@ static const struct report_column answer_columns[] = {
 static struct cell get_radius(const conus_report *report, const struct report_row *row)
 {
     const struct report_query *query = &report->queries[row->query];
-    return number_cell(query->is_point ? 0 : query->ball);
+    return number_cell(query->is_point ? 0 : query->asked.ball);
 }
 
 /* Which point was asked; behind all others, so that no other column moves. */
 static const struct report_column point_columns[] = {
-    {"x", "mm", "the point that was asked, or the apex, x", OF_QUERY(X, cone.pose.world_from_device[12])},
-    {"y", "mm", "the same, y", OF_QUERY(Y, cone.pose.world_from_device[12])},
-    {"z", "mm", "the same, z", OF_QUERY(Z, cone.pose.world_from_device[12])},
+    {"x", "mm", "the point that was asked, or the apex, x", OF_QUERY(X, asked.cone.pose.world_from_device[12])},
+    {"y", "mm", "the same, y", OF_QUERY(Y, asked.cone.pose.world_from_device[12])},
+    {"z", "mm", "the same, z", OF_QUERY(Z, asked.cone.pose.world_from_device[12])},
     {"radius_mm", "mm", "radius of the ball around it that was asked; 0: what is at it", .get = get_radius,
      .home = HOME_QUERY},
 };
@@ -234,38 +212,8 @@ static struct cell get_place(const conus_report *report, const struct report_row
     return integer_cell((size_t)(row - report->rows) - report->queries[row->query].first_row + 1);
 }
 
-static struct cell get_half(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return number_cell(degrees_from_radians(row->admission.angle / 2));
-}
-
-static struct cell get_measured(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    const conus_admission *admission = &row->admission;
-    return text_cell(admission->kind == CONUS_KIND_BUNDLE ? "streamline"
-                     : admission->is_surface              ? "surface"
-                                                          : "voxel centre");
-}
-
 static const struct report_column share_columns[] = {
-    {"angle_deg", "degree", "full opening angle of the cone", OF_QUERY(ANGLE, cone.angle)},
-};
-
-static const struct report_column admission_columns[] = {
-    {"rank", NULL, "1 is admitted first", .get = get_place},
-    {"angle_deg", "degree", "full opening angle of the narrowest cone that holds some of it",
-     OF_ROW(ANGLE, admission.angle)},
-    {"half_angle_deg", "degree", "half of that: the angle to the axis", .get = get_half},
-    {"margin_deg", "degree", "by how much the cone must open further for the next one",
-     OF_ROW(ANGLE, admission.margin)},
-    {"distance_mm", "mm", "distance from the apex to what is admitted first", OF_ROW(NUMBER, admission.distance)},
-    {"x", "mm", "where that is, x", OF_ROW(X, admission.point)},
-    {"y", "mm", "the same, y", OF_ROW(Y, admission.point)},
-    {"z", "mm", "the same, z", OF_ROW(Z, admission.point)},
-    {"measured", NULL, "what that is: voxel centre, surface of a mesh or streamline; exact any way",
-     .get = get_measured},
+    {"angle_deg", "degree", "full opening angle of the cone", OF_QUERY(ANGLE, asked.cone.angle)},
 };
 
 static const struct report_column chance_columns[] = {
@@ -277,10 +225,11 @@ static const struct report_column chance_columns[] = {
      OF_ROW(NUMBER, chance.in_cone)},
     {"mean_share", NULL, "mean part of the cone's solid angle; of a query they sum to 1", OF_ROW(NUMBER, chance.share)},
     {"sd_share", NULL, "standard deviation of that part from sample to sample", OF_ROW(NUMBER, chance.share_deviation)},
-    {"samples", NULL, "poses that were looked from", OF_QUERY(COUNT, jitter.samples)},
+    {"samples", NULL, "poses that were looked from", OF_QUERY(COUNT, asked.jitter.samples)},
     {"error_deg", "degree", "standard deviation of the tilt of the axis, about each of two axes",
-     OF_QUERY(ANGLE, jitter.tilt)},
-    {"error_mm", "mm", "standard deviation of the position, along each of three axes", OF_QUERY(NUMBER, jitter.shift)},
+     OF_QUERY(ANGLE, asked.jitter.tilt)},
+    {"error_mm", "mm", "standard deviation of the position, along each of three axes",
+     OF_QUERY(NUMBER, asked.jitter.shift)},
 };
 
 static struct cell get_coverage_rank(const conus_report *report, const struct report_row *row)
@@ -898,9 +847,9 @@ static const struct report_column bep032_columns[] = {
 /* Its positions where they are those in a brain. */
 static const struct report_column placed_columns[] = {
     {"x", "mm", "position in the space that coordsystem.json describes, x",
-     OF_QUERY(X, cone.pose.world_from_device[12])},
-    {"y", "mm", "the same, y", OF_QUERY(Y, cone.pose.world_from_device[12])},
-    {"z", "mm", "the same, z", OF_QUERY(Z, cone.pose.world_from_device[12])},
+     OF_QUERY(X, asked.cone.pose.world_from_device[12])},
+    {"y", "mm", "the same, y", OF_QUERY(Y, asked.cone.pose.world_from_device[12])},
+    {"z", "mm", "the same, z", OF_QUERY(Z, asked.cone.pose.world_from_device[12])},
 };
 
 /* The numbers in the list of voxels (report_voxels.c). */
@@ -990,6 +939,36 @@ static bool insert_column(struct report_columns *out, size_t place, const struct
     return column;
 }
 
+const struct table_fields *report_fields(conus_rows rows)
+{
+    static const struct table_fields *const studies[] = {[CONUS_ROWS_ADMISSIONS] = &sweep_fields};
+    return (size_t)rows < COUNT_OF(studies) ? studies[rows] : NULL;
+}
+
+/* Whether some row has a number there. */
+static bool is_worth_a_column(const conus_report *report, const struct report_column *column)
+{
+    for (; report; report = report->next) {
+        for (size_t i = 0; i < report->row_count; i++) {
+            if (report->rows[i].of_table.table && report_cell(report, column, &report->rows[i]).number > 0) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* The columns of tables, behind the question's. */
+static void list_fields(struct report_columns *out, const conus_report *report)
+{
+    list_column(out, &answer_columns[0]);
+    for (size_t i = 0; i < report->field_count; i++) {
+        if (!report->fields[i].unless_zeros || is_worth_a_column(report, &report->fields[i])) {
+            list_column(out, &report->fields[i]);
+        }
+    }
+}
+
 void report_list_columns(struct report_columns *out, const conus_report *report)
 {
     out->count = 0;
@@ -1013,8 +992,7 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
         list_table(out, report, share_columns, COUNT_OF(share_columns));
         break;
     case CONUS_ROWS_ADMISSIONS:
-        list_named(out, study_common, COUNT_OF(study_common));
-        list_table(out, report, admission_columns, COUNT_OF(admission_columns));
+        list_fields(out, report);
         break;
     case CONUS_ROWS_COVERAGES:
         list_named(out, study_common, COUNT_OF(study_common));
@@ -1084,13 +1062,12 @@ bool conus_column_is_number(const char *name)
     static const struct {
         const struct report_column *columns;
         size_t count;
-    } tables[] = {ALL_OF(answer_columns),    ALL_OF(track_columns),      ALL_OF(share_columns),
-                  ALL_OF(admission_columns), ALL_OF(chance_columns),     ALL_OF(coverage_columns),
-                  ALL_OF(segment_columns),   ALL_OF(clearance_columns),  ALL_OF(connection_columns),
-                  ALL_OF(summary_columns),   ALL_OF(electrode_columns),  ALL_OF(voxel_columns),
-                  ALL_OF(plan_columns),      ALL_OF(constraint_columns), ALL_OF(profile_columns),
-                  ALL_OF(tolerance_columns), ALL_OF(probe_columns),      ALL_OF(bep032_columns),
-                  ALL_OF(error_columns),     ALL_OF(cluster_columns),    {&row_column, 1}};
+    } tables[] = {
+        ALL_OF(answer_columns),     ALL_OF(track_columns),     ALL_OF(share_columns),     ALL_OF(chance_columns),
+        ALL_OF(coverage_columns),   ALL_OF(segment_columns),   ALL_OF(clearance_columns), ALL_OF(connection_columns),
+        ALL_OF(summary_columns),    ALL_OF(electrode_columns), ALL_OF(voxel_columns),     ALL_OF(plan_columns),
+        ALL_OF(constraint_columns), ALL_OF(profile_columns),   ALL_OF(tolerance_columns), ALL_OF(probe_columns),
+        ALL_OF(bep032_columns),     ALL_OF(error_columns),     ALL_OF(cluster_columns),   {&row_column, 1}};
     for (size_t i = 0; i < COUNT_OF(tables); i++) {
         for (size_t k = 0; k < tables[i].count; k++) {
             if (strcmp(tables[i].columns[k].name, name) == 0) {
@@ -1099,46 +1076,16 @@ bool conus_column_is_number(const char *name)
             }
         }
     }
-    return is_of_constraint(name);
-}
-
-/* The value at `place`, which is of the column's type. */
-static struct cell stored_cell(const conus_report *report, enum column_type type, const void *place)
-{
-    const uint32_t *count = place;
-    const double *numbers = place;
-    double point[3];
-    switch (type) {
-    case COLUMN_RANK:
-        return *count ? integer_cell(*count) : no_cell();
-    case COLUMN_COUNT:
-        return integer_cell(*count);
-    case COLUMN_LARGE_COUNT:
-        return integer_cell(*(const uint64_t *)place);
-    case COLUMN_TEXT:
-        return text_cell(*(const char *const *)place);
-    case COLUMN_ANGLE:
-        return number_cell(degrees_from_radians(*numbers));
-    case COLUMN_TIME:
-        return isfinite(*numbers) ? (struct cell){.type = CELL_TIME, .number = *numbers} : no_cell();
-    case COLUMN_X:
-    case COLUMN_Y:
-    case COLUMN_Z:
-        memcpy(point, numbers, sizeof point);
-        report_point(report, point);
-        return number_cell(point[type - COLUMN_X]);
-    case COLUMN_OWN_X:
-    case COLUMN_OWN_Y:
-    case COLUMN_OWN_Z:
-        memcpy(point, numbers, sizeof point);
-        if (report->frame.space < CONUS_SPACE_CCF) { /* which is the atlas's own */
-            conus_atlas_own_point(point, report->atlas, point);
+    bool is_number = is_of_constraint(name);
+    for (conus_rows rows = CONUS_ROWS_ANSWERS; rows <= CONUS_ROWS_CLUSTERS; rows++) {
+        const struct table_fields *fields = report_fields(rows);
+        for (size_t i = 0; fields && i < fields->count; i++) {
+            enum column_type type = fields->at[i].type;
+            is_number = is_number || (strcmp(fields->at[i].name, name) == 0 && type != COLUMN_NAME &&
+                                      type != COLUMN_LABEL && type != COLUMN_TEXT);
         }
-        report_point(report, point);
-        return number_cell(point[type - COLUMN_OWN_X]);
-    default:
-        return number_cell(*numbers);
     }
+    return is_number;
 }
 
 struct cell report_cell(const conus_report *report, const struct report_column *column, const struct report_row *row)
@@ -1154,13 +1101,16 @@ struct cell report_cell(const conus_report *report, const struct report_column *
         if (column->get) {
             return column->get(report, row);
         }
+        if (column->home == HOME_TABLE) {
+            return table_cell(row->of_table.table, column->offset, row->of_table.index);
+        }
         bool of_query = column->home == HOME_QUERY || column->home == HOME_MARKS;
         const void *from = column->home == HOME_ROW       ? (const void *)row
                            : of_query                     ? (const void *)query
                            : column->home == HOME_CONTACT ? (const void *)query->contact
                            : column->home == HOME_POSE    ? (const void *)row->planned.pose
                                                           : (const void *)row->planned.pose->verdicts;
-        return stored_cell(report, column->type, (const char *)from + column->offset);
+        return cell_at(column->type, (const char *)from + column->offset, report->atlas, &report->frame);
     }
     const char *reason = report->options.rows == CONUS_ROWS_SUMMARIES     ? "error"
                          : report->options.rows == CONUS_ROWS_CONNECTIONS ? "bundle"

@@ -4,33 +4,7 @@
 #define CONUS_SELECTION_REPORT_REPORT_COLUMNS_H
 
 #include "selection/report/report.h"
-
-enum cell_type { CELL_NONE, CELL_TEXT, CELL_INTEGER, CELL_NUMBER, CELL_TIME };
-
-struct cell {
-    enum cell_type type;
-    const char *text;
-    uint64_t integer;
-    double number;
-};
-
-enum column_type {
-    COLUMN_COMPUTED,    /**< The result of get().                                              */
-    COLUMN_NAME,        /**< The same: a name, a kind or a label, no quantity. */
-    COLUMN_TEXT,        /**< Such a name that lies there, a const char *. */
-    COLUMN_COUNT,       /**< A uint32_t.                                                    */
-    COLUMN_LARGE_COUNT, /**< A uint64_t. */
-    COLUMN_RANK,        /**< A uint32_t, n/a if 0.                                          */
-    COLUMN_NUMBER,      /**< A double, n/a unless finite.                                   */
-    COLUMN_ANGLE,       /**< The same, radians that are written in degrees.                 */
-    COLUMN_TIME,        /**< A double, seconds.                                             */
-    COLUMN_X,           /**< A coordinate of a double[3], world, written in the report's space. */
-    COLUMN_Y,
-    COLUMN_Z,
-    COLUMN_OWN_X, /**< The same, where the atlas's files have the point. */
-    COLUMN_OWN_Y,
-    COLUMN_OWN_Z
-};
+#include "selection/table/cell.h"
 
 /** Where the value of a column lies. */
 enum column_home {
@@ -40,7 +14,8 @@ enum column_home {
     HOME_VERDICTS, /**< or in the verdicts of its constraints. */
     HOME_CONTACT,  /**< In the contact of the report's probes that the query is about. */
     HOME_MARKS,    /**< In struct report_query, also of one without an answer, */
-    HOME_KEPT      /**< or in its texts that were kept, at this index, likewise. */
+    HOME_KEPT,     /**< or in its texts that were kept, at this index, likewise. */
+    HOME_TABLE     /**< In the row's table, the column of this index. */
 };
 
 /** Without one of its needs a cell is n/a. */
@@ -63,6 +38,7 @@ struct report_column {
     bool layers_only;  /**< Only in reports of all layers. */
     bool moved_only;   /**< Only of an atlas that was moved. */
     bool bundles_only; /**< Only where an atlas has bundles. */
+    bool unless_zeros; /**< Only where some row is not 0. */
     struct cell (*get)(const conus_report *report, const struct report_row *row);
 };
 
@@ -76,6 +52,9 @@ struct report_columns {
     const struct report_column *at[REPORT_COLUMN_LIMIT];
     size_t count;
 };
+
+/** The columns of the tables that are rows of this kind; NULL: its rows are none of tables. */
+const struct table_fields *report_fields(conus_rows rows);
 
 void report_list_columns(struct report_columns *out, const conus_report *report);
 

@@ -66,13 +66,13 @@ void report_write_connections(struct buffer *out, const conus_report *report)
             continue;
         }
         const struct report_query *query = &report->queries[i];
-        if (query->is_whole) {
+        if (query->asked.is_whole) {
             buffer_text(out, "all streamlines\n");
         } else {
             table_write_query(out, report, query);
         }
-        if (query->end_radius > 0) {
-            buffer_format(out, "ends in an area, or in the nearest one within %.4g mm\n", query->end_radius);
+        if (query->asked.end_radius > 0) {
+            buffer_format(out, "ends in an area, or in the nearest one within %.4g mm\n", query->asked.end_radius);
         } else {
             buffer_text(out, "ends in an area\n");
         }

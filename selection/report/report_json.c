@@ -99,8 +99,8 @@ static json_t *json_from_matrix(const double m[16])
 
 static json_t *json_from_shape(const struct report_query *query)
 {
-    if (query->roi.path) {
-        const struct report_roi *roi = &query->roi;
+    if (query->asked.region.path) {
+        const struct table_region *roi = &query->asked.region;
         json_t *entry = json_pack("{s: o, s: o, s: s, s: I, s: f}", "query", json_from_text(query->id), "path",
                                   json_from_text(roi->path), "sha256", roi->sha256, "volume", (json_int_t)roi->volume,
                                   "volume_mm3", roi->volume_mm3);
@@ -112,22 +112,22 @@ static json_t *json_from_shape(const struct report_query *query)
     if (query->error) {
         return json_pack("{s: o, s: o}", "query", json_from_text(query->id), "error", json_from_text(query->error));
     }
-    if (query->ball > 0) {
-        const double *m = query->cone.pose.world_from_device;
+    if (query->asked.ball > 0) {
+        const double *m = query->asked.cone.pose.world_from_device;
         return json_pack("{s: o, s: [f, f, f], s: f}", "query", json_from_text(query->id), "point_ras", m[12], m[13],
-                         m[14], "radius_mm", query->is_point ? 0 : query->ball);
+                         m[14], "radius_mm", query->is_point ? 0 : query->asked.ball);
     }
-    if (query->is_whole) {
+    if (query->asked.is_whole) {
         return json_pack("{s: o}", "query", json_from_text(query->id));
     }
-    if (query->is_axis) {
+    if (query->asked.is_axis) {
         return json_pack("{s: o, s: o}", "query", json_from_text(query->id), "world_from_device_ras",
-                         json_from_matrix(query->cone.pose.world_from_device));
+                         json_from_matrix(query->asked.cone.pose.world_from_device));
     }
     json_t *cone = json_pack("{s: o, s: f, s: i, s: o}", "query", json_from_text(query->id), "angle_deg",
-                             degrees_from_radians(query->cone.angle), "cone_pixels", (int)query->cone_pixels,
-                             "world_from_device_ras", json_from_matrix(query->cone.pose.world_from_device));
-    return whole_or_null(cone, !cone_is_wide(&query->cone) || put_value(cone, "spread", json_string("even")));
+                             degrees_from_radians(query->asked.cone.angle), "cone_pixels", (int)query->cone_pixels,
+                             "world_from_device_ras", json_from_matrix(query->asked.cone.pose.world_from_device));
+    return whole_or_null(cone, !cone_is_wide(&query->asked.cone) || put_value(cone, "spread", json_string("even")));
 }
 
 /* Which pose of its file it is, and when. */
@@ -146,13 +146,13 @@ static json_t *json_from_queries(const conus_report *report)
     for (size_t i = 0; i < report->query_count; i++) {
         const struct report_query *query = &report->queries[i];
         json_t *entry = json_from_shape(query);
-        const double *range = query->cone.range;
+        const double *range = query->asked.cone.range;
         bool has_range =
             !query->error && (range[0] != report->selector.range[0] || range[1] != report->selector.range[1]);
         whole = (!has_range || put_value(entry, "range_mm", json_pack("[f, f]", range[0], range[1]))) && whole;
         whole = add_marks(entry, report, query) && whole;
         bool has_radius = !query->error && report->options.rows == CONUS_ROWS_CONNECTIONS;
-        whole = (!has_radius || put_value(entry, "endpoint_radius_mm", json_real(query->end_radius))) && whole;
+        whole = (!has_radius || put_value(entry, "endpoint_radius_mm", json_real(query->asked.end_radius))) && whole;
         whole = json_array_append_new(queries, entry) == 0 && whole;
     }
     return whole_or_null(queries, whole);

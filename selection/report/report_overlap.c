@@ -30,7 +30,7 @@ void table_write_region(struct buffer *out, const struct report_query *query)
 {
     char threshold[TEXT_NUMBER_SIZE];
     char volume[TABLE_VOLUME_SIZE];
-    const struct report_roi *roi = &query->roi;
+    const struct table_region *roi = &query->asked.region;
     buffer_format(out, "region %s: ", query->id);
     if (roi->threshold == 0) {
         buffer_text(out, "mask");

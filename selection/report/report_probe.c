@@ -32,7 +32,7 @@ static size_t query_of(const struct shank *shank, size_t place)
 
 static const double *position_of(const struct shank *shank, size_t query)
 {
-    return shank->report->queries[query].cone.pose.world_from_device + 12;
+    return shank->report->queries[query].asked.cone.pose.world_from_device + 12;
 }
 
 /* The first contact from @p place on that has an answer; shank->end if there is none. */
@@ -249,7 +249,7 @@ static conus_status check_contacts(const conus_report *report)
 {
     for (size_t i = 0; i < report->query_count; i++) {
         const struct report_query *query = &report->queries[i];
-        if (!query->error && !(query->ball > 0) && !query->is_axis) {
+        if (!query->error && !(query->asked.ball > 0) && !query->asked.is_axis) {
             return fail(CONUS_ERROR_ARGUMENT,
                         "format: contacts of a probe are points with a radius, \"%s\" has a direction", query->id);
         }
@@ -273,7 +273,7 @@ static conus_status check_length(const struct shank *shank)
 static bool has_axes(const conus_report *report)
 {
     for (size_t i = 0; i < report->query_count; i++) {
-        if (report->queries[i].is_axis) {
+        if (report->queries[i].asked.is_axis) {
             return true;
         }
     }
@@ -285,11 +285,11 @@ static conus_status check_shanks(const conus_report *report)
     bool have_tips = true;
     for (size_t i = 0; i < report->query_count; i++) {
         const struct report_query *query = &report->queries[i];
-        if (!query->error && !query->is_axis) {
+        if (!query->error && !query->asked.is_axis) {
             return fail(CONUS_ERROR_ARGUMENT, "format: \"%s\" is a contact, and no shank, which has a direction",
                         query->id);
         }
-        have_tips = have_tips && (query->error || cone_has_range(&query->cone));
+        have_tips = have_tips && (query->error || cone_has_range(&query->asked.cone));
     }
     return have_tips ? CONUS_OK
                      : fail(CONUS_ERROR_ARGUMENT,
@@ -306,7 +306,7 @@ static conus_status check_rows(const conus_report *report)
     uint32_t last = (contacts->count - 1) / contacts->columns;
     double height = contacts->tip + last * contacts->pitch;
     for (size_t i = 0; i < report->query_count; i++) {
-        double length = report->queries[i].cone.range[1] - report->queries[i].cone.range[0];
+        double length = report->queries[i].asked.cone.range[1] - report->queries[i].asked.cone.range[0];
         if (!report->queries[i].error && height > length) {
             return fail(CONUS_ERROR_ARGUMENT,
                         "contacts: the last is %g mm from the tip, but the range is only %g mm long", height, length);
@@ -333,7 +333,7 @@ static const conus_object *innermost(const conus_report *report, size_t query, d
 /* The deepest end of a segment above a depth; that of the range if there is none. */
 static double next_border(const conus_report *report, size_t query, double depth)
 {
-    double border = report->queries[query].cone.range[0];
+    double border = report->queries[query].asked.cone.range[0];
     for (size_t i = report->queries[query].first_row; i < report_row_end(report, query); i++) {
         const double ends[] = {report->rows[i].segment.entry, report->rows[i].segment.exit};
         for (int k = 0; k < 2; k++) {
@@ -346,7 +346,7 @@ static double next_border(const conus_report *report, size_t query, double depth
 /* How far up the shank the object at a depth reaches; and which one that is. */
 static double end_of_region(const conus_object **out, const conus_report *report, size_t query, double depth)
 {
-    double near = report->queries[query].cone.range[0];
+    double near = report->queries[query].asked.cone.range[0];
     double end = next_border(report, query, depth);
     *out = innermost(report, query, (depth + end) / 2);
     while (end > near) {
@@ -362,7 +362,7 @@ static double end_of_region(const conus_object **out, const conus_report *report
 /* From the tip on. */
 static void write_shank(struct buffer *out, const conus_report *report, size_t query)
 {
-    const double *range = report->queries[query].cone.range;
+    const double *range = report->queries[query].asked.cone.range;
     double depth = range[1];
     while (depth > range[0]) {
         const conus_object *object;
@@ -398,7 +398,7 @@ static const conus_object *object_at(const conus_report *report, size_t channel)
     size_t row = channel % contacts->count / contacts->columns;
     double height = contacts->tip + (double)row * contacts->pitch;
     return report->queries[query].error ? NULL
-                                        : innermost(report, query, report->queries[query].cone.range[1] - height);
+                                        : innermost(report, query, report->queries[query].asked.cone.range[1] - height);
 }
 
 conus_status report_write_spikeglx(struct buffer *out, const conus_report *report)

@@ -102,8 +102,8 @@ static void write_each_axis(struct buffer *out, const conus_report *report, cons
         }
         buffer_text(out, what);
         table_write_axis(out, report, query);
-        if (cone_has_range(&query->cone)) {
-            buffer_format(out, ", %.4g to %.4g mm deep", query->cone.range[0], query->cone.range[1]);
+        if (cone_has_range(&query->asked.cone)) {
+            buffer_format(out, ", %.4g to %.4g mm deep", query->asked.cone.range[0], query->asked.cone.range[1]);
         } else {
             buffer_text(out, endless);
         }

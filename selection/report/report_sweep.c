@@ -11,20 +11,18 @@
 static void write_admission(struct buffer *out, const conus_report *report, const struct report_row *row, int width)
 {
     char label[TABLE_LABEL_SIZE];
-    double at[3];
     int digits = table_digits(report);
-    const conus_admission *admission = &row->admission;
-    memcpy(at, admission->point, sizeof at);
-    report_point(report, at);
-    buffer_format(out, "%9.3f  ", degrees_from_radians(admission->angle));
-    if (isfinite(admission->margin)) {
-        buffer_format(out, "%9.3f  ", degrees_from_radians(admission->margin));
+    double margin = report_number(row, "margin_deg");
+    buffer_format(out, "%9.3f  ", report_number(row, "angle_deg"));
+    if (isfinite(margin)) {
+        buffer_format(out, "%9.3f  ", margin);
     } else {
         buffer_format(out, "%9s  ", "");
     }
-    table_write_name(out, table_name(report, row->result.object), width);
-    buffer_format(out, "  %10s  %9.2f  %8.*f %8.*f %8.*f\n", table_label(label, report, row->result.object),
-                  admission->distance, digits, at[0], digits, at[1], digits, at[2]);
+    table_write_name(out, table_name(report, row->of_table.object), width);
+    buffer_format(out, "  %10s  %9.2f  %8.*f %8.*f %8.*f\n", table_label(label, report, row->of_table.object),
+                  report_number(row, "distance_mm"), digits, report_number(row, "x"), digits, report_number(row, "y"),
+                  digits, report_number(row, "z"));
 }
 
 static void write_chance(struct buffer *out, const conus_report *report, const struct report_row *row, int width)
@@ -150,7 +148,7 @@ static void write_shares(struct buffer *out, const conus_report *report, struct 
     buffer_format(out, "%-*s  %10s  share of cone in %% at an angle of ... degrees\n%-*s  %10s", width, "name", "label",
                   width, "", "");
     for (size_t i = block.first; i < block.end; i++) {
-        buffer_format(out, "  %6.4g", degrees_from_radians(report->queries[i].cone.angle));
+        buffer_format(out, "  %6.4g", degrees_from_radians(report->queries[i].asked.cone.angle));
     }
     buffer_text(out, "\n");
     for (size_t i = block.first; i < block.end; i++) {
@@ -185,8 +183,8 @@ void report_write_sweep(struct buffer *out, const conus_report *report)
             buffer_format(out,
                           "%u poses with errors of %.4g degrees about each axis and %.4g mm along each (standard "
                           "deviations); ranked by %s; engine %s\n",
-                          query->jitter.samples, degrees_from_radians(query->jitter.tilt), query->jitter.shift,
-                          report->score, report->engine);
+                          query->asked.jitter.samples, degrees_from_radians(query->asked.jitter.tilt),
+                          query->asked.jitter.shift, report->score, report->engine);
         }
         i = block.end;
         buffer_text(out, i < report->query_count ? "\n" : "");

@@ -45,6 +45,11 @@ int table_wider(int width, const char *name)
     return wanted > width ? wanted : width;
 }
 
+double report_number(const struct report_row *row, const char *column)
+{
+    return conus_table_numbers(row->of_table.table, column)[row->of_table.index];
+}
+
 int table_name_width(const conus_report *report)
 {
     int width = 12;
@@ -119,7 +124,7 @@ void table_write_space(struct buffer *out, const conus_report *report)
 
 void table_write_axis(struct buffer *out, const conus_report *report, const struct report_query *query)
 {
-    const double *m = query->cone.pose.world_from_device;
+    const double *m = query->asked.cone.pose.world_from_device;
     double origin[3] = {m[12], m[13], m[14]};
     double axis[3] = {-m[8], -m[9], -m[10]};
     report_point(report, origin);
@@ -144,7 +149,7 @@ static void write_id(struct buffer *out, const conus_report *report, const struc
         buffer_format(out, "%s%s s", before, text_time(time, query->time_s));
         before = ", ";
     }
-    for (size_t i = 0; query->kept && i < marks->count; i++) {
+    for (size_t i = 0; marks && query->kept && i < marks->count; i++) {
         if (query->kept[i][0]) {
             buffer_format(out, "%s%s %s", before, report->kept[i].name, query->kept[i]);
             before = ", ";
@@ -167,22 +172,22 @@ void table_write_query(struct buffer *out, const conus_report *report, const str
     if (count > 1 && !is_one_pose) {
         table_write_id(out, report, query);
     }
-    if (query->ball > 0) {
+    if (query->asked.ball > 0) {
         double middle[3];
-        memcpy(middle, query->cone.pose.world_from_device + 12, sizeof middle);
+        memcpy(middle, query->asked.cone.pose.world_from_device + 12, sizeof middle);
         report_point(report, middle);
         int digits = table_digits(report);
-        if (query->is_point || query->ball <= CONUS_POINT_RADIUS) {
+        if (query->is_point || query->asked.ball <= CONUS_POINT_RADIUS) {
             buffer_text(out, "point (");
         } else {
-            buffer_format(out, "ball of radius %.4g mm around (", query->ball);
+            buffer_format(out, "ball of radius %.4g mm around (", query->asked.ball);
         }
         buffer_format(out, "%.*f, %.*f, %.*f)", digits, middle[0], digits, middle[1], digits, middle[2]);
     } else {
         if (report->options.rows == CONUS_ROWS_SHARES) {
-            buffer_text(out, query->cone.aperture == CONUS_APERTURE_SQUARE ? "square pyramids" : "cones");
+            buffer_text(out, query->asked.cone.aperture == CONUS_APERTURE_SQUARE ? "square pyramids" : "cones");
         } else {
-            write_shape(out, &query->cone);
+            write_shape(out, &query->asked.cone);
         }
         table_write_axis(out, report, query);
     }
@@ -435,12 +440,12 @@ static void write_answers(struct buffer *out, const conus_report *report, size_t
     static const struct table_form layers = {write_layers_header, write_layers_result};
     static const struct table_form ball = {write_ball_header, write_ball_result};
     static const struct table_form point = {write_point_header, write_point_result};
-    const struct table_form *form = report->queries[index].is_point   ? &point
-                                    : report->queries[index].ball > 0 ? &ball
-                                    : report->selector.layers         ? &layers
-                                                                      : &visible;
+    const struct table_form *form = report->queries[index].is_point         ? &point
+                                    : report->queries[index].asked.ball > 0 ? &ball
+                                    : report->selector.layers               ? &layers
+                                                                            : &visible;
     table_write_atlas(out, report);
-    if (report->queries[index].ball > 0) {
+    if (report->queries[index].asked.ball > 0) {
         buffer_text(out, "at the point: ");
         write_here(out, report, index);
     }
@@ -456,7 +461,7 @@ static bool is_of_contacts(const conus_report *report)
     bool all = report->query_count > 1;
     for (size_t i = 0; i < report->query_count && all; i++) {
         const struct report_query *query = &report->queries[i];
-        all = query->contact && !query->error && query->ball > 0 && query->ball <= CONUS_POINT_RADIUS;
+        all = query->contact && !query->error && query->asked.ball > 0 && query->asked.ball <= CONUS_POINT_RADIUS;
     }
     return all;
 }
@@ -489,7 +494,7 @@ static void write_contacts(struct buffer *out, const conus_report *report)
             double p[3];
             snprintf(names, sizeof names, "%.28s%s%.28s", begin->id, i > first + 1 ? ", " : "",
                      i > first + 1 ? report->queries[i - 1].id : "");
-            memcpy(p, begin->cone.pose.world_from_device + 12, sizeof p);
+            memcpy(p, begin->asked.cone.pose.world_from_device + 12, sizeof p);
             report_point(report, p);
             buffer_format(out, "%8zu  ", i - first);
             table_write_name(out, names, 28);
@@ -592,7 +597,7 @@ static void write_points(struct buffer *out, const conus_report *report)
         const struct report_query *query = &report->queries[i];
         struct buffer text = {0};
         double p[3];
-        memcpy(p, query->cone.pose.world_from_device + 12, sizeof p);
+        memcpy(p, query->asked.cone.pose.world_from_device + 12, sizeof p);
         report_point(report, p);
         snprintf(at, sizeof at, "%8.*f %8.*f %8.*f", digits, p[0], digits, p[1], digits, p[2]);
         write_id(&text, report, query);
@@ -630,12 +635,12 @@ void report_write_table(struct buffer *out, const conus_report *report)
             write_answers(out, of, i, width);
         }
         const struct report_query *query = &report->queries[i];
-        if (query->ball > 0) {
+        if (query->asked.ball > 0) {
             buffer_format(out, "ranked by %sdistance%s\n", query->is_point ? "" : "share, then ",
                           report->options.order && !query->is_point ? ", nearest first" : "");
         } else {
             buffer_format(out, "%u pixels in the cone (%u x %u buffer); ranked by %s%s; engine %s, %s\n",
-                          query->cone_pixels, query->cone.resolution, query->cone.resolution, report->score,
+                          query->cone_pixels, query->asked.cone.resolution, query->asked.cone.resolution, report->score,
                           report->options.order ? ", in order of depth" : "", report->engine,
                           report->selector.sampling == CONUS_SAMPLING_SLICES ? "slices" : "exact");
         }

@@ -26,6 +26,9 @@ enum { TABLE_SHARE_SIZE = 16 };
  * behind the point from 32 on, none below; "<0.1" or "<1" of what would be 0 but is not. */
 const char *table_share(char out[TABLE_SHARE_SIZE], double share, uint32_t resolution);
 
+/** A number of a row of a table: NaN where it is n/a. */
+double report_number(const struct report_row *row, const char *column);
+
 /** Columns for the longest name in the report and in those joined with it, up to a limit. */
 int table_name_width(const conus_report *report);
 

@@ -11,14 +11,10 @@
 #include "conus/segments.h"
 #include "conus/sweep.h"
 #include "selection/selection.h"
+#include "selection/table/table.h"
 
-/* sweep.c: over the angle (Eq. 13). */
-struct conus_sweep {
-    const conus_atlas *atlas;
-    struct cone cone; /**< The widest. */
-    conus_admission *rows;
-    size_t count;
-};
+/* Columns of the tables of studies. */
+extern const struct table_fields sweep_fields;
 
 /* jitter.c: errors of the pose (Eq. 14). */
 /** Errors have five dimensions; samples are counted in so many sets, one after the other. */

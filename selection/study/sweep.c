@@ -270,23 +270,67 @@ static void search(struct admission *admissions, const conus_selector *selector,
     }
 }
 
-static int compare(const void *a, const void *b)
+/* When a growing cone admits an object (Eq. 13): a row of the table. */
+struct row {
+    struct table_object object;
+    double angle;    /* full opening of the narrowest round cone that holds some of it, radians; 0: the axis hits it */
+    double margin;   /* further opening until the next object; NaN if there is none */
+    double point[3]; /* what is admitted first, world */
+    double distance; /* mm from the apex to there */
+    bool is_surface; /* it is a mesh's; else a voxel's centre, or of a bundle a point of a streamline */
+};
+
+static struct cell half_angle(const struct table_source *source, const void *row, size_t index)
 {
-    const conus_admission *x = a;
-    const conus_admission *y = b;
-    int order = compare_double(x->angle, y->angle);
-    order = order ? order : compare_double(x->distance, y->distance);
-    return order ? order : compare_unsigned(x->object, y->object);
+    (void)source;
+    (void)index;
+    return number_cell(degrees_from_radians(((const struct row *)row)->angle / 2));
 }
 
-static conus_admission describe(const struct admission *admission, const conus_atlas *atlas, const struct cone *cone,
-                                uint32_t number)
+static struct cell measured(const struct table_source *source, const void *of, size_t index)
 {
-    conus_admission row = {.kind = conus_atlas_object(atlas, number)->kind,
-                           .object = number,
-                           .angle = 2 * atan(admission->slope),
-                           .is_surface = admission->is_surface,
-                           .margin = NAN};
+    const struct row *row = of;
+    (void)source;
+    (void)index;
+    return text_cell(row->object.kind == CONUS_KIND_BUNDLE ? "streamline"
+                     : row->is_surface                     ? "surface"
+                                                           : "voxel centre");
+}
+
+static const struct table_field columns[] = {
+    TABLE_IDENTITY,
+    {"rank", NULL, "1 is admitted first", TABLE_COUNT_BY(table_place)},
+    {"angle_deg", "degree", "full opening angle of the narrowest cone that holds some of it",
+     TABLE_OF(ANGLE, struct row, angle)},
+    {"half_angle_deg", "degree", "half of that: the angle to the axis", TABLE_NUMBER_BY(half_angle)},
+    {"margin_deg", "degree", "by how much the cone must open further for the next one",
+     TABLE_OF(ANGLE, struct row, margin)},
+    {"distance_mm", "mm", "distance from the apex to what is admitted first", TABLE_OF(NUMBER, struct row, distance)},
+    {"x", "mm", "where that is, x", TABLE_OF(X, struct row, point)},
+    {"y", "mm", "the same, y", TABLE_OF(Y, struct row, point)},
+    {"z", "mm", "the same, z", TABLE_OF(Z, struct row, point)},
+    {"measured", NULL, "what that is: voxel centre, surface of a mesh or streamline; exact any way",
+     TABLE_NAME_BY(measured)},
+};
+
+const struct table_fields sweep_fields = {columns, sizeof columns / sizeof *columns};
+
+static int compare(const void *a, const void *b)
+{
+    const struct row *x = a;
+    const struct row *y = b;
+    int order = compare_double(x->angle, y->angle);
+    order = order ? order : compare_double(x->distance, y->distance);
+    return order ? order : compare_unsigned(x->object.number, y->object.number);
+}
+
+static struct row describe(const struct admission *admission, const conus_atlas *atlas, const struct cone *cone,
+                           uint32_t number)
+{
+    struct row row = {.object = {conus_atlas_object(atlas, number)->kind, number},
+                      .angle = 2 * atan(admission->slope),
+                      .is_surface = admission->is_surface,
+                      .margin = NAN};
     double v[3];
     vec3_sub(v, admission->point, cone->pose.world_from_device + 12);
     row.distance = vec3_length(v);
@@ -294,38 +338,47 @@ static conus_admission describe(const struct admission *admission, const conus_a
     return row;
 }
 
-static conus_status build(conus_sweep *sweep, const conus_selector *selector)
+/* Keeps what the widest cone admits, in the order of its angles, and the margin to the first that it does not. */
+static size_t list_rows(struct row *rows, const struct admission *admissions, const conus_atlas *atlas,
+                        const struct cone *cone)
+{
+    size_t count = 0;
+    for (uint32_t number = 1; number <= atlas->object_count; number++) {
+        if (isfinite(admissions[number].slope)) {
+            rows[count++] = describe(&admissions[number], atlas, cone, number);
+        }
+    }
+    order_sort(rows, count, sizeof *rows, compare);
+    for (size_t i = 0; i + 1 < count; i++) {
+        rows[i].margin = rows[i + 1].angle - rows[i].angle;
+    }
+    while (count > 0 && rows[count - 1].angle > cone->angle) {
+        count--;
+    }
+    return count;
+}
+
+static conus_status sweep_cone(conus_table **out, const conus_selector *selector, const struct cone *cone)
 {
     size_t count = selector->atlas->object_count;
     struct admission *admissions = memory_zeroed(count + 1, sizeof *admissions);
-    sweep->rows = memory_raw(count, sizeof *sweep->rows);
-    if (!admissions || !sweep->rows) {
-        memory_free(admissions);
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t i = 0; i <= count; i++) {
-        admissions[i].slope = INFINITY;
-    }
-    search(admissions, selector, &sweep->cone);
-    /* Keep what the widest cone admits, and the margin to the first that it does not. */
-    for (uint32_t number = 1; number <= sweep->atlas->object_count; number++) {
-        if (isfinite(admissions[number].slope)) {
-            sweep->rows[sweep->count++] = describe(&admissions[number], sweep->atlas, &sweep->cone, number);
+    struct row *rows = memory_raw(count, sizeof *rows);
+    conus_status status = admissions && rows ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status) {
+        for (size_t i = 0; i <= count; i++) {
+            admissions[i].slope = INFINITY;
         }
-    }
-    order_sort(sweep->rows, sweep->count, sizeof *sweep->rows, compare);
-    for (size_t i = 0; i + 1 < sweep->count; i++) {
-        sweep->rows[i].margin = sweep->rows[i + 1].angle - sweep->rows[i].angle;
-    }
-    while (sweep->count > 0 && sweep->rows[sweep->count - 1].angle > sweep->cone.angle) {
-        sweep->count--;
+        search(admissions, selector, cone);
+        count = list_rows(rows, admissions, selector->atlas, cone);
+        status = table_create(out, &(struct table_source){selector->atlas, &selector->frame}, &sweep_fields,
+                              &(struct table_question){.cone = *cone}, rows, sizeof *rows, count);
     }
     memory_free(admissions);
-    return CONUS_OK;
+    memory_free(rows);
+    return status;
 }
 
-conus_status conus_sweep_create(conus_sweep **out, const conus_selector *selector, const conus_pose *pose,
-                                double widest)
+conus_status conus_sweep(conus_table **out, const conus_selector *selector, const conus_pose *pose, double widest)
 {
     const conus_selector_options *options = &selector->options;
     struct cone cone = {
@@ -339,38 +392,5 @@ conus_status conus_sweep_create(conus_sweep **out, const conus_selector *selecto
     }
     conus_status status = pose_settle(&cone.pose, pose->world_from_device);
     status = status ? status : cone_check(&cone);
-    if (status) {
-        return status;
-    }
-    conus_sweep *sweep = memory_zeroed(1, sizeof *sweep);
-    if (!sweep) {
-        return CONUS_ERROR_MEMORY;
-    }
-    sweep->atlas = selector->atlas;
-    sweep->cone = cone;
-    status = build(sweep, selector);
-    if (status) {
-        conus_sweep_destroy(sweep);
-        return status;
-    }
-    *out = sweep;
-    return CONUS_OK;
-}
-
-void conus_sweep_destroy(conus_sweep *sweep)
-{
-    if (sweep) {
-        memory_free(sweep->rows);
-        memory_free(sweep);
-    }
-}
-
-size_t conus_sweep_count(const conus_sweep *sweep)
-{
-    return sweep ? sweep->count : 0;
-}
-
-const conus_admission *conus_sweep_admission(const conus_sweep *sweep, size_t index)
-{
-    return sweep && index < sweep->count ? &sweep->rows[index] : NULL;
+    return status ? status : sweep_cone(out, selector, &cone);
 }

@@ -117,13 +117,14 @@ LIBRARY = {
     " selection/engine/tracts selection/engine/triangles",
     "selection/region": "base/simd base/geometry atlas/tracts atlas selection/cone",
     "selection/measure": "base base/geometry atlas/surface atlas/tracts atlas selection/cone selection/evidence selection/region",
+    "selection/table": "base base/geometry atlas selection/cone",
     "selection": "base base/geometry atlas atlas/areas poses/rows selection/region selection/evidence selection/engine selection/measure",
-    "selection/study": "base base/geometry atlas/surface atlas poses/rows selection/measure selection",
+    "selection/study": "base base/geometry atlas/surface atlas poses/rows selection/measure selection/table selection",
     "selection/plan": "base base/geometry atlas/surface atlas/tracts atlas atlas/areas poses poses/rows selection/evidence"
     " selection/measure selection selection/study selection/report selection/batch",
     "selection/ends": "base base/geometry atlas/surface atlas selection/cone selection/measure selection/engine/voxels selection",
     "selection/picture": "base base/geometry render/draw render/image render/colour render/flat selection/measure selection",
-    "selection/report": "base base/geometry atlas poses/programs selection selection/ends selection/study",
+    "selection/report": "base base/geometry atlas poses/programs selection selection/ends selection/study selection/table",
     "pack": "base base/files base/geometry base/system atlas atlas/tracts loaders/maps loaders/scene selection/engine/voxels",
     "selection/batch": "base base/geometry base/system poses poses/rows selection selection/study selection/report",
 }

@@ -9,6 +9,7 @@
 #include "same_answer.h"
 #include "scene.h"
 #include "selection/selection.h"
+#include "tables.h"
 #include "test.h"
 #include "test_gl.h"
 #include "value_maps.h"
@@ -83,21 +84,15 @@ static void choose(bool hidden[LIMIT], size_t objects, uint64_t seed)
 
 static void assert_same_sweep(const conus_selector *a, const conus_selector *b, const conus_pose *pose)
 {
-    conus_sweep *mine = NULL;
-    conus_sweep *other = NULL;
-    assert_ok(conus_sweep_create(&mine, a, pose, 2));
-    assert_ok(conus_sweep_create(&other, b, pose, 2));
-    assert_int_equal(conus_sweep_count(mine), conus_sweep_count(other));
-    for (size_t i = 0; i < conus_sweep_count(mine); i++) {
-        const conus_admission *x = conus_sweep_admission(mine, i);
-        const conus_admission *y = conus_sweep_admission(other, i);
-        assert_int_equal(x->object, y->object);
-        assert_same_doubles((double[]){x->angle, x->margin, x->distance}, (double[]){y->angle, y->margin, y->distance},
-                            3);
-        assert_same_doubles(x->point, y->point, 3);
-    }
-    conus_sweep_destroy(mine);
-    conus_sweep_destroy(other);
+    conus_table *mine = NULL;
+    conus_table *other = NULL;
+    assert_ok(conus_sweep(&mine, a, pose, 2));
+    assert_ok(conus_sweep(&other, b, pose, 2));
+    assert_int_equal(conus_table_rows(mine), conus_table_rows(other));
+    assert_memory_equal(conus_table_objects(mine), conus_table_objects(other), conus_table_rows(mine) * 4);
+    assert_same_tables(mine, other);
+    conus_table_destroy(mine);
+    conus_table_destroy(other);
 }
 
 static void assert_same_grid(const conus_selection *a, const conus_selection *b, conus_grid_content content,

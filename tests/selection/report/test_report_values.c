@@ -75,8 +75,8 @@ static void add(struct made *made, const char *id, const double at[3], double ba
                 size_t count)
 {
     struct report_row *rows = NULL;
-    struct report_query query = {.ball = ball};
-    query.cone.pose = (conus_pose){{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, at[0], at[1], at[2], 1}};
+    struct report_query query = {.asked.ball = ball};
+    query.asked.cone.pose = (conus_pose){{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, at[0], at[1], at[2], 1}};
     assert_ok(report_append(&rows, made->report, id, &query, count));
     for (size_t i = 0; i < count; i++) {
         rows[i].query = made->report->query_count - 1;

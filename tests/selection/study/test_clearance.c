@@ -139,12 +139,12 @@ static long double cell_distance(const struct volume *volume, const double voxel
     return sqrtl(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
 }
 
-struct cell {
+struct cubelet {
     const struct volume *volume;
     double voxel[3];
 };
 
-static long double distance_at(const struct cell *cell, const struct needle *needle, long double t)
+static long double distance_at(const struct cubelet *cell, const struct needle *needle, long double t)
 {
     long double point[3];
     for (int a = 0; a < 3; a++) {
@@ -154,7 +154,7 @@ static long double distance_at(const struct cell *cell, const struct needle *nee
 }
 
 /* The least distance of a cell by ternary search: it is convex along the needle. */
-static double least_of_cell(const struct cell *cell, const struct needle *needle)
+static double least_of_cell(const struct cubelet *cell, const struct needle *needle)
 {
     long double low = needle->near;
     long double high = needle->far;
@@ -192,7 +192,7 @@ static double least_of_object(const conus_atlas *atlas, uint32_t object, const s
             if (vec3_length(foot) - half <= least + 1e-6) {
                 const size_t *dim = volume->info.dim;
                 const size_t at[3] = {i % dim[0], i / dim[0] % dim[1], i / dim[0] / dim[1]};
-                const struct cell cell = {volume, {(double)at[0], (double)at[1], (double)at[2]}};
+                const struct cubelet cell = {volume, {(double)at[0], (double)at[1], (double)at[2]}};
                 found = fmin(found, least_of_cell(&cell, needle));
             }
         }

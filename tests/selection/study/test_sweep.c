@@ -9,6 +9,7 @@
 #include "conus/sweep.h"
 #include "mesh_scene.h"
 #include "scene.h"
+#include "tables.h"
 #include "test.h"
 #include "tract_scene.h"
 
@@ -16,23 +17,39 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const conus_admission *find(const conus_sweep *sweep, uint32_t object)
+/* A row, in radians. */
+struct admission {
+    uint32_t object;
+    double angle, margin, distance, point[3];
+};
+
+static struct admission row_at(const conus_table *sweep, size_t row)
 {
-    for (size_t i = 0; i < conus_sweep_count(sweep); i++) {
-        if (conus_sweep_admission(sweep, i)->object == object) {
-            return conus_sweep_admission(sweep, i);
-        }
-    }
-    return NULL;
+    struct admission out = {.object = conus_table_objects(sweep)[row],
+                            .angle = radians_from_degrees(table_number_at(sweep, "angle_deg", row)),
+                            .margin = radians_from_degrees(table_number_at(sweep, "margin_deg", row)),
+                            .distance = table_number_at(sweep, "distance_mm", row)};
+    table_point_at(out.point, sweep, "", row);
+    return out;
 }
 
-static conus_sweep *sweep_of(const conus_atlas *atlas, const conus_selector_options *options, const conus_pose *pose,
+static bool has(const conus_table *sweep, uint32_t object)
+{
+    return table_row_of(sweep, object) < conus_table_rows(sweep);
+}
+
+static struct admission find(const conus_table *sweep, uint32_t object)
+{
+    return row_at(sweep, table_row_of(sweep, object));
+}
+
+static conus_table *sweep_of(const conus_atlas *atlas, const conus_selector_options *options, const conus_pose *pose,
                              double degrees)
 {
     conus_selector *selector = NULL;
-    conus_sweep *sweep = NULL;
+    conus_table *sweep = NULL;
     assert_ok(conus_selector_create(&selector, atlas, options));
-    assert_ok(conus_sweep_create(&sweep, selector, pose, radians_from_degrees(degrees)));
+    assert_ok(conus_sweep(&sweep, selector, pose, radians_from_degrees(degrees)));
     conus_selector_destroy(selector);
     return sweep;
 }
@@ -73,15 +90,16 @@ static void search_voxels(double *openings, const conus_atlas *atlas, const conu
 }
 
 /* Rows are sorted, and each has its margin. */
-static void check_order(const conus_sweep *sweep)
+static void check_order(const conus_table *sweep)
 {
-    for (size_t i = 0; i + 1 < conus_sweep_count(sweep); i++) {
-        const conus_admission *row = conus_sweep_admission(sweep, i);
-        const conus_admission *next = conus_sweep_admission(sweep, i + 1);
-        assert_true(row->angle <= next->angle);
-        assert_near(row->margin, next->angle - row->angle, 1e-15);
+    for (size_t i = 0; i + 1 < conus_table_rows(sweep); i++) {
+        struct admission row = row_at(sweep, i);
+        struct admission next = row_at(sweep, i + 1);
+        assert_true(row.angle <= next.angle);
+        assert_near(row.margin, next.angle - row.angle, 1e-15);
+        assert_int_equal(table_count_at(sweep, "rank", i), i + 1);
+        assert_near(2 * table_number_at(sweep, "half_angle_deg", i), table_number_at(sweep, "angle_deg", i), 1e-12);
     }
-    assert_null(conus_sweep_admission(sweep, conus_sweep_count(sweep)));
 }
 
 static void check_volumes(uint64_t *state, const conus_atlas *atlas)
@@ -91,23 +109,24 @@ static void check_volumes(uint64_t *state, const conus_atlas *atlas)
     const conus_selector_options options = {.range = {0, test_random(state, 0, 1) < 0.5 ? 0 : far}};
     double *openings = malloc((atlas->object_count + 1) * sizeof *openings);
     double widest = test_random(state, 0, 1) < 0.5 ? 179.9 : test_random(state, 1, 100);
-    conus_sweep *sweep = sweep_of(atlas, &options, &pose, widest);
+    conus_table *sweep = sweep_of(atlas, &options, &pose, widest);
     search_voxels(openings, atlas, &pose, options.range);
     check_order(sweep);
     for (uint32_t number = 1; number <= atlas->object_count; number++) {
-        const conus_admission *row = find(sweep, number);
         if (fabs(openings[number] - radians_from_degrees(widest)) < 1e-7) {
             continue; /* on the edge of the widest */
         }
-        assert_int_equal(row != NULL, openings[number] < radians_from_degrees(widest));
-        if (row) {
-            assert_near(row->angle, openings[number], 1e-7); /* near the axis, of a pose 10^5 mm away */
-            assert_near(opening(&pose, row->point, options.range), row->angle, 1e-7);
-            assert_int_equal(row->kind, conus_atlas_object(atlas, number)->kind);
+        assert_int_equal(has(sweep, number), openings[number] < radians_from_degrees(widest));
+        if (has(sweep, number)) {
+            struct admission row = find(sweep, number);
+            assert_near(row.angle, openings[number], 1e-7); /* near the axis, of a pose 10^5 mm away */
+            assert_near(opening(&pose, row.point, options.range), row.angle, 1e-7);
+            assert_string_equal(table_text_at(sweep, "kind", table_row_of(sweep, number)),
+                                atlas_kind_word(conus_atlas_object(atlas, number)->kind));
         }
     }
     free(openings);
-    conus_sweep_destroy(sweep);
+    conus_table_destroy(sweep);
 }
 
 static void voxels_are_admitted_by_their_centres(void **state)
@@ -145,18 +164,18 @@ static void a_little_less_is_too_narrow(void **state)
         conus_atlas *atlas = scene_atlas(&seed, 14, 1);
         conus_pose pose = scene_generic_pose(&seed, atlas);
         conus_selector *selector = NULL;
-        conus_sweep *sweep = sweep_of(atlas, &options, &pose, 170);
+        conus_table *sweep = sweep_of(atlas, &options, &pose, 170);
         assert_ok(conus_selector_create(&selector, atlas, &options));
-        for (size_t r = 0; r < conus_sweep_count(sweep); r++) {
-            const conus_admission *row = conus_sweep_admission(sweep, r);
-            if (row->angle > 1e-6) {
-                assert_true(voxels_in(selector, &pose, row->angle * (1 + 1e-9), row->object) > 0);
-                assert_int_equal(voxels_in(selector, &pose, row->angle * (1 - 1e-9), row->object), 0);
+        for (size_t r = 0; r < conus_table_rows(sweep); r++) {
+            struct admission row = row_at(sweep, r);
+            if (row.angle > 1e-6) {
+                assert_true(voxels_in(selector, &pose, row.angle * (1 + 1e-9), row.object) > 0);
+                assert_int_equal(voxels_in(selector, &pose, row.angle * (1 - 1e-9), row.object), 0);
                 checked++;
             }
         }
         conus_selector_destroy(selector);
-        conus_sweep_destroy(sweep);
+        conus_table_destroy(sweep);
         conus_atlas_destroy(atlas);
     }
     assert_true(checked > 100);
@@ -212,18 +231,16 @@ static void surfaces_are_admitted_by_their_nearest_point(void **state)
         const double direction[3] = {-origin[0] + test_random(&seed, -40, 40), -origin[1], -origin[2]};
         conus_pose pose = pose_of(origin, direction);
         const conus_selector_options options = {.range = {i % 2 ? 70 : 0, i % 2 ? 100 : 0}};
-        conus_sweep *sweep = sweep_of(atlas, &options, &pose, 179.9);
+        conus_table *sweep = sweep_of(atlas, &options, &pose, 179.9);
         double wanted = search_mesh(&atlas->meshes[0], &pose, options.range, STEPS);
-        const conus_admission *row = find(sweep, 1);
         if (isfinite(wanted)) {
-            double nearest = row->distance;
-            assert_non_null(row);
-            assert_true(row->angle <= wanted + 1e-12);
-            assert_true(wanted - row->angle < 2 * 40.0 / STEPS / nearest + 0.02 * (i % 2)); /* the points' distance */
-            assert_near(opening(&pose, row->point, (double[]){0, 0}), row->angle, 1e-9);
+            struct admission row = find(sweep, 1);
+            assert_true(row.angle <= wanted + 1e-12);
+            assert_true(wanted - row.angle < 2 * 40.0 / STEPS / row.distance + 0.02 * (i % 2)); /* of the points */
+            assert_near(opening(&pose, row.point, (double[]){0, 0}), row.angle, 1e-9);
             found++;
         }
-        conus_sweep_destroy(sweep);
+        conus_table_destroy(sweep);
         conus_atlas_destroy(atlas);
     }
     assert_true(found > 150);
@@ -237,25 +254,25 @@ static void a_ball_is_admitted_at_its_tangent(void **state)
     struct mesh mesh = mesh_scene_sphere((double[]){0, 0, 0}, 20, 400, 800);
     mesh_scene_add(atlas, &mesh);
     conus_selector *selector = NULL;
-    conus_sweep *sweep = NULL;
+    conus_table *sweep = NULL;
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     for (int beside = 21; beside < 60; beside += 7) {
         conus_pose pose = pose_of((double[]){-100, beside, 0}, (double[]){1, 0, 0});
         double wanted = 2 * (atan2(beside, 100) - asin(20 / hypot(beside, 100)));
-        assert_ok(conus_sweep_create(&sweep, selector, &pose, radians_from_degrees(170)));
-        assert_near(find(sweep, 1)->angle, wanted, 1e-4);
-        conus_sweep_destroy(sweep);
+        assert_ok(conus_sweep(&sweep, selector, &pose, radians_from_degrees(170)));
+        assert_near(find(sweep, 1).angle, wanted, 1e-4);
+        conus_table_destroy(sweep);
     }
     conus_pose through = pose_of((double[]){-100, 19, 0}, (double[]){1, 0, 0});
     conus_pose inside = pose_of((double[]){3, 4, 5}, (double[]){0, 0.6, 0.8});
-    assert_ok(conus_sweep_create(&sweep, selector, &through, radians_from_degrees(1)));
-    assert_true(find(sweep, 1)->angle == 0);
-    assert_near(find(sweep, 1)->distance, 100 - sqrt(400 - 19 * 19), 1); /* where the axis enters or leaves it */
-    conus_sweep_destroy(sweep);
-    assert_ok(conus_sweep_create(&sweep, selector, &inside, radians_from_degrees(1)));
-    assert_true(find(sweep, 1)->angle == 0);
-    assert_true(find(sweep, 1)->distance == 0); /* the apex is in it */
-    conus_sweep_destroy(sweep);
+    assert_ok(conus_sweep(&sweep, selector, &through, radians_from_degrees(1)));
+    assert_true(find(sweep, 1).angle == 0);
+    assert_near(find(sweep, 1).distance, 100 - sqrt(400 - 19 * 19), 1); /* where the axis enters or leaves it */
+    conus_table_destroy(sweep);
+    assert_ok(conus_sweep(&sweep, selector, &inside, radians_from_degrees(1)));
+    assert_true(find(sweep, 1).angle == 0);
+    assert_true(find(sweep, 1).distance == 0); /* the apex is in it */
+    conus_table_destroy(sweep);
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
 }
@@ -270,13 +287,13 @@ static void what_is_inside_a_closed_surface_belongs_to_it(void **state)
     conus_pose pose = pose_of((double[]){-100, 1, 2}, (double[]){1, 0, 0});
     const conus_selector_options in_it = {.range = {95, 105}};
     const conus_selector_options beside_it = {.range = {60, 78}};
-    conus_sweep *sweep = sweep_of(atlas, &in_it, &pose, 1);
-    assert_true(find(sweep, 1)->angle == 0);
-    assert_near(find(sweep, 1)->distance, 95, 1e-9);
-    conus_sweep_destroy(sweep);
+    conus_table *sweep = sweep_of(atlas, &in_it, &pose, 1);
+    assert_true(find(sweep, 1).angle == 0);
+    assert_near(find(sweep, 1).distance, 95, 1e-9);
+    conus_table_destroy(sweep);
     sweep = sweep_of(atlas, &beside_it, &pose, 170);
-    assert_int_equal(conus_sweep_count(sweep), 0);
-    conus_sweep_destroy(sweep);
+    assert_int_equal(conus_table_rows(sweep), 0);
+    conus_table_destroy(sweep);
     conus_atlas_destroy(atlas);
 }
 
@@ -303,9 +320,9 @@ static void shells_in_shells_count_as_intervals_do(void **state)
         mesh_finish(&outer);
         mesh_finish(&inner);
         mesh_scene_add(atlas, &both);
-        conus_sweep *sweep = sweep_of(atlas, &middle, &pose, 1);
-        assert_int_equal(conus_sweep_count(sweep), !cavity);
-        conus_sweep_destroy(sweep);
+        conus_table *sweep = sweep_of(atlas, &middle, &pose, 1);
+        assert_int_equal(conus_table_rows(sweep), !cavity);
+        conus_table_destroy(sweep);
         conus_atlas_destroy(atlas);
     }
 }
@@ -324,10 +341,10 @@ static void an_open_surface_does_not_hold_the_axis(void **state)
     mesh_scene_add(atlas, &box);
     assert_false(atlas_object_mesh(atlas, 1)->shape.closed);
     conus_pose pose = pose_of((double[]){0.5, 0.25, 0}, (double[]){0, 0, 1});
-    conus_sweep *sweep = sweep_of(atlas, NULL, &pose, 10);
-    assert_true(find(sweep, 1)->angle == 0);
-    assert_near(find(sweep, 1)->distance, 5, 1e-12);
-    conus_sweep_destroy(sweep);
+    conus_table *sweep = sweep_of(atlas, NULL, &pose, 10);
+    assert_true(find(sweep, 1).angle == 0);
+    assert_near(find(sweep, 1).distance, 5, 1e-12);
+    conus_table_destroy(sweep);
     conus_atlas_destroy(atlas);
 }
 
@@ -348,15 +365,14 @@ static void ties_go_to_the_nearer_then_to_the_lower_number(void **state)
     assert_ok(conus_pose_along(&pose, (double[]){0, 0, 0}, (double[]){0, 0, -1}, NULL));
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     for (int narrower = 0; narrower < 2; narrower++) {
-        conus_sweep *sweep = NULL;
-        assert_ok(conus_sweep_create(&sweep, selector, &pose, narrower ? nextafter(both, 0) : both));
-        assert_int_equal(conus_sweep_count(sweep), narrower ? 2 : 4);
-        for (size_t i = 0; i < conus_sweep_count(sweep); i++) {
-            const conus_admission *row = conus_sweep_admission(sweep, i);
-            assert_int_equal(row->object, order[i]);
-            assert_true(row->angle == (i < 2 ? 0 : both));
+        conus_table *sweep = NULL;
+        assert_ok(conus_sweep(&sweep, selector, &pose, narrower ? nextafter(both, 0) : both));
+        assert_int_equal(conus_table_rows(sweep), narrower ? 2 : 4);
+        for (size_t i = 0; i < conus_table_rows(sweep); i++) {
+            assert_int_equal(conus_table_objects(sweep)[i], order[i]);
+            assert_true(table_number_at(sweep, "angle_deg", i) == (i < 2 ? 0 : degrees_from_radians(both)));
         }
-        conus_sweep_destroy(sweep);
+        conus_table_destroy(sweep);
     }
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
@@ -371,10 +387,10 @@ static void a_hidden_bundle_is_not_admitted(void **state)
     assert_ok(conus_pose_along(&pose, (double[]){0, 0, 0}, (double[]){0, 0, 1}, NULL));
     for (int hidden = 0; hidden < 2; hidden++) {
         assert_ok(conus_atlas_set_hidden(atlas, (const bool[]){false, hidden, false}));
-        conus_sweep *sweep = sweep_of(atlas, NULL, &pose, 170);
-        assert_int_equal(find(sweep, 1) != NULL, !hidden);
-        assert_non_null(find(sweep, 2));
-        conus_sweep_destroy(sweep);
+        conus_table *sweep = sweep_of(atlas, NULL, &pose, 170);
+        assert_int_equal(has(sweep, 1), !hidden);
+        assert_true(has(sweep, 2));
+        conus_table_destroy(sweep);
     }
     conus_atlas_destroy(atlas);
 }
@@ -387,22 +403,22 @@ static void limits_are_named(void **state)
     conus_pose pose = scene_pose(&seed, atlas);
     const conus_selector_options wrong[] = {{.aperture = CONUS_APERTURE_SQUARE}, {.radius = 5}};
     conus_selector *selector = NULL;
-    conus_sweep *sweep = NULL;
+    conus_table *sweep = NULL;
     for (int i = 0; i < 2; i++) {
         assert_ok(conus_selector_create(&selector, atlas, &wrong[i]));
-        assert_fails(conus_sweep_create(&sweep, selector, &pose, 1), CONUS_ERROR_ARGUMENT);
+        assert_fails(conus_sweep(&sweep, selector, &pose, 1), CONUS_ERROR_ARGUMENT);
         conus_selector_destroy(selector);
     }
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     for (int i = 0; i < 4; i++) {
         static const double angles[] = {0, -1, MATH3_PI, NAN};
-        assert_fails(conus_sweep_create(&sweep, selector, &pose, angles[i]), CONUS_ERROR_ARGUMENT);
+        assert_fails(conus_sweep(&sweep, selector, &pose, angles[i]), CONUS_ERROR_ARGUMENT);
     }
     pose.world_from_device[3] = 1;
-    assert_fails(conus_sweep_create(&sweep, selector, &pose, 1), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_sweep(&sweep, selector, &pose, 1), CONUS_ERROR_ARGUMENT);
     assert_null(sweep);
-    assert_int_equal(conus_sweep_count(NULL), 0);
-    conus_sweep_destroy(NULL);
+    assert_int_equal(conus_table_rows(NULL), 0);
+    conus_table_destroy(NULL);
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
 }
@@ -410,10 +426,10 @@ static void limits_are_named(void **state)
 static conus_status make_sweep(void *data)
 {
     conus_selector *selector = data;
-    conus_sweep *sweep = NULL;
+    conus_table *sweep = NULL;
     conus_pose pose = pose_of((double[]){0, 0, 100}, (double[]){0, 0, -1});
-    conus_status status = conus_sweep_create(&sweep, selector, &pose, 1);
-    conus_sweep_destroy(sweep);
+    conus_status status = conus_sweep(&sweep, selector, &pose, 1);
+    conus_table_destroy(sweep);
     return status;
 }
 

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Answers of studies: rows in typed columns."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._conus import ffi, lib
+from ._library import Bound, owned, text
+
+if TYPE_CHECKING:
+    import pandas
+
+Array = np.ndarray[Any, Any]
+
+
+class _Lent:
+    """An array of the library, which lives as long as what owns it; numpy asks for ``__array_interface__``."""
+
+    def __init__(self, owner: Any, pointer: Any, count: int, kind: str) -> None:
+        self._owner = owner
+        address = int(ffi.cast("uintptr_t", pointer))
+        self.__array_interface__ = {"version": 3, "data": (address, True), "shape": (count,), "typestr": kind}
+
+
+class Table(Bound):
+    """Rows in typed columns: ``table["distance_mm"]``; ``len()`` counts the rows, ``columns`` names the columns.
+
+    Columns and values are those of the program, without ``query``. Positions are in the space of the selector that
+    was asked. Numbers and counts are read-only views, which stay valid when table, selector and atlas are gone.
+    """
+
+    columns: tuple[str, ...]
+
+    def __init__(self, pointer: Any) -> None:
+        self._p = owned(pointer, lib.conus_table_destroy)
+        found = [lib.conus_table_column(self._p, i) for i in range(lib.conus_table_columns(self._p))]
+        self._columns = {text(column.name): column for column in found}
+        self.columns = tuple(self._columns)
+        self.objects = self._view(lib.conus_table_objects(self._p), "<u4")  #: numbers in the atlas; 0 = none
+
+    def _view(self, pointer: Any, kind: str) -> Array:
+        return np.asarray(_Lent(self._p, pointer, len(self), kind)) if len(self) else np.empty(0, kind)
+
+    def __len__(self) -> int:
+        return int(lib.conus_table_rows(self._p))
+
+    def __repr__(self) -> str:
+        return f"<conus.Table: {len(self)} rows of {', '.join(self.columns)}>"
+
+    def unit(self, name: str) -> str:
+        """The unit of a column: "mm", "degree", or "" of none."""
+        return text(self._columns[name].unit)
+
+    def help(self, name: str) -> str:
+        """What a column is, in a line."""
+        return text(self._columns[name].help)
+
+    def _words(self, column: Any) -> Array:
+        return np.array([text(word) if word else None for word in ffi.unpack(column.words, column.word_count)], object)
+
+    def __getitem__(self, name: str) -> Array:
+        """A column: float64, where n/a is NaN; int64, where it is 0; or texts, where it is None."""
+        column = self._columns[name]
+        if column.type == lib.CONUS_TYPE_NUMBER:
+            return self._view(column.numbers, "<f8")
+        if column.type == lib.CONUS_TYPE_COUNT:
+            return self._view(column.counts, "<i8")
+        return np.asarray(self._words(column)[self._view(column.codes, "<u4")])
+
+    def _series(self, name: str) -> Any:
+        import pandas
+
+        column = self._columns[name]
+        if column.type == lib.CONUS_TYPE_TEXT:
+            codes = self._view(column.codes, "<u4").astype(np.int64) - 1
+            return pandas.Categorical.from_codes(codes, self._words(column)[1:])
+        values = self[name]
+        if column.type == lib.CONUS_TYPE_NUMBER:
+            return np.where(np.isfinite(values), values, np.nan)
+        missing = self._view(column.missing, "|b1") if column.missing else np.zeros(len(self), bool)
+        return pandas.arrays.IntegerArray(values.copy(), missing.copy())
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """The rows of the program, without the column ``query``; what is "n/a" there is missing."""
+        import pandas
+
+        return pandas.DataFrame({name: self._series(name) for name in self.columns})
+
+    def _repr_html_(self) -> str:
+        return str(self.to_dataframe()._repr_html_())

@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Tables from inside: how a study makes one of its rows, by a list of its columns, and what a report reads. */
+#ifndef CONUS_SELECTION_TABLE_TABLE_H
+#define CONUS_SELECTION_TABLE_TABLE_H
+
+#include "conus/jitter.h"
+#include "conus/table.h"
+#include "selection/cone/cone.h"
+#include "selection/table/cell.h"
+
+/** The region of interest that a question is about. */
+struct table_region {
+    char *path; /**< Owned; NULL of another question. */
+    char sha256[65];
+    size_t volume;    /**< Index in a 4-D file, from 0. */
+    double threshold; /**< 0 of a mask. */
+    double volume_mm3;
+    uint64_t tetrahedra; /**< 0 of voxels. */
+};
+
+/** What was asked: reports write it above the rows and into what goes with them. */
+struct table_question {
+    struct cone cone;
+    double ball;                 /**< Radius of a ball around the cone's origin; 0 of a cone. */
+    bool is_axis;                /**< The rows describe the cone's axis: segments, clearances. */
+    conus_jitter_options jitter; /**< For chances. */
+    struct table_region region;  /**< For coverages and clusters. */
+    double within;               /**< For clearances, mm. */
+    double end_radius;           /**< For connections, mm. */
+    bool is_whole;               /**< These are of all streamlines, whatever the cone. */
+};
+
+/** What the functions of columns see besides a row. */
+struct table_source {
+    const conus_atlas *atlas;
+    const conus_frame *frame; /**< Of positions. */
+};
+
+/** With what the rows of each study begin. */
+struct table_object {
+    conus_kind kind;
+    uint32_t number; /**< In the atlas; 0 = none. */
+};
+
+/** A column of a study, and where its value lies in a row. */
+struct table_field {
+    const char *name;
+    const char *unit; /**< NULL if it has none; of coordinates that of the source's frame is taken. */
+    const char *help;
+    enum column_type type; /**< With get(): COLUMN_NAME, _LABEL, _LARGE_COUNT or _NUMBER. */
+    size_t offset;         /**< In the row. */
+    struct cell (*get)(const struct table_source *source, const void *row, size_t index); /**< NULL: it lies there.
+                              Texts live as long as the atlas. */
+    bool unless_zeros; /**< Files have it only where some row is not 0. */
+};
+
+/** The columns of a study, in their order, but `query`. */
+struct table_fields {
+    const struct table_field *at;
+    size_t count;
+};
+
+/** "kind", "index", "name" and "abbreviation" of rows that begin with a struct table_object. */
+struct cell table_kind(const struct table_source *source, const void *row, size_t index);
+struct cell table_index(const struct table_source *source, const void *row, size_t index);
+struct cell table_object_name(const struct table_source *source, const void *row, size_t index);
+struct cell table_abbreviation(const struct table_source *source, const void *row, size_t index);
+/** The place of a row, from 1. */
+struct cell table_place(const struct table_source *source, const void *row, size_t index);
+
+/** The first columns of most studies. */
+#define TABLE_IDENTITY                                                                                                 \
+    {"kind", NULL,                                                                                                     \
+     "area, pathway, bundle, unassigned: the part of the cone that hits nothing, or error: name says why",             \
+     TABLE_NAME_BY(table_kind)},                                                                                       \
+        {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway or bundle",                  \
+         TABLE_LABEL_BY(table_index)},                                                                                 \
+        {"name", NULL, "name of the area, pathway or bundle", TABLE_NAME_BY(table_object_name)},                       \
+    {                                                                                                                  \
+        "abbreviation", NULL, "abbreviation in the label table", TABLE_NAME_BY(table_abbreviation)                     \
+    }
+
+/** Entries of a list of fields: where a value lies, after its name, unit and help. */
+#define TABLE_OF(kind, row, member) .type = COLUMN_##kind, .offset = offsetof(row, member)
+#define TABLE_NAME_BY(getter) .type = COLUMN_NAME, .get = getter
+#define TABLE_LABEL_BY(getter) .type = COLUMN_LABEL, .get = getter
+#define TABLE_COUNT_BY(getter) .type = COLUMN_LARGE_COUNT, .get = getter
+#define TABLE_NUMBER_BY(getter) .type = COLUMN_NUMBER, .get = getter
+
+/** Whether a table of this atlas has the field: the atlas's own coordinates are those of one that was moved. */
+bool table_has_field(const conus_atlas *atlas, const struct table_field *field);
+
+/**
+ * Makes a table of rows, each of which begins with a struct table_object.
+ * @param asked What they answer; its path is taken over, also after a failure.
+ * @param rows [count] of @p size bytes; copied cell by cell.
+ * @return CONUS_OK; CONUS_ERROR_MEMORY.
+ */
+conus_status table_create(conus_table **out, const struct table_source *source, const struct table_fields *fields,
+                          const struct table_question *asked, const void *rows, size_t size, size_t count);
+
+/** Another hold on the table: it ends with the last conus_table_destroy(). */
+conus_table *table_hold(conus_table *table);
+
+/** Whether it has these columns, and positions in this frame. */
+bool table_is_of(const conus_table *table, const struct table_fields *fields, const conus_frame *frame);
+
+const struct table_question *table_question(const conus_table *table);
+
+/** A cell, by the place of its column. */
+struct cell table_cell(const conus_table *table, size_t column, size_t row);
+
+#endif
