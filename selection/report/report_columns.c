@@ -1039,7 +1039,7 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
     place += insert_column(out, place, report->name ? &atlas_column : NULL);
     place += insert_column(out, place, marks && marks->has_number ? &row_column : NULL);
     (void)insert_column(out, place, marks && marks->has_time ? &time_column : NULL);
-    if (report->kept) {
+    if (report->kept && marks) {
         list_table(out, report, report->kept, marks->count);
     }
 }
