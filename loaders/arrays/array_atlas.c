@@ -212,8 +212,8 @@ static conus_status create_of_voxels(conus_atlas **out, const conus_voxels *voxe
     conus_atlas *atlas = NULL;
     if (file) {
         file->info.role = CONUS_ROLE_PARCELLATION;
+        volume_labels(&job, &numbers, file);
     }
-    (void)JOB_CALL(&job, volume_file_labels(&numbers, file));
     const struct label_table *table = make_table(&job, labels, label_count);
     if (job_ok(&job)) {
         parcellation_check_grey(&job, file, &numbers, table, false, options->labels_anyway);
