@@ -92,7 +92,7 @@ struct vertex_map vertex_map_read(struct job *job, const char *path, const char 
     const struct bytes bytes = source_whole(job, source_open(job, path));
     const struct text document = text_from_bytes(bytes.data, bytes.size);
     if (!text_equal(xml_root(document), "GIFTI")) {
-        (void)JOB_CALL(job, file_refuse(path, &bytes, "numbers of vertices (GIFTI, .func.gii or .shape.gii)"));
+        file_refuse(job, path, &bytes, "numbers of vertices (GIFTI, .func.gii or .shape.gii)");
     }
     struct vertex_map map = take_array(job, gifti_read(job, document, NULL), name);
     job_out(job, place);

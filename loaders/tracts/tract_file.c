@@ -92,8 +92,7 @@ static void read_format(struct job *job, struct tractogram *out, struct source *
     struct tractogram *t = &build.tractogram;
     const struct tract_format *format = format_reader(format_find(&source->head, ROLE_TRACTS));
     if (!format) { /* says what it is instead; its name does not count, which may well be a tractogram's */
-        (void)JOB_CALL(job, file_refuse(NULL, &source->stored,
-                                        "a tractogram: TrackVis, MRtrix, DSI Studio, TRX or polylines of VTK"));
+        file_refuse(job, NULL, &source->stored, "a tractogram: TrackVis, MRtrix, DSI Studio, TRX or polylines of VTK");
         return;
     }
     source_sum_ahead(source->is_open && format->read != trx_read ? source : NULL); /* which is read whole */

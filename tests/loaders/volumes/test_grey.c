@@ -51,10 +51,11 @@ static struct volume fill(size_t ni, size_t nj, size_t nk, value_of *value)
 
 static struct grey_result judge(const struct volume *volume, const struct grey_claims *claims)
 {
-    struct grey_result verdict;
+    struct job job = {0};
     struct label_voxels labels = {0};
     assert_ok(label_voxels_of(&labels, volume->labels, count_of(volume)));
-    assert_ok(grey_judge(&verdict, &labels, volume->dim, claims));
+    const struct grey_result verdict = grey_judge(&job, &labels, volume->dim, claims);
+    assert_ok(job_close(&job, NULL, NULL));
     label_voxels_finish(&labels);
     return verdict;
 }
