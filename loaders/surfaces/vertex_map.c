@@ -272,15 +272,14 @@ static void write_on_surface(struct job *job, const char *path, const conus_site
 
 static void write_on_grid(struct job *job, const char *path, const conus_sites *sites, const struct plain_maps *maps)
 {
-    struct bytes file = {0};
     if (!nifti_is_name(path)) {
         job_fail(job, CONUS_ERROR_ARGUMENT, "%s: the name of a map of voxels ends in .nii or .nii.gz", path);
     }
     const size_t place = job_in(job, path, JOB_ALONE);
-    (void)JOB_CALL(job, nifti_format_maps(&file, &sites->grid, maps->items, maps->count, sites->sources, sites->count));
+    const struct bytes file =
+        nifti_format_maps(job, &sites->grid, maps->items, maps->count, sites->sources, sites->count);
     job_out(job, place);
-    (void)JOB_CALL(job, nifti_write(path, &file));
-    bytes_finish(&file);
+    nifti_write(job, path, &file);
 }
 
 conus_status conus_sites_write_maps(const char *path, const conus_sites *sites, const conus_vertex_map *maps,
