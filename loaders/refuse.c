@@ -13,13 +13,13 @@ const struct format *format_nearest(const struct file_head *head)
                                                                                                            : format;
 }
 
-conus_status file_refuse(const char *path, const struct bytes *stored, const char *needed)
+void file_refuse(struct job *job, const char *path, const struct bytes *stored, const char *needed)
 {
-    struct source source;
-    conus_status status = source_of(&source, path, stored);
-    status = status ? status : format_refuse(format_nearest(&source.head), stored, needed);
+    struct source source = {0};
+    if (JOB_CALL(job, source_of(&source, path, stored))) {
+        (void)JOB_CALL(job, format_refuse(format_nearest(&source.head), stored, needed));
+    }
     source_close(&source);
-    return status;
 }
 
 void source_refuse(struct job *job, const struct source *source, const char *needed)

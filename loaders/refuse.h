@@ -10,9 +10,9 @@ const struct format *format_nearest(const struct file_head *head);
 
 /** Fails with CONUS_ERROR_DATA and one line without the path: what the file is, what is needed, the way on. @p stored
  * has its first bytes, packed or not. */
-conus_status file_refuse(const char *path, const struct bytes *stored, const char *needed);
+void file_refuse(struct job *job, const char *path, const struct bytes *stored, const char *needed);
 
-/** The same on a job, of a file that is open. Damaged gzip, and what unpacks to nothing, come first. */
+/** The same of a file that is open. Damaged gzip, and what unpacks to nothing, come first. */
 void source_refuse(struct job *job, const struct source *source, const char *needed);
 
 #endif

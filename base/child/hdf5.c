@@ -27,7 +27,6 @@ struct hdf5 {
     LIST(struct hdf5_object) objects; /* by path */
     LIST(struct hdf5_value) attributes;
     struct place *places; /* [objects.count], by address */
-    struct job *own;      /* of a bridge, else NULL */
 };
 
 bool hdf5_is(const uint8_t *data, size_t size)
@@ -335,64 +334,22 @@ const struct hdf5 *hdf5_open(struct job *job, const struct open_file *file, cons
     return hdf5_of_stream(job, (struct text){(const char *)stream.data, stream.size});
 }
 
-const struct hdf5 *hdf5_of_bytes(struct job *job, struct text file, const char *const *wanted, size_t count)
+const struct hdf5 *hdf5_of_bytes(struct job *job, struct text file, const char *const *wanted, size_t count,
+                                 uint64_t max_memory)
 {
+    const uint64_t before = job->max_memory;
     struct open_file copy = {.descriptor = job_step(job) ? system_open_scratch("conus-hdf5") : -1};
     if (job_ok(job) && !(copy.descriptor >= 0 && system_write(copy.descriptor, file.data, file.size) &&
                          file_state_of(&copy.before, copy.descriptor))) {
         job_fail(job, CONUS_ERROR_IO, "HDF5: cannot copy the file: %s", text_error(errno));
     }
+    job->max_memory = max_memory;
     const struct hdf5 *hdf5 = hdf5_open(job, &copy, wanted, count);
+    job->max_memory = before;
     if (copy.descriptor >= 0) {
         file_close(&copy);
     }
     return hdf5;
-}
-
-/* Bridge: to callers without a job; what they get has one of its own. */
-static conus_status hand_over(struct hdf5 **out, struct job *job, const struct hdf5 *hdf5)
-{
-    if (!job_ok(job)) {
-        conus_status status = job_close(job, NULL, NULL);
-        memory_free(job);
-        return status;
-    }
-    *out = (struct hdf5 *)hdf5;
-    (*out)->own = job;
-    return CONUS_OK;
-}
-
-conus_status hdf5_parse(struct hdf5 **out, struct bytes *stream)
-{
-    struct job *job = memory_zeroed(1, sizeof *job);
-    const struct text text = {(const char *)stream->data, stream->size};
-    if (!job) {
-        bytes_finish(stream);
-        return CONUS_ERROR_MEMORY;
-    }
-    job_adopt(job, stream->data);
-    *stream = (struct bytes){0};
-    return hand_over(out, job, hdf5_of_stream(job, text));
-}
-
-conus_status hdf5_read_bytes(struct hdf5 **out, struct text file, const char *const *wanted, size_t count,
-                             uint64_t max_memory)
-{
-    struct job *job = memory_zeroed(1, sizeof *job);
-    if (!job) {
-        return CONUS_ERROR_MEMORY;
-    }
-    job->max_memory = max_memory;
-    return hand_over(out, job, hdf5_of_bytes(job, file, wanted, count));
-}
-
-void hdf5_destroy(struct hdf5 *hdf5)
-{
-    struct job *own = hdf5 ? hdf5->own : NULL;
-    if (own) {
-        job_end(own);
-        memory_free(own);
-    }
 }
 
 size_t hdf5_count(const struct hdf5 *hdf5)

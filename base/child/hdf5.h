@@ -42,19 +42,12 @@ bool hdf5_is(const uint8_t *data, size_t size);
  * none, here and below. */
 const struct hdf5 *hdf5_open(struct job *job, const struct open_file *file, const char *const *wanted, size_t count);
 
-/** The same of a file that is in memory. */
-const struct hdf5 *hdf5_of_bytes(struct job *job, struct text file, const char *const *wanted, size_t count);
+/** The same of a file that is in memory, with @p max_memory in place of the job's. */
+const struct hdf5 *hdf5_of_bytes(struct job *job, struct text file, const char *const *wanted, size_t count,
+                                 uint64_t max_memory);
 
 /** The objects in @p stream, which must live as long as the job, at a multiple of 8. */
 const struct hdf5 *hdf5_of_stream(struct job *job, struct text stream);
-
-/** @name Bridge: the same for MINC, MATLAB and NWB, which are without a job; it goes with the last of them.
- * hdf5_parse() takes over the stream, on success and on failure. @{ */
-conus_status hdf5_read_bytes(struct hdf5 **out, struct text file, const char *const *wanted, size_t count,
-                             uint64_t max_memory);
-conus_status hdf5_parse(struct hdf5 **out, struct bytes *stream);
-void hdf5_destroy(struct hdf5 *hdf5);
-/** @} */
 
 size_t hdf5_count(const struct hdf5 *hdf5);
 const struct hdf5_object *hdf5_object(const struct hdf5 *hdf5, size_t index);

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <zlib.h>
 
-enum { SCRATCH_SIZE = 1 << 16, INFLATE_RATIO = 1032 /* a match of 258 bytes takes at least 2 bits */ };
+enum { SCRATCH_SIZE = 1 << 17, INFLATE_RATIO = 1032 /* a match of 258 bytes takes at least 2 bits */ };
 
 /* Streams through all members; of the unpacked bytes those in [from, from + count) land in `kept`. zlib inflates, and
  * reads the header and trailer of its own format; those of gzip (RFC 1952) are read here, because libdeflate sums

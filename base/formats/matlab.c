@@ -591,44 +591,13 @@ const struct matlab *matlab_read(struct job *job, struct text text, uint64_t lim
     static const char *const all[] = {"/**"};
     const bool swapped = check_header(job, text);
     if (job_ok(job) && is_level_7(text)) {
-        const uint64_t before = job->max_memory;
-        job->max_memory = limit ? limit : 1;
-        const struct hdf5 *hdf5 = hdf5_of_bytes(job, text, all, 1);
-        job->max_memory = before;
-        return matlab_of_hdf5(job, hdf5, limit);
+        return matlab_of_hdf5(job, hdf5_of_bytes(job, text, all, 1, limit ? limit : 1), limit);
     }
     struct matlab *matlab = new_matlab(job, limit);
     if (job_ok(job)) {
         parse_level_5(job, matlab, text, swapped);
     }
     return settle(job, matlab);
-}
-
-/* Bridge: to callers without a job; what they get has one of its own. */
-conus_status matlab_parse(struct matlab *out, struct text text, uint64_t limit)
-{
-    struct job *job = memory_zeroed(1, sizeof *job);
-    if (!job) {
-        return CONUS_ERROR_MEMORY;
-    }
-    const struct matlab *matlab = matlab_read(job, text, limit);
-    if (!job_ok(job)) {
-        conus_status status = job_close(job, NULL, NULL);
-        memory_free(job);
-        return status;
-    }
-    *out = *matlab;
-    out->own = job;
-    return CONUS_OK;
-}
-
-void matlab_finish(struct matlab *matlab)
-{
-    if (matlab->own) {
-        job_end(matlab->own);
-        memory_free(matlab->own);
-    }
-    *matlab = (struct matlab){0};
 }
 
 const struct matlab_array *matlab_variable(const struct matlab *matlab, const char *name)

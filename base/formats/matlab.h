@@ -45,7 +45,6 @@ struct matlab {
     const struct hdf5 *hdf5; /**< The file of level 7.3; else NULL. */
     size_t most;             /**< Level 7.3: the most arrays there may be, so that none contains itself. */
     uint64_t used, limit;    /**< Bytes of memory. */
-    struct job *own;         /**< Of the bridge, else NULL. */
 };
 
 /** True where @p text begins like such a file. */
@@ -58,11 +57,6 @@ const struct matlab *matlab_read(struct job *job, struct text text, uint64_t lim
 
 /** The same of level 7.3, from all objects of the file. */
 const struct matlab *matlab_of_hdf5(struct job *job, const struct hdf5 *hdf5, uint64_t limit);
-
-/** Bridge: matlab_read() for poses without a job; it goes with the last of them. @{ */
-conus_status matlab_parse(struct matlab *out, struct text text, uint64_t limit);
-void matlab_finish(struct matlab *matlab);
-/** @} */
 
 /** The variable @p name; NULL if there is none. */
 const struct matlab_array *matlab_variable(const struct matlab *matlab, const char *name);

@@ -90,7 +90,7 @@ static size_t read_packed(struct job *job, struct reader_source *source, uint8_t
     while (z->avail_out && !source->ended && job_ok(job)) {
         if (!z->avail_in) {
             z->next_in = source->packed;
-            z->avail_in = (uInt)read_stored(job, source, source->packed, BLOCK);
+            z->avail_in = (uInt)read_stored(job, source, source->packed, source->file_at ? BLOCK : FIRST);
         }
         int code = z->avail_in ? inflate(z, Z_NO_FLUSH) : Z_BUF_ERROR;
         if (code == Z_STREAM_END) {

@@ -58,8 +58,8 @@ static struct volume_header array_describe(struct job *job, const conus_voxels *
                  space_code_name(voxels->space_code));
     }
     if (job_ok(job)) { /* the type is one */
-        (void)JOB_CALL(job, volume_header_set_datatype(&header, datatypes[voxels->type]));
-        (void)JOB_CALL(job, volume_header_set_dim(&header, dim));
+        volume_header_set_datatype(job, &header, datatypes[voxels->type]);
+        volume_header_set_dim(job, &header, dim);
         (void)JOB_CALL(job, space_describe(&header.info, voxels->world_from_voxel, words));
     }
     return header;
@@ -212,8 +212,8 @@ static conus_status create_of_voxels(conus_atlas **out, const conus_voxels *voxe
     conus_atlas *atlas = NULL;
     if (file) {
         file->info.role = CONUS_ROLE_PARCELLATION;
+        volume_labels(&job, &numbers, file);
     }
-    (void)JOB_CALL(&job, volume_file_labels(&numbers, file));
     const struct label_table *table = make_table(&job, labels, label_count);
     if (job_ok(&job)) {
         parcellation_check_grey(&job, file, &numbers, table, false, options->labels_anyway);

@@ -18,16 +18,15 @@ static void judge_labels(struct job *job, struct volume_guess *out, const struct
                          const struct label_voxels *labels)
 {
     struct label_table *table = labels_new(job);
-    struct grey_result result = {0};
     bool named = false;
     volume_label_table(job, table, file, labels);
     for (size_t i = 0; i < table->count; i++) {
         named = named || table->entries[i].name;
     }
-    bool judged = JOB_CALL(job, grey_judge_file(&result, file, labels, table, false));
+    const struct grey_result result = grey_judge_file(job, file, labels, table, false);
     bool several = labels->label_count > 2; /* besides 0: a mask is no parcellation */
     bool pieces = several && (result.telling || result.equal > half);
-    if (judged && !result.grey && (named || pieces)) {
+    if (job_ok(job) && !result.grey && (named || pieces)) {
         *out =
             (struct volume_guess){VOLUME_LABELS, 1, named ? "named by a label table" : "areas of equal whole numbers"};
     }

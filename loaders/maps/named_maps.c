@@ -111,17 +111,16 @@ struct findings {
 static bool look_like_labels(struct job *job, const struct volume_file *file, const float *values)
 {
     const size_t *dim = file->info.dim;
-    struct grey_result result = {0};
     struct label_voxels voxels = {0};
     size_t count = dim[0] * dim[1] * dim[2];
     uint32_t *numbers = job_array(job, &count, sizeof *numbers);
     for (size_t i = 0; i < count; i++) {
         numbers[i] = (uint32_t)values[i];
     }
-    bool judged = JOB_CALL(job, label_voxels_of(&voxels, numbers, count)) &&
-                  JOB_CALL(job, grey_judge(&result, &voxels, dim, &(struct grey_claims){0}));
+    (void)JOB_CALL(job, label_voxels_of(&voxels, numbers, count));
+    const struct grey_result result = grey_judge(job, &voxels, dim, &(struct grey_claims){0});
     label_voxels_finish(&voxels);
-    return judged && !result.grey;
+    return job_ok(job) && !result.grey;
 }
 
 static void add_findings(struct job *job, struct findings *findings, const struct volume_file *file,

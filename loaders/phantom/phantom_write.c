@@ -8,9 +8,7 @@
 #include "base/byte_order.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
-#include "base/memory.h"
 #include "base/options.h"
-#include "base/status.h"
 #include "conus/version.h"
 #include "loaders/surfaces/mesh_format.h"
 #include "loaders/volumes/nifti_write.h"
@@ -24,7 +22,21 @@ static void surface_name(char out[64], size_t index)
     snprintf(out, 64, "brain-%02zu-%s.surf.gii", index + 1, phantom_brain_area(index)->abbreviation);
 }
 
-static conus_status write_surface(const char *folder, size_t index)
+/* Writes the content, which ends here. */
+static void write_text(struct job *job, const char *folder, const char *name, struct buffer *content)
+{
+    (void)JOB_CALL(job, file_write_in(folder, name, content)); /* checks the buffer's status */
+    buffer_finish(content);
+}
+
+static void write_packed(struct job *job, const char *folder, const char *name, struct bytes file)
+{
+    const struct bytes packed = gzip_format(job, file.data, file.size);
+    const struct buffer content = {.data = (char *)packed.data, .size = packed.size};
+    (void)JOB_CALL(job, file_write_in(folder, name, &content));
+}
+
+static void write_surface(struct job *job, const char *folder, size_t index)
 {
     char name[64];
     struct mesh mesh = {0};
@@ -33,41 +45,32 @@ static conus_status write_surface(const char *folder, size_t index)
         .label = (uint32_t)index + 1, .name = phantom_brain_area(index)->name, .space = "NIFTI_XFORM_SCANNER_ANAT"};
     palette_colour(title.rgb, index);
     surface_name(name, index);
-    conus_status status = phantom_brain_mesh(&mesh, index);
-    status = status ? status : mesh_format(&file, &mesh, &title, CONUS_MESH_GIFTI);
-    status = status ? status : file_write_in(folder, name, &file);
-    buffer_finish(&file);
+    (void)(JOB_CALL(job, phantom_brain_mesh(&mesh, index)) &&
+           JOB_CALL(job, mesh_format(&file, &mesh, &title, CONUS_MESH_GIFTI)));
+    write_text(job, folder, name, &file);
     mesh_finish(&mesh);
-    return status;
 }
 
-static conus_status write_brain_volume(const char *folder, const char *name, uint16_t (*value)(const double world[3]))
+static void write_brain_volume(struct job *job, const char *folder, const char *name,
+                               uint16_t (*value)(const double world[3]))
 {
-    conus_volume_info grid;
-    struct bytes file = {0};
-    struct bytes packed = {0};
-    conus_status status = phantom_brain_grid(&grid);
+    conus_volume_info grid = {0};
+    const struct job_mark mark = job_mark(job);
+    (void)JOB_CALL(job, phantom_brain_grid(&grid));
     size_t count = grid.dim[0] * grid.dim[1] * grid.dim[2];
-    uint32_t *values = status ? NULL : memory_raw(count, sizeof *values);
-    status = status || values ? status : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < count; i++) {
+    uint32_t *values = job_array(job, &count, sizeof *values);
+    for (size_t i = 0; i < count; i++) {
         size_t row = i / grid.dim[0];
         size_t slice = row / grid.dim[1];
         double world[3] = {(double)(i % grid.dim[0]), (double)(row % grid.dim[1]), (double)slice};
         mat4_point(world, grid.world_from_voxel, world);
         values[i] = value(world);
     }
-    status = status ? status : nifti_format_values(&file, &grid, values, SPACE_SCANNER);
-    status = status ? status : gzip_format(&packed, file.data, file.size);
-    struct buffer bytes = {.data = (char *)packed.data, .size = packed.size};
-    status = status ? status : file_write_in(folder, name, &bytes);
-    memory_free(values);
-    bytes_finish(&packed);
-    bytes_finish(&file);
-    return status;
+    write_packed(job, folder, name, nifti_format_values(job, &grid, values, SPACE_SCANNER));
+    job_release(job, mark);
 }
 
-static conus_status write_brain_manifest(const char *folder)
+static void write_brain_manifest(struct job *job, const char *folder)
 {
     struct buffer text = {0};
     buffer_text(&text, "{\n  \"conus_atlas\": 1,\n"
@@ -88,9 +91,7 @@ static conus_status write_brain_manifest(const char *folder)
     buffer_text(&text, "\n  ],\n"
                        "  \"pathways\": [{\"file\": \"brain-pathway.nii.gz\", \"name\": \"Arc\"}],\n"
                        "  \"context\": {\"file\": \"brain-context.nii.gz\", \"transfer\": \"brain\"}\n}\n");
-    conus_status status = file_write_in(folder, "brain.atlas.json", &text);
-    buffer_finish(&text);
-    return status;
+    write_text(job, folder, "brain.atlas.json", &text);
 }
 
 /* Ring i of radius i mm has straight lines where i is odd, helices of one turn where it is even, all from z = -HALF to
@@ -279,68 +280,44 @@ static void append_truth(struct buffer *out, const struct phantom_drawing *drawi
     buffer_text(out, "\n  ]\n}\n");
 }
 
-static conus_status write_beside(const char *folder, const char *kind, const char *ending, const struct buffer *content)
-{
-    struct buffer name = {0};
-    buffer_format(&name, "%s%s", kind, ending);
-    conus_status status = buffer_status(&name);
-    status = status ? status : file_write_in(folder, name.data, content);
-    buffer_finish(&name);
-    return status;
-}
-
-static conus_status write_volume(const char *folder, const struct phantom_drawing *drawing)
-{
-    struct bytes file = {0};
-    struct bytes packed = {0};
-    conus_status status = nifti_format_labels(&file, &drawing->grid, drawing->labels, SPACE_SCANNER);
-    status = status ? status : gzip_format(&packed, file.data, file.size);
-    const struct buffer content = {.data = (char *)packed.data, .size = packed.size};
-    status = status ? status : write_beside(folder, drawing->phantom->info.name, ".nii.gz", &content);
-    bytes_finish(&packed);
-    bytes_finish(&file);
-    return status;
-}
-
 /* The volume comes last: where it is, its table and truth are. */
-static conus_status write_drawing(const char *folder, const struct phantom_drawing *drawing)
+static void write_drawing(struct job *job, const char *folder, const struct phantom_drawing *drawing)
 {
     const char *kind = drawing->phantom->info.name;
     struct buffer table = {0};
     struct buffer truth = {0};
     append_table(&table, drawing->phantom);
     append_truth(&truth, drawing);
-    conus_status status = file_make_folder(folder);
-    status = status ? status : write_beside(folder, kind, ".tsv", &table);
-    status = status ? status : write_beside(folder, kind, ".json", &truth);
-    status = status ? status : write_volume(folder, drawing);
-    buffer_finish(&truth);
-    buffer_finish(&table);
-    return status;
+    (void)JOB_CALL(job, file_make_folder(folder));
+    write_text(job, folder, job_format(job, "%s.tsv", kind), &table);
+    write_text(job, folder, job_format(job, "%s.json", kind), &truth);
+    write_packed(job, folder, job_format(job, "%s.nii.gz", kind),
+                 nifti_format_labels(job, &drawing->grid, drawing->labels, SPACE_SCANNER));
 }
 
 /* Writes the brain phantom (atlas/phantom/phantom_brain.h): the surfaces brain-NN-ABBREVIATION.surf.gii,
  * brain-context.nii.gz, brain-pathway.nii.gz and, last, brain.atlas.json. */
-static conus_status write_brain(const char *folder, const conus_phantom_options *options)
+static void write_brain(struct job *job, const char *folder, const conus_phantom_options *options)
 {
     if (options->spacing[0] != 0 || options->spacing[1] != 0 || options->spacing[2] != 0) {
-        return fail(CONUS_ERROR_ARGUMENT, "brain: spacing: it has one grid, of 1 mm");
+        job_fail(job, CONUS_ERROR_ARGUMENT, "brain: spacing: it has one grid, of 1 mm");
     }
     if (options->size || options->oblique != 0 || options->flip[0] || options->flip[1] || options->flip[2]) {
-        return fail(CONUS_ERROR_ARGUMENT, "brain: size, oblique and flip: it has one grid, of 151 x 188 x 154 voxels");
+        job_fail(job, CONUS_ERROR_ARGUMENT,
+                 "brain: size, oblique and flip: it has one grid, of 151 x 188 x 154 voxels");
     }
-    conus_status status = file_make_folder(folder);
-    for (size_t i = 0; !status && i < PHANTOM_BRAIN_AREAS; i++) {
-        status = write_surface(folder, i);
+    (void)JOB_CALL(job, file_make_folder(folder));
+    for (size_t i = 0; job_ok(job) && i < PHANTOM_BRAIN_AREAS; i++) {
+        write_surface(job, folder, i);
     }
-    status = status ? status : write_brain_volume(folder, "brain-pathway.nii.gz", phantom_brain_pathway);
-    status = status ? status : write_brain_volume(folder, "brain-context.nii.gz", phantom_brain_context);
-    return status ? status : write_brain_manifest(folder);
+    write_brain_volume(job, folder, "brain-pathway.nii.gz", phantom_brain_pathway);
+    write_brain_volume(job, folder, "brain-context.nii.gz", phantom_brain_context);
+    write_brain_manifest(job, folder);
 }
 
 /* Writes the bundle phantom: bundle.tck, the truth bundle.json and, last, the manifest bundle.atlas.json.
  * docs/formats.md has its shapes. */
-static conus_status write_bundle(const char *folder, const conus_phantom_options *options)
+static void write_bundle(struct job *job, const char *folder, const conus_phantom_options *options)
 {
     static const struct {
         const char *name;
@@ -353,35 +330,30 @@ static conus_status write_bundle(const char *folder, const conus_phantom_options
         has_grid = has_grid || options->flip[a] || options->spacing[a] != 0;
     }
     if (has_grid) {
-        return fail(CONUS_ERROR_ARGUMENT, "bundle: size, spacing, oblique and flip: it has no grid");
+        job_fail(job, CONUS_ERROR_ARGUMENT, "bundle: size, spacing, oblique and flip: it has no grid");
     }
-    conus_status status = file_make_folder(folder);
-    for (size_t i = 0; i < sizeof files / sizeof files[0] && !status; i++) {
+    (void)JOB_CALL(job, file_make_folder(folder));
+    for (size_t i = 0; job_ok(job) && i < sizeof files / sizeof files[0]; i++) {
         struct buffer content = {0};
         files[i].append(&content);
-        status = file_write_in(folder, files[i].name, &content); /* checks the buffer's status */
-        buffer_finish(&content);
+        write_text(job, folder, files[i].name, &content);
     }
-    return status;
 }
 
 conus_status conus_phantom_write(const char *kind, const char *folder, const conus_phantom_options *options)
 {
+    struct job job = {0};
     struct phantom_drawing drawing;
     options = options_of(conus_phantom_options, options);
-    if (kind && strcmp(kind, "brain") == 0 && folder && folder[0]) {
-        return write_brain(folder, options);
-    }
-    if (kind && strcmp(kind, "bundle") == 0 && folder && folder[0]) {
-        return write_bundle(folder, options);
-    }
     if (!folder || !folder[0]) {
-        return fail(CONUS_ERROR_ARGUMENT, "folder: empty, a path is needed");
-    }
-    conus_status status = phantom_draw(&drawing, kind, options);
-    if (!status) {
-        status = write_drawing(folder, &drawing);
+        job_fail(&job, CONUS_ERROR_ARGUMENT, "folder: empty, a path is needed");
+    } else if (kind && strcmp(kind, "brain") == 0) {
+        write_brain(&job, folder, options);
+    } else if (kind && strcmp(kind, "bundle") == 0) {
+        write_bundle(&job, folder, options);
+    } else if (JOB_CALL(&job, phantom_draw(&drawing, kind, options))) {
+        write_drawing(&job, folder, &drawing);
         phantom_drawing_finish(&drawing);
     }
-    return status;
+    return job_close(&job, NULL, NULL);
 }

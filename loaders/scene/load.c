@@ -255,7 +255,7 @@ static void load_json(struct load *load, const struct open_file *file)
         manifest_load(load, file->path, &bytes);
     } else {
         const size_t mark = job_in(job, file->path, JOB_ALONE);
-        (void)JOB_CALL(job, file_refuse(file->path, &bytes, atlas_needed));
+        file_refuse(job, file->path, &bytes, atlas_needed);
         job_out(job, mark);
     }
     bytes_finish(&bytes);

@@ -182,7 +182,7 @@ static void read_markup(struct job *job, struct parcellation *part, const struct
     const struct text text = text_from_bytes(bytes.data, bytes.size);
     if (!text_equal(xml_root(text), "atlas")) {
         const size_t mark = job_in(job, path, JOB_ALONE);
-        (void)JOB_CALL(job, file_refuse(path, &bytes, needed));
+        file_refuse(job, path, &bytes, needed);
         job_out(job, mark);
     }
     read_fsl(job, part, path, text);
@@ -194,14 +194,14 @@ static void read_markup(struct job *job, struct parcellation *part, const struct
 void parcellation_check_grey(struct job *job, const struct volume_file *file, const struct label_voxels *labels,
                              const struct label_table *table, bool stated, bool anyway)
 {
-    struct grey_result result = {0};
     const conus_volume_info *info = &file->info;
     if (file->datatype == VOLUME_FLOAT32) {
         const double end = info->intercept + TOLERANCE_SINGLE_END * fabs(info->slope);
         (void)JOB_CALL(
             job, label_table_check_singles(table, labels->labels, labels->label_count, end, file->path, &job->notes));
     }
-    if (!JOB_CALL(job, grey_judge_file(&result, file, labels, table, stated)) || !result.grey) {
+    const struct grey_result result = grey_judge_file(job, file, labels, table, stated);
+    if (!result.grey) {
         return;
     }
     const double equal = 100 * result.equal;

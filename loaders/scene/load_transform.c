@@ -48,7 +48,7 @@ static void warn_of_image(struct job *job, const conus_atlas *atlas, const conus
     struct volume image = {0};
     struct area_points points = {0};
     size_t inside = 0;
-    (void)JOB_CALL(job, volume_file_header(&info, path));
+    volume_header_read(job, &info, path);
     info.path = path;
     (void)JOB_CALL(job, volume_init(&image, &info));
     (void)JOB_CALL(job, area_points_make(&points, atlas));
@@ -162,7 +162,7 @@ void transform_load(struct job *job, conus_atlas *atlas, const char *path, const
     const struct warp_plan plan = {
         .words = path, .grid = options->grid ? &grid : NULL, .max_memory = options->max_memory};
     if (options->grid) {
-        (void)JOB_CALL(job, volume_file_header(&grid, options->grid));
+        volume_header_read(job, &grid, options->grid);
     }
     const size_t place = job_in(job, path, JOB_ALONE);
     struct source *source = source_open(job, path);

@@ -144,9 +144,7 @@ static void read_own(struct job *job, struct mesh *out, struct label *said, cons
         struct reader r = reader_of(job, text_of(&reading));
         freesurfer_surface_read(&r, out, as_stored);
     } else {
-        (void)JOB_CALL(job, file_refuse(path, bytes,
-                                        "a surface (GIFTI, FreeSurfer, or named as VTK, VTP, PLY, STL, OBJ, OFF or "
-                                        "MZ3)"));
+        file_refuse(job, path, bytes, "a surface (GIFTI, FreeSurfer, or named as VTK, VTP, PLY, STL, OBJ, OFF or MZ3)");
     }
     end_reading(&reading);
     if (!job_ok(job)) {
@@ -260,9 +258,8 @@ static void take_annotation(struct reading *reading, struct vertex_labels *out)
     (void)label_notes_swap(job, said);
     const struct file_head nameless = head_of(NULL, bytes);
     if (format_nearest(&nameless)) {
-        (void)JOB_CALL(job, file_refuse(NULL, bytes,
-                                        "labels of vertices (GIFTI or CIFTI labels, or a FreeSurfer annotation or "
-                                        "label)"));
+        file_refuse(job, NULL, bytes,
+                    "labels of vertices (GIFTI or CIFTI labels, or a FreeSurfer annotation or label)");
     }
     job_bad(job, "not GIFTI, and as a FreeSurfer annotation: %s", why);
 }

@@ -107,12 +107,9 @@ static void append_array_start(struct buffer *out, const char *intent, const cha
                   intent, type, rows);
 }
 
-static conus_status append_gifti(struct buffer *out, const struct mesh *mesh, const struct mesh_title *title)
+static void append_gifti(struct buffer *out, const struct mesh *mesh, const struct mesh_title *title)
 {
     struct word_writer writer = {.out = out, .base64 = true};
-    if (mesh->vertex_count > INT32_MAX) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "%zu vertices, GIFTI counts up to %d", mesh->vertex_count, INT32_MAX);
-    }
     buffer_text(out, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<GIFTI Version=\"1.0\" NumberOfDataArrays=\"2\">\n");
     append_gifti_title(out, title);
     append_array_start(out, "POINTSET", "FLOAT32", mesh->vertex_count);
@@ -130,7 +127,6 @@ static conus_status append_gifti(struct buffer *out, const struct mesh *mesh, co
     put_triangles(&writer, mesh);
     flush_words(&writer);
     buffer_text(out, "</Data>\n  </DataArray>\n</GIFTI>\n");
-    return CONUS_OK;
 }
 
 static void append_vtp_array(struct buffer *out, const char *attributes)
@@ -147,7 +143,7 @@ static void append_string(struct buffer *out, const char *name, const char *valu
     buffer_text(out, "0</Array>\n");
 }
 
-static conus_status append_vtp(struct buffer *out, const struct mesh *mesh, const struct mesh_title *title)
+static void append_vtp(struct buffer *out, const struct mesh *mesh, const struct mesh_title *title)
 {
     struct word_writer writer = {.out = out, .base64 = true};
     static const char array_end[] = "</DataArray>\n";
@@ -178,10 +174,9 @@ static conus_status append_vtp(struct buffer *out, const struct mesh *mesh, cons
     }
     flush_words(&writer);
     buffer_format(out, "%s      </Polys>\n    </Piece>\n  </PolyData>\n</VTKFile>\n", array_end);
-    return CONUS_OK;
 }
 
-static conus_status append_ply(struct buffer *out, const struct mesh *mesh, const struct mesh_title *title)
+static void append_ply(struct buffer *out, const struct mesh *mesh, const struct mesh_title *title)
 {
     struct word_writer writer = {.out = out};
     buffer_format(out,
@@ -199,7 +194,6 @@ static conus_status append_ply(struct buffer *out, const struct mesh *mesh, cons
         }
         flush_words(&writer);
     }
-    return CONUS_OK;
 }
 
 static void put_normal(struct word_writer *writer, const struct mesh *mesh, const uint32_t triangle[3])
@@ -220,7 +214,7 @@ static void put_normal(struct word_writer *writer, const struct mesh *mesh, cons
     }
 }
 
-static conus_status append_stl(struct buffer *out, const struct mesh *mesh, const struct mesh_title *title)
+static void append_stl(struct buffer *out, const struct mesh *mesh, const struct mesh_title *title)
 {
     char header[80] = {0};
     struct word_writer writer = {.out = out};
@@ -237,7 +231,6 @@ static conus_status append_stl(struct buffer *out, const struct mesh *mesh, cons
         buffer_append(out, "\0\0", 2);
     }
     flush_words(&writer);
-    return CONUS_OK;
 }
 
 static char *write_digits(char *end, uint64_t value, int least)
@@ -270,7 +263,7 @@ static void append_millimetres(struct buffer *out, float value)
     buffer_append(out, at, (size_t)(end - at));
 }
 
-static conus_status append_obj(struct buffer *out, const struct mesh *mesh, const struct mesh_title *title)
+static void append_obj(struct buffer *out, const struct mesh *mesh, const struct mesh_title *title)
 {
     buffer_format(out, "# SPACE=RAS\n# label %u color #%02x%02x%02x\no %s\n", title->label, title->rgb[0],
                   title->rgb[1], title->rgb[2], title->name);
@@ -287,12 +280,11 @@ static conus_status append_obj(struct buffer *out, const struct mesh *mesh, cons
         buffer_append(out, at, (size_t)(end - at));
         buffer_text(out, i % 3 == 2 ? "\n" : "");
     }
-    return CONUS_OK;
 }
 
 static const struct {
     const char *ending;
-    conus_status (*append)(struct buffer *out, const struct mesh *mesh, const struct mesh_title *title);
+    void (*append)(struct buffer *out, const struct mesh *mesh, const struct mesh_title *title);
 } formats[] = {
     [CONUS_MESH_GIFTI] = {"gii", append_gifti}, [CONUS_MESH_VTP] = {"vtp", append_vtp},
     [CONUS_MESH_OBJ] = {"obj", append_obj},     [CONUS_MESH_PLY] = {"ply", append_ply},
@@ -307,6 +299,9 @@ const char *mesh_format_ending(conus_mesh_format format)
 conus_status mesh_format(struct buffer *out, const struct mesh *mesh, const struct mesh_title *title,
                          conus_mesh_format format)
 {
-    conus_status status = formats[format].append(out, mesh, title);
-    return status ? status : buffer_status(out);
+    if (format == CONUS_MESH_GIFTI && mesh->vertex_count > INT32_MAX) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "%zu vertices, GIFTI counts up to %d", mesh->vertex_count, INT32_MAX);
+    }
+    formats[format].append(out, mesh, title);
+    return buffer_status(out);
 }

@@ -92,7 +92,7 @@ struct vertex_map vertex_map_read(struct job *job, const char *path, const char 
     const struct bytes bytes = source_whole(job, source_open(job, path));
     const struct text document = text_from_bytes(bytes.data, bytes.size);
     if (!text_equal(xml_root(document), "GIFTI")) {
-        (void)JOB_CALL(job, file_refuse(path, &bytes, "numbers of vertices (GIFTI, .func.gii or .shape.gii)"));
+        file_refuse(job, path, &bytes, "numbers of vertices (GIFTI, .func.gii or .shape.gii)");
     }
     struct vertex_map map = take_array(job, gifti_read(job, document, NULL), name);
     job_out(job, place);
@@ -272,15 +272,14 @@ static void write_on_surface(struct job *job, const char *path, const conus_site
 
 static void write_on_grid(struct job *job, const char *path, const conus_sites *sites, const struct plain_maps *maps)
 {
-    struct bytes file = {0};
     if (!nifti_is_name(path)) {
         job_fail(job, CONUS_ERROR_ARGUMENT, "%s: the name of a map of voxels ends in .nii or .nii.gz", path);
     }
     const size_t place = job_in(job, path, JOB_ALONE);
-    (void)JOB_CALL(job, nifti_format_maps(&file, &sites->grid, maps->items, maps->count, sites->sources, sites->count));
+    const struct bytes file =
+        nifti_format_maps(job, &sites->grid, maps->items, maps->count, sites->sources, sites->count);
     job_out(job, place);
-    (void)JOB_CALL(job, nifti_write(path, &file));
-    bytes_finish(&file);
+    nifti_write(job, path, &file);
 }
 
 conus_status conus_sites_write_maps(const char *path, const conus_sites *sites, const conus_vertex_map *maps,

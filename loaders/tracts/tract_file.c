@@ -10,19 +10,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Bridge: to the lines of VTK, whose parsers report a status, with the path; goes with them. */
-static void read_lines(struct job *job, struct source *source, struct tract_build *build)
-{
-    const char *path = source->file.path;
-    if (!path) {
-        job_bad(job, "content: lines of VTK are read from files only");
-        return;
-    }
-    job_out(job, job->depth - 1);
-    (void)JOB_CALL(job, vtk_lines_read(&build->tractogram, path, build->max_memory, &job->notes));
-    job_in(job, path, JOB_ALONE);
-}
-
 bool trx_is_named(const char *path)
 {
     return file_is_folder(path) || path_ends_in(path, ".trx");
@@ -42,8 +29,8 @@ static const struct tract_format {
     {FORMAT_TCK, tck_read, NULL, true, SPACE_RAS},
     {FORMAT_TT, tt_read, NULL, true, SPACE_PLACED},
     {FORMAT_TRX, trx_read, trx_is_named, true, SPACE_RAS},
-    {FORMAT_VTK, read_lines, vtk_lines_are_in, false, SPACE_OF_FILE},
-    {FORMAT_VTP, read_lines, vtk_lines_are_in, false, SPACE_OF_FILE},
+    {FORMAT_VTK, vtk_lines_read, vtk_lines_are_in, false, SPACE_OF_FILE},
+    {FORMAT_VTP, vtk_lines_read, vtk_lines_are_in, false, SPACE_OF_FILE},
 };
 
 static const struct tract_format *format_reader(const struct format *format)
@@ -66,7 +53,7 @@ bool tract_file_is(const char *path)
 /* Callers ask for scalars by name. */
 static void check_names(struct job *job, const struct tractogram *tractogram)
 {
-    for (size_t i = 0; i < tractogram->scalar_count; i++) {
+    for (size_t i = 0; job_ok(job) && i < tractogram->scalar_count; i++) { /* else names may be missing */
         for (size_t k = 0; k < i; k++) {
             const struct tract_scalar *a = &tractogram->scalars[i];
             const struct tract_scalar *b = &tractogram->scalars[k];
@@ -105,14 +92,12 @@ static void read_format(struct job *job, struct tractogram *out, struct source *
     struct tractogram *t = &build.tractogram;
     const struct tract_format *format = format_reader(format_find(&source->head, ROLE_TRACTS));
     if (!format) { /* says what it is instead; its name does not count, which may well be a tractogram's */
-        (void)JOB_CALL(job, file_refuse(NULL, &source->stored,
-                                        "a tractogram: TrackVis, MRtrix, DSI Studio, TRX or polylines of VTK"));
+        file_refuse(job, NULL, &source->stored, "a tractogram: TrackVis, MRtrix, DSI Studio, TRX or polylines of VTK");
         return;
     }
-    const bool sums = source->is_open && format->read != read_lines;    /* of VTK the sum is made where it is read */
-    source_sum_ahead(sums && format->read != trx_read ? source : NULL); /* which is read whole */
+    source_sum_ahead(source->is_open && format->read != trx_read ? source : NULL); /* which is read whole */
     format->read(job, source, &build);
-    if (sums) {
+    if (source->is_open) {
         snprintf(t->sha256, sizeof t->sha256, "%s", source_sum(job, source));
     }
     settle_space(job, t, format, space);

@@ -33,19 +33,13 @@ tract_reader trx_read;
 /** True for a folder and for a name that ends in .trx. The head of a file cannot tell TRX from other zip archives. */
 bool trx_is_named(const char *path);
 
-/* Polylines in VTK's legacy format (.vtk) and in its XML format (.vtp), which loaders/surfaces/foreign parses. */
+/* Polylines in VTK's legacy format (.vtk) and in its XML format (.vtp), which loaders/surfaces/foreign parses. A point
+ * of several lines is a point of each. Coordinates are those of the file, in the space that it states. A file without
+ * lines is refused. The file, unpacked, each of its arrays, and all arrays of the tractogram together, may have the
+ * build's max_memory. */
+tract_reader vtk_lines_read;
 
 /** Reads the file @p path, which has one of these formats; true if it has lines and no polygons. */
 bool vtk_lines_are_in(const char *path);
-
-/** Reads the file @p path, packed by gzip or not: format, sum, points, first and scalars, which are to be checked. A
- * point of several lines is a point of each. Coordinates are those of the file, in the space that it states.
- * CONUS_ERROR_DATA also for a file without lines. The file, unpacked, and each of its arrays,
- * and all arrays of the tractogram together, may have @p max_memory bytes. */
-conus_status vtk_lines_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes);
-
-/** The same for the unpacked bytes of a file, without a sum. */
-conus_status vtk_lines_parse(struct tractogram *out, const struct bytes *bytes, uint64_t max_memory,
-                             struct notes *notes);
 
 #endif

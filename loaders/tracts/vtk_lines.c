@@ -114,51 +114,15 @@ static void give_lines(struct tractogram *out, struct line_build *build)
     }
 }
 
-static void read_lines(struct job *job, struct tractogram *out, const struct bytes *bytes)
+void vtk_lines_read(struct job *job, struct source *source, struct tract_build *build)
 {
-    struct line_build build = {
-        .sink = {.job = job, .end = end_cell, .takes_lines = true, .max_memory = memory_limit(job->max_memory)},
-        .left = memory_limit(job->max_memory)};
-    bool is_legacy = format_id_of(bytes, ROLE_TRACTS) == FORMAT_VTK;
-    (is_legacy ? vtk_parse : vtp_parse)(&build.sink, (struct text){(const char *)bytes->data, bytes->size});
-    give_lines(out, &build);
-    snprintf(out->format, sizeof out->format, is_legacy ? "VTK" : "VTP");
-}
-
-/* Bridge: ends the job; its tractogram is good if all is well. */
-static conus_status close_lines(struct tractogram *out, struct tractogram *built, struct job *job, struct notes *notes)
-{
-    if (job->notes.count) {
-        (void)JOB_CALL(job, notes_move(notes, &job->notes));
-    }
-    if (job_ok(job)) {
-        *out = *built;
-    } else {
-        tractogram_finish(built);
-    }
-    return job_close(job, NULL, NULL);
-}
-
-conus_status vtk_lines_parse(struct tractogram *out, const struct bytes *bytes, uint64_t max_memory,
-                             struct notes *notes)
-{
-    struct job job = {.max_memory = max_memory};
-    struct tractogram built = {0};
-    read_lines(&job, &built, bytes);
-    return close_lines(out, &built, &job, notes);
-}
-
-conus_status vtk_lines_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes)
-{
-    struct job job = {.max_memory = max_memory};
-    struct tractogram built = {0};
-    (void)job_in(&job, path, JOB_ALONE);
-    struct source *source = source_open(&job, path);
-    const struct bytes bytes = source_whole(&job, source);
-    read_lines(&job, &built, &bytes);
-    source_made_of(&job, source);
-    if (job_ok(&job)) {
-        memcpy(built.sha256, job.files.items[0].sha256, sizeof built.sha256);
-    }
-    return close_lines(out, &built, &job, notes);
+    const struct bytes bytes = source_whole(job, source);
+    const struct format *format = format_find(&source->head, ROLE_TRACTS);
+    const bool is_legacy = format && format->id == FORMAT_VTK;
+    struct line_build lines = {
+        .sink = {.job = job, .end = end_cell, .takes_lines = true, .max_memory = build->max_memory},
+        .left = build->max_memory};
+    (is_legacy ? vtk_parse : vtp_parse)(&lines.sink, (struct text){(const char *)bytes.data, bytes.size});
+    give_lines(&build->tractogram, &lines);
+    snprintf(build->tractogram.format, sizeof build->tractogram.format, is_legacy ? "VTK" : "VTP");
 }

@@ -213,7 +213,7 @@ static void read_info(struct job *job, conus_volume_info *out, const struct sour
 {
     *out = (conus_volume_info){0};
     job_out(job, job->depth - 1);
-    (void)JOB_CALL(job, volume_file_header(out, source->file.path));
+    volume_header_read(job, out, source->file.path);
     job_in(job, source->file.path, JOB_ALONE);
 }
 
@@ -300,15 +300,14 @@ static void read_vectors(struct job *job, struct deformation *out, struct volume
     }
     out->vectors = job_step(job) ? memory_raw(count, 3 * sizeof *out->vectors) : NULL;
     for (size_t n = 0; job_need(job, out->vectors) && n < 3; n++) {
-        float *values = NULL;
-        struct notes unwanted = {0}; /* about numbers that are not finite: the caller counts them */
-        (void)JOB_CALL(job, volume_file_select(file, n));
-        (void)JOB_CALL(job, volume_file_values_or_nan(&values, file, &unwanted));
-        for (size_t i = 0; job_ok(job) && values && i < count; i++) {
+        const struct attempt attempt = job_try(job);
+        volume_select(job, file, n);
+        float *values = volume_values_or_nan(job, file);
+        attempt_end(job, &attempt, ATTEMPT_SILENT); /* about numbers that are not finite: the caller counts them */
+        for (size_t i = 0; values && i < count; i++) {
             out->vectors[3 * i + n] = values[i];
         }
         memory_free(values);
-        notes_finish(&unwanted);
     }
 }
 
@@ -433,7 +432,7 @@ static void check_from(struct job *job, const conus_volume_info *field, const ch
     double a[16];
     double b[16];
     double worst = 0;
-    (void)JOB_CALL(job, volume_file_header(&image, from));
+    volume_header_read(job, &image, from);
     world_from_flirt(job, a, field);
     world_from_flirt(job, b, &image);
     for (int corner = 0; job_ok(job) && corner < 8; corner++) {
@@ -462,7 +461,7 @@ static void set_flirt(struct job *job, struct deformation *field, enum field_kin
     double world[16];
     double flirt[16];
     check_from(job, grid, options->from);
-    (void)JOB_CALL(job, volume_file_header(&to, options->to));
+    volume_header_read(job, &to, options->to);
     world_from_flirt(job, world, &to);
     if (!job_ok(job)) {
         return;
@@ -498,10 +497,9 @@ void field_read(struct job *job, struct transform_chain *out, struct source *sou
                 const conus_transform_options *options)
 {
     struct volume_file file = {0};
-    const conus_load_options alike = {.max_memory = job->max_memory};
     const enum field_kind kind = find_kind(job, source, options);
     job_out(job, job->depth - 1); /* the reader of volumes says the path itself */
-    (void)JOB_CALL(job, volume_file_open_series(&file, source->file.path, &alike, &job->notes));
+    volume_load_series(job, &file, source->file.path, job->max_memory);
     job_in(job, source->file.path, JOB_ALONE);
     struct deformation *field = job_step(job) ? memory_zeroed(1, sizeof *field) : NULL;
     if (job_need(job, field)) {

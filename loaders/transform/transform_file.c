@@ -326,8 +326,8 @@ static void place_between(struct job *job, double m[16], const conus_volume_info
 
 static void read_images(struct job *job, conus_volume_info images[2], const conus_transform_options *options)
 {
-    (void)JOB_CALL(job, volume_file_header(&images[0], options->from));
-    (void)JOB_CALL(job, volume_file_header(&images[1], options->to));
+    volume_header_read(job, &images[0], options->from);
+    volume_header_read(job, &images[1], options->to);
 }
 
 static bool has_edges(const conus_volume_info *image, const double edges[2])

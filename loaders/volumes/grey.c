@@ -3,7 +3,6 @@
 #include "loaders/volumes/grey.h"
 
 #include "base/files/folder.h"
-#include "base/memory.h"
 #include "base/order.h"
 
 #include <math.h>
@@ -60,15 +59,12 @@ static void rank_value(uint32_t values[PLATEAUS], size_t ranked[PLATEAUS], uint3
 
 /* The commonest values of a sample. An image's background where it is not 0, saturated voxels, the inside of a phantom
  * would look like areas. */
-static conus_status find_plateaus(struct scan *scan, size_t count)
+static void find_plateaus(struct job *job, struct scan *scan, size_t count)
 {
     size_t step = count / LOOKS | 1; /* odd, so that it does not stay in a column */
     size_t n = 0;
-    uint32_t *sample = memory_raw(count / step + 1, sizeof *sample);
-    if (!sample) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t i = 0; i < count; i += step) {
+    uint32_t *sample = job_raw(job, count / step + 1, sizeof *sample);
+    for (size_t i = 0; sample && i < count; i += step) {
         sample[n] = label_voxels_at(scan->labels, i);
         n += sample[n] != 0;
     }
@@ -83,8 +79,6 @@ static conus_status find_plateaus(struct scan *scan, size_t count)
         }
         start = i + 1;
     }
-    memory_free(sample);
-    return CONUS_OK;
 }
 
 typedef void pair_visitor(void *user, const uint32_t *a, const uint32_t *b, size_t count, const uint32_t *plateaus);
@@ -175,26 +169,23 @@ static size_t gather_values(uint32_t *out, const struct scan *scan, size_t every
     return n;
 }
 
-static conus_status find_values(struct values *out, const struct scan *scan)
+static struct values find_values(struct job *job, const struct scan *scan)
 {
-    out->voxels = count_filled(scan);
-    size_t every = out->voxels / VALUES + 1;
-    out->sorted = memory_raw(out->voxels / every + 1, sizeof *out->sorted);
-    if (!out->sorted) {
-        return CONUS_ERROR_MEMORY;
-    }
-    size_t n = gather_values(out->sorted, scan, every);
-    order_sort(out->sorted, n, sizeof *out->sorted, compare_u32);
+    struct values values = {.voxels = count_filled(scan)};
+    size_t every = values.voxels / VALUES + 1;
+    values.sorted = job_raw(job, values.voxels / every + 1, sizeof *values.sorted);
+    size_t n = values.sorted ? gather_values(values.sorted, scan, every) : 0;
+    order_sort(values.sorted, n, sizeof *values.sorted, compare_u32);
     double weight = (double)(every * scan->step); /* a voxel stands for so many */
     for (size_t i = 0, start = 0; i < n; i++) {
-        if (i + 1 == n || out->sorted[i + 1] != out->sorted[i]) {
+        if (i + 1 == n || values.sorted[i + 1] != values.sorted[i]) {
             double edge = cbrt((double)(i + 1 - start) * weight);
-            out->surface += edge * edge;
-            out->sorted[out->count++] = out->sorted[i];
+            values.surface += edge * edge;
+            values.sorted[values.count++] = values.sorted[i];
             start = i + 1;
         }
     }
-    return CONUS_OK;
+    return values;
 }
 
 /* Whether the table belongs to these values: it names nine of ten, and they are half of what it names. */
@@ -262,62 +253,55 @@ static double share_nearer(const struct differing *differing)
     return tried ? nearer / (double)tried : 0;
 }
 
-static conus_status are_near(bool *out, const struct scan *scan, const struct tally *tally)
+static bool are_near(struct job *job, const struct scan *scan, const struct tally *tally)
 {
     size_t total = tally->pairs - tally->equal;
     struct differing differing = {.every = total / DIFFERING + 1};
-    differing.pairs = memory_raw(total / differing.every + 1, sizeof *differing.pairs);
-    if (!differing.pairs) {
-        return CONUS_ERROR_MEMORY;
+    differing.pairs = job_raw(job, total / differing.every + 1, sizeof *differing.pairs);
+    if (differing.pairs) {
+        visit_neighbours(scan, keep_differing, &differing);
     }
-    visit_neighbours(scan, keep_differing, &differing);
-    *out = share_nearer(&differing) > chance;
-    memory_free(differing.pairs);
-    return CONUS_OK;
+    return share_nearer(&differing) > chance;
 }
 
-conus_status grey_judge(struct grey_result *out, const struct label_voxels *labels, const size_t dim[3],
-                        const struct grey_claims *claims)
+struct grey_result grey_judge(struct job *job, const struct label_voxels *labels, const size_t dim[3],
+                              const struct grey_claims *claims)
 {
+    const struct job_mark mark = job_mark(job);
     size_t block = (dim[0] < BLOCK ? dim[0] : BLOCK) + 1;
     struct scan scan = {.labels = labels, .dim = dim, .step = labels->count > small ? dim[2] / planes + 1 : 1};
-    scan.block = memory_raw(2 * block, sizeof *scan.block);
+    scan.block = job_raw(job, 2 * block, sizeof *scan.block);
     scan.beside = scan.block ? scan.block + block : NULL;
     struct tally tally = {0};
     struct grey_result result = {.equal = 1, .telling = true};
-    conus_status status = scan.block ? find_plateaus(&scan, labels->count) : CONUS_ERROR_MEMORY;
-    if (!status) {
+    find_plateaus(job, &scan, labels->count);
+    if (job_ok(job)) {
         visit_neighbours(&scan, count_pairs, &tally);
         result.equal = tally.pairs ? (double)tally.equal / (double)tally.pairs : 1;
     }
-    if (!status && result.equal < most_equal) { /* too few to be sure that there are areas */
-        struct values values = {0};
-        status = find_values(&values, &scan);
+    if (result.equal < most_equal) { /* too few to be sure that there are areas */
+        const struct values values = find_values(job, &scan);
         result.telling = values.voxels >= FEW_VOXELS && values.count > FEW_VALUES && 2 * tally.pairs >= values.voxels;
-        if (!status && result.telling) {
+        if (result.telling) {
             result.needed = needed_share(&values, &scan, claims);
-            status = result.equal < result.needed ? are_near(&result.grey, &scan, &tally) : CONUS_OK;
+            result.grey = result.equal < result.needed && are_near(job, &scan, &tally);
         }
-        memory_free(values.sorted);
     }
-    memory_free(scan.block);
-    if (!status) {
-        *out = result;
-    }
-    return status;
+    job_release(job, mark);
+    return result;
 }
 
-conus_status grey_judge_file(struct grey_result *out, const struct volume_file *file, const struct label_voxels *labels,
-                             const struct label_table *table, bool stated)
+struct grey_result grey_judge_file(struct job *job, const struct volume_file *file, const struct label_voxels *labels,
+                                   const struct label_table *table, bool stated)
 {
     static const char suffix[] = "_dseg";
+    if (!job_ok(job)) { /* there may be no file */
+        return (struct grey_result){0};
+    }
     const size_t length = sizeof suffix - 1;
     size_t stem = volume_stem_length(file->path);
     bool is_dseg = stem > length && memcmp(file->path + stem - length, suffix, length) == 0;
     const struct grey_claims claims = {table, stated || is_dseg};
-    if (file->intent_code == INTENT_LABEL) {
-        *out = (struct grey_result){.equal = 1, .telling = true};
-        return CONUS_OK;
-    }
-    return grey_judge(out, labels, file->info.dim, &claims);
+    return file->intent_code == INTENT_LABEL ? (struct grey_result){.equal = 1, .telling = true}
+                                             : grey_judge(job, labels, file->info.dim, &claims);
 }

@@ -21,14 +21,14 @@ struct grey_result {
     double needed; /**< Share that labels have at least; set where it had to be worked out, else 0.     */
 };
 
-/** Judges @p labels, i fastest. In an image most neighbours differ, and by less than voxels far apart; areas are
- * pieces, whose voxels have equal neighbours. */
-conus_status grey_judge(struct grey_result *out, const struct label_voxels *labels, const size_t dim[3],
-                        const struct grey_claims *claims);
+/** Judges @p labels, i fastest; not grey after a failure. In an image most neighbours differ, and by less than voxels
+ * far apart; areas are pieces, whose voxels have equal neighbours. */
+struct grey_result grey_judge(struct job *job, const struct label_voxels *labels, const size_t dim[3],
+                              const struct grey_claims *claims);
 
 /** The same of the chosen volume of @p file. That is not grey where its intent code says labels, and is stated to be
  * labels where its name ends in "_dseg", as BIDS wants it, or @p stated. @p table may be NULL. */
-conus_status grey_judge_file(struct grey_result *out, const struct volume_file *file, const struct label_voxels *labels,
-                             const struct label_table *table, bool stated);
+struct grey_result grey_judge_file(struct job *job, const struct volume_file *file, const struct label_voxels *labels,
+                                   const struct label_table *table, bool stated);
 
 #endif

@@ -36,7 +36,7 @@ static void read_dim(struct job *job, struct volume_header *header, const uint8_
                 ".annot and .label.gii (--labels)",
                 (long long)dim[0]);
     }
-    (void)JOB_CALL(job, volume_header_set_dim(header, dim));
+    volume_header_set_dim(job, header, dim);
 }
 
 /* world = Mdc diag(delta) (voxel - dim / 2) + c_ras; Mdc is stored by columns. Without a good RAS flag FreeSurfer takes
@@ -91,7 +91,7 @@ static void mgh_open(struct job *job, struct volume_input *v)
         job_refuse(job, "type: found %d, allowed are 0 (uchar), 1 (int), 3 (float) and 4 (short)", type);
         return;
     }
-    (void)JOB_CALL(job, volume_header_set_datatype(&v->header, types[type]));
+    volume_header_set_datatype(job, &v->header, types[type]);
     read_dim(job, &v->header, data);
     read_placement(job, &v->header, data);
 }

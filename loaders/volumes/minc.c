@@ -210,7 +210,7 @@ static void minc_read(struct job *job, struct volume_input *v, size_t first, siz
     }
 }
 
-static void describe(struct job *job, struct volume_input *v, const struct hdf5 *hdf5)
+void minc_from_hdf5(struct job *job, struct volume_input *v, const struct hdf5 *hdf5)
 {
     const struct hdf5_object *image = hdf5_find(hdf5, IMAGE "image");
     struct minc *minc = job_new(job, struct minc);
@@ -244,33 +244,17 @@ static void describe(struct job *job, struct volume_input *v, const struct hdf5 
                     "start, step and direction_cosines");
 }
 
-static void destroy_hdf5(void *hdf5)
-{
-    hdf5_destroy(hdf5);
-}
-
-void minc_from_hdf5(struct job *job, struct volume_input *v, struct hdf5 *hdf5)
-{
-    job_own(job, destroy_hdf5, hdf5);
-    if (job_ok(job)) {
-        describe(job, v, hdf5);
-    }
-}
-
 static void minc_open(struct job *job, struct volume_input *v)
 {
     static const char *const wanted[] = {IMAGE "image", IMAGE "image-min", IMAGE "image-max", DIMENSIONS "*"};
-    struct hdf5 *hdf5 = NULL;
     if (v->source->is_packed) {
         job_refuse(job, "content: HDF5 packed with gzip: unpack it");
     }
     const struct bytes file = volume_bytes(job, v, v->source);
     const struct text text = {(const char *)file.data, file.size};
-    (void)JOB_CALL(job, hdf5_read_bytes(&hdf5, text, wanted, sizeof wanted / sizeof wanted[0], job->max_memory));
+    const struct hdf5 *hdf5 = hdf5_of_bytes(job, text, wanted, sizeof wanted / sizeof wanted[0], job->max_memory);
     memory_free(job_give(job, file.data, file.size));
-    if (hdf5) {
-        minc_from_hdf5(job, v, hdf5);
-    }
+    minc_from_hdf5(job, v, hdf5);
 }
 
 const struct volume_reader minc_reader = {FORMAT_HDF5, .is_whole = true, .open = minc_open};

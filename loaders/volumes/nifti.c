@@ -276,7 +276,7 @@ static void begin_header(struct job *job, struct volume_header *out, struct fiel
                                   .intent_code = f->intent_code};
     snprintf(out->info.format, sizeof out->info.format, "NIfTI-%d", f->version);
     snprintf(out->info.unit, sizeof out->info.unit, "%s", unit_of(f->intent_code));
-    (void)JOB_CALL(job, volume_header_set_datatype(out, f->datatype));
+    volume_header_set_datatype(job, out, f->datatype);
     int bitpix = 8 * (int)volume_datatype_size(out->datatype);
     if (f->bitpix != bitpix) {
         job_bad(job, "bitpix: found %d, datatype %s needs %d", f->bitpix, out->info.datatype, bitpix);
@@ -290,7 +290,7 @@ static void begin_header(struct job *job, struct volume_header *out, struct fiel
             job_bad(job, "dim[%d]: found %lld, allowed is 1 or more", i, (long long)f->dim[i]);
         }
     }
-    (void)JOB_CALL(job, volume_header_set_dim(out, f->dim + 1));
+    volume_header_set_dim(job, out, f->dim + 1);
     read_scaling(job, &out->info, f);
     double least = f->pair ? 0 : (double)(out->header_size + EXTENDER_SIZE);
     if (!(f->vox_offset >= least && f->vox_offset <= 0x1p53 && f->vox_offset == floor(f->vox_offset))) {

@@ -40,21 +40,20 @@ struct header_values {
     const char *description;
 };
 
-static conus_status check_grid(const struct header_values *values)
+static void check_grid(struct job *job, const struct header_values *values)
 {
     for (int axis = 0; axis < 3; axis++) {
         if (values->dim[axis] < 1 || values->dim[axis] > EDGE_LIMIT) {
-            return fail(CONUS_ERROR_ARGUMENT, "NIfTI-1: dim[%d]: %zu, allowed is 1 to %d", axis + 1, values->dim[axis],
-                        EDGE_LIMIT);
+            job_fail(job, CONUS_ERROR_ARGUMENT, "NIfTI-1: dim[%d]: %zu, allowed is 1 to %d", axis + 1,
+                     values->dim[axis], EDGE_LIMIT);
         }
     }
     for (int i = 0; i < 16; i++) {
         if (!isfinite((float)values->world_from_voxel[i])) {
-            return fail(CONUS_ERROR_ARGUMENT, "NIfTI-1: srow: %g, a finite float is needed",
-                        values->world_from_voxel[i]);
+            job_fail(job, CONUS_ERROR_ARGUMENT, "NIfTI-1: srow: %g, a finite float is needed",
+                     values->world_from_voxel[i]);
         }
     }
-    return CONUS_OK;
 }
 
 /* Unit columns of the matrix's linear part, the third turned so that they are right-handed; *qfac says whether it was.
@@ -139,82 +138,73 @@ static void put_header(uint8_t *header, const struct header_values *values)
 }
 
 /* A file of a checked grid with its header, and zeros for voxels. */
-static conus_status start_file(struct bytes *out, const struct header_values *values)
+static struct bytes start_file(struct job *job, const struct header_values *values)
 {
-    size_t volumes = values->volumes ? values->volumes : 1;
-    size_t size = 0;
-    if (!memory_multiply(values->dim[0] * values->dim[1] * values->dim[2], volumes * values->type->size, &size)) {
-        return CONUS_ERROR_MEMORY;
-    }
-    struct bytes file = {.size = HEADER + values->extension + size};
-    file.data = memory_zeroed(file.size, 1);
+    const size_t volumes = values->volumes ? values->volumes : 1;
+    const size_t *dim = values->dim;
+    struct bytes file = {0};
+    bool fits = memory_multiply(dim[0] * dim[1] * dim[2], volumes * values->type->size, &file.size);
+    file.size += HEADER + values->extension;
+    file.data = job_zeroed(job, fits ? file.size : SIZE_MAX, 1);
     if (!file.data) {
-        return CONUS_ERROR_MEMORY;
+        return (struct bytes){0};
     }
     put_header(file.data, values);
-    *out = file;
-    return CONUS_OK;
+    return file;
 }
 
-static conus_status format_numbers(struct bytes *out, const conus_volume_info *info, const uint32_t *labels, int intent,
+static struct bytes format_numbers(struct job *job, const conus_volume_info *info, const uint32_t *labels, int intent,
                                    int code)
 {
     struct header_values values = {.dim = info->dim,
                                    .world_from_voxel = info->world_from_voxel,
                                    .code = code,
                                    .intent = intent,
+                                   .type = datatypes,
                                    .description = "conus " CONUS_VERSION};
-    conus_status status = check_grid(&values);
-    if (status) {
-        return status;
-    }
     uint32_t most = 0;
-    for (size_t i = 0; i < info->dim[0] * info->dim[1] * info->dim[2]; i++) {
+    check_grid(job, &values);
+    const size_t count = job_ok(job) ? info->dim[0] * info->dim[1] * info->dim[2] : 0;
+    for (size_t i = 0; i < count; i++) {
         most = labels[i] > most ? labels[i] : most;
     }
-    values.type = datatypes;
     while (most > values.type->limit) {
         values.type++;
     }
-    status = start_file(out, &values);
-    if (status) {
-        return status;
+    const size_t size = values.type->size;
+    const struct bytes file = start_file(job, &values);
+    for (size_t i = 0; file.data && i < count; i++) {
+        order_put(file.data + HEADER + i * size, labels[i], size);
     }
-    size_t size = values.type->size;
-    for (size_t i = 0; i < (out->size - HEADER) / size; i++) {
-        order_put(out->data + HEADER + i * size, labels[i], size);
-    }
-    return CONUS_OK;
+    return file;
 }
 
-conus_status nifti_format_labels(struct bytes *out, const conus_volume_info *info, const uint32_t *labels, int code)
+struct bytes nifti_format_labels(struct job *job, const conus_volume_info *info, const uint32_t *labels, int code)
 {
-    return format_numbers(out, info, labels, INTENT_LABEL, code);
+    return format_numbers(job, info, labels, INTENT_LABEL, code);
 }
 
-conus_status nifti_format_values(struct bytes *out, const conus_volume_info *info, const uint32_t *values, int code)
+struct bytes nifti_format_values(struct job *job, const conus_volume_info *info, const uint32_t *values, int code)
 {
-    return format_numbers(out, info, values, INTENT_NONE, code);
+    return format_numbers(job, info, values, INTENT_NONE, code);
 }
 
-conus_status gzip_format(struct bytes *out, const void *data, size_t size)
+struct bytes gzip_format(struct job *job, const void *data, size_t size)
 {
     struct libdeflate_compressor *packer = libdeflate_alloc_compressor(GZIP_LEVEL);
     size_t bound = packer ? libdeflate_gzip_compress_bound(packer, size) : 0;
-    struct bytes packed = {.data = packer ? memory_raw(bound, 1) : NULL};
+    struct bytes packed = {.data = packer ? job_raw(job, bound, 1) : NULL};
     if (packed.data) {
         packed.size = libdeflate_gzip_compress(packer, data, size, packed.data, bound);
     }
     libdeflate_free_compressor(packer);
     if (!packed.size) {
-        bytes_finish(&packed);
-        return fail(CONUS_ERROR_MEMORY, "gzip: no memory to pack %zu bytes", size);
+        job_fail(job, CONUS_ERROR_MEMORY, "gzip: no memory to pack %zu bytes", size);
     }
-    *out = packed;
-    return CONUS_OK;
+    return packed;
 }
 
-conus_status nifti_format_grid(struct bytes *out, const conus_grid *grid)
+struct bytes nifti_format_grid(struct job *job, const conus_grid *grid)
 {
     const conus_grid_view *view = &grid->view;
     const uint8_t *data = grid->data;
@@ -224,17 +214,17 @@ conus_status nifti_format_grid(struct bytes *out, const conus_grid *grid)
                                          .intent = grid->labels ? INTENT_LABEL : INTENT_NONE,
                                          .type = &datatypes[view->number],
                                          .description = view->description};
-    conus_status status = check_grid(&values);
-    status = status ? status : start_file(out, &values);
-    for (size_t i = 0; !status && i < view->count; i++) {
-        order_put(out->data + HEADER + i * grid->size,
+    check_grid(job, &values);
+    const struct bytes file = start_file(job, &values);
+    for (size_t i = 0; file.data && i < view->count; i++) {
+        order_put(file.data + HEADER + i * grid->size,
                   (uint32_t)order_whole(data + i * grid->size, grid->size, false, false), grid->size);
     }
-    return status;
+    return file;
 }
 
-conus_status nifti_format_maps(struct bytes *out, const conus_grid_view *grid, const conus_vertex_map *maps,
-                               size_t count, const uint64_t *voxels, size_t site_count)
+struct bytes nifti_format_maps(struct job *job, const conus_grid_view *grid, const conus_vertex_map *maps, size_t count,
+                               const uint64_t *voxels, size_t site_count)
 {
     enum { COMMENT = 6, ALIGNED_TO = 16, BEFORE = 8 };
     struct buffer names = {0};
@@ -248,11 +238,11 @@ conus_status nifti_format_maps(struct bytes *out, const conus_grid_view *grid, c
                                          .code = grid->space_code <= INT16_MAX ? grid->space_code : SPACE_ALIGNED,
                                          .type = &datatypes[CONUS_NUMBER_FLOAT32],
                                          .description = "conus " CONUS_VERSION ": maps of a plan"};
-    conus_status status = buffer_status(&names);
-    status = status ? status : check_grid(&values);
-    status = status ? status : start_file(out, &values);
-    if (!status) {
-        uint8_t *extension = out->data + HEADER;
+    (void)JOB_CALL(job, buffer_status(&names));
+    check_grid(job, &values);
+    const struct bytes file = start_file(job, &values);
+    if (file.data) {
+        uint8_t *extension = file.data + HEADER;
         uint8_t *data = extension + values.extension;
         extension[-4] = 1; /* there is one */
         order_put(extension, (uint32_t)values.extension, 4);
@@ -267,17 +257,13 @@ conus_status nifti_format_maps(struct bytes *out, const conus_grid_view *grid, c
         }
     }
     buffer_finish(&names);
-    return status;
+    return file;
 }
 
-conus_status nifti_write(const char *path, const struct bytes *file)
+void nifti_write(struct job *job, const char *path, const struct bytes *file)
 {
-    struct bytes packed = {0};
-    conus_status status = path_ends_in(path, ".gz") ? gzip_format(&packed, file->data, file->size) : CONUS_OK;
-    const struct bytes *content = packed.data ? &packed : file;
-    status = status ? status : file_write(path, content->data, content->size);
-    bytes_finish(&packed);
-    return status;
+    const struct bytes content = path_ends_in(path, ".gz") ? gzip_format(job, file->data, file->size) : *file;
+    (void)JOB_CALL(job, file_write(path, content.data, content.size));
 }
 
 bool nifti_is_name(const char *path)
@@ -287,12 +273,13 @@ bool nifti_is_name(const char *path)
 
 conus_status conus_grid_write(const conus_grid *grid, const char *path)
 {
-    struct bytes file = {0};
+    struct job job = {0};
     if (!nifti_is_name(path)) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: a volume's name ends in .nii or .nii.gz", path);
+        job_fail(&job, CONUS_ERROR_ARGUMENT, "%s: a volume's name ends in .nii or .nii.gz", path);
     }
-    conus_status status = nifti_format_grid(&file, grid);
-    status = status ? fail_in(status, path) : nifti_write(path, &file);
-    bytes_finish(&file);
-    return status;
+    const size_t place = job_in(&job, path, JOB_ALONE);
+    const struct bytes file = nifti_format_grid(&job, grid);
+    job_out(&job, place);
+    nifti_write(&job, path, &file);
+    return job_close(&job, NULL, NULL);
 }

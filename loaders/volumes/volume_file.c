@@ -216,35 +216,3 @@ void volume_header_read(struct job *job, conus_volume_info *out, const char *pat
     read_header(job, out, path, true);
     attempt_end(job, &attempt, ATTEMPT_SILENT);
 }
-
-conus_status volume_file_header(conus_volume_info *out, const char *path)
-{
-    struct job job = {0};
-    conus_volume_info info;
-    volume_header_read(&job, &info, path);
-    conus_status status = job_close(&job, NULL, NULL);
-    *out = status ? *out : info;
-    return status;
-}
-
-conus_status volume_file_open_series(struct volume_file *out, const char *path, const conus_load_options *options,
-                                     struct notes *notes)
-{
-    struct job job = {0};
-    struct volume_file file = {0};
-    volume_load_series(&job, &file, path, options->max_memory);
-    conus_status status = job_close(&job, notes, NULL);
-    if (status) {
-        volume_file_finish(&file);
-    } else {
-        *out = file;
-    }
-    return status;
-}
-
-conus_status volume_file_select(struct volume_file *file, size_t volume)
-{
-    struct job job = {0};
-    volume_select(&job, file, volume);
-    return job_close(&job, NULL, NULL);
-}

@@ -61,13 +61,6 @@ void volume_load_series(struct job *job, struct volume_file *out, const char *pa
  * a volume that is not there is CONUS_ERROR_ARGUMENT. */
 void volume_select(struct job *job, struct volume_file *file, size_t volume);
 
-/** Bridge: the same for transforms, which report a status. @{ */
-conus_status volume_file_header(conus_volume_info *out, const char *path);
-conus_status volume_file_open_series(struct volume_file *out, const char *path, const conus_load_options *options,
-                                     struct notes *notes);
-conus_status volume_file_select(struct volume_file *file, size_t volume);
-/** @} */
-
 void volume_file_finish(struct volume_file *file);
 
 #endif

@@ -67,22 +67,21 @@ int volume_datatype_of(char kind, size_t size)
     return 0;
 }
 
-conus_status volume_header_set_datatype(struct volume_header *header, int code)
+void volume_header_set_datatype(struct job *job, struct volume_header *header, int code)
 {
     static const char allowed[] = "allowed are int8 to uint64, float32 and float64";
     const struct datatype *type = find_datatype(code);
     if (!type) {
-        return fail(CONUS_ERROR_DATA, "datatype: found %d, %s", code, allowed);
+        job_bad(job, "datatype: found %d, %s", code, allowed);
+    } else if (!type->size) {
+        job_refuse(job, "datatype: found %d (%s), %s", code, type->name, allowed);
+    } else {
+        header->datatype = code;
+        snprintf(header->info.datatype, sizeof header->info.datatype, "%s", type->name);
     }
-    if (!type->size) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "datatype: found %d (%s), %s", code, type->name, allowed);
-    }
-    header->datatype = code;
-    snprintf(header->info.datatype, sizeof header->info.datatype, "%s", type->name);
-    return CONUS_OK;
 }
 
-conus_status volume_header_set_dim(struct volume_header *header, const int64_t dim[7])
+void volume_header_set_dim(struct job *job, struct volume_header *header, const int64_t dim[7])
 {
     size_t size = volume_datatype_size(header->datatype);
     size_t count = 1;
@@ -95,18 +94,20 @@ conus_status volume_header_set_dim(struct volume_header *header, const int64_t d
         fits = fits && memory_multiply(count, (size_t)dim[i], &count);
     }
     if (!fits || !memory_multiply(size, count, &total) || total > INT64_MAX / 2) {
-        return fail(CONUS_ERROR_DATA,
-                    "dim: found %lld x %lld x %lld x %lld x %lld x %lld x %lld voxels of %s, "
-                    "allowed are as many as fit in 2^62 bytes",
-                    (long long)dim[0], (long long)dim[1], (long long)dim[2], (long long)dim[3], (long long)dim[4],
-                    (long long)dim[5], (long long)dim[6], header->info.datatype);
+        job_bad(job,
+                "dim: found %lld x %lld x %lld x %lld x %lld x %lld x %lld voxels of %s, "
+                "allowed are as many as fit in 2^62 bytes",
+                (long long)dim[0], (long long)dim[1], (long long)dim[2], (long long)dim[3], (long long)dim[4],
+                (long long)dim[5], (long long)dim[6], header->info.datatype);
+    }
+    if (!job_ok(job)) {
+        return;
     }
     for (int i = 0; i < 3; i++) {
         header->info.dim[i] = (size_t)dim[i];
     }
     header->info.volume_count = count;
     header->volume_size = size;
-    return CONUS_OK;
 }
 
 /* The Allen Institute's volumes count micrometres and call AP, DV and ML x, y and z: steps of 25, 0, 0 and so on. No

@@ -52,10 +52,10 @@ int volume_datatype_of(char kind, size_t size);
 
 /** Sets datatype and info.datatype. A type without one real number per voxel is CONUS_ERROR_UNSUPPORTED, a code that no
  * standard knows CONUS_ERROR_DATA. */
-conus_status volume_header_set_datatype(struct volume_header *header, int code);
+void volume_header_set_datatype(struct job *job, struct volume_header *header, int code);
 
 /** Sets info.dim, info.volume_count and volume_size from @p dim[0..6], all at least 1; datatype must be set. Checks
  * that the bytes up to the last voxel can be counted. */
-conus_status volume_header_set_dim(struct volume_header *header, const int64_t dim[7]);
+void volume_header_set_dim(struct job *job, struct volume_header *header, const int64_t dim[7]);
 
 #endif

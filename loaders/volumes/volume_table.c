@@ -41,7 +41,7 @@ static struct label_table *find_segments(struct job *job, const struct volume_fi
     struct label_table *segments = labels_new(job);
     struct attempt attempt = job_try(job);
     if (file->text) {
-        (void)JOB_CALL(job, text_volume_labels(segments, file->text, file->info.volume, &job->notes));
+        text_volume_labels(job, segments, file->text, file->info.volume);
     }
     if (job_ok(job) && !segments->count) {
         (void)attempt_end(job, &attempt, ATTEMPT_DROP);

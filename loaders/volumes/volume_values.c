@@ -245,14 +245,6 @@ void volume_take_labels(struct job *job, struct label_voxels *out, struct volume
     file->series = (struct bytes){0};
 }
 
-/* Bridge: for arrays. */
-conus_status volume_file_labels(struct label_voxels *out, struct volume_file *file)
-{
-    struct job job = {0};
-    volume_labels(&job, out, file);
-    return job_close(&job, NULL, NULL);
-}
-
 /* Scales a block into `out`; returns how many values are not finite (and become `instead`). */
 static size_t block_values(float *out, const double *values, size_t count, double instead, conus_volume_info *info)
 {
@@ -323,20 +315,6 @@ float *volume_values(struct job *job, struct volume_file *file)
 float *volume_values_or_nan(struct job *job, struct volume_file *file)
 {
     return read_values(job, file, NAN);
-}
-
-/* Bridge: for fields of displacements. */
-conus_status volume_file_values_or_nan(float **out, struct volume_file *file, struct notes *notes)
-{
-    struct job job = {0};
-    float *values = volume_values_or_nan(&job, file);
-    conus_status status = job_close(&job, notes, NULL);
-    if (status) {
-        memory_free(values);
-        return status;
-    }
-    *out = values;
-    return CONUS_OK;
 }
 
 /* The source of a map's codes. */

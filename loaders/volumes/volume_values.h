@@ -51,10 +51,6 @@ void volume_map(struct job *job, struct value_map *out, struct volume_file *file
 /** The same of volume_values_or_nan(). */
 void volume_map_or_nan(struct job *job, struct value_map *out, struct volume_file *file);
 
-/** Bridge: the functions of these names for arrays and fields of displacements, which report a status. */
-conus_status volume_file_labels(struct label_voxels *out, struct volume_file *file);
-conus_status volume_file_values_or_nan(float **out, struct volume_file *file, struct notes *notes);
-
 /** The stored number at @p data, of the NIfTI type @p datatype, unscaled; rounded where it has more than 53 bits. */
 double volume_value_at(const uint8_t *data, int datatype, bool swapped);
 

@@ -14,10 +14,9 @@ enum { LARGE = 1 << 24 }; /* bytes; what is larger is not held twice */
 void volume_describe(struct job *job, struct volume_input *v, int datatype, const int64_t dim[7],
                      const double world_from_voxel[16], const char *words)
 {
-    if (JOB_CALL(job, volume_header_set_datatype(&v->header, datatype)) &&
-        JOB_CALL(job, volume_header_set_dim(&v->header, dim))) {
-        (void)JOB_CALL(job, space_describe(&v->header.info, world_from_voxel, words));
-    }
+    volume_header_set_datatype(job, &v->header, datatype);
+    volume_header_set_dim(job, &v->header, dim);
+    (void)JOB_CALL(job, space_describe(&v->header.info, world_from_voxel, words));
 }
 
 const struct source *volume_beside(struct job *job, const char *path)

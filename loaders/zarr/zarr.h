@@ -49,13 +49,13 @@ void zarr_array_parse(struct job *job, struct zarr_array *out, struct text text)
 
 struct zarr_unpacker;
 
-/** Scratch for unpacking chunks. */
-conus_status zarr_unpacker_create(struct zarr_unpacker **out);
-void zarr_unpacker_destroy(struct zarr_unpacker *unpacker);
+/** Scratch of the job for unpacking chunks. */
+struct zarr_unpacker *zarr_unpacker_new(struct job *job);
 
-/** Unpacks what @p chain packed, which must give exactly @p wanted bytes. @p out has room for ZARR_AROUND more. */
-conus_status zarr_unpack(uint8_t *out, struct zarr_unpacker *unpacker, const struct zarr_chain *chain,
-                         const uint8_t *data, size_t size, size_t wanted);
+/** Unpacks what @p chain packed as @p stored, which must give exactly @p wanted bytes. @p out has room for ZARR_AROUND
+ * more. */
+void zarr_unpack(struct job *job, uint8_t *out, struct zarr_unpacker *unpacker, const struct zarr_chain *chain,
+                 struct bytes stored, size_t wanted);
 
 /** Facts about an array that was read. */
 struct zarr_found {

@@ -129,13 +129,12 @@ static void reading_init(struct reading *reading, uint64_t volume)
         }
     }
     if (job_need(job, reading->room) && job_need(job, reading->line)) {
-        (void)JOB_CALL(job, zarr_unpacker_create(&reading->unpacker));
+        reading->unpacker = zarr_unpacker_new(job);
     }
 }
 
 static void reading_finish(struct reading *reading)
 {
-    zarr_unpacker_destroy(reading->unpacker);
     bytes_finish(&reading->stored);
     memory_free(reading->room);
     memory_free(reading->line);
@@ -224,8 +223,7 @@ static void take_chunk(const struct reading *reading, const size_t at[SPACE])
 {
     const struct zarr_array *array = reading->array;
     const size_t place = enter_file(reading);
-    (void)JOB_CALL(reading->job, zarr_unpack(reading->room, reading->unpacker, &array->chain, reading->stored.data,
-                                             reading->stored.size, array->chunk_bytes));
+    zarr_unpack(reading->job, reading->room, reading->unpacker, &array->chain, reading->stored, array->chunk_bytes);
     job_out(reading->job, place);
     give_chunk(reading, at, true);
 }
@@ -335,8 +333,11 @@ static struct entry *read_index(struct reading *reading, const struct open_file 
     read_part(reading, file, own.from, size);
     struct entry *entries = job_ok(job) ? memory_raw(plain + ZARR_AROUND, 1) : NULL;
     const size_t place = enter_file(reading);
-    if (job_need(job, entries) && JOB_CALL(job, zarr_unpack((uint8_t *)entries, reading->unpacker, &array->index,
-                                                            reading->stored.data, size, plain))) {
+    if (job_need(job, entries)) {
+        zarr_unpack(job, (uint8_t *)entries, reading->unpacker, &array->index,
+                    (struct bytes){reading->stored.data, size}, plain);
+    }
+    if (job_ok(job)) {
         for (size_t i = 0; i < count; i++) {
             entries[i].from = order_u64((uint8_t *)&entries[i].from, array->index.swapped);
             entries[i].size = order_u64((uint8_t *)&entries[i].size, array->index.swapped);

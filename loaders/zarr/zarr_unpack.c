@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Unpacks a chunk into exactly the bytes that it must have. */
 #include "base/byte_order.h"
-#include "base/memory.h"
 #include "base/system/system.h"
 #include "loaders/zarr/zarr.h"
 
@@ -16,85 +15,76 @@ struct zarr_unpacker {
     int (*blosc_unpack)(const void *data, void *out, size_t size, int threads);
 };
 
-conus_status zarr_unpacker_create(struct zarr_unpacker **out)
+static void destroy(void *user)
 {
-    struct zarr_unpacker *unpacker = memory_zeroed(1, sizeof *unpacker);
-    if (unpacker) {
-        unpacker->zstd = ZSTD_createDCtx();
-        unpacker->deflate = libdeflate_alloc_decompressor();
-    }
-    if (!unpacker || !unpacker->zstd || !unpacker->deflate) {
-        zarr_unpacker_destroy(unpacker);
-        return fail(CONUS_ERROR_MEMORY, "no memory to unpack chunks");
-    }
-    *out = unpacker;
-    return CONUS_OK;
+    struct zarr_unpacker *unpacker = user;
+    ZSTD_freeDCtx(unpacker->zstd);
+    libdeflate_free_decompressor(unpacker->deflate);
 }
 
-void zarr_unpacker_destroy(struct zarr_unpacker *unpacker)
+struct zarr_unpacker *zarr_unpacker_new(struct job *job)
 {
-    if (unpacker) {
-        ZSTD_freeDCtx(unpacker->zstd);
-        libdeflate_free_decompressor(unpacker->deflate);
-        memory_free(unpacker);
+    struct zarr_unpacker *unpacker = job_new(job, struct zarr_unpacker);
+    if (!unpacker) {
+        return NULL;
     }
+    unpacker->zstd = ZSTD_createDCtx();
+    unpacker->deflate = libdeflate_alloc_decompressor();
+    if (!unpacker->zstd || !unpacker->deflate) {
+        job_fail(job, CONUS_ERROR_MEMORY, "no memory to unpack chunks");
+    }
+    job_own(job, destroy, unpacker);
+    return unpacker;
 }
 
 /* The library is looked for only here: few stores need it, and linked it would slow down every start. */
-static conus_status load_blosc(struct zarr_unpacker *unpacker)
+static void load_blosc(struct job *job, struct zarr_unpacker *unpacker)
 {
     if (!unpacker->blosc_check || !unpacker->blosc_unpack) {
         *(void **)&unpacker->blosc_check = system_function("libblosc.so.1", "blosc_cbuffer_validate");
         *(void **)&unpacker->blosc_unpack = system_function("libblosc.so.1", "blosc_decompress_ctx");
     }
-    return unpacker->blosc_check && unpacker->blosc_unpack
-               ? CONUS_OK
-               : fail(CONUS_ERROR_UNSUPPORTED, "packed with blosc: libblosc.so.1 is needed (Debian: libblosc1)");
+    if (!unpacker->blosc_check || !unpacker->blosc_unpack) {
+        job_refuse(job, "packed with blosc: libblosc.so.1 is needed (Debian: libblosc1)");
+    }
 }
 
 /* Blosc's header says in byte 2 whether bytes or bits were shuffled, in byte 3 by numbers of which size; no sum guards
  * that. A program may have chosen another size than the array's, but one that numbers have. */
-static conus_status check_shuffle(const uint8_t *data, size_t size)
+static void check_shuffle(struct job *job, const uint8_t *data, size_t size)
 {
     enum { SHUFFLED = 1 | 4 };
     bool is_odd = size > 3 && (data[2] & SHUFFLED) && data[3] != 1 && data[3] != 2 && data[3] != 4 && data[3] != 8;
-    return is_odd ? fail(CONUS_ERROR_DATA, "blosc: shuffled by numbers of %d bytes, allowed are 1, 2, 4 and 8", data[3])
-                  : CONUS_OK;
+    if (is_odd) {
+        job_bad(job, "blosc: shuffled by numbers of %d bytes, allowed are 1, 2, 4 and 8", data[3]);
+    }
 }
 
-/* *fine tells whether it came out as `wanted` bytes. */
-static conus_status decompress(bool *fine, uint8_t *out, struct zarr_unpacker *unpacker, enum zarr_packing packing,
-                               const uint8_t *data, size_t size, size_t wanted)
+/* Whether it came out as `wanted` bytes. */
+static bool decompress(struct job *job, uint8_t *out, struct zarr_unpacker *unpacker, enum zarr_packing packing,
+                       const uint8_t *data, size_t size, size_t wanted)
 {
     size_t used = 0;
     size_t got = 0;
-    conus_status status = packing == ZARR_BLOSC ? check_shuffle(data, size) : CONUS_OK;
-    status = status || packing != ZARR_BLOSC ? status : load_blosc(unpacker);
-    if (status) {
-        return status;
-    }
     switch (packing) {
     case ZARR_ZSTD:
-        *fine = ZSTD_decompressDCtx(unpacker->zstd, out, wanted, data, size) == wanted;
-        break;
+        return ZSTD_decompressDCtx(unpacker->zstd, out, wanted, data, size) == wanted;
     case ZARR_GZIP:
-        *fine = libdeflate_gzip_decompress_ex(unpacker->deflate, data, size, out, wanted, &used, &got) ==
-                    LIBDEFLATE_SUCCESS &&
-                used == size && got == wanted;
-        break;
+        return libdeflate_gzip_decompress_ex(unpacker->deflate, data, size, out, wanted, &used, &got) ==
+                   LIBDEFLATE_SUCCESS &&
+               used == size && got == wanted;
     case ZARR_ZLIB:
-        *fine = libdeflate_zlib_decompress_ex(unpacker->deflate, data, size, out, wanted, &used, &got) ==
-                    LIBDEFLATE_SUCCESS &&
-                used == size && got == wanted;
-        break;
+        return libdeflate_zlib_decompress_ex(unpacker->deflate, data, size, out, wanted, &used, &got) ==
+                   LIBDEFLATE_SUCCESS &&
+               used == size && got == wanted;
     case ZARR_BLOSC:
-        *fine = unpacker->blosc_check(data, size, &got) == 0 && got == wanted &&
-                unpacker->blosc_unpack(data, out, wanted, 1) == (int)wanted;
-        break;
-    case ZARR_CRC32C:
-        break;
+        check_shuffle(job, data, size);
+        load_blosc(job, unpacker);
+        return job_ok(job) && unpacker->blosc_check(data, size, &got) == 0 && got == wanted &&
+               unpacker->blosc_unpack(data, out, wanted, 1) == (int)wanted;
+    default:
+        return true;
     }
-    return CONUS_OK;
 }
 
 /* RFC 3720: the polynomial 0x1edc6f41, reflected. */
@@ -114,13 +104,14 @@ static uint32_t crc32c(const uint8_t *data, size_t size)
     return ~sum;
 }
 
-conus_status zarr_unpack(uint8_t *out, struct zarr_unpacker *unpacker, const struct zarr_chain *chain,
-                         const uint8_t *data, size_t size, size_t wanted)
+void zarr_unpack(struct job *job, uint8_t *out, struct zarr_unpacker *unpacker, const struct zarr_chain *chain,
+                 struct bytes stored, size_t wanted)
 {
     enum { SUM = sizeof(uint32_t) };
-    conus_status status = CONUS_OK;
-    bool fine = true;
-    for (size_t i = chain->count; !status && fine && i-- > 0;) {
+    const uint8_t *data = stored.data;
+    size_t size = stored.size;
+    bool fine = job_step(job);
+    for (size_t i = chain->count; fine && i-- > 0;) {
         size_t inside = wanted; /* with the sums that are still around it */
         for (size_t k = 0; k < i; k++) {
             inside += SUM;
@@ -129,16 +120,14 @@ conus_status zarr_unpack(uint8_t *out, struct zarr_unpacker *unpacker, const str
             fine = size >= SUM && crc32c(data, size - SUM) == order_u32(data + size - SUM, !BIG_ENDIAN_IS_SWAPPED);
             size -= SUM;
         } else {
-            status = decompress(&fine, out, unpacker, chain->packings[i], data, size, inside);
+            fine = decompress(job, out, unpacker, chain->packings[i], data, size, inside);
             data = out;
             size = inside;
         }
     }
-    if (!status && !(fine && size == wanted)) {
-        return fail(CONUS_ERROR_DATA, "damaged, or not the %zu bytes of a chunk", wanted);
-    }
-    if (!status && data != out) {
+    if (!fine || size != wanted) {
+        job_bad(job, "damaged, or not the %zu bytes of a chunk", wanted);
+    } else if (data != out) {
         memcpy(out, data, wanted);
     }
-    return status;
 }

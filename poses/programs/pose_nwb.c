@@ -234,11 +234,6 @@ void pose_nwb_from_hdf5(const struct pose_reading *to, const struct hdf5 *hdf5)
     }
 }
 
-static void destroy_hdf5(void *hdf5)
-{
-    hdf5_destroy(hdf5);
-}
-
 void pose_nwb_parse(struct pose_reading *to, struct text text)
 {
     static const char *const wanted[] = {TABLE,
@@ -253,17 +248,11 @@ void pose_nwb_parse(struct pose_reading *to, struct text text)
                                          PLACES "/*/z",
                                          PLACES "/*/localized_entity",
                                          PLACES "/*/space"};
-    struct hdf5 *hdf5 = NULL;
-    uint64_t left = pose_memory(to->options) - text.size;
+    const uint64_t left = pose_memory(to->options) - text.size;
     pose_refuse_axis(to, "electrodes");
-    if (JOB_CALL(to->job, hdf5_read_bytes(&hdf5, text, wanted, sizeof wanted / sizeof wanted[0], left ? left : 1))) {
-        job_own(to->job, destroy_hdf5, hdf5);
-        if (!job_ok(to->job)) {
-            return;
-        }
-        if (hdf5_find(hdf5, TABLE) && to->options->space < CONUS_SPACE_CCF) {
-            job_bad(to->job, "electrodes of NWB lie in the CCF or count from bregma: space ccf or bregma is needed");
-        }
-        pose_nwb_from_hdf5(to, hdf5);
+    const struct hdf5 *hdf5 = hdf5_of_bytes(to->job, text, wanted, sizeof wanted / sizeof wanted[0], left ? left : 1);
+    if (hdf5_find(hdf5, TABLE) && to->options->space < CONUS_SPACE_CCF) {
+        job_bad(to->job, "electrodes of NWB lie in the CCF or count from bregma: space ccf or bregma is needed");
     }
+    pose_nwb_from_hdf5(to, hdf5);
 }

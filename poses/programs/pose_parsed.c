@@ -11,18 +11,10 @@ json_t *pose_json(struct pose_reading *to, struct text text)
     return job_ok(to->job) ? to->json : NULL;
 }
 
-static void finish_matlab(void *matlab)
-{
-    matlab_finish(matlab);
-}
-
 const struct matlab *pose_matlab(struct pose_reading *to, struct text text)
 {
-    static const struct matlab nothing = {0};
-    struct matlab *matlab = to->matlab ? NULL : job_new(to->job, struct matlab);
-    if (matlab && JOB_CALL(to->job, matlab_parse(matlab, text, pose_memory(to->options) - text.size))) {
-        job_own(to->job, finish_matlab, matlab);
-        to->matlab = matlab;
+    if (!to->matlab) {
+        to->matlab = matlab_read(to->job, text, pose_memory(to->options) - text.size);
     }
-    return job_ok(to->job) ? to->matlab : &nothing;
+    return to->matlab;
 }

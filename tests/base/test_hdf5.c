@@ -8,12 +8,15 @@
 
 #include <string.h>
 
-static conus_status parse(struct hdf5 **out, const struct hdf5_builder *builder, size_t size)
+/* The objects are the job's, which ends after a failure. */
+static conus_status parse(struct job *job, const struct hdf5 **out, const struct hdf5_builder *builder, size_t size)
 {
-    struct bytes stream = {memory_copy(builder->bytes.data, size, 1), size};
-    conus_status status = stream.data ? hdf5_parse(out, &stream) : CONUS_ERROR_MEMORY;
-    assert_null(stream.data);
-    return status;
+    *job = (struct job){0};
+    const char *stream = job_adopt(job, memory_copy(builder->bytes.data, size, 1));
+    if (job_need(job, stream)) {
+        *out = hdf5_of_stream(job, (struct text){stream, size});
+    }
+    return job_ok(job) ? CONUS_OK : job_close(job, NULL, NULL);
 }
 
 /* A transform of two parts, one with attributes, and a group whose name is no number. */
@@ -40,9 +43,10 @@ static void objects_are_found_by_path_and_by_address(void **state)
 {
     (void)state;
     struct hdf5_builder builder;
-    struct hdf5 *hdf5;
+    struct job job;
+    const struct hdf5 *hdf5;
     build(&builder);
-    assert_ok(parse(&hdf5, &builder, builder.bytes.size));
+    assert_ok(parse(&job, &hdf5, &builder, builder.bytes.size));
     assert_int_equal(hdf5_count(hdf5), 7);
     const struct hdf5_object *type = hdf5_find(hdf5, "/T/10/type");
     assert_non_null(type);
@@ -65,7 +69,7 @@ static void objects_are_found_by_path_and_by_address(void **state)
     assert_non_null(numbers);
     assert_near(hdf5_number(&numbers->value, 2), 3e300, 0);
     assert_null(hdf5_find_in(hdf5, text_from("/T"), "numbers"));
-    hdf5_destroy(hdf5);
+    job_end(&job);
     buffer_finish(&builder.bytes);
 }
 
@@ -73,16 +77,17 @@ static void attributes_are_those_of_their_object(void **state)
 {
     (void)state;
     struct hdf5_builder builder;
-    struct hdf5 *hdf5;
+    struct job job;
+    const struct hdf5 *hdf5;
     build(&builder);
-    assert_ok(parse(&hdf5, &builder, builder.bytes.size));
+    assert_ok(parse(&job, &hdf5, &builder, builder.bytes.size));
     const struct hdf5_object *group = hdf5_find(hdf5, "/T");
     assert_int_equal(group->attribute_count, 2);
     assert_near(hdf5_number(hdf5_attribute(group, "scale"), 1), -2.5, 0);
     assert_true(text_equal(hdf5_string(hdf5_attribute(group, "words"), 1), "Affine"));
     assert_null(hdf5_attribute(group, "sca"));
     assert_null(hdf5_attribute(hdf5_find(hdf5, "/T/9"), "scale"));
-    hdf5_destroy(hdf5);
+    job_end(&job);
     buffer_finish(&builder.bytes);
 }
 
@@ -92,10 +97,11 @@ static void numbers_are_in_the_order_of_numbers(void **state)
     (void)state;
     static const char *const wanted[] = {"2", "9", "10", "a"};
     struct hdf5_builder builder;
-    struct hdf5 *hdf5;
+    struct job job;
+    const struct hdf5 *hdf5;
     size_t at = 0;
     build(&builder);
-    assert_ok(parse(&hdf5, &builder, builder.bytes.size));
+    assert_ok(parse(&job, &hdf5, &builder, builder.bytes.size));
     for (size_t i = 0; i < 4; i++) {
         const struct hdf5_object *next = hdf5_next_in(hdf5, &at, text_from("/T"));
         assert_non_null(next);
@@ -105,7 +111,7 @@ static void numbers_are_in_the_order_of_numbers(void **state)
     at = 0;
     assert_ptr_equal(hdf5_next_in(hdf5, &at, text_from("/")), hdf5_find(hdf5, "/T"));
     assert_null(hdf5_next_in(hdf5, &at, text_from("/")));
-    hdf5_destroy(hdf5);
+    job_end(&job);
     buffer_finish(&builder.bytes);
 }
 
@@ -116,18 +122,19 @@ static void there_is_one_order_of_names(void **state)
     static const char *const wanted[] = {"/9", "/010", "/10", "/1a", "/b"};
     for (size_t first = 0; first < 5; first++) {
         struct hdf5_builder builder;
-        struct hdf5 *hdf5;
+        struct job job;
+        const struct hdf5 *hdf5;
         hdf5_begin(&builder);
         for (size_t i = 0; i < 5; i++) {
             hdf5_group(&builder, wanted[(first + 2 * i) % 5]);
         }
         hdf5_end(&builder);
-        assert_ok(parse(&hdf5, &builder, builder.bytes.size));
+        assert_ok(parse(&job, &hdf5, &builder, builder.bytes.size));
         for (size_t i = 0; i < 5; i++) {
             assert_true(text_equal(hdf5_object(hdf5, i)->value.name, wanted[i]));
             assert_ptr_equal(hdf5_find(hdf5, wanted[i]), hdf5_object(hdf5, i));
         }
-        hdf5_destroy(hdf5);
+        job_end(&job);
         buffer_finish(&builder.bytes);
     }
 }
@@ -136,13 +143,14 @@ static void every_prefix_is_refused(void **state)
 {
     (void)state;
     struct hdf5_builder builder;
-    struct hdf5 *hdf5;
+    struct job job;
+    const struct hdf5 *hdf5;
     build(&builder);
     for (size_t size = 0; size < builder.bytes.size; size++) {
-        assert_fails(parse(&hdf5, &builder, size), CONUS_ERROR_DATA);
+        assert_fails(parse(&job, &hdf5, &builder, size), CONUS_ERROR_DATA);
     }
     buffer_text(&builder.bytes, "12345678");
-    assert_fails(parse(&hdf5, &builder, builder.bytes.size), CONUS_ERROR_DATA);
+    assert_fails(parse(&job, &hdf5, &builder, builder.bytes.size), CONUS_ERROR_DATA);
     buffer_finish(&builder.bytes);
 }
 
@@ -189,11 +197,12 @@ static void impossible_frames_are_refused(void **state)
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct hdf5_builder builder;
-        struct hdf5 *hdf5;
+        struct job job;
+        const struct hdf5 *hdf5;
         hdf5_begin(&builder);
         hdf5_frame(&builder, cases[i].value);
         hdf5_end(&builder);
-        assert_fails(parse(&hdf5, &builder, builder.bytes.size), CONUS_ERROR_DATA);
+        assert_fails(parse(&job, &hdf5, &builder, builder.bytes.size), CONUS_ERROR_DATA);
         if (!strstr(conus_message(), cases[i].part)) {
             fail_msg("case %zu: \"%s\" does not say \"%s\"", i, conus_message(), cases[i].part);
         }
@@ -206,12 +215,13 @@ static void the_end_counts_the_frames(void **state)
     (void)state;
     for (uint64_t count = 0; count < 3; count++) {
         struct hdf5_builder builder;
-        struct hdf5 *hdf5 = NULL;
+        struct job job;
+        const struct hdf5 *hdf5 = NULL;
         hdf5_begin(&builder);
         hdf5_group(&builder, "/a");
         hdf5_frame(&builder, (struct built_value){.kind = HDF5_FRAME_END, .address = count});
-        assert_int_equal(parse(&hdf5, &builder, builder.bytes.size), count == 1 ? CONUS_OK : CONUS_ERROR_DATA);
-        hdf5_destroy(hdf5);
+        assert_int_equal(parse(&job, &hdf5, &builder, builder.bytes.size), count == 1 ? CONUS_OK : CONUS_ERROR_DATA);
+        job_end(&job);
         buffer_finish(&builder.bytes);
     }
 }
@@ -220,13 +230,14 @@ static void nothing_is_there_twice(void **state)
 {
     (void)state;
     struct hdf5_builder builder;
-    struct hdf5 *hdf5;
+    struct job job;
+    const struct hdf5 *hdf5;
     hdf5_begin(&builder);
     hdf5_group(&builder, "/a");
     hdf5_group(&builder, "/b");
     hdf5_group(&builder, "/a");
     hdf5_end(&builder);
-    assert_fails(parse(&hdf5, &builder, builder.bytes.size), CONUS_ERROR_DATA);
+    assert_fails(parse(&job, &hdf5, &builder, builder.bytes.size), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "/a is there twice"));
     buffer_finish(&builder.bytes);
 }
@@ -236,11 +247,12 @@ static void failures_are_what_the_file_is_refused_for(void **state)
     (void)state;
     for (uint32_t kind = 0; kind < 2; kind++) {
         struct hdf5_builder builder;
-        struct hdf5 *hdf5;
+        struct job job;
+        const struct hdf5 *hdf5;
         hdf5_begin(&builder);
         hdf5_group(&builder, "/a");
         hdf5_frame(&builder, (struct built_value){.kind = HDF5_FRAME_FAILURE, .rank = kind, .name = "/a: a circle"});
-        assert_fails(parse(&hdf5, &builder, builder.bytes.size), kind ? CONUS_ERROR_MEMORY : CONUS_ERROR_DATA);
+        assert_fails(parse(&job, &hdf5, &builder, builder.bytes.size), kind ? CONUS_ERROR_MEMORY : CONUS_ERROR_DATA);
         assert_string_equal(conus_message(), "/a: a circle");
         buffer_finish(&builder.bytes);
     }
@@ -250,16 +262,16 @@ static void an_empty_answer_is_one(void **state)
 {
     (void)state;
     struct hdf5_builder builder;
-    struct hdf5 *hdf5;
+    struct job job;
+    const struct hdf5 *hdf5;
     size_t at = 0;
     hdf5_begin(&builder);
     hdf5_end(&builder);
-    assert_ok(parse(&hdf5, &builder, builder.bytes.size));
+    assert_ok(parse(&job, &hdf5, &builder, builder.bytes.size));
     assert_null(hdf5_find(hdf5, "/"));
     assert_null(hdf5_find_address(hdf5, 0));
     assert_null(hdf5_next_in(hdf5, &at, text_from("/")));
-    hdf5_destroy(hdf5);
-    hdf5_destroy(NULL);
+    job_end(&job);
     buffer_finish(&builder.bytes);
 }
 
@@ -282,10 +294,11 @@ static void the_mark_is_at_powers_of_two(void **state)
 
 static conus_status attempt(void *data)
 {
-    struct hdf5 *hdf5 = NULL;
+    struct job job;
+    const struct hdf5 *hdf5 = NULL;
     const struct hdf5_builder *builder = data;
-    conus_status status = parse(&hdf5, builder, builder->bytes.size);
-    hdf5_destroy(hdf5);
+    conus_status status = parse(&job, &hdf5, builder, builder->bytes.size);
+    job_end(&job);
     return status;
 }
 

@@ -10,19 +10,27 @@
 
 enum { HEADER = 128, LIMIT = 1 << 20 };
 
-static void parse(struct matlab *matlab, const struct matlab_builder *builder)
+/* The arrays are the job's. */
+static const struct matlab *parse(struct job *job, const struct matlab_builder *builder)
 {
-    assert_ok(matlab_parse(matlab, matlab_built(builder), LIMIT));
+    const struct matlab *matlab = matlab_read(job, matlab_built(builder), LIMIT);
+    assert_int_equal(job->status, CONUS_OK);
+    return matlab;
+}
+
+static conus_status parse_built(void *builder)
+{
+    struct job job = {0};
+    (void)matlab_read(&job, matlab_built(builder), LIMIT);
+    return job_close(&job, NULL, NULL);
 }
 
 static void refuse(struct matlab_builder *builder, conus_status wanted, const char *part)
 {
-    struct matlab matlab = {0};
-    assert_fails(matlab_parse(&matlab, matlab_built(builder), LIMIT), wanted);
+    assert_fails(parse_built(builder), wanted);
     if (!strstr(conus_message(), part)) {
         fail_msg("\"%s\" is not in \"%s\"", part, conus_message());
     }
-    assert_null(matlab.arrays);
     buffer_finish(&builder->bytes);
 }
 
@@ -41,13 +49,13 @@ static void numbers_of_every_type(void **state)
                  {MI_INT64, {-1e15, 5, 1e15}},     {MI_UINT64, {0, 7, 1e18}}};
     for (size_t i = 0; i < 2 * (sizeof cases / sizeof cases[0]); i++) {
         struct matlab_builder builder;
-        struct matlab matlab;
+        struct job job = {0};
         matlab_begin(&builder, i % 2);
         matlab_open(&builder, MX_DOUBLE, 3, 1, "x");
         matlab_values(&builder, cases[i / 2].type, cases[i / 2].values, 3);
         matlab_close(&builder);
-        parse(&matlab, &builder);
-        const struct matlab_array *x = matlab_variable(&matlab, "x");
+        const struct matlab *matlab = parse(&job, &builder);
+        const struct matlab_array *x = matlab_variable(matlab, "x");
         assert_non_null(x);
         assert_true(matlab_is_real(x));
         assert_int_equal(x->rows, 3);
@@ -55,7 +63,7 @@ static void numbers_of_every_type(void **state)
         for (size_t k = 0; k < 3; k++) {
             assert_near(matlab_number(x, k), cases[i / 2].values[k], 0);
         }
-        matlab_finish(&matlab);
+        job_end(&job);
         buffer_finish(&builder.bytes);
     }
 }
@@ -100,34 +108,34 @@ static void structures_cells_and_texts(void **state)
     (void)state;
     for (int i = 0; i < 4; i++) {
         struct matlab_builder builder;
-        struct matlab matlab;
+        struct job job = {0};
         char text[32];
         build_all(&builder, i % 2, i / 2);
         assert_true(matlab_is(matlab_built(&builder)));
-        parse(&matlab, &builder);
-        assert_int_equal(matlab.variables, 3);
-        const struct matlab_array *s = matlab_variable(&matlab, "s");
+        const struct matlab *matlab = parse(&job, &builder);
+        assert_int_equal(matlab->variables, 3);
+        const struct matlab_array *s = matlab_variable(matlab, "s");
         assert_int_equal(s->count, 2);
         for (size_t k = 0; k < 2; k++) {
-            const struct matlab_array *cell = matlab_field(&matlab, s, k, "cell");
+            const struct matlab_array *cell = matlab_field(matlab, s, k, "cell");
             assert_int_equal(cell->kind, MATLAB_CELL);
             assert_int_equal(cell->count, 2);
-            assert_near(matlab_number(&matlab.arrays[cell->parts], 2), 3, 0);
-            assert_int_equal(matlab.arrays[cell->parts + 1].kind, MATLAB_EMPTY);
-            struct text name = matlab_text(text, sizeof text, matlab_field(&matlab, s, k, "name"));
+            assert_near(matlab_number(&matlab->arrays[cell->parts], 2), 3, 0);
+            assert_int_equal(matlab->arrays[cell->parts + 1].kind, MATLAB_EMPTY);
+            struct text name = matlab_text(text, sizeof text, matlab_field(matlab, s, k, "name"));
             assert_int_equal(name.size, sizeof spelt - 1 - k);
             assert_memory_equal(name.data, spelt + k, name.size);
         }
-        assert_null(matlab_field(&matlab, s, 2, "name"));
-        assert_null(matlab_field(&matlab, s, 0, "nam"));
-        assert_null(matlab_field(&matlab, NULL, 0, "name"));
-        assert_null(matlab_variable(&matlab, "cell"));
-        struct text plain = matlab_text(text, sizeof text, matlab_variable(&matlab, "plain"));
+        assert_null(matlab_field(matlab, s, 2, "name"));
+        assert_null(matlab_field(matlab, s, 0, "nam"));
+        assert_null(matlab_field(matlab, NULL, 0, "name"));
+        assert_null(matlab_variable(matlab, "cell"));
+        struct text plain = matlab_text(text, sizeof text, matlab_variable(matlab, "plain"));
         assert_int_equal(plain.size, 4);
         assert_memory_equal(plain.data, "b\xc3\xa9t", 4);
-        assert_int_equal(matlab_text(text, 6, matlab_field(&matlab, s, 0, "name")).size, 3); /* as much as fits */
+        assert_int_equal(matlab_text(text, 6, matlab_field(matlab, s, 0, "name")).size, 3); /* as much as fits */
         assert_int_equal(matlab_text(text, sizeof text, s).size, 0);
-        matlab_finish(&matlab);
+        job_end(&job);
         buffer_finish(&builder.bytes);
     }
 }
@@ -210,7 +218,7 @@ static void nests_have_an_end(void **state)
     (void)state;
     for (int depth = 32; depth <= 33; depth++) {
         struct matlab_builder builder;
-        struct matlab matlab;
+        struct job job = {0};
         matlab_begin(&builder, false);
         for (int i = 0; i < depth; i++) {
             matlab_open(&builder, MX_CELL, 1, 1, "");
@@ -222,8 +230,8 @@ static void nests_have_an_end(void **state)
         if (depth == 33) {
             refuse(&builder, CONUS_ERROR_DATA, "more than 32 deep");
         } else {
-            parse(&matlab, &builder);
-            matlab_finish(&matlab);
+            (void)parse(&job, &builder);
+            job_end(&job);
             buffer_finish(&builder.bytes);
         }
     }
@@ -280,15 +288,15 @@ static void complex_numbers_are_none(void **state)
     (void)state;
     static const double number = 1;
     struct matlab_builder builder;
-    struct matlab matlab;
+    struct job job = {0};
     begin_array(&builder, MX_DOUBLE | MX_COMPLEX, 1, 1);
     matlab_values(&builder, MI_DOUBLE, &number, 1);
     matlab_values(&builder, MI_DOUBLE, &number, 1);
     matlab_close(&builder);
-    parse(&matlab, &builder);
-    assert_false(matlab_is_real(matlab_variable(&matlab, "x")));
-    assert_string_equal(matlab_class_name(matlab_variable(&matlab, "x")).text, "an array of complex numbers");
-    matlab_finish(&matlab);
+    const struct matlab *matlab = parse(&job, &builder);
+    assert_false(matlab_is_real(matlab_variable(matlab, "x")));
+    assert_string_equal(matlab_class_name(matlab_variable(matlab, "x")).text, "an array of complex numbers");
+    job_end(&job);
     buffer_finish(&builder.bytes);
 }
 
@@ -302,25 +310,16 @@ static void every_prefix_is_refused(void **state)
         build_all(&builder, i % 2, i / 2);
         for (size_t size = 0; size < builder.bytes.size; size++) {
             char *exact = malloc(size + !size); /* so that a sanitizer notices one byte too many */
-            struct matlab matlab = {0};
+            struct job job = {0};
             memcpy(exact, builder.bytes.data, size);
-            if (matlab_parse(&matlab, (struct text){exact, size}, LIMIT) == CONUS_OK) {
-                assert_int_equal(matlab.variables, whole++);
-                matlab_finish(&matlab);
-            }
+            const struct matlab *matlab = matlab_read(&job, (struct text){exact, size}, LIMIT);
+            assert_true(!job_ok(&job) || matlab->variables == whole++);
+            job_end(&job);
             free(exact);
         }
         assert_int_equal(whole, 3);
         buffer_finish(&builder.bytes);
     }
-}
-
-static conus_status parse_built(void *builder)
-{
-    struct matlab matlab = {0};
-    conus_status status = matlab_parse(&matlab, matlab_built(builder), LIMIT);
-    matlab_finish(&matlab);
-    return status;
 }
 
 static void every_failing_allocation_is_clean(void **state)

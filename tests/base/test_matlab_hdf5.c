@@ -98,21 +98,22 @@ static void build(struct hdf5_builder *builder)
     hdf5_end(builder);
 }
 
-/* Parses, and releases the builder's bytes. */
-static conus_status parse(struct matlab *out, struct hdf5_builder *builder, uint64_t limit)
+/* Parses, and releases the builder's bytes. The arrays are the job's; after a failure there are none. */
+static const struct matlab *parse(struct job *job, struct hdf5_builder *builder, uint64_t limit)
 {
-    struct job *job = memory_zeroed(1, sizeof *job);
+    *job = (struct job){0};
     const struct text stream = job_text(job, (struct text){builder->bytes.data, builder->bytes.size});
     const struct matlab *matlab = matlab_of_hdf5(job, hdf5_of_stream(job, stream), limit);
     buffer_finish(&builder->bytes);
-    if (job_ok(job)) {
-        *out = *matlab;
-        out->own = job;
-        return CONUS_OK;
-    }
-    conus_status status = job_close(job, NULL, NULL);
-    memory_free(job);
-    return status;
+    assert_true(job_ok(job) || !matlab->arrays);
+    return matlab;
+}
+
+static conus_status parse_only(struct hdf5_builder *builder, uint64_t limit)
+{
+    struct job job;
+    (void)parse(&job, builder, limit);
+    return job_close(&job, NULL, NULL);
 }
 
 static const char *class_of(const struct matlab *matlab, const char *name)
@@ -126,68 +127,67 @@ static void all_that_is_read(void **state)
 {
     (void)state;
     struct hdf5_builder builder;
-    struct matlab matlab;
+    struct job job;
     char text[32];
     build(&builder);
-    assert_ok(parse(&matlab, &builder, LIMIT));
-    assert_int_equal(matlab.variables, 9); /* not "#refs#" */
-    assert_null(matlab_variable(&matlab, "#refs#"));
+    const struct matlab *matlab = parse(&job, &builder, LIMIT);
+    assert_int_equal(job.status, CONUS_OK);
+    assert_int_equal(matlab->variables, 9); /* not "#refs#" */
+    assert_null(matlab_variable(matlab, "#refs#"));
 
-    const struct matlab_array *a = matlab_field(&matlab, matlab_variable(&matlab, "one"), 0, "a");
+    const struct matlab_array *a = matlab_field(matlab, matlab_variable(matlab, "one"), 0, "a");
     assert_true(matlab_is_real(a));
     assert_int_equal(a->rows, 2);
     assert_int_equal(a->columns, 3);
     for (size_t i = 0; i < 6; i++) { /* column by column, as HDF5's last dimension runs */
         assert_near(matlab_number(a, i), numbers[i], 0);
     }
-    assert_null(matlab_field(&matlab, matlab_variable(&matlab, "one"), 1, "a"));
+    assert_null(matlab_field(matlab, matlab_variable(matlab, "one"), 1, "a"));
 
-    const struct matlab_array *s = matlab_variable(&matlab, "s");
+    const struct matlab_array *s = matlab_variable(matlab, "s");
     assert_int_equal(s->count, 3);
     assert_int_equal(s->fields, 2);
     for (size_t i = 0; i < 3; i++) {
-        const struct matlab_array *cell = matlab_field(&matlab, s, i, "cell");
+        const struct matlab_array *cell = matlab_field(matlab, s, i, "cell");
         assert_int_equal(cell->kind, MATLAB_CELL);
         assert_int_equal(cell->count, 3);
-        const struct matlab_array *parts = &matlab.arrays[cell->parts];
+        const struct matlab_array *parts = &matlab->arrays[cell->parts];
         assert_near(matlab_number(&parts[0], 5), 6, 0);
         assert_int_equal(parts[1].count, 0);
         assert_int_equal(parts[1].columns, 3);
         assert_true(matlab_is_real(&parts[1]));
         assert_int_equal(parts[2].kind, MATLAB_EMPTY);
     }
-    struct text name = matlab_text(text, sizeof text, matlab_field(&matlab, s, 0, "name"));
+    struct text name = matlab_text(text, sizeof text, matlab_field(matlab, s, 0, "name"));
     assert_int_equal(name.size, 8);
     assert_memory_equal(name.data, "M1\xc3\xa9\xf0\x9f\x98\x80", 8);
-    assert_int_equal(matlab_text(text, sizeof text, matlab_field(&matlab, s, 1, "name")).size, 2);
+    assert_int_equal(matlab_text(text, sizeof text, matlab_field(matlab, s, 1, "name")).size, 2);
 
-    assert_near(matlab_number(matlab_variable(&matlab, "small"), 1), -2, 0);
-    assert_near(matlab_number(matlab_variable(&matlab, "whole"), 0), -1, 0);
-    assert_near(matlab_number(matlab_variable(&matlab, "flag"), 0), 1, 0);
-    assert_string_equal(class_of(&matlab, "complex"), "an array of complex numbers");
-    assert_string_equal(class_of(&matlab, "sparse"), "an object (double)");
-    assert_string_equal(class_of(&matlab, "thing"), "an object (table)");
-    assert_string_equal(class_of(&matlab, "other"), "an object (without a class)");
-    assert_false(matlab_is_real(matlab_variable(&matlab, "complex")));
-    matlab_finish(&matlab);
+    assert_near(matlab_number(matlab_variable(matlab, "small"), 1), -2, 0);
+    assert_near(matlab_number(matlab_variable(matlab, "whole"), 0), -1, 0);
+    assert_near(matlab_number(matlab_variable(matlab, "flag"), 0), 1, 0);
+    assert_string_equal(class_of(matlab, "complex"), "an array of complex numbers");
+    assert_string_equal(class_of(matlab, "sparse"), "an object (double)");
+    assert_string_equal(class_of(matlab, "thing"), "an object (table)");
+    assert_string_equal(class_of(matlab, "other"), "an object (without a class)");
+    assert_false(matlab_is_real(matlab_variable(matlab, "complex")));
+    job_end(&job);
 }
 
 /* Refuses a file with these arrays. */
 static void refuse(const struct built_array *arrays, size_t count, conus_status wanted, const char *part)
 {
     struct hdf5_builder builder;
-    struct matlab matlab = {0};
     hdf5_begin(&builder);
     put(&builder, (struct built_array){"/", NULL, HDF5_GROUP, 0, 0, 0, 1, NULL, false});
     for (size_t i = 0; i < count; i++) {
         put(&builder, arrays[i]);
     }
     hdf5_end(&builder);
-    assert_fails(parse(&matlab, &builder, LIMIT), wanted);
+    assert_fails(parse_only(&builder, LIMIT), wanted);
     if (!strstr(conus_message(), part)) {
         fail_msg("\"%s\" does not say \"%s\"", conus_message(), part);
     }
-    assert_null(matlab.arrays);
 }
 
 static void arrays_that_lie(void **state)
@@ -257,7 +257,6 @@ static void nests_have_an_end(void **state)
     (void)state;
     for (size_t depth = 32; depth <= 33; depth++) {
         struct hdf5_builder builder;
-        struct matlab matlab = {0};
         hdf5_begin(&builder);
         put(&builder, (struct built_array){"/", NULL, HDF5_GROUP, 0, 0, 0, 1, NULL, false});
         for (size_t i = 0; i < depth; i++) {
@@ -267,10 +266,9 @@ static void nests_have_an_end(void **state)
             put(&builder, (struct built_array){path, "cell", HDF5_REFERENCE, 8, 1, 1, 10 + i, &next, false});
         }
         hdf5_end(&builder);
-        conus_status status = parse(&matlab, &builder, LIMIT);
+        conus_status status = parse_only(&builder, LIMIT);
         test_status(status, depth == 33 ? CONUS_ERROR_DATA : CONUS_OK, "nest", __FILE__, __LINE__);
         assert_true(depth == 32 || strstr(conus_message(), "more than 32 deep"));
-        matlab_finish(&matlab);
     }
 }
 
@@ -278,12 +276,17 @@ static void memory_has_a_limit(void **state)
 {
     (void)state;
     struct hdf5_builder builder;
-    struct matlab matlab = {0};
     build(&builder);
-    assert_fails(parse(&matlab, &builder, 100), CONUS_ERROR_MEMORY);
+    assert_fails(parse_only(&builder, 100), CONUS_ERROR_MEMORY);
     build(&builder);
-    assert_fails(parse(&matlab, &builder, 1200), CONUS_ERROR_MEMORY);
-    assert_null(matlab.arrays);
+    assert_fails(parse_only(&builder, 1200), CONUS_ERROR_MEMORY);
+}
+
+static conus_status read_text(const char *text, size_t size)
+{
+    struct job job = {0};
+    (void)matlab_read(&job, (struct text){text, size}, LIMIT);
+    return job_close(&job, NULL, NULL);
 }
 
 /* Refused: a prefix of the text, or of the header, and a header that no HDF5 follows. */
@@ -291,13 +294,12 @@ static void headers_are_checked(void **state)
 {
     (void)state;
     char header[128] = "MATLAB 7.3 MAT-file, Platform: GLNXA64";
-    struct matlab matlab = {0};
     memcpy(header + 124, "\0\2IM", 4);
     assert_true(matlab_is((struct text){header, sizeof header}));
-    assert_fails(matlab_parse(&matlab, (struct text){header, 127}, LIMIT), CONUS_ERROR_DATA);
+    assert_fails(read_text(header, 127), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "127 bytes, 128 are needed"));
     header[125] = 1;
-    assert_fails(matlab_parse(&matlab, (struct text){header, sizeof header}, LIMIT), CONUS_ERROR_DATA);
+    assert_fails(read_text(header, sizeof header), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "version 0x100, allowed is 0x200"));
 }
 

@@ -22,9 +22,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                 abort();
             }
         }
-        if (!file_refuse(names[i], &bytes, "another") || strchr(conus_message(), '\n') || (format && !format->words)) {
+        struct job job = {0};
+        file_refuse(&job, names[i], &bytes, "another");
+        if (job_ok(&job) || strchr(job.message, '\n') || (format && !format->words)) {
             abort();
         }
+        job_end(&job);
     }
     const struct file_head nameless = head_of(NULL, &bytes);
     if (copy && format_is_lines(&bytes) && format_nearest(&nameless) == NULL) {

@@ -25,10 +25,10 @@ static void use(const struct hdf5_value *value)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct hdf5 *hdf5 = NULL;
-    struct bytes stream = {memory_copy(data, size, 1), size};
-    conus_status status = stream.data ? hdf5_parse(&hdf5, &stream) : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < hdf5_count(hdf5); i++) {
+    struct job job = {0};
+    const struct text stream = {job_adopt(&job, memory_copy(data, size, 1)), size};
+    const struct hdf5 *hdf5 = stream.data ? hdf5_of_stream(&job, stream) : NULL;
+    for (size_t i = 0; hdf5 && i < hdf5_count(hdf5); i++) {
         const struct hdf5_object *object = hdf5_object(hdf5, i);
         use(&object->value);
         for (size_t k = 0; k < object->attribute_count; k++) {
@@ -39,6 +39,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             abort();
         }
     }
-    hdf5_destroy(hdf5);
-    return status == CONUS_OK || *conus_message() ? 0 : -1;
+    const bool says_why = job_ok(&job) || *job.message;
+    job_end(&job);
+    return says_why ? 0 : -1;
 }

@@ -22,12 +22,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct job job = {0};
     struct volume_input v = {.header.info.slope = 1};
-    struct hdf5 *hdf5 = NULL;
-    struct bytes stream = {memory_copy(data, size, 1), size};
-    if (stream.data && JOB_CALL(&job, hdf5_parse(&hdf5, &stream))) {
-        minc_from_hdf5(&job, &v, hdf5);
+    const struct text stream = {job_adopt(&job, memory_copy(data, size, 1)), size};
+    if (stream.data) {
+        minc_from_hdf5(&job, &v, hdf5_of_stream(&job, stream));
     }
-    if (hdf5 && job_ok(&job)) {
+    if (stream.data && job_ok(&job)) {
         size_t counted = 0;
         v.read(&job, &v, 0, 1, &(struct voxel_sink){count, &counted});
         if (!job_ok(&job) || counted * volume_datatype_size(v.header.datatype) != v.header.volume_size ||

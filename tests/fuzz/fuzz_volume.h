@@ -4,6 +4,7 @@
 #define CONUS_TESTS_FUZZ_FUZZ_VOLUME_H
 
 #include "base/memory.h"
+#include "loaders/labels/labels_on_job.h"
 #include "loaders/volumes/text/text_volume.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_values.h"
@@ -49,7 +50,6 @@ static inline void fuzz_check_header(const struct volume_header *header)
 static inline void fuzz_header(const char *path)
 {
     struct job job = {.max_memory = FUZZ_MEMORY};
-    struct label_table table = {0};
     size_t sum = 0;
     struct volume_input *v = volume_open(&job, path, &(struct volume_wish){.is_header_only = true});
     if (v) {
@@ -60,8 +60,8 @@ static inline void fuzz_header(const char *path)
                 sum += v->extensions[i].data[k]; /* every byte must be readable */
             }
         }
-        if (v->text && !text_volume_labels(&table, v->text, 0, &job.notes)) {
-            label_table_finish(&table);
+        if (v->text) {
+            text_volume_labels(&job, labels_new(&job), v->text, 0);
         }
     }
     if (sum > 255 * (size_t)FUZZ_MEMORY) {

@@ -10,16 +10,21 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct tractogram tractogram = {0};
+    struct job job = {.max_memory = LIMIT};
+    struct tract_build build = {.job = &job, .max_memory = LIMIT};
+    struct tractogram *tractogram = &build.tractogram;
     struct notes notes = {0};
-    const struct bytes bytes = {(uint8_t *)data, size};
-    if (!vtk_lines_parse(&tractogram, &bytes, LIMIT, &notes)) {
-        tractogram.radius = TRACT_RADIUS;
-        if (!tractogram_check(&tractogram, &notes)) {
-            fuzz_tractogram_read(&tractogram);
+    struct source *source = source_of_memory(&job, NULL, (struct text){(const char *)data, size});
+    if (source) {
+        vtk_lines_read(&job, source, &build);
+    }
+    if (!job_close(&job, &notes, NULL)) {
+        tractogram->radius = TRACT_RADIUS;
+        if (!tractogram_check(tractogram, &notes)) {
+            fuzz_tractogram_read(tractogram);
         }
     }
-    tractogram_finish(&tractogram);
+    tractogram_finish(tractogram);
     notes_finish(&notes);
     return 0;
 }

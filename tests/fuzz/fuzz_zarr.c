@@ -13,10 +13,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const struct text text = {(const char *)data, size};
     struct zarr_array array;
     struct ome ome;
-    static struct zarr_unpacker *unpacker; /* to look for libblosc each time would take longest */
-    if (!unpacker && zarr_unpacker_create(&unpacker)) {
-        return 0;
-    }
+    static struct job lasting; /* to look for libblosc each time would take longest */
+    static struct zarr_unpacker *unpacker;
+    unpacker = unpacker ? unpacker : zarr_unpacker_new(&lasting);
     struct job job = {0};
     zarr_array_parse(&job, &array, text);
     if (job_ok(&job)) {
@@ -35,7 +34,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     for (int packing = ZARR_ZSTD; packing <= ZARR_CRC32C; packing++) {
         const struct zarr_chain chain = {.packings = {(enum zarr_packing)packing}, .count = 1};
         uint8_t out[WANTED + ZARR_AROUND];
-        (void)zarr_unpack(out, unpacker, &chain, data, size, WANTED);
+        zarr_unpack(&job, out, unpacker, &chain, (struct bytes){(uint8_t *)data, size}, WANTED);
+        job_end(&job);
     }
     return 0;
 }

@@ -74,22 +74,25 @@ static void print_array(const struct matlab *matlab, const struct matlab_array *
 int main(int argc, char **argv)
 {
     struct bytes bytes = {0};
-    struct matlab matlab = {0};
     conus_status status = argc == 2 ? file_read(&bytes, argv[1], LIMIT) : CONUS_ERROR_ARGUMENT;
-    status = status ? status : matlab_parse(&matlab, (struct text){(const char *)bytes.data, bytes.size}, LIMIT);
-    if (status) {
-        fprintf(stderr, "%s\n", conus_message());
+    struct job job = {0};
+    const struct matlab *matlab = NULL;
+    if (JOB_CALL(&job, status)) {
+        matlab = matlab_read(&job, (struct text){(const char *)bytes.data, bytes.size}, LIMIT);
+    }
+    if (!job_ok(&job)) {
+        fprintf(stderr, "%s\n", job.message);
         return 1;
     }
     printf("{");
-    for (size_t i = 0; i < matlab.variables; i++) {
+    for (size_t i = 0; i < matlab->variables; i++) {
         printf("%s", i ? ", " : "");
-        print_text(matlab.arrays[i].name);
+        print_text(matlab->arrays[i].name);
         printf(": ");
-        print_array(&matlab, &matlab.arrays[i]);
+        print_array(matlab, &matlab->arrays[i]);
     }
     printf("}\n");
-    matlab_finish(&matlab);
+    job_end(&job);
     bytes_finish(&bytes);
     return 0;
 }

@@ -130,17 +130,15 @@ static void build(struct hdf5_builder *builder, const struct columns *columns)
 
 static conus_status parse_built(conus_pose_list *list, const struct hdf5_builder *builder, const conus_frame *frame)
 {
-    struct hdf5 *hdf5 = NULL;
     const conus_pose_options options = {.frame = frame, .space = frame->space};
-    struct bytes stream = {memory_copy(builder->bytes.data, builder->bytes.size, 1), builder->bytes.size};
-    conus_status status = stream.data ? hdf5_parse(&hdf5, &stream) : CONUS_ERROR_MEMORY;
     struct job job = {0};
-    if (JOB_CALL(&job, status)) {
-        pose_nwb_from_hdf5(&(struct pose_reading){.job = &job, .list = list, .options = &options}, hdf5);
+    const struct text stream = {job_adopt(&job, memory_copy(builder->bytes.data, builder->bytes.size, 1)),
+                                builder->bytes.size};
+    if (job_need(&job, stream.data)) {
+        pose_nwb_from_hdf5(&(struct pose_reading){.job = &job, .list = list, .options = &options},
+                           hdf5_of_stream(&job, stream));
     }
-    status = job_close(&job, &list->notes, NULL);
-    hdf5_destroy(hdf5);
-    return status;
+    return job_close(&job, &list->notes, NULL);
 }
 
 static void parse(conus_pose_list *list, const struct columns *columns, const conus_frame *frame)

@@ -13,12 +13,10 @@
 static const char *write_file(const char *name, const char *data, size_t size, bool packs)
 {
     const char *path = test_scratch(name);
-    struct bytes packed = {0};
-    if (packs) {
-        assert_ok(gzip_format(&packed, (const uint8_t *)data, size));
-    }
+    struct job job = {0};
+    const struct bytes packed = packs ? gzip_format(&job, data, size) : (struct bytes){0};
     assert_ok(file_write_soon(path, packs ? (const char *)packed.data : data, packs ? packed.size : size));
-    bytes_finish(&packed);
+    job_end(&job);
     return path;
 }
 

@@ -4,7 +4,7 @@
 #define CONUS_TESTS_SUPPORT_LABEL_LIST_H
 
 #include "base/memory.h"
-#include "loaders/volumes/volume_values.h"
+#include "volume_on_job.h"
 
 /** The labels, one per voxel, the caller's to memory_free(); NULL without memory. */
 static inline uint32_t *label_list(const struct label_voxels *voxels)

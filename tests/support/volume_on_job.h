@@ -86,4 +86,46 @@ static inline conus_status volume_file_map_or_nan(struct value_map *out, struct 
     return status;
 }
 
+static inline conus_status volume_file_open_series(struct volume_file *out, const char *path,
+                                                   const conus_load_options *options, struct notes *notes)
+{
+    struct job job = {0};
+    struct volume_file file = {0};
+    volume_load_series(&job, &file, path, options->max_memory);
+    conus_status status = job_close(&job, notes, NULL);
+    if (status) {
+        volume_file_finish(&file);
+    } else {
+        *out = file;
+    }
+    return status;
+}
+
+static inline conus_status volume_file_select(struct volume_file *file, size_t volume)
+{
+    struct job job = {0};
+    volume_select(&job, file, volume);
+    return job_close(&job, NULL, NULL);
+}
+
+static inline conus_status volume_file_labels(struct label_voxels *out, struct volume_file *file)
+{
+    struct job job = {0};
+    volume_labels(&job, out, file);
+    return job_close(&job, NULL, NULL);
+}
+
+static inline conus_status volume_file_values_or_nan(float **out, struct volume_file *file, struct notes *notes)
+{
+    struct job job = {0};
+    float *values = volume_values_or_nan(&job, file);
+    conus_status status = job_close(&job, notes, NULL);
+    if (status) {
+        memory_free(values);
+        return status;
+    }
+    *out = values;
+    return CONUS_OK;
+}
+
 #endif

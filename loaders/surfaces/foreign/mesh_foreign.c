@@ -28,8 +28,7 @@ static void parse(struct mesh_build *out, const char *path, const struct bytes *
     if (id < sizeof parsers / sizeof parsers[0] && parsers[id]) {
         parsers[id](&out->sink, (struct text){(const char *)bytes->data, bytes->size});
     } else {
-        (void)JOB_CALL(out->sink.job,
-                       file_refuse(path, bytes, "a surface (VTK, VTP, PLY, MZ3, or named as STL, OBJ or OFF)"));
+        file_refuse(out->sink.job, path, bytes, "a surface (VTK, VTP, PLY, MZ3, or named as STL, OBJ or OFF)");
     }
 }
 

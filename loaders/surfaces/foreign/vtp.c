@@ -431,7 +431,9 @@ static void take_appended(struct vtp_storage *out, const struct vtp *vtp, const 
         job_bad(vtp->job, "DataArray: offset is %.60s, allowed are 0 to %zu", value ? value : "not given",
                 vtp->appended.size);
     }
-    out->content = (struct text){vtp->appended.data + offset, vtp->appended.size - offset};
+    if (job_ok(vtp->job)) {
+        out->content = (struct text){vtp->appended.data + offset, vtp->appended.size - offset};
+    }
 }
 
 static enum use use_of_array(const struct vtp *vtp, const struct xml_event *event)

@@ -208,23 +208,14 @@ void header_turn_lps(double m[16])
     }
 }
 
-conus_status text_volume_labels(struct label_table *out, const struct text_volume *volume, size_t index,
-                                struct notes *notes)
+void text_volume_labels(struct job *job, struct label_table *table, const struct text_volume *volume, size_t index)
 {
-    struct label_table table = {0};
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < volume->segment_count; i++) {
+    for (size_t i = 0; job_ok(job) && i < volume->segment_count; i++) {
         const struct label *label = &volume->segments[i].label;
         if (volume->segments[i].volume == index) {
-            struct label *entry = label_table_add(&table, label->number);
-            status = entry ? label_copy(entry, label) : CONUS_ERROR_MEMORY;
+            struct label *entry = label_table_add(table, label->number);
+            (void)(job_need(job, entry) && JOB_CALL(job, label_copy(entry, label)));
         }
     }
-    status = status ? status : label_table_sort(&table, notes);
-    if (status) {
-        label_table_finish(&table);
-    } else {
-        *out = table;
-    }
-    return status;
+    (void)JOB_CALL(job, label_table_sort(table, &job->notes));
 }

@@ -58,9 +58,8 @@ struct text_volume {
     char *labels;   /**< A label table as text; NULL if none.                                                   */
 };
 
-/** The labels that the header gives to volume @p index, sorted, into @p out; empty if there are none. */
-conus_status text_volume_labels(struct label_table *out, const struct text_volume *volume, size_t index,
-                                struct notes *notes);
+/** Adds the labels that the header gives to volume @p index to the empty @p table, sorted. */
+void text_volume_labels(struct job *job, struct label_table *table, const struct text_volume *volume, size_t index);
 
 /* The parsers of the formats, which sources/signatures.h tells apart. Errors name the field. */
 

@@ -29,15 +29,15 @@ static conus_volume_info small_grid(double m01)
 static void assert_stored(uint32_t label, int code, int bits)
 {
     conus_volume_info info = small_grid(0);
-    struct bytes file;
-    assert_ok(nifti_format_labels(&file, &info, (uint32_t[]){0, label}, 2));
+    struct job job = {0};
+    const struct bytes file = nifti_format_labels(&job, &info, (uint32_t[]){0, label}, 2);
     assert_int_equal(file.size, 352 + bits / 4);
     assert_int_equal(file.data[70] + 256 * file.data[71], code);
     assert_int_equal(file.data[72], bits);
     for (int byte = 0; byte < bits / 8; byte++) {
         assert_int_equal(file.data[352 + bits / 8 + byte], label >> 8 * byte & 0xff);
     }
-    bytes_finish(&file);
+    job_end(&job);
 }
 
 static void labels_take_the_narrowest_type(void **state)
@@ -59,24 +59,31 @@ static void a_sheared_matrix_has_no_qform(void **state)
 {
     (void)state;
     conus_volume_info info = small_grid(0.5);
-    struct bytes file;
-    assert_ok(nifti_format_labels(&file, &info, (uint32_t[]){0, 1}, 4));
+    struct job job = {0};
+    const struct bytes file = nifti_format_labels(&job, &info, (uint32_t[]){0, 1}, 4);
+    assert_int_equal(job.status, CONUS_OK);
     assert_int_equal(form_code(&file, 252), 0);
     assert_int_equal(form_code(&file, 254), 4);
-    bytes_finish(&file);
+    job_end(&job);
+}
+
+static conus_status format_on(const conus_volume_info *info)
+{
+    struct job job = {0};
+    (void)nifti_format_labels(&job, info, (uint32_t[]){0, 1}, 1);
+    return job_close(&job, NULL, NULL);
 }
 
 static void impossible_grids_are_refused(void **state)
 {
     (void)state;
-    struct bytes file;
     conus_volume_info info = small_grid(0);
     info.dim[1] = 0;
-    assert_fails(nifti_format_labels(&file, &info, (uint32_t[]){0, 1}, 1), CONUS_ERROR_ARGUMENT);
+    assert_fails(format_on(&info), CONUS_ERROR_ARGUMENT);
     info.dim[1] = 32768;
-    assert_fails(nifti_format_labels(&file, &info, (uint32_t[]){0, 1}, 1), CONUS_ERROR_ARGUMENT);
+    assert_fails(format_on(&info), CONUS_ERROR_ARGUMENT);
     info = small_grid(1e39);
-    assert_fails(nifti_format_labels(&file, &info, (uint32_t[]){0, 1}, 1), CONUS_ERROR_ARGUMENT);
+    assert_fails(format_on(&info), CONUS_ERROR_ARGUMENT);
 }
 
 static void read_phantom(struct bytes *out, const char *folder, const char *name)

@@ -19,17 +19,16 @@ static conus_status write_volume(const char *name, uint32_t (*value)(size_t i))
 {
     conus_volume_info info = {.dim = {8, 8, 8}};
     uint32_t values[512];
-    struct bytes file = {0};
+    struct job job = {0};
     for (size_t i = 0; i < 16; i++) {
         info.world_from_voxel[i] = i % 5 == 0;
     }
     for (size_t i = 0; i < 512; i++) {
         values[i] = value(i);
     }
-    conus_status status = nifti_format_values(&file, &info, values, 1);
-    status = status ? status : conus_write_file(test_in(name), file.data, file.size);
-    bytes_finish(&file);
-    return status;
+    const struct bytes file = nifti_format_values(&job, &info, values, 1);
+    (void)JOB_CALL(&job, conus_write_file(test_in(name), file.data, file.size));
+    return job_close(&job, NULL, NULL);
 }
 
 static uint32_t in_blocks(size_t i)

@@ -47,7 +47,7 @@ static conus_status write_slabs(const char *name, bool fine, uint32_t (*label)(s
 {
     conus_volume_info info = {.dim = {fine ? 12 : 8, fine ? 8 : 4, fine ? 8 : 4}};
     uint32_t labels[12 * 8 * 8];
-    struct bytes file = {0};
+    struct job job = {0};
     mat4_identity(info.world_from_voxel);
     for (size_t a = 0; a < 3 && !fine; a++) {
         info.world_from_voxel[5 * a] = 2;
@@ -56,10 +56,9 @@ static conus_status write_slabs(const char *name, bool fine, uint32_t (*label)(s
     for (size_t i = 0; i < info.dim[0] * info.dim[1] * info.dim[2]; i++) {
         labels[i] = label(i % info.dim[0]);
     }
-    conus_status status = nifti_format_values(&file, &info, labels, space_code);
-    status = status ? status : conus_write_file(test_in(name), file.data, file.size);
-    bytes_finish(&file);
-    return status;
+    const struct bytes file = nifti_format_values(&job, &info, labels, space_code);
+    (void)JOB_CALL(&job, conus_write_file(test_in(name), file.data, file.size));
+    return job_close(&job, NULL, NULL);
 }
 
 static void write_text(const char *name, const char *text)

@@ -59,10 +59,20 @@ static const char vtp_pieces[] =
 static conus_status parse(struct tractogram *out, const char *data, size_t size, uint64_t max_memory,
                           struct notes *notes)
 {
-    struct bytes copy = {memory_copy(data, size, 1), size}; /* so that a sanitizer notices one byte too many */
-    conus_status status = copy.data ? vtk_lines_parse(out, &copy, max_memory, notes) : CONUS_ERROR_MEMORY;
-    bytes_finish(&copy);
-    return status;
+    struct job job = {0};
+    struct tract_build build = {.job = &job, .max_memory = max_memory};
+    /* A copy, so that a sanitizer notices one byte too many. */
+    struct text copy = {job_adopt(&job, memory_copy(data, size, 1)), size};
+    struct source *source = copy.data ? source_of_memory(&job, NULL, copy) : NULL;
+    if (source) {
+        vtk_lines_read(&job, source, &build);
+    }
+    if (job_ok(&job)) {
+        *out = build.tractogram;
+    } else {
+        tractogram_finish(&build.tractogram);
+    }
+    return job_close(&job, notes, NULL);
 }
 
 static void assert_numbers(const struct tract_scalar *scalar, const char *name, bool per_point, uint32_t components,
@@ -211,15 +221,14 @@ static void a_packed_file(void **state)
     const struct bytes bytes = {(uint8_t *)packed.data, packed.size};
     file_sha256(sum, &bytes);
     assert_ok(file_write(test_scratch("lines.vtk.gz"), packed.data, packed.size));
-    assert_ok(vtk_lines_read(&tractogram, test_scratch("lines.vtk.gz"), 1 << 20, &notes));
+    assert_ok(tract_read(&tractogram, test_scratch("lines.vtk.gz"), 1 << 20, &notes));
     assert_lines(&tractogram, 1);
     assert_string_equal(tractogram.sha256, sum);
-    assert_int_equal(notes.count, 1);
+    assert_int_equal(notes.count, 2); /* and that the space is not stated */
     assert_string_equal(notes.lines[0], "1 polygons are not read");
     tractogram_finish(&tractogram);
     notes_finish(&notes);
-    assert_fails(vtk_lines_read(&tractogram, test_scratch("lines.vtk.gz"), sizeof text_3 - 2, &notes),
-                 CONUS_ERROR_MEMORY);
+    assert_fails(tract_read(&tractogram, test_scratch("lines.vtk.gz"), sizeof text_3 - 2, &notes), CONUS_ERROR_MEMORY);
     buffer_finish(&packed);
 }
 
@@ -301,7 +310,7 @@ static conus_status attempt(void *data)
 {
     struct tractogram tractogram = {0};
     struct notes notes = {0};
-    conus_status status = vtk_lines_read(&tractogram, data, 1 << 20, &notes);
+    conus_status status = tract_read(&tractogram, data, 1 << 20, &notes);
     tractogram_finish(&tractogram);
     notes_finish(&notes);
     return status;

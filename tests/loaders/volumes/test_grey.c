@@ -51,10 +51,11 @@ static struct volume fill(size_t ni, size_t nj, size_t nk, value_of *value)
 
 static struct grey_result judge(const struct volume *volume, const struct grey_claims *claims)
 {
-    struct grey_result verdict;
+    struct job job = {0};
     struct label_voxels labels = {0};
     assert_ok(label_voxels_of(&labels, volume->labels, count_of(volume)));
-    assert_ok(grey_judge(&verdict, &labels, volume->dim, claims));
+    const struct grey_result verdict = grey_judge(&job, &labels, volume->dim, claims);
+    assert_ok(job_close(&job, NULL, NULL));
     label_voxels_finish(&labels);
     return verdict;
 }
@@ -292,20 +293,20 @@ static void a_table_about_these_values_makes_half_doubtful_ones_labels(void **st
     free(image.labels);
 }
 
-typedef conus_status formatter(struct bytes *out, const conus_volume_info *info, const uint32_t *values, int code);
+typedef struct bytes formatter(struct job *job, const conus_volume_info *info, const uint32_t *values, int code);
 
 static const char *write_file(const char *name, value_of *value, formatter *format)
 {
     struct volume volume = fill(32, 32, 32, value);
     conus_volume_info info = {.dim = {32, 32, 32}};
-    struct bytes file = {0};
+    struct job job = {0};
     const char *path = test_scratch(name);
     for (size_t i = 0; i < 16; i++) {
         info.world_from_voxel[i] = i % 5 == 0;
     }
-    assert_ok(format(&file, &info, volume.labels, 1));
-    assert_ok(conus_write_file(path, file.data, file.size));
-    bytes_finish(&file);
+    const struct bytes file = format(&job, &info, volume.labels, 1);
+    (void)JOB_CALL(&job, conus_write_file(path, file.data, file.size));
+    assert_ok(job_close(&job, NULL, NULL));
     free(volume.labels);
     return path;
 }

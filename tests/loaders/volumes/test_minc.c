@@ -110,11 +110,11 @@ struct opened {
 /* The job's status is how it went. */
 static void open_built(struct opened *out, const struct hdf5_builder *builder)
 {
-    struct hdf5 *hdf5 = NULL;
-    struct bytes stream = {memory_copy(builder->bytes.data, builder->bytes.size, 1), builder->bytes.size};
     *out = (struct opened){.v.header.info.slope = 1};
-    if (job_need(&out->job, stream.data) && JOB_CALL(&out->job, hdf5_parse(&hdf5, &stream))) {
-        minc_from_hdf5(&out->job, &out->v, hdf5);
+    const struct text stream = {job_adopt(&out->job, memory_copy(builder->bytes.data, builder->bytes.size, 1)),
+                                builder->bytes.size};
+    if (job_need(&out->job, stream.data)) {
+        minc_from_hdf5(&out->job, &out->v, hdf5_of_stream(&out->job, stream));
     }
 }
 

@@ -28,16 +28,14 @@ static void a_shuffle_is_by_numbers(void **state)
     } cases[] = {{1, 255, true}, {1, 3, true},  {4, 16, true},  {5, 0, true},
                  {1, 4, false},  {4, 1, false}, {0, 255, false}};
     const struct zarr_chain chain = {.packings = {ZARR_BLOSC}, .count = 1};
-    struct zarr_unpacker *unpacker = NULL;
-    assert_ok(zarr_unpacker_create(&unpacker));
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         uint8_t out[48 + ZARR_AROUND];
-        const uint8_t data[16] = {2, 1, cases[i].flags, cases[i].size};
-        conus_status status = zarr_unpack(out, unpacker, &chain, data, sizeof data, 48);
-        assert_int_not_equal(status, CONUS_OK);
+        uint8_t data[16] = {2, 1, cases[i].flags, cases[i].size};
+        struct job job = {0};
+        zarr_unpack(&job, out, zarr_unpacker_new(&job), &chain, (struct bytes){data, sizeof data}, 48);
+        assert_int_not_equal(job_close(&job, NULL, NULL), CONUS_OK);
         assert_int_equal(strstr(conus_message(), "allowed are 1, 2, 4 and 8") != NULL, cases[i].is_bad);
     }
-    zarr_unpacker_destroy(unpacker);
 }
 
 static void write_shard(void)
