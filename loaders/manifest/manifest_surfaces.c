@@ -58,8 +58,9 @@ static const char *find_annotation(struct job *job, const struct manifest_draft 
 /* Notes that entries have taken the labels of a step. */
 static void log_step(struct job *job, struct manifest_draft *draft, const char *what)
 {
-    manifest_draft_log(job, draft, "%s, labels above %u", what, draft->label_offset);
-    draft->label_offset += MANIFEST_LABEL_STEP;
+    const uint32_t offset = draft->label_offset;
+    manifest_draft_log(job, draft, "%s, labels above %u", what, offset);
+    draft->label_offset = offset < UINT32_MAX - MANIFEST_LABEL_STEP ? offset + MANIFEST_LABEL_STEP : UINT32_MAX;
 }
 
 /* Takes a surface as the areas of its hemisphere's annotation, beside it or, from surf/, in label/. */
@@ -122,10 +123,14 @@ static void take_surfaces(struct job *job, struct manifest_draft *draft, const c
         names->count == found && surface_names_give_labels(names) && manifest_draft_take(job, draft, &areas, NULL);
     size_t count = all ? found : 0;
     for (size_t i = 0; !all && i < names->count; i++) {
-        const struct scene_item area = {.kind = ITEM_AREA,
-                                        .file = job_format(job, "%s%s", folder, names->names[i]),
-                                        .label.number = draft->label_offset + (uint32_t)i + 1};
-        count += manifest_draft_take(job, draft, &area, area.file);
+        const char *file = job_format(job, "%s%s", folder, names->names[i]);
+        const uint64_t label = (uint64_t)draft->label_offset + i + 1;
+        const struct scene_item area = {.kind = ITEM_AREA, .file = (char *)file, .label.number = (uint32_t)label};
+        if (label > UINT32_MAX) {
+            manifest_draft_leave_out(job, draft, file, "there is no label left for it");
+        } else {
+            count += manifest_draft_take(job, draft, &area, file);
+        }
     }
     if (count) {
         log_step(job, draft, job_format(job, "%s: %zu surfaces", pattern, count));

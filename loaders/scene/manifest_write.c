@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_manifest_write(): writes a first manifest for the files in a folder. It guesses the role of a volume from its
- * values, and reports every guess. A file is looked at on a job of its own, a trial: what is wrong with it leaves it
- * out. */
+ * values, and reports every guess. A file is looked at in an attempt: what is wrong with it leaves it out. */
 #include "base/files/folder.h"
 #include "base/formats/xml.h"
 #include "base/memory.h"
@@ -25,15 +24,6 @@
 #include <limits.h>
 #include <string.h>
 
-/* The reason why a trial failed, NULL if it did not. An error of memory is the job's, too. */
-static const char *find_fault(struct job *job, const struct job *trial)
-{
-    if (trial->status == CONUS_ERROR_MEMORY) {
-        job_fail(job, trial->status, "%s", trial->message);
-    }
-    return job_ok(trial) ? NULL : trial->message;
-}
-
 static void say_transform(struct job *job, const struct manifest_draft *draft, const char *name, const char *what)
 {
     manifest_draft_log(job, draft,
@@ -45,33 +35,38 @@ static void say_transform(struct job *job, const struct manifest_draft *draft, c
 /* Logs that the file `name` is left out if it is a transform: neither its direction nor its images are known. */
 static void look_for_transform(struct job *job, const struct manifest_draft *draft, const char *name)
 {
-    struct job trial = {0};
     struct transform_chain transform = {0};
     if (!path_ending_length(name, ".tfm/.mat/.lta/.xfm")) {
         return;
     }
-    struct source *source = source_open(&trial, job_beside(&trial, draft->folder, name));
+    const struct job_mark mark = job_mark(job);
+    const struct attempt attempt = job_try(job);
+    struct source *source = source_open(job, job_beside(job, draft->folder, name));
     const bool is_matlab = source && format_id_of(&source->stored, ROLE_TRANSFORM) == FORMAT_HDF5;
     if (!is_matlab) {
-        transform_read(&trial, &transform, source, &(conus_transform_options){0});
+        transform_read(job, &transform, source, &(conus_transform_options){0});
     }
-    if (!find_fault(job, &trial) ? !is_matlab : trial.status == CONUS_ERROR_ARGUMENT) { /* FSL's, without its images */
+    const bool is = job_ok(job) ? !is_matlab : job->status == CONUS_ERROR_ARGUMENT; /* FSL's, without its images */
+    transform_chain_finish(&transform);
+    (void)attempt_end(job, &attempt, ATTEMPT_DROP);
+    job_release(job, mark);
+    if (is) {
         say_transform(job, draft, name, "a transform");
     }
-    transform_chain_finish(&transform);
-    job_end(&trial);
 }
 
 /* Logs the same for the volume `name` if its header says that it is a deformation field or a part of one: whether it
  * is. */
 static bool is_field(struct job *job, const struct manifest_draft *draft, const char *name)
 {
-    struct job trial = {0}; /* whoever reads the volume says what is wrong */
     bool usable = false;
-    const struct source *source = source_open(&trial, job_beside(&trial, draft->folder, name));
+    const struct job_mark mark = job_mark(job);
+    const struct attempt attempt = job_try(job); /* whoever reads the volume says what is wrong */
+    const struct source *source = source_open(job, job_beside(job, draft->folder, name));
     const char *words = source ? field_words(&usable, source) : NULL;
-    bool is = !find_fault(job, &trial) && words;
-    job_end(&trial);
+    const bool is = job_ok(job) && words;
+    (void)attempt_end(job, &attempt, ATTEMPT_DROP);
+    job_release(job, mark);
     if (is && usable) {
         say_transform(job, draft, name, words);
     } else if (is) {
@@ -115,24 +110,25 @@ static bool is_used(const struct manifest_draft *draft, const char *name)
  * XML has taken the volume. The log says why it is not the XML. */
 static const char *choose_file(struct job *job, const struct manifest_draft *draft, const char *xml)
 {
-    struct job trial = {.max_memory = job->max_memory}; /* what does not load says so when it is tried */
     const conus_load_options options = {.max_memory = job->max_memory};
-    const char *chosen = xml;
-    struct parcellation *parts = job_new(&trial, struct parcellation);
-    parcellation_read(&trial, parts, job_beside(&trial, draft->folder, xml), &options, "an atlas XML");
-    if (!find_fault(job, &trial)) {
-        const char *volume = parts->file.path + strlen(draft->folder);
-        if (is_used(draft, volume)) {
-            chosen = NULL;
-            manifest_draft_log(job, draft, "%s: left out, since another XML has %s", xml, volume);
-        } else if (parts->is_disputed) {
-            chosen = job_format(job, "%s", volume);
-            manifest_draft_log(job, draft, "%s: left out for %s, which has other names by itself: %s", xml, volume,
-                               trial.notes.lines[trial.notes.count - 1]);
-        }
+    char *chosen = (char *)xml;
+    const struct job_mark mark = job_mark(job);
+    const struct attempt attempt = job_try(job); /* what does not load says so when it is tried */
+    struct parcellation *parts = job_new(job, struct parcellation);
+    parcellation_read(job, parts, job_beside(job, draft->folder, xml), &options, "an atlas XML");
+    const char *volume = job_ok(job) ? parts->file.path + strlen(draft->folder) : NULL;
+    const char *note =
+        volume && parts->is_disputed ? job_copy(job, text_from(job->notes.lines[job->notes.count - 1])) : NULL;
+    (void)attempt_end(job, &attempt, ATTEMPT_DROP);
+    if (volume && is_used(draft, volume)) {
+        chosen = NULL;
+        manifest_draft_log(job, draft, "%s: left out, since another XML has %s", xml, volume);
+    } else if (note) {
+        chosen = job_give(job, job_copy(job, text_from(volume)), strlen(volume) + 1);
+        manifest_draft_log(job, draft, "%s: left out for %s, which has other names by itself: %s", xml, volume, note);
     }
-    job_end(&trial);
-    return chosen;
+    job_release(job, mark);
+    return chosen == xml ? chosen : job_adopt(job, chosen);
 }
 
 /* Whether an item has a name of these characters. */
@@ -249,21 +245,21 @@ static void take_fsl(struct job *job, struct manifest_draft *draft, const char *
 /* Takes `name` if it is an FSL atlas. */
 static void look_at_xml(struct job *job, struct manifest_draft *draft, const char *name)
 {
-    struct job trial = {0};
     struct bytes bytes = {0};
     (void)JOB_CALL(job, file_read(&bytes, job_beside(job, draft->folder, name), FSL_ATLAS_LIMIT));
     struct text text = text_from_bytes(bytes.data, bytes.size);
     if (text.size && text_equal(xml_root(text), "atlas")) {
-        struct fsl_atlas *atlas = fsl_atlas_parse(&trial, text);
-        fsl_atlas_number(&trial, atlas, &(struct label_use){0});
-        const char *why = find_fault(job, &trial);
-        if (why) {
-            manifest_draft_leave_out(job, draft, name, why);
-        } else {
+        const struct attempt attempt = job_try(job);
+        struct fsl_atlas *atlas = fsl_atlas_parse(job, text);
+        fsl_atlas_number(job, atlas, &(struct label_use){0});
+        const bool is = job_ok(job);
+        const char *why = attempt_end(job, &attempt, ATTEMPT_DROP);
+        if (is) {
             take_fsl(job, draft, name, atlas);
+        } else {
+            manifest_draft_leave_out(job, draft, name, why);
         }
     }
-    job_end(&trial);
     bytes_finish(&bytes);
 }
 
@@ -300,23 +296,25 @@ static void take_volumes(struct job *job, struct manifest_draft *draft, const ch
 static bool is_probable(struct job *job, const struct manifest_draft *draft, const char *name)
 {
     const conus_load_options options = {.max_memory = job->max_memory};
-    struct job trial = {.max_memory = job->max_memory};
     struct source source = {0};
-    const char *path = job_beside(&trial, draft->folder, name);
-    (void)JOB_CALL(&trial, source_open_atlas(&source, path));
-    const struct named_maps maps = named_maps_find(&trial, &source, path, &options);
+    const struct job_mark mark = job_mark(job);
+    const struct attempt attempt = job_try(job);
+    const char *path = job_beside(job, draft->folder, name);
+    (void)JOB_CALL(job, source_open_atlas(&source, path));
+    const struct named_maps maps = named_maps_find(job, &source, path, &options);
     source_close(&source);
-    struct volume_file *file = volume_file_new(&trial);
+    struct volume_file *file = volume_file_new(job);
     if (maps.table->count && file) {
-        volume_load_series(&trial, file, path, options.max_memory);
+        volume_load_series(job, file, path, options.max_memory);
     }
     bool named =
         maps.table->count && file && maps.table->count == file->info.volume_count; /* none is the background's */
     if (named) {
-        named_maps_check(&trial, file, 0);
+        named_maps_check(job, file, 0);
     }
-    named = !find_fault(job, &trial) && named;
-    job_end(&trial);
+    named = job_ok(job) && named;
+    (void)attempt_end(job, &attempt, ATTEMPT_DROP);
+    job_release(job, mark);
     return named;
 }
 
@@ -434,15 +432,14 @@ static void take_labelled(struct job *job, struct manifest_draft *draft, const s
 /* Takes voxels and surfaces from a .dlabel.nii: whether it could be read. */
 static bool take_cifti(struct job *job, struct manifest_draft *draft, const char *name)
 {
-    struct job trial = {.max_memory = job->max_memory};
     struct scene scene = {0};
-    const char *path = job_beside(&trial, draft->folder, name);
-    const struct cifti_file *file = cifti_file_open(&trial, path);
-    plan_cifti(&trial, &scene, file);
-    const char *why = find_fault(job, &trial);
-    if (why) {
-        manifest_draft_leave_out(job, draft, name, why);
-    } else if (file) {
+    const struct attempt attempt = job_try(job);
+    const struct cifti_file *file = cifti_file_open(job, job_beside(job, draft->folder, name));
+    plan_cifti(job, &scene, file);
+    const bool is = job_ok(job) && file;
+    const struct notes *notes = attempt_notes(job, &attempt);
+    const char *why = attempt_end(job, &attempt, ATTEMPT_DROP);
+    if (is) {
         const struct label_table *table = &file->choice->table;
         const struct scene_item *voxels = scene_next(&scene, ITEM_PARCELLATION, NULL);
         uint32_t offset = draft->label_offset;
@@ -451,12 +448,13 @@ static bool take_cifti(struct job *job, struct manifest_draft *draft, const char
         }
         draft->label_offset = offset; /* the plan keeps surfaces off the file's own voxels */
         take_labelled(job, draft, &scene, table->entries[table->count - 1].number);
+    } else {
+        manifest_draft_leave_out(job, draft, name, why);
     }
-    for (size_t i = 0; i < trial.notes.count; i++) {
-        manifest_draft_log(job, draft, "%s", trial.notes.lines[i]);
+    for (size_t i = 0; notes && i < notes->count; i++) {
+        manifest_draft_log(job, draft, "%s", notes->lines[i]);
     }
-    job_end(&trial);
-    return !why;
+    return is;
 }
 
 static bool is_cifti(struct job *job, const char *path)
