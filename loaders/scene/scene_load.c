@@ -97,18 +97,17 @@ static void load_parcellation(const struct loading *loading, struct parcellation
     struct load *load = loading->load;
     struct job *job = loading->job;
     conus_load_options options = *load->options;
-    const size_t note_count = job->notes.count;
     const size_t mark = job_in(job, item->list, item->index);
     const char *path = source_path(loading, item);
     const bool is_asked = options.labels != NULL;
     options.labels = is_asked ? options.labels : path_of(loading, item->labels);
     load_report(load, path, 1);
-    job->sink = item->noted ? NULL : &load->sink;
+    const struct attempt attempt = job_try(job);
     parcellation_read(job, part, path, &options, needed);
     if (item->noted) {
-        notes_cut(&job->notes, note_count);
+        notes_cut(&job->notes, attempt.notes);
     }
-    job->sink = &load->sink;
+    attempt_end(job, &attempt, ATTEMPT_KEEP);
     parcellation_shift(job, part, item->label_offset, item->label.hemisphere);
     if (!is_asked) {
         blame_manifest(loading);
@@ -224,20 +223,6 @@ static void add_volume(const struct loading *loading, const struct scene_item *i
     pathway_add(loading->job, loading->load->atlas, file, &options);
 }
 
-static void add_named_volumes(const struct loading *loading, const struct scene_item *item)
-{
-    struct volume_file file = {0};
-    open_series(loading, &file, item->file);
-    if (file.info.volume_count != item->names.count) {
-        job_bad(loading->job, "names: has %zu entries, %s has %zu volumes: they must be as many", item->names.count,
-                item->file, file.info.volume_count);
-    }
-    for (size_t i = 0; i < item->names.count && job_ok(loading->job); i++) {
-        add_volume(loading, item, &file, i, item->names.at[i]);
-    }
-    volume_file_finish(&file);
-}
-
 static struct fsl_maps open_fsl(const struct loading *loading, const struct scene_item *item)
 {
     struct load *load = loading->load;
@@ -254,71 +239,17 @@ static struct fsl_maps open_fsl(const struct loading *loading, const struct scen
     return maps;
 }
 
-static void add_fsl(const struct loading *loading, const struct scene_item *item)
-{
-    struct load *load = loading->load;
-    const struct fsl_maps maps = open_fsl(loading, item);
-    for (size_t i = 0; i < maps.labels->count && job_ok(loading->job); i++) {
-        const struct label *label = &maps.labels->entries[i];
-        add_volume(loading, item, maps.image, label->number - 1, label->name);
-    }
-    if (job_step(loading->job)) {
-        job_note(loading->job, "pathways of %s: %zu, from %s", path_base(item->fsl), maps.labels->count,
-                 path_base(maps.image->path));
-    }
-    atlas_take(loading->job, load->atlas);
-}
-
-/* Adds a volume of the file for each label, whose number is that of the volume from 1. The areas' labels are these
- * numbers less `skipped` behind the labels that there are, for a single volume the next one. */
-static void add_labelled(const struct loading *loading, const struct scene_item *item, struct volume_file *file,
-                         const struct label_table *labels, uint32_t skipped)
-{
-    struct load *load = loading->load;
-    uint32_t before = 0;
-    for (size_t i = 0; job_ok(loading->job) && i < load->atlas->object_count; i++) {
-        const uint32_t label = load->atlas->objects[i].label;
-        before = label > before ? label : before;
-    }
-    const double asked = load->options->probability;
-    const double threshold = asked > 0 ? asked : item->threshold > 0 ? item->threshold : 0.25; /* as of a pathway */
-    struct probability_maps *maps = probability_maps_new(loading->job, file);
-    for (size_t i = 0; job_ok(loading->job) && i < maps->count; i++) {
-        const bool is_kept = label_table_find(labels, (uint32_t)i + 1);
-        if (is_kept) {
-            load_report(load, file->path, 1);
-        }
-        probability_maps_read(loading->job, maps, i, is_kept);
-    }
-    const struct probability_scale scale = probability_scale_of(loading->job, maps, item->scale);
-    for (size_t i = 0; job_ok(loading->job) && i < labels->count; i++) {
-        struct label label = labels->entries[i];
-        const uint32_t volume = label.number - 1;
-        label.number = before + (item->volume ? 1 : label.number - skipped);
-        probability_add(loading->job, load->atlas, maps, volume, &label, &scale, threshold);
-    }
-    if (job_ok(loading->job)) {
-        job_note(loading->job, "%s: %zu area%s by probabilities of %s and more (values: %s)", path_base(file->path),
-                 labels->count, labels->count == 1 ? "" : "s", NUMBER_TEXT(threshold), scale.words);
-    }
-    atlas_take(loading->job, load->atlas);
-}
-
-static void add_fsl_areas(const struct loading *loading, const struct scene_item *item)
-{
-    const struct fsl_maps maps = open_fsl(loading, item);
-    add_labelled(loading, item, maps.image, maps.labels, maps.has_background);
-}
-
-/* The labels of the volumes that the entry means: those it names, the one it chooses, or the only one. */
+/* The labels of the volumes that the item means: those it names, the one it chooses, or the only one. */
 static const struct label_table *label_volumes(struct job *job, const struct scene_item *item,
                                                const struct volume_file *file)
 {
     struct label_table *table = labels_new(job);
     const size_t count = item->names.count ? item->names.count : 1;
-    if (item->names.count ? count != file->info.volume_count : !item->volume && file->info.volume_count > 1) {
-        job_bad(job, "%s: has %zu volumes: names (one for each), fsl or volume is needed", item->file,
-                file->info.volume_count);
+    const size_t volumes = job_ok(job) ? file->info.volume_count : count;
+    if (item->kind == ITEM_PATHWAY && count != volumes) {
+        job_bad(job, "names: has %zu entries, %s has %zu volumes: they must be as many", count, item->file, volumes);
+    } else if (item->names.count ? count != volumes : !item->volume && volumes > 1) {
+        job_bad(job, "%s: has %zu volumes: names (one for each), fsl or volume is needed", item->file, volumes);
     }
     for (size_t i = 0; i < count && job_ok(job); i++) {
         const char *stem = path_base(file->path);
@@ -329,25 +260,74 @@ static const struct label_table *label_volumes(struct job *job, const struct sce
     return table;
 }
 
-static void add_file_areas(const struct loading *loading, const struct scene_item *item)
+/* The volumes that the item means, with names: of an FSL atlas, or of its file. */
+static struct fsl_maps open_maps(const struct loading *loading, const struct scene_item *item)
 {
-    struct volume_file file = {0};
-    open_series(loading, &file, item->file);
-    if (loading->maps) {
-        named_maps_check(loading->job, &file, loading->load->options->probability);
+    static const struct label_table none = {0};
+    if (item->fsl) {
+        return open_fsl(loading, item);
     }
-    add_labelled(loading, item, &file, loading->maps ? loading->maps->table : label_volumes(loading->job, item, &file),
-                 0);
-    volume_file_finish(&file);
+    struct job *job = loading->job;
+    struct fsl_maps maps = {.labels = &none, .image = volume_file_new(job)};
+    if (maps.image) {
+        open_series(loading, maps.image, item->file);
+        if (loading->maps) {
+            named_maps_check(job, maps.image, loading->load->options->probability);
+        }
+        maps.labels = loading->maps ? loading->maps->table : label_volumes(job, item, maps.image);
+    }
+    return maps;
 }
 
+static void add_named(const struct loading *loading, const struct scene_item *item)
+{
+    struct job *job = loading->job;
+    const struct fsl_maps maps = open_maps(loading, item);
+    for (size_t i = 0; job_ok(job) && i < maps.labels->count; i++) {
+        const struct label *label = &maps.labels->entries[i];
+        add_volume(loading, item, maps.image, label->number - 1, item->fsl ? label->name : item->names.at[i]);
+    }
+    if (item->fsl && job_step(job)) {
+        job_note(job, "pathways of %s: %zu, from %s", path_base(item->fsl), maps.labels->count,
+                 path_base(maps.image->path));
+    }
+    atlas_take(job, loading->load->atlas);
+}
+
+/* Adds an area for each label, whose number is that of the volume from 1. The areas' labels are these numbers, less 1
+ * behind a background, and behind the labels that there are; for a single volume the next one. */
 static void add_areas(struct loading *loading, const struct scene_item *item)
 {
-    if (item->fsl) {
-        add_fsl_areas(loading, item);
-    } else {
-        add_file_areas(loading, item);
+    struct load *load = loading->load;
+    struct job *job = loading->job;
+    const struct fsl_maps of = open_maps(loading, item);
+    uint32_t before = 0;
+    for (size_t i = 0; job_ok(job) && i < load->atlas->object_count; i++) {
+        const uint32_t label = load->atlas->objects[i].label;
+        before = label > before ? label : before;
     }
+    const double asked = load->options->probability;
+    const double threshold = asked > 0 ? asked : item->threshold > 0 ? item->threshold : 0.25; /* as of a pathway */
+    struct probability_maps *maps = job_ok(job) ? probability_maps_new(job, of.image) : NULL;
+    for (size_t i = 0; job_ok(job) && i < maps->count; i++) {
+        const bool is_kept = label_table_find(of.labels, (uint32_t)i + 1);
+        if (is_kept) {
+            load_report(load, of.image->path, 1);
+        }
+        probability_maps_read(job, maps, i, is_kept);
+    }
+    const struct probability_scale scale = probability_scale_of(job, maps, item->scale);
+    for (size_t i = 0; job_ok(job) && i < of.labels->count; i++) {
+        struct label label = of.labels->entries[i];
+        const uint32_t volume = label.number - 1;
+        label.number = before + (item->volume ? 1 : label.number - of.has_background);
+        probability_add(job, load->atlas, maps, volume, &label, &scale, threshold);
+    }
+    if (job_ok(job)) {
+        job_note(job, "%s: %zu area%s by probabilities of %s and more (values: %s)", path_base(of.image->path),
+                 of.labels->count, of.labels->count == 1 ? "" : "s", NUMBER_TEXT(threshold), scale.words);
+    }
+    atlas_take(job, load->atlas);
 }
 
 static void add_single(const struct loading *loading, const struct scene_item *item)
@@ -381,10 +361,8 @@ static void add_pathway(struct loading *loading, const struct scene_item *item)
 {
     const struct scene_item *first = loading->scene->items.at;
     const struct scene_item *last = first + loading->scene->items.count - 1;
-    if (item->fsl) {
-        add_fsl(loading, item);
-    } else if (item->names.count) {
-        add_named_volumes(loading, item);
+    if (item->fsl || item->names.count) {
+        add_named(loading, item);
     } else if ((item > first && of_one_file(item - 1, item)) || (item < last && of_one_file(item, item + 1))) {
         add_of_series(loading, item);
     } else {
@@ -401,10 +379,10 @@ static void add_bundles(struct loading *loading, const struct scene_item *item)
     streamlines_take(loading->job, loading->load->atlas, alone, radius, item->label.name);
 }
 
-/* What keeps the file `path` from being the context that the entry describes; NULL = nothing. */
-static const char *refuse_context(const struct loading *loading, const struct scene_item *item, const char *path)
+/* What keeps a surface, or a volume, from being the context that the item describes; NULL = nothing. */
+static const char *refuse_context(const struct loading *loading, const struct scene_item *item, bool is_surface)
 {
-    if (source_format(loading->job, path, ROLE_SURFACE)) {
+    if (is_surface) {
         return item->transfer || item->transfer_file ? "transfer: is for volumes, this is a surface"
                : item->blocks > 0                    ? "blocks: only voxels of a volume do, this is a surface"
                : item->moves                         ? "moves: a surface is where poses are"
@@ -433,18 +411,17 @@ static void take_transfer(const struct loading *loading, const struct scene_item
  * sidecar. */
 static bool is_left_out(const struct loading *loading, const struct scene_item *item, const char *path)
 {
-    const conus_load_options *options = loading->load->options;
     const char *file = path_of(loading, item->file);
-    return job_ok(loading->job) && options->without_context && !(item->blocks > 0) &&
-           !scene_count(loading->scene, ITEM_TRANSFORM) && loading->load->atlas->volume_count &&
-           !source_format(loading->job, path, ROLE_SURFACE) &&
-           ((!file_exists(file) && !file_is_folder(file)) ||
-            context_is_plain(loading->job, loading->load->atlas, path));
+    const conus_atlas *atlas = loading->load->atlas;
+    return job_ok(loading->job) && loading->load->options->without_context && !(item->blocks > 0) &&
+           !scene_count(loading->scene, ITEM_TRANSFORM) && atlas->volume_count &&
+           ((!file_exists(file) && !file_is_folder(file)) || context_is_plain(loading->job, atlas, path));
 }
 
 static void set_context(struct loading *loading, const struct scene_item *item)
 {
     struct load *load = loading->load;
+    struct job *job = loading->job;
     const conus_context_options options = {.block_threshold = item->blocks,
                                            .max_memory = load->options->max_memory,
                                            .log = load->options->log,
@@ -452,18 +429,18 @@ static void set_context(struct loading *loading, const struct scene_item *item)
                                            .opacity = item->opacity};
     const char *path = source_path(loading, item);
     load_report(load, path, 1);
-    const bool is_image = job_ok(loading->job) && !source_format(loading->job, path, ROLE_SURFACE);
-    const char *wrong = job_ok(loading->job) ? refuse_context(loading, item, path) : NULL;
+    const bool is_surface = source_format(job, path, ROLE_SURFACE);
+    const char *wrong = refuse_context(loading, item, is_surface);
     if (wrong) {
-        job_bad(loading->job, "%s", wrong);
+        job_bad(job, "%s", wrong);
     }
-    loading->has_image = loading->has_image || is_image;
-    if (is_left_out(loading, item, path)) {
+    loading->has_image = loading->has_image || !is_surface;
+    if (!is_surface && is_left_out(loading, item, path)) {
         load->atlas->lacks_context = true;
         return;
     }
-    context_load(loading->job, load->atlas, path, &options);
-    if ((item->transfer || item->transfer_file) && job_step(loading->job)) {
+    context_load(job, load->atlas, path, &options);
+    if ((item->transfer || item->transfer_file) && job_step(job)) {
         take_transfer(loading, item);
     }
 }
