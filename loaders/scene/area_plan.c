@@ -155,25 +155,30 @@ static void end_vertex_labels(void *labels)
     vertex_labels_finish(labels);
 }
 
-/* Reads the labels of the entry's surface; NULL after a failure. */
+/* Reads the labels of the item's surface, without the notes that have been made of them before; NULL after a failure.
+ */
 static struct labelled_surface *read_labelled(const struct planning *p)
 {
+    struct job *job = p->job;
     struct labelled_surface *surface = &p->plan->labelled[p->plan->labelled_count];
-    struct notes again = {0};
-    struct mesh_file_options options = {.max_memory = p->job->max_memory,
-                                        .read = &p->job->files,
-                                        .surface = job_beside(p->job, p->path, p->area->file),
-                                        .hemisphere = p->area->label.hemisphere};
-    const char *labels = job_beside(p->job, p->path, p->area->vertex_labels);
-    if (JOB_CALL(p->job,
-                 vertex_labels_read(&surface->labels, labels, &options, p->area->noted ? &again : &p->job->notes))) {
-        surface->path = options.surface;
-        surface->labels_path = options.hemisphere ? NULL : labels;
-        job_own(p->job, end_vertex_labels, &surface->labels);
-        p->plan->labelled_count++;
+    const struct mesh_file_options options = {.is_made_of = true,
+                                              .surface = job_beside(job, p->path, p->area->file),
+                                              .hemisphere = p->area->label.hemisphere};
+    const char *labels = job_beside(job, p->path, p->area->vertex_labels);
+    const struct attempt attempt = job_try(job);
+    surface_labels_read(job, &surface->labels, labels, &options);
+    if (p->area->noted) {
+        notes_cut(&job->notes, attempt.notes);
     }
-    notes_finish(&again);
-    return job_ok(p->job) ? surface : NULL;
+    attempt_end(job, &attempt, ATTEMPT_KEEP);
+    if (!job_ok(job)) {
+        return NULL;
+    }
+    surface->path = options.surface;
+    surface->labels_path = options.hemisphere ? NULL : labels;
+    p->plan->labelled_count++;
+    job_own(job, end_vertex_labels, &surface->labels);
+    return surface;
 }
 
 /* Plans "file" with "vertex_labels": a part for each label that vertices have. */
