@@ -107,7 +107,7 @@ static void read_foreign(struct surfaces *surfaces, bool placed)
     load_report(surfaces->load, paths[0], n);
     mesh_foreign_files(surfaces->job, received, paths, n, placed ? MESH_SPACE_RAS : surfaces->space);
     n = 0;
-    for (size_t i = 0; job_ok(surfaces->job) && i < surfaces->count; i++) {
+    for (size_t i = 0; i < surfaces->count; i++) { /* after a failure they are empty */
         if (surfaces->is_foreign[i] && areas[i].placed == placed) {
             surfaces->meshes[i] = received[n++];
             name_area(surfaces->job, &areas[i], &(struct label){0});
