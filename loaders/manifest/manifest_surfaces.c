@@ -30,12 +30,6 @@ const char *brainglobe_of_meshes(struct job *job, const char *path)
     return has_file(job, folder, "structures.json") ? folder : NULL;
 }
 
-/* Takes an area if it loads; logs that `name`, unless NULL, is left out if not. */
-static bool take_area(struct job *job, const struct manifest_draft *draft, json_t *area, const char *name)
-{
-    return manifest_draft_take(job, draft, draft->areas, "areas", area, name);
-}
-
 /* 'L' of lh.pial, 'R' of rh.pial, else 0. */
 static char hemisphere_of(const char *name)
 {
@@ -64,8 +58,9 @@ static const char *find_annotation(struct job *job, const struct manifest_draft 
 /* Notes that entries have taken the labels of a step. */
 static void log_step(struct job *job, struct manifest_draft *draft, const char *what)
 {
-    manifest_draft_log(job, draft, "%s, labels above %u", what, draft->label_offset);
-    draft->label_offset += MANIFEST_LABEL_STEP;
+    const uint32_t offset = draft->label_offset;
+    manifest_draft_log(job, draft, "%s, labels above %u", what, offset);
+    draft->label_offset = offset < UINT32_MAX - MANIFEST_LABEL_STEP ? offset + MANIFEST_LABEL_STEP : UINT32_MAX;
 }
 
 /* Takes a surface as the areas of its hemisphere's annotation, beside it or, from surf/, in label/. */
@@ -80,9 +75,12 @@ static bool take_annotated(struct job *job, struct manifest_draft *draft, const 
         return false;
     }
     const char *file = job_format(job, "%s%s", folder, name);
-    json_t *area = json_pack("{s:s,s:s,s:s#,s:I}", "file", file, "vertex_labels", labels, "hemisphere", &side, 1,
-                             "label_offset", (json_int_t)draft->label_offset);
-    bool taken = take_area(job, draft, area, labels);
+    const struct scene_item area = {.kind = ITEM_AREA,
+                                    .file = (char *)file,
+                                    .vertex_labels = (char *)labels,
+                                    .label.hemisphere = side,
+                                    .label_offset = draft->label_offset};
+    const bool taken = manifest_draft_take(job, draft, &area, labels);
     if (taken) {
         log_step(job, draft, job_format(job, "%s: cut by %s", file, labels));
     }
@@ -120,15 +118,19 @@ static void take_surfaces(struct job *job, struct manifest_draft *draft, const c
     size_t found = names->count;
     const char *pattern = job_format(job, "%s*%s", folder, ending);
     take_all_annotated(job, draft, folder, names);
+    const struct scene_item areas = {.kind = ITEM_AREAS, .file = (char *)pattern, .label_offset = draft->label_offset};
     bool all =
-        names->count == found && surface_names_give_labels(names) &&
-        take_area(job, draft, json_pack("{s:s,s:I}", "files", pattern, "label_offset", (json_int_t)draft->label_offset),
-                  NULL);
+        names->count == found && surface_names_give_labels(names) && manifest_draft_take(job, draft, &areas, NULL);
     size_t count = all ? found : 0;
     for (size_t i = 0; !all && i < names->count; i++) {
         const char *file = job_format(job, "%s%s", folder, names->names[i]);
-        json_int_t label = draft->label_offset + (uint32_t)i + 1;
-        count += take_area(job, draft, json_pack("{s:s,s:I}", "file", file, "label", label), file);
+        const uint64_t label = (uint64_t)draft->label_offset + i + 1;
+        const struct scene_item area = {.kind = ITEM_AREA, .file = (char *)file, .label.number = (uint32_t)label};
+        if (label > UINT32_MAX) {
+            manifest_draft_leave_out(job, draft, file, "there is no label left for it");
+        } else {
+            count += manifest_draft_take(job, draft, &area, file);
+        }
     }
     if (count) {
         log_step(job, draft, job_format(job, "%s: %zu surfaces", pattern, count));
@@ -156,11 +158,11 @@ static void look_for_hemispheres(struct job *job, struct manifest_draft *draft, 
 }
 
 /* Takes the files of VTK out that are tractograms. */
-static void drop_streamlines(struct names *names, const json_t *streamlines)
+static void drop_streamlines(struct names *names, const struct manifest_draft *draft)
 {
     size_t count = 0;
     for (size_t i = 0; i < names->count; i++) {
-        if (!manifest_draft_has(streamlines, names->names[i])) {
+        if (!manifest_draft_find(draft, ITEM_STREAMLINES, names->names[i])) {
             names->names[count++] = names->names[i];
         }
     }
@@ -179,7 +181,7 @@ static void look_for_surfaces(struct job *job, struct manifest_draft *draft, con
         }
         struct names names = job_names(job, path, endings[i]);
         if (!folder[0]) {
-            drop_streamlines(&names, draft->streamlines);
+            drop_streamlines(&names, draft);
         }
         if (names.count) {
             any = true;
@@ -197,7 +199,7 @@ void manifest_surfaces_add(struct job *job, struct manifest_draft *draft, const 
     const char *folder = job_format(job, "%s%s", name, name[0] ? "/" : "");
     const char *meshes = job_format(job, "%s%smeshes", draft->folder, folder);
     if (job_has_file(job, job_format(job, "%s%sstructures.json", draft->folder, folder)) && file_is_folder(meshes)) {
-        manifest_draft_append(job, draft->areas, manifest_draft_json(job, json_pack("{s:s}", "brainglobe", shown)));
+        scene_add(job, &draft->scene, &(struct scene_item){.kind = ITEM_MESHES, .file = (char *)shown});
         manifest_draft_log(job, draft, "%s: BrainGlobe folder", shown);
     } else {
         look_for_surfaces(job, draft, folder);
@@ -219,21 +221,20 @@ static void refuse_folder(struct job *job, const char *folder)
             length, folder);
 }
 
-struct text manifest_of_folder(struct job *job, const char *folder, bool meshes)
+void scene_of_folder(struct job *job, struct scene *out, const char *folder, bool meshes)
 {
     static const conus_manifest_options silent;
     struct manifest_draft draft = {.folder = folder, .options = &silent};
-    manifest_draft_init(job, &draft);
     if (!meshes && brainglobe_has_voxels(job, folder)) {
-        draft.parcellation = manifest_draft_json(job, json_pack("{s:s}", "file", BRAINGLOBE_ANNOTATION));
+        scene_add(job, &draft.scene, &(struct scene_item){.kind = ITEM_PARCELLATION, .file = BRAINGLOBE_ANNOTATION});
         if (has_file(job, folder, BRAINGLOBE_REFERENCE)) {
-            draft.context = manifest_draft_json(job, json_pack("{s:s}", "file", BRAINGLOBE_REFERENCE));
+            scene_add(job, &draft.scene, &(struct scene_item){.kind = ITEM_CONTEXT, .file = BRAINGLOBE_REFERENCE});
         }
     } else {
         manifest_surfaces_add(job, &draft, "");
-        if (!json_array_size(draft.areas)) {
+        if (!draft.scene.items.count) {
             refuse_folder(job, folder);
         }
     }
-    return manifest_draft_format(job, &draft);
+    *out = draft.scene;
 }

@@ -20,8 +20,8 @@ const char *brainglobe_of_meshes(struct job *job, const char *path);
 /** Adds the surfaces in the folder @p name of the draft's ("" for that itself), or the BrainGlobe atlas that it is. */
 void manifest_surfaces_add(struct job *job, struct manifest_draft *draft, const char *name);
 
-/** A manifest of the surfaces in @p folder (ending in '/'), or of the BrainGlobe atlas that it is: of its voxels, or of
+/** The scene of the surfaces in @p folder (ending in '/'), or of the BrainGlobe atlas that it is: of its voxels, or of
  * its @p meshes where they are wanted or there is nothing else. */
-struct text manifest_of_folder(struct job *job, const char *folder, bool meshes);
+void scene_of_folder(struct job *job, struct scene *out, const char *folder, bool meshes);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reads JSON values by tables of keys. */
+/* Reads and writes JSON values by tables of keys. */
 #include "loaders/manifest/schema.h"
 
 #include "base/path.h"
@@ -49,81 +49,101 @@ struct schema_place schema_element(const struct schema_place *place, size_t inde
     return inner;
 }
 
-static void fail_unknown(const struct schema_place *place, const char *key)
+static void fail_unknown(const struct schema_place *place, const struct schema_field *fields, unsigned kind,
+                         const char *key)
 {
-    const struct schema_field *field = place->field->keys;
-    const char *known = field->key;
-    while ((++field)->key) {
-        known = job_format(place->job, "%s, %s", known, field->key);
+    const char *known = "";
+    for (const struct schema_field *field = fields; field->key; field++) {
+        if (field->kinds & kind) {
+            known = job_format(place->job, "%s%s%s", known, known[0] ? ", " : "", field->key);
+        }
     }
     job_bad(place->job, "%s: unknown key, allowed are %s", place_of_key(place, quote_text(place->job, key)).key, known);
 }
 
-void schema_object(const struct schema_place *place, void *out, const json_t *object)
+void schema_read(const struct schema_place *place, void *out, const json_t *value, const struct schema_field *fields,
+                 unsigned kind)
 {
     const char *key;
-    json_t *value;
-    if (!json_is_object(object)) {
-        schema_fail(place, object, "an object");
+    json_t *inner;
+    if (!json_is_object(value)) {
+        schema_fail(place, value, "an object");
     }
-    json_object_foreach((json_t *)object, key, value)
+    json_object_foreach((json_t *)value, key, inner)
     {
-        const struct schema_field *field = place->field->keys;
-        while (field->key && strcmp(field->key, key) != 0) {
+        const struct schema_field *field = fields;
+        while (field->key && !(field->kinds & kind && strcmp(field->key, key) == 0)) {
             field++;
         }
         if (field->key) {
-            struct schema_place inner = place_of_key(place, key);
-            inner.field = field;
-            field->read(&inner, (char *)out + field->offset, value);
+            struct schema_place at = place_of_key(place, key);
+            at.field = field;
+            field->type->read(&at, (char *)out + field->offset, inner);
         } else {
-            fail_unknown(place, key);
+            fail_unknown(place, fields, kind, key);
         }
     }
-    for (const struct schema_field *field = place->field->keys; field->key; field++) {
-        if (field->required && !json_object_get(object, field->key)) {
+    for (const struct schema_field *field = fields; field->key; field++) {
+        if (field->needed & kind && !json_object_get(value, field->key)) {
             job_bad(place->job, "%s is missing", place_of_key(place, field->key).key);
         }
     }
 }
 
-void schema_path_or_object(const struct schema_place *place, void *out, const json_t *value)
+void schema_put(struct job *job, json_t *object, const char *key, json_t *value)
 {
-    const struct schema_field *first = place->field->keys;
-    if (json_is_string(value)) {
-        first->read(place, (char *)out + first->offset, value);
-    } else if (json_is_object(value)) {
-        schema_object(place, out, value);
-    } else {
-        schema_fail(place, value, "a path or an object");
+    if (value && (key ? json_object_set_new(object, key, value) : json_array_append_new(object, value))) {
+        schema_need(job, NULL);
     }
 }
 
-void schema_list(const struct schema_place *place, void *out, const json_t *value)
+json_t *schema_need(struct job *job, json_t *value)
+{
+    if (!value) {
+        job_fail(job, CONUS_ERROR_MEMORY, "no memory for the manifest");
+    }
+    return value;
+}
+
+json_t *schema_write(struct job *job, const void *in, const struct schema_field *fields, unsigned kind)
+{
+    json_t *object = schema_need(job, json_object());
+    for (const struct schema_field *field = fields; field->key && job_ok(job); field++) {
+        if (field->kinds & kind && field->type->write) {
+            schema_put(job, object, field->key, field->type->write(job, field, (const char *)in + field->offset));
+        }
+    }
+    return object;
+}
+
+static void read_list(const struct schema_place *place, void *out, const json_t *value)
 {
     const struct schema_field *list = place->field;
-    bool may_be_one = list->many == SCHEMA_ONE_OR_LIST;
-    bool is_one = list->many == SCHEMA_ONE || (may_be_one && (json_is_string(value) || json_is_object(value)));
-    size_t count = is_one ? 1 : json_array_size(value);
-    if (!is_one && (!json_is_array(value) || (list->wanted && !count))) {
-        schema_fail(place, value,
-                    may_be_one     ? "a path, an object or a list of these"
-                    : list->wanted ? list->wanted
-                                   : "a list");
-    } else if (list->most && count > list->most) {
-        job_bad(place->job, "%s: %zu entries, allowed are %zu", place->key, count, list->most);
+    const size_t count = json_array_size(value);
+    LIST(char) entries = {.at = job_zeroed(place->job, count, list->size)};
+    entries.count = entries.capacity = entries.at ? count : 0;
+    if (!count) {
+        schema_fail(place, value, list->wanted);
     }
-    LIST(char) entries = {.at = job_zeroed(place->job, count + 1, list->size)}; /* one more: not NULL without entries */
-    entries.count = entries.at ? count : 0;
-    entries.capacity = entries.count;
     memcpy(out, &entries, sizeof entries); /* a pointer of another type is not written as one of this */
     for (size_t i = 0; i < entries.count && job_ok(place->job); i++) {
-        struct schema_place inner = is_one ? *place : schema_element(place, i);
-        list->each(&inner, entries.at + i * list->size, is_one ? value : json_array_get(value, i));
+        struct schema_place inner = schema_element(place, i);
+        list->each->read(&inner, entries.at + i * list->size, json_array_get(value, i));
     }
 }
 
-void schema_text(const struct schema_place *place, void *out, const json_t *value)
+static json_t *write_list(struct job *job, const struct schema_field *field, const void *in)
+{
+    LIST(char) entries;
+    memcpy(&entries, in, sizeof entries);
+    json_t *list = entries.count ? schema_need(job, json_array()) : NULL;
+    for (size_t i = 0; i < entries.count && job_ok(job); i++) {
+        schema_put(job, list, NULL, field->each->write(job, field, entries.at + i * field->size));
+    }
+    return list;
+}
+
+static void read_text(const struct schema_place *place, void *out, const json_t *value)
 {
     const char *text = json_string_value(value);
     const char *end = text; /* of the first line */
@@ -136,7 +156,16 @@ void schema_text(const struct schema_place *place, void *out, const json_t *valu
     *(char **)out = job_copy(place->job, text_from(text ? text : ""));
 }
 
-void schema_comment(const struct schema_place *place, void *out, const json_t *value)
+static json_t *write_text(struct job *job, const struct schema_field *field, const void *in)
+{
+    const char *text = *(char *const *)in;
+    if (text && !text_is_utf8(text_from(text))) {
+        job_bad(job, "%s: %s is no UTF-8, as all texts of a manifest are", field->key, quote_text(job, text));
+    }
+    return text && job_ok(job) ? schema_need(job, json_string(text)) : NULL;
+}
+
+static void read_comment(const struct schema_place *place, void *out, const json_t *value)
 {
     (void)out;
     if (!json_is_string(value)) {
@@ -144,7 +173,7 @@ void schema_comment(const struct schema_place *place, void *out, const json_t *v
     }
 }
 
-void schema_flag(const struct schema_place *place, void *out, const json_t *value)
+static void read_flag(const struct schema_place *place, void *out, const json_t *value)
 {
     *(bool *)out = json_is_true(value);
     if (!json_is_boolean(value)) {
@@ -152,7 +181,21 @@ void schema_flag(const struct schema_place *place, void *out, const json_t *valu
     }
 }
 
-void schema_positive(const struct schema_place *place, void *out, const json_t *value)
+static json_t *write_flag(struct job *job, const struct schema_field *field, const void *in)
+{
+    (void)field;
+    return *(const bool *)in ? schema_need(job, json_true()) : NULL;
+}
+
+static void read_number(const struct schema_place *place, void *out, const json_t *value)
+{
+    *(double *)out = json_number_value(value);
+    if (!json_is_number(value)) {
+        schema_fail(place, value, "a number");
+    }
+}
+
+static void read_positive(const struct schema_place *place, void *out, const json_t *value)
 {
     const struct schema_field *field = place->field;
     double number = json_number_value(value);
@@ -160,6 +203,33 @@ void schema_positive(const struct schema_place *place, void *out, const json_t *
     if (!(number > 0) || !isfinite(number) || (field->most && number > (double)field->most)) {
         schema_fail(place, value, field->wanted ? field->wanted : "a number above 0");
     }
+}
+
+static json_t *write_number(struct job *job, const struct schema_field *field, const void *in)
+{
+    const double number = *(const double *)in;
+    const bool is_default = field->type == &schema_positive ? number == 0 : isinf(number);
+    return is_default ? NULL : schema_need(job, json_real(number));
+}
+
+static void read_triple(const struct schema_place *place, void *out, const json_t *value)
+{
+    const bool is_triple = json_array_size(value) == 3;
+    if (!is_triple) {
+        schema_fail(place, value, place->field->wanted);
+    }
+    for (size_t i = 0; is_triple && i < 3; i++) {
+        struct schema_place inner = schema_element(place, i);
+        inner.field = &(struct schema_field){0};
+        read_positive(&inner, (double *)out + i, json_array_get(value, i));
+    }
+}
+
+static json_t *write_triple(struct job *job, const struct schema_field *field, const void *in)
+{
+    const double *numbers = in;
+    (void)field;
+    return numbers[0] > 0 ? schema_need(job, json_pack("[f,f,f]", numbers[0], numbers[1], numbers[2])) : NULL;
 }
 
 /* True when following `path` never climbs above where it begins. */
@@ -175,16 +245,16 @@ static bool stays_inside(const char *path)
     return inside;
 }
 
-void schema_path(const struct schema_place *place, void *out, const json_t *value)
+static void read_path(const struct schema_place *place, void *out, const json_t *value)
 {
     const char *path = json_string_value(value);
     if (path && !place->allow_outside && !stays_inside(path)) {
         schema_fail(place, value, "a path inside the manifest's folder (or \"allow_outside\": true)");
     }
-    schema_text(place, out, value);
+    read_text(place, out, value);
 }
 
-void schema_uint(const struct schema_place *place, void *out, const json_t *value)
+static void read_uint(const struct schema_place *place, void *out, const json_t *value)
 {
     const struct schema_field *field = place->field;
     json_int_t number = json_is_integer(value) ? json_integer_value(value) : -1;
@@ -195,6 +265,27 @@ void schema_uint(const struct schema_place *place, void *out, const json_t *valu
                     : field->first ? "a whole number from 1 to 4294967295"
                                    : "a whole number from 0 to 4294967295");
     }
+}
+
+static json_t *write_uint(struct job *job, const struct schema_field *field, const void *in)
+{
+    const uint32_t number = *(const uint32_t *)in;
+    (void)field;
+    return number ? schema_need(job, json_integer(number)) : NULL;
+}
+
+static void read_choice(const struct schema_place *place, void *out, const json_t *value)
+{
+    uint32_t number;
+    read_uint(place, &number, value);
+    *(size_t *)out = (size_t)number + 1;
+}
+
+static json_t *write_choice(struct job *job, const struct schema_field *field, const void *in)
+{
+    const size_t choice = *(const size_t *)in;
+    (void)field;
+    return choice ? schema_need(job, json_integer((json_int_t)choice - 1)) : NULL;
 }
 
 unsigned schema_index(const struct schema_place *place, const json_t *value)
@@ -212,7 +303,25 @@ unsigned schema_index(const struct schema_place *place, const json_t *value)
     return 0;
 }
 
-void schema_word(const struct schema_place *place, void *out, const json_t *value)
+static void read_word(const struct schema_place *place, void *out, const json_t *value)
 {
     *(unsigned *)out = place->field->first + schema_index(place, value);
 }
+
+static json_t *write_word(struct job *job, const struct schema_field *field, const void *in)
+{
+    const unsigned value = *(const unsigned *)in;
+    return value ? schema_need(job, json_string(field->words[value - field->first])) : NULL;
+}
+
+const struct schema_type schema_text = {read_text, write_text};
+const struct schema_type schema_path = {read_path, write_text};
+const struct schema_type schema_comment = {.read = read_comment};
+const struct schema_type schema_flag = {read_flag, write_flag};
+const struct schema_type schema_number = {read_number, write_number};
+const struct schema_type schema_positive = {read_positive, write_number};
+const struct schema_type schema_triple = {read_triple, write_triple};
+const struct schema_type schema_uint = {read_uint, write_uint};
+const struct schema_type schema_choice = {read_choice, write_choice};
+const struct schema_type schema_word = {read_word, write_word};
+const struct schema_type schema_list = {read_list, write_list};

@@ -14,20 +14,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What the entry `entry` of the manifest `path` is planned with. */
+/* What an item of the scene `path` is planned with. */
 struct planning {
     struct job *job;
     struct area_plan *plan;
     const char *path;
-    size_t entry;
-    const struct manifest_area *area;
+    const struct scene_item *area;
 };
 
 static struct planned_area *add_area(const struct planning *p, const char *path, const struct label *label)
 {
     struct planned_area *area = LIST_ADD(p->job, &p->plan->areas);
     area->path = path;
-    area->entry = p->entry;
+    area->entry = p->area->index;
     area->label = *label;
     return area;
 }
@@ -77,7 +76,7 @@ static bool number_in_name(struct job *job, uint32_t *number, const char *path)
 static void plan_file(const struct planning *p)
 {
     struct label label = p->area->label;
-    if (!p->area->has_label && !number_in_name(p->job, &label.number, p->area->file)) {
+    if (!label.number && !number_in_name(p->job, &label.number, p->area->file)) {
         job_bad(p->job, "label is missing (there is no number in the name %s either)", p->area->file);
     }
     add_area(p, job_beside(p->job, p->path, p->area->file), &label);
@@ -99,7 +98,7 @@ struct paths {
 static struct paths find_matches(const struct planning *p)
 {
     struct paths paths = {0};
-    const char *pattern = job_beside(p->job, p->path, p->area->files);
+    const char *pattern = job_beside(p->job, p->path, p->area->file);
     const char *base = path_base(pattern);
     const char *folder = base > pattern ? job_format(p->job, "%.*s", (int)(base - pattern), pattern) : "./";
     const char *ending = base + strlen(base); /* the literal end, which every matching name has */
@@ -156,25 +155,30 @@ static void end_vertex_labels(void *labels)
     vertex_labels_finish(labels);
 }
 
-/* Reads the labels of the entry's surface; NULL after a failure. */
+/* Reads the labels of the item's surface, without the notes that have been made of them before; NULL after a failure.
+ */
 static struct labelled_surface *read_labelled(const struct planning *p)
 {
+    struct job *job = p->job;
     struct labelled_surface *surface = &p->plan->labelled[p->plan->labelled_count];
-    struct notes again = {0};
-    struct mesh_file_options options = {.max_memory = p->job->max_memory,
-                                        .read = &p->job->files,
-                                        .surface = job_beside(p->job, p->path, p->area->file),
-                                        .hemisphere = p->area->label.hemisphere};
-    const char *labels = job_beside(p->job, p->path, p->area->vertex_labels);
-    if (JOB_CALL(p->job,
-                 vertex_labels_read(&surface->labels, labels, &options, p->area->noted ? &again : &p->job->notes))) {
-        surface->path = options.surface;
-        surface->labels_path = options.hemisphere ? NULL : labels;
-        job_own(p->job, end_vertex_labels, &surface->labels);
-        p->plan->labelled_count++;
+    const struct mesh_file_options options = {.is_made_of = true,
+                                              .surface = job_beside(job, p->path, p->area->file),
+                                              .hemisphere = p->area->label.hemisphere};
+    const char *labels = job_beside(job, p->path, p->area->vertex_labels);
+    const struct attempt attempt = job_try(job);
+    surface_labels_read(job, &surface->labels, labels, &options);
+    if (p->area->noted) {
+        notes_cut(&job->notes, attempt.notes);
     }
-    notes_finish(&again);
-    return job_ok(p->job) ? surface : NULL;
+    attempt_end(job, &attempt, ATTEMPT_KEEP);
+    if (!job_ok(job)) {
+        return NULL;
+    }
+    surface->path = options.surface;
+    surface->labels_path = options.hemisphere ? NULL : labels;
+    p->plan->labelled_count++;
+    job_own(job, end_vertex_labels, &surface->labels);
+    return surface;
 }
 
 /* Plans "file" with "vertex_labels": a part for each label that vertices have. */
@@ -253,7 +257,7 @@ static void plan_brainglobe(const struct planning *p)
     const double scale = p->area->scale > 0 ? p->area->scale : micrometres;
     const double scales[3] = {scale, scale, scale};
     const size_t before = p->plan->areas.count;
-    const char *folder = job_beside(p->job, p->path, p->area->brainglobe);
+    const char *folder = job_beside(p->job, p->path, p->area->file);
     const struct label_table *table = read_table(p, job_format(p->job, "%s/structures.json", folder));
     size_t count = table->count;
     bool *contains = job_zeroed(p->job, count, sizeof *contains); /* another structure with a mesh */
@@ -277,7 +281,7 @@ static void plan_brainglobe(const struct planning *p)
     }
     const size_t added = p->plan->areas.count - before;
     if (!added) {
-        job_bad(p->job, "brainglobe: %s/meshes holds no ID.obj of structures.json", p->area->brainglobe);
+        job_bad(p->job, "brainglobe: %s/meshes holds no ID.obj of structures.json", p->area->file);
     }
     job_note(p->job, "%s: %zu surfaces, stored times %g is mm, axes start at \"%s\"; the world's origin is that corner",
              folder, added, scale, metadata.orientation);
@@ -297,23 +301,23 @@ static void sort_areas(struct job *job, struct area_plan *plan)
     }
 }
 
-void area_plan_make(struct job *job, struct area_plan *out, const struct manifest *manifest, const char *path)
+void area_plan_make(struct job *job, struct area_plan *out, const struct scene *scene, const char *path)
 {
     out->groups = labels_new(job);
-    out->labelled = job_zeroed(job, manifest->areas.count, sizeof *out->labelled);
-    for (size_t i = 0; i < manifest->areas.count && job_ok(job); i++) {
-        const struct manifest_area *area = &manifest->areas.at[i];
-        const struct planning planning = {job, out, path, i, area};
-        const size_t mark = job_in(job, "areas", i);
-        (area->vertex_labels ? plan_labelled
-         : area->file        ? plan_file
-         : area->files       ? plan_pattern
-                             : plan_brainglobe)(&planning);
+    out->labelled = job_zeroed(job, scene_count(scene, ITEM_AREA), sizeof *out->labelled);
+    struct scene_item *item = NULL;
+    while (job_ok(job) && (item = scene_next(scene, ITEM_SURFACES, item))) {
+        const struct planning planning = {job, out, path, item};
+        const size_t mark = job_in(job, item->list, item->index);
+        (item->vertex_labels        ? plan_labelled
+         : item->kind == ITEM_AREA  ? plan_file
+         : item->kind == ITEM_AREAS ? plan_pattern
+                                    : plan_brainglobe)(&planning);
         job_out(job, mark);
     }
     sort_areas(job, out);
-    for (size_t i = 0; i < manifest->tree.count; i++) {
-        const struct label *node = &manifest->tree.at[i];
+    while ((item = scene_next(scene, ITEM_NODE, item))) {
+        const struct label *node = &item->label;
         struct planned_area *area = area_plan_find(out, node->number);
         if (!area) {
             add_group(job, out, node);

@@ -4,7 +4,7 @@
 #ifndef CONUS_LOADERS_SCENE_AREA_PLAN_H
 #define CONUS_LOADERS_SCENE_AREA_PLAN_H
 
-#include "loaders/manifest/manifest.h"
+#include "loaders/manifest/scene.h"
 #include "loaders/scene/load_progress.h"
 #include "loaders/surfaces/mesh_file.h"
 
@@ -20,7 +20,7 @@ struct labelled_surface {
 /** A surface that becomes an area. */
 struct planned_area {
     const char *path;   /**< Where it lies, seen from this process. */
-    size_t entry;       /**< Its index in the manifest's list of areas. */
+    size_t entry;       /**< Its index in the scene's list of areas. */
     struct label label; /**< As far as it is known: number always, name NULL where the file may have one. */
     const struct labelled_surface *surface; /**< The one of which it is the part `part`; NULL: it is no part. */
     uint32_t part;
@@ -44,14 +44,14 @@ struct planned_area *area_plan_find(const struct area_plan *plan, uint32_t label
 /** How many files are to be read for it. */
 size_t area_plan_files(const struct area_plan *plan);
 
-/** Finds the files of all entries of @p manifest, whose path is @p path. Errors name the key, not the manifest. */
-void area_plan_make(struct job *job, struct area_plan *out, const struct manifest *manifest, const char *path);
+/** Finds the files of all surfaces of @p scene, whose path is @p path. Errors name the key, not the manifest. */
+void area_plan_make(struct job *job, struct area_plan *out, const struct scene *scene, const char *path);
 
 /** Gives each label that both the plan and the united parcellations have to the surface or to the voxels, as the
  * manifest prefers; after that no label is there twice. A surface without a name takes that of the parcellation's
  * table. */
 void area_plan_settle(struct job *job, struct area_plan *plan, struct parcellations *all,
-                      enum manifest_preference preference);
+                      enum scene_preference preference);
 
 /** Reads the surfaces, whose coordinates are in @p space where nothing else says so, and adds them to the atlas, then
  * the groups; links parents. */

@@ -10,16 +10,15 @@
 #include "base/memory.h"
 #include "loaders/brainglobe/brainglobe_atlas.h"
 #include "loaders/labels/fsl_atlas.h"
-#include "loaders/manifest/manifest.h"
 #include "loaders/manifest/manifest_surfaces.h"
 #include "loaders/maps/atlas_on_job.h"
 #include "loaders/refuse.h"
-#include "loaders/scene/load_manifest.h"
 #include "loaders/scene/load_parcellation.h"
 #include "loaders/scene/load_progress.h"
 #include "loaders/scene/parcellations.h"
 #include "loaders/scene/plan_brainglobe.h"
 #include "loaders/scene/plan_cifti.h"
+#include "loaders/scene/scene_load.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 #include "loaders/surfaces/mesh_file.h"
 #include "loaders/transform/transform_chain.h"
@@ -207,14 +206,14 @@ static void load_surface(struct load *load, const char *path, const struct state
 static void load_cifti(struct load *load, const char *path)
 {
     struct job *job = &load->job;
-    struct manifest manifest = {0};
+    struct scene scene = {0};
     const char *labels = load->options->labels;
     if (labels) {
         job_fail(job, CONUS_ERROR_ARGUMENT, "--labels %s: %s names its labels itself", labels, path);
     }
     const struct cifti_file *file = cifti_file_open(job, path);
-    plan_cifti(job, &manifest, file);
-    manifest_load_made(load, &manifest, file ? file->path : "", "the label table in it");
+    plan_cifti(job, &scene, file);
+    scene_load(load, &scene, file ? file->path : "", "the label table in it");
 }
 
 enum { JSON_LIMIT = 64 << 20 };
@@ -289,10 +288,10 @@ static const char *find_brainglobe(struct job *job, const char *path)
 /* Loads the atlas whose manifest.json is in `folder`. */
 static void load_brainglobe(struct load *load, const char *folder)
 {
-    struct manifest manifest = {0};
+    struct scene scene = {0};
     const char *root = "";
-    plan_brainglobe(&load->job, &manifest, &root, folder);
-    manifest_load_made(load, &manifest, root, "terminology.csv");
+    plan_brainglobe(&load->job, &scene, &root, folder);
+    scene_load(load, &scene, root, "terminology.csv");
 }
 
 static void load_folder(struct load *load, const char *path)
@@ -300,8 +299,9 @@ static void load_folder(struct load *load, const char *path)
     struct job *job = &load->job;
     const char *whole = brainglobe_of_meshes(job, path); /* the folder whose meshes these are */
     const char *folder = whole ? whole : job_format(job, "%s%s", path, path_base(path)[0] ? "/" : "");
-    const struct text text = manifest_of_folder(job, folder, whole != NULL);
-    manifest_load(load, folder, &(struct bytes){(uint8_t *)text.data, text.size});
+    struct scene scene;
+    scene_of_folder(job, &scene, folder, whole != NULL);
+    scene_load(load, &scene, folder, "the manifest");
     if (!whole) {
         note_hemispheres(job, folder);
     }

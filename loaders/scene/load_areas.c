@@ -5,6 +5,7 @@
 #include "atlas/surface/mesh_split.h"
 #include "base/files/folder.h"
 #include "base/order.h"
+#include "loaders/labels/labels_on_job.h"
 #include "loaders/scene/area_plan.h"
 #include "loaders/scene/parcellations.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
@@ -23,7 +24,7 @@ struct surfaces {
                             them do not state their space. */
     size_t count;
     enum mesh_space space;
-    struct notes notes; /* which nobody hears before they are gathered */
+    struct notes notes; /* once all are read: which nobody has heard before they are gathered */
 };
 
 static void end_surfaces(void *thing)
@@ -54,15 +55,14 @@ static void hand_out_parts(struct surfaces *surfaces, const struct labelled_surf
             part->mesh = (struct mesh){0};
         }
         if (area->surface == labelled && !surfaces->meshes[i].triangle_count) {
-            (void)JOB_CALL(surfaces->job, notes_add(&surfaces->notes, "%s: label %u is on no triangle, left out",
-                                                    area->path, area->part));
+            job_note(surfaces->job, "%s: label %u is on no triangle, left out", area->path, area->part);
         }
     }
 }
 
 static void cut_labelled(struct surfaces *surfaces, struct labelled_surface *labelled)
 {
-    const struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->load->job.max_memory};
+    const struct mesh_file_options options = {.space = surfaces->space};
     struct vertex_labels *labels = &labelled->labels;
     struct mesh mesh = {0};
     struct mesh_parts parts = {0};
@@ -72,7 +72,7 @@ static void cut_labelled(struct surfaces *surfaces, struct labelled_surface *lab
                    path_base(labelled->path));
     }
     struct label said = {0};
-    (void)JOB_CALL(surfaces->job, mesh_file_read(&mesh, &said, labelled->path, &options, &surfaces->notes));
+    surface_read(surfaces->job, &mesh, &said, labelled->path, &options);
     if (labelled->labels_path) {
         mesh_file_match_sides(surfaces->job, said.hemisphere, labelled->path, labels->hemisphere,
                               labelled->labels_path);
@@ -83,7 +83,7 @@ static void cut_labelled(struct surfaces *surfaces, struct labelled_surface *lab
         job_bad(surfaces->job, "vertex_labels: %zu labels, %s has %zu vertices: they must be as many", labels->count,
                 path_base(labelled->path), mesh.vertex_count);
     }
-    (void)JOB_CALL(surfaces->job, mesh_split(&parts, &mesh, labels->labels, &surfaces->notes));
+    (void)JOB_CALL(surfaces->job, mesh_split(&parts, &mesh, labels->labels, &surfaces->job->notes));
     hand_out_parts(surfaces, labelled, &parts);
     mesh_parts_finish(&parts);
     mesh_finish(&mesh);
@@ -93,8 +93,6 @@ static void cut_labelled(struct surfaces *surfaces, struct labelled_surface *lab
 static void read_foreign(struct surfaces *surfaces, bool placed)
 {
     struct planned_area *areas = surfaces->plan->areas.at;
-    const struct mesh_foreign_options options = {placed ? MESH_SPACE_RAS : surfaces->space,
-                                                 surfaces->load->job.max_memory};
     struct mesh *received = job_zeroed(surfaces->job, surfaces->count, sizeof *received);
     const char **paths = job_zeroed(surfaces->job, surfaces->count, sizeof *paths);
     size_t n = 0;
@@ -107,11 +105,9 @@ static void read_foreign(struct surfaces *surfaces, bool placed)
         return;
     }
     load_report(surfaces->load, paths[0], n);
-    if (!JOB_CALL(surfaces->job, mesh_foreign_read(received, paths, n, &options, &surfaces->notes))) {
-        return;
-    }
+    mesh_foreign_files(surfaces->job, received, paths, n, placed ? MESH_SPACE_RAS : surfaces->space);
     n = 0;
-    for (size_t i = 0; i < surfaces->count; i++) {
+    for (size_t i = 0; i < surfaces->count; i++) { /* after a failure they are empty */
         if (surfaces->is_foreign[i] && areas[i].placed == placed) {
             surfaces->meshes[i] = received[n++];
             name_area(surfaces->job, &areas[i], &(struct label){0});
@@ -122,11 +118,11 @@ static void read_foreign(struct surfaces *surfaces, bool placed)
 static void read_own(struct surfaces *surfaces, size_t i)
 {
     struct planned_area *area = &surfaces->plan->areas.at[i];
-    const struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->load->job.max_memory};
+    const struct mesh_file_options options = {.space = surfaces->space};
     struct label said = {0};
     const size_t mark = job_in(surfaces->job, "areas", area->entry);
     load_report(surfaces->load, area->path, 1);
-    (void)JOB_CALL(surfaces->job, mesh_file_read(&surfaces->meshes[i], &said, area->path, &options, &surfaces->notes));
+    surface_read(surfaces->job, &surfaces->meshes[i], &said, area->path, &options);
     said.name = job_adopt(surfaces->job, said.name);
     said.abbreviation = job_adopt(surfaces->job, said.abbreviation);
     name_area(surfaces->job, area, &said);
@@ -345,7 +341,10 @@ void area_plan_load(struct load *load, struct area_plan *plan, enum mesh_space s
     surfaces->count = surfaces->is_foreign ? plan->areas.count : 0;
     job_own(job, end_surfaces, surfaces);
     if (job_step(job)) {
+        const struct attempt attempt = job_try(job);
         read_all(surfaces);
+        surfaces->notes = label_notes_swap(job, (struct notes){0}); /* of the attempt: the atlas has those before */
+        attempt_end(job, &attempt, ATTEMPT_KEEP);
         tell_notes(surfaces);
     }
     if (job_step(job)) {

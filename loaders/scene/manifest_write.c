@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_manifest_write(): writes a first manifest for the files in a folder. It guesses the role of a volume from its
- * values, and reports every guess. A file is looked at on a job of its own, a trial: what is wrong with it leaves it
- * out. */
+ * values, and reports every guess. A file is looked at in an attempt: what is wrong with it leaves it out. */
 #include "base/files/folder.h"
 #include "base/formats/xml.h"
 #include "base/memory.h"
@@ -14,24 +13,16 @@
 #include "loaders/manifest/manifest_surfaces.h"
 #include "loaders/maps/atlas_on_job.h"
 #include "loaders/maps/named_maps.h"
-#include "loaders/scene/load_manifest.h"
 #include "loaders/scene/load_parcellation.h"
 #include "loaders/scene/load_streamlines.h"
 #include "loaders/scene/plan_cifti.h"
+#include "loaders/scene/scene_load.h"
 #include "loaders/tracts/tract_file.h"
 #include "loaders/transform/field_file.h"
 #include "loaders/transform/transform_file.h"
 
+#include <limits.h>
 #include <string.h>
-
-/* The reason why a trial failed, NULL if it did not. An error of memory is the job's, too. */
-static const char *find_fault(struct job *job, const struct job *trial)
-{
-    if (trial->status == CONUS_ERROR_MEMORY) {
-        job_fail(job, trial->status, "%s", trial->message);
-    }
-    return job_ok(trial) ? NULL : trial->message;
-}
 
 static void say_transform(struct job *job, const struct manifest_draft *draft, const char *name, const char *what)
 {
@@ -44,33 +35,38 @@ static void say_transform(struct job *job, const struct manifest_draft *draft, c
 /* Logs that the file `name` is left out if it is a transform: neither its direction nor its images are known. */
 static void look_for_transform(struct job *job, const struct manifest_draft *draft, const char *name)
 {
-    struct job trial = {0};
     struct transform_chain transform = {0};
     if (!path_ending_length(name, ".tfm/.mat/.lta/.xfm")) {
         return;
     }
-    struct source *source = source_open(&trial, job_beside(&trial, draft->folder, name));
+    const struct job_mark mark = job_mark(job);
+    const struct attempt attempt = job_try(job);
+    struct source *source = source_open(job, job_beside(job, draft->folder, name));
     const bool is_matlab = source && format_id_of(&source->stored, ROLE_TRANSFORM) == FORMAT_HDF5;
     if (!is_matlab) {
-        transform_read(&trial, &transform, source, &(conus_transform_options){0});
+        transform_read(job, &transform, source, &(conus_transform_options){0});
     }
-    if (!find_fault(job, &trial) ? !is_matlab : trial.status == CONUS_ERROR_ARGUMENT) { /* FSL's, without its images */
+    const bool is = job_ok(job) ? !is_matlab : job->status == CONUS_ERROR_ARGUMENT; /* FSL's, without its images */
+    transform_chain_finish(&transform);
+    (void)attempt_end(job, &attempt, ATTEMPT_DROP);
+    job_release(job, mark);
+    if (is) {
         say_transform(job, draft, name, "a transform");
     }
-    transform_chain_finish(&transform);
-    job_end(&trial);
 }
 
 /* Logs the same for the volume `name` if its header says that it is a deformation field or a part of one: whether it
  * is. */
 static bool is_field(struct job *job, const struct manifest_draft *draft, const char *name)
 {
-    struct job trial = {0}; /* whoever reads the volume says what is wrong */
     bool usable = false;
-    const struct source *source = source_open(&trial, job_beside(&trial, draft->folder, name));
+    const struct job_mark mark = job_mark(job);
+    const struct attempt attempt = job_try(job); /* whoever reads the volume says what is wrong */
+    const struct source *source = source_open(job, job_beside(job, draft->folder, name));
     const char *words = source ? field_words(&usable, source) : NULL;
-    bool is = !find_fault(job, &trial) && words;
-    job_end(&trial);
+    const bool is = job_ok(job) && words;
+    (void)attempt_end(job, &attempt, ATTEMPT_DROP);
+    job_release(job, mark);
     if (is && usable) {
         say_transform(job, draft, name, words);
     } else if (is) {
@@ -114,70 +110,68 @@ static bool is_used(const struct manifest_draft *draft, const char *name)
  * XML has taken the volume. The log says why it is not the XML. */
 static const char *choose_file(struct job *job, const struct manifest_draft *draft, const char *xml)
 {
-    struct job trial = {.max_memory = job->max_memory}; /* what does not load says so when it is tried */
     const conus_load_options options = {.max_memory = job->max_memory};
-    const char *chosen = xml;
-    struct parcellation *parts = job_new(&trial, struct parcellation);
-    parcellation_read(&trial, parts, job_beside(&trial, draft->folder, xml), &options, "an atlas XML");
-    if (!find_fault(job, &trial)) {
-        const char *volume = parts->file.path + strlen(draft->folder);
-        if (is_used(draft, volume)) {
-            chosen = NULL;
-            manifest_draft_log(job, draft, "%s: left out, since another XML has %s", xml, volume);
-        } else if (parts->is_disputed) {
-            chosen = job_format(job, "%s", volume);
-            manifest_draft_log(job, draft, "%s: left out for %s, which has other names by itself: %s", xml, volume,
-                               trial.notes.lines[trial.notes.count - 1]);
-        }
+    char *chosen = (char *)xml;
+    const struct job_mark mark = job_mark(job);
+    const struct attempt attempt = job_try(job); /* what does not load says so when it is tried */
+    struct parcellation *parts = job_new(job, struct parcellation);
+    parcellation_read(job, parts, job_beside(job, draft->folder, xml), &options, "an atlas XML");
+    const char *volume = job_ok(job) ? parts->file.path + strlen(draft->folder) : NULL;
+    const char *note =
+        volume && parts->is_disputed ? job_copy(job, text_from(job->notes.lines[job->notes.count - 1])) : NULL;
+    (void)attempt_end(job, &attempt, ATTEMPT_DROP);
+    if (volume && is_used(draft, volume)) {
+        chosen = NULL;
+        manifest_draft_log(job, draft, "%s: left out, since another XML has %s", xml, volume);
+    } else if (note) {
+        chosen = job_give(job, job_copy(job, text_from(volume)), strlen(volume) + 1);
+        manifest_draft_log(job, draft, "%s: left out for %s, which has other names by itself: %s", xml, volume, note);
     }
-    job_end(&trial);
-    return chosen;
+    job_release(job, mark);
+    return chosen == xml ? chosen : job_adopt(job, chosen);
 }
 
-/* Whether an entry of the list has a name of these characters. */
-static bool has_entry_named(const json_t *list, const char *name, size_t length)
+/* Whether an item has a name of these characters. */
+static bool has_item_named(const struct manifest_draft *draft, unsigned kinds, const char *name, size_t length)
 {
     bool has = false;
-    for (size_t i = 0; i < json_array_size(list) && !has; i++) {
-        const char *other = json_string_value(json_object_get(json_array_get(list, i), "name"));
-        has = other && strlen(other) == length && strncmp(other, name, length) == 0;
+    for (const struct scene_item *item = NULL; !has && (item = scene_next(&draft->scene, kinds, item));) {
+        has = text_equal((struct text){name, length}, item->label.name ? item->label.name : "");
     }
     return has;
 }
 
 /* Appends the file `name` to "streamlines" if it is a tractogram that loads; logs it if it is a transform. */
-static void look_at_no_volume(struct job *job, const struct manifest_draft *draft, const char *name)
+static void look_at_no_volume(struct job *job, struct manifest_draft *draft, const char *name)
 {
     if (name[0] == '.' || !tract_file_is(job_beside(job, draft->folder, name))) {
         look_for_transform(job, draft, name);
         return;
     }
     size_t length = format_stem_length(name, strlen(name), ROLE_TRACTS);
-    bool taken = has_entry_named(draft->streamlines, name, length) || has_entry_named(draft->pathways, name, length);
-    json_t *entry = json_pack("{s:s,s:s#}", "file", name, "name", name, taken ? strlen(name) : length);
-    if (manifest_draft_take(job, draft, draft->streamlines, "streamlines", entry, name)) {
+    bool taken = has_item_named(draft, ITEM_STREAMLINES | ITEM_PATHWAY, name, length);
+    const struct scene_item item = {.kind = ITEM_STREAMLINES,
+                                    .file = (char *)name,
+                                    .label.name = job_format(job, "%.*s", taken ? INT_MAX : (int)length, name)};
+    if (manifest_draft_take(job, draft, &item, name)) {
         manifest_draft_log(job, draft, "%s: streamlines", name);
     }
 }
 
 enum { FIRST_OFFSET = 1000, LAST_OFFSET = 1000000000 };
 
-/* The file of the first parcellation, NULL without one. */
-static const char *first_parcellation(const struct manifest_draft *draft)
+static struct scene_item *first_parcellation(const struct manifest_draft *draft)
 {
-    const json_t *parts = draft->parcellation;
-    return json_string_value(json_object_get(json_is_array(parts) ? json_array_get(parts, 0) : parts, "file"));
+    return scene_next(&draft->scene, ITEM_PARCELLATION, NULL);
 }
 
 /* Tries both halves with the labels of the right one as they are, else behind the left one's. NULL if they load. */
-static const char *try_halves(struct job *job, const struct manifest_draft *draft, json_t *halves, uint32_t *offset)
+static const char *try_halves(struct job *job, const struct manifest_draft *draft, struct scene_item halves[2])
 {
-    json_t *right = json_array_get(halves, 1);
-    const char *why = manifest_draft_try(job, draft, "parcellations", halves, false);
+    const char *why = manifest_draft_try(job, draft, halves, 2);
     for (uint32_t next = FIRST_OFFSET; job_ok(job) && why && next <= LAST_OFFSET; next *= 10) {
-        *offset = next;
-        (void)json_object_set(right, "label_offset", manifest_draft_json(job, json_integer(next)));
-        why = manifest_draft_try(job, draft, "parcellations", halves, false);
+        halves[1].label_offset = next;
+        why = manifest_draft_try(job, draft, halves, 2);
     }
     return why;
 }
@@ -185,10 +179,10 @@ static const char *try_halves(struct job *job, const struct manifest_draft *draf
 /* Takes the two files as one parcellation, if they load. */
 static void take_halves(struct job *job, struct manifest_draft *draft, const char *left, const char *right)
 {
-    uint32_t offset = 0;
-    json_t *halves = manifest_draft_json(
-        job, json_pack("[{s:s,s:s},{s:s,s:s}]", "file", left, "hemisphere", "L", "file", right, "hemisphere", "R"));
-    const char *why = try_halves(job, draft, halves, &offset);
+    struct scene_item halves[] = {{.kind = ITEM_PARCELLATION, .file = (char *)left, .label.hemisphere = 'L'},
+                                  {.kind = ITEM_PARCELLATION, .file = (char *)right, .label.hemisphere = 'R'}};
+    const char *why = try_halves(job, draft, halves);
+    const uint32_t offset = halves[1].label_offset;
     if (why) {
         job_bad(job, "%s%s and %s are left and right of one, and do not load together: %.399s", draft->folder, left,
                 right, why);
@@ -198,15 +192,17 @@ static void take_halves(struct job *job, struct manifest_draft *draft, const cha
     } else {
         manifest_draft_log(job, draft, "%s: left and right of one with %s", right, left);
     }
-    draft->parcellation = halves;
+    *first_parcellation(draft) = halves[0];
+    scene_add(job, &draft->scene, &halves[1]);
     draft->label_offset = offset < MANIFEST_LABEL_STEP ? MANIFEST_LABEL_STEP : 10 * offset;
 }
 
 static void set_second(struct job *job, struct manifest_draft *draft, const char *name)
 {
-    const char *first = first_parcellation(draft);
+    const char *first = first_parcellation(draft)->file;
     bool is_right = volume_names_are_halves(job, first, name);
-    if ((!is_right && !volume_names_are_halves(job, name, first)) || json_is_array(draft->parcellation)) {
+    if ((!is_right && !volume_names_are_halves(job, name, first)) ||
+        scene_count(&draft->scene, ITEM_PARCELLATION) > 1) {
         job_bad(job, /* the user knows which is meant or first */
                 "%s%s and %s are both parcellations, and their names are not left and right of one: give one of them "
                 "as ATLAS, or write the manifest by hand (\"parcellations\", docs/formats.md)",
@@ -219,14 +215,14 @@ static void set_second(struct job *job, struct manifest_draft *draft, const char
 /* Whether `name` loads as the parcellation of the draft, or as the other half of it. */
 static bool set_parcellation(struct job *job, struct manifest_draft *draft, const char *name)
 {
-    json_t *value = manifest_draft_json(job, json_pack("{s:s}", "file", name));
-    const char *why = manifest_draft_try(job, draft, "parcellation", value, false);
+    const struct scene_item item = {.kind = ITEM_PARCELLATION, .file = (char *)name};
+    const char *why = manifest_draft_try(job, draft, &item, 1);
     if (why) {
         manifest_draft_leave_out(job, draft, name, why);
-    } else if (draft->parcellation) {
+    } else if (first_parcellation(draft)) {
         set_second(job, draft, name);
     } else {
-        draft->parcellation = value;
+        scene_add(job, &draft->scene, &item);
         draft->label_offset = MANIFEST_LABEL_STEP;
     }
     return !why;
@@ -239,8 +235,8 @@ static void take_fsl(struct job *job, struct manifest_draft *draft, const char *
         use_images(job, draft, atlas);
         manifest_draft_log(job, draft, "%s: parcellation, an atlas XML of %zu labels", name, atlas->labels.count);
     }
-    if (!atlas->is_label &&
-        manifest_draft_take(job, draft, draft->maps, "probabilities", json_pack("{s:s}", "fsl", xml), xml)) {
+    const struct scene_item maps = {.kind = ITEM_PROBABILITIES, .fsl = (char *)xml};
+    if (!atlas->is_label && manifest_draft_take(job, draft, &maps, xml)) {
         use_images(job, draft, atlas);
         manifest_draft_log(job, draft, "%s: FSL atlas, %zu areas by probabilities", xml, atlas->labels.count);
     }
@@ -249,47 +245,49 @@ static void take_fsl(struct job *job, struct manifest_draft *draft, const char *
 /* Takes `name` if it is an FSL atlas. */
 static void look_at_xml(struct job *job, struct manifest_draft *draft, const char *name)
 {
-    struct job trial = {0};
     struct bytes bytes = {0};
     (void)JOB_CALL(job, file_read(&bytes, job_beside(job, draft->folder, name), FSL_ATLAS_LIMIT));
     struct text text = text_from_bytes(bytes.data, bytes.size);
     if (text.size && text_equal(xml_root(text), "atlas")) {
-        struct fsl_atlas *atlas = fsl_atlas_parse(&trial, text);
-        fsl_atlas_number(&trial, atlas, &(struct label_use){0});
-        const char *why = find_fault(job, &trial);
-        if (why) {
-            manifest_draft_leave_out(job, draft, name, why);
-        } else {
+        const struct attempt attempt = job_try(job);
+        struct fsl_atlas *atlas = fsl_atlas_parse(job, text);
+        fsl_atlas_number(job, atlas, &(struct label_use){0});
+        const bool is = job_ok(job);
+        const char *why = attempt_end(job, &attempt, ATTEMPT_DROP);
+        if (is) {
             take_fsl(job, draft, name, atlas);
+        } else {
+            manifest_draft_leave_out(job, draft, name, why);
         }
     }
-    job_end(&trial);
     bytes_finish(&bytes);
 }
 
 #define NAMED "named by the table beside it"
 
 /* Names each volume as the table beside the file does, else by its number. */
-static const char *name_volume(struct job *job, bool *named, const struct manifest_draft *draft, const char *name,
-                               size_t index, size_t count)
+static char *name_volume(struct job *job, bool *named, const struct manifest_draft *draft, const char *name,
+                         size_t index, size_t count)
 {
     const char *from;
     const conus_volume_info info = {
         .path = job_beside(job, draft->folder, name), .volume = index, .volume_count = count};
-    const char *title = label_volume_name(job, &from, &info);
+    char *title = (char *)label_volume_name(job, &from, &info);
     *named = title != NULL;
     return title ? title : job_format(job, "%.*s %zu", (int)volume_stem_length(name), name, index);
 }
 
 /* Takes the volumes of `name` that load, each by itself. */
-static void take_volumes(struct job *job, const struct manifest_draft *draft, const char *name, size_t count)
+static void take_volumes(struct job *job, struct manifest_draft *draft, const char *name, size_t count)
 {
     size_t taken = 0;
     bool named = false;
     for (size_t i = 0; job_ok(job) && i < count; i++) {
-        const char *title = name_volume(job, &named, draft, name, i, count);
-        json_t *entry = json_pack("{s:s,s:I,s:s}", "file", name, "volume", (json_int_t)i, "name", title);
-        taken += manifest_draft_take(job, draft, draft->pathways, "pathways", entry, title);
+        const struct scene_item item = {.kind = ITEM_PATHWAY,
+                                        .file = (char *)name,
+                                        .volume = i + 1,
+                                        .label.name = name_volume(job, &named, draft, name, i, count)};
+        taken += manifest_draft_take(job, draft, &item, item.label.name);
     }
     manifest_draft_log(job, draft, "%s: %zu pathways, %s", name, taken, named ? NAMED : "to be named");
 }
@@ -298,38 +296,38 @@ static void take_volumes(struct job *job, const struct manifest_draft *draft, co
 static bool is_probable(struct job *job, const struct manifest_draft *draft, const char *name)
 {
     const conus_load_options options = {.max_memory = job->max_memory};
-    struct job trial = {.max_memory = job->max_memory};
     struct source source = {0};
-    const char *path = job_beside(&trial, draft->folder, name);
-    (void)JOB_CALL(&trial, source_open_atlas(&source, path));
-    const struct named_maps maps = named_maps_find(&trial, &source, path, &options);
+    const struct job_mark mark = job_mark(job);
+    const struct attempt attempt = job_try(job);
+    const char *path = job_beside(job, draft->folder, name);
+    (void)JOB_CALL(job, source_open_atlas(&source, path));
+    const struct named_maps maps = named_maps_find(job, &source, path, &options);
     source_close(&source);
-    struct volume_file *file = volume_file_new(&trial);
+    struct volume_file *file = volume_file_new(job);
     if (maps.table->count && file) {
-        volume_load_series(&trial, file, path, options.max_memory);
+        volume_load_series(job, file, path, options.max_memory);
     }
     bool named =
         maps.table->count && file && maps.table->count == file->info.volume_count; /* none is the background's */
     if (named) {
-        named_maps_check(&trial, file, 0);
+        named_maps_check(job, file, 0);
     }
-    named = !find_fault(job, &trial) && named;
-    job_end(&trial);
+    named = job_ok(job) && named;
+    (void)attempt_end(job, &attempt, ATTEMPT_DROP);
+    job_release(job, mark);
     return named;
 }
 
-static void take_series(struct job *job, const struct manifest_draft *draft, const char *name, size_t count)
+static void take_series(struct job *job, struct manifest_draft *draft, const char *name, size_t count)
 {
     bool named = false;
-    json_t *names = manifest_draft_json(job, json_array());
+    struct scene_item item = {.file = (char *)name};
     for (size_t i = 0; job_ok(job) && i < count; i++) {
-        const char *title = name_volume(job, &named, draft, name, i, count);
-        manifest_draft_append(job, names, manifest_draft_json(job, json_string(title)));
+        *LIST_ADD(job, &item.names) = name_volume(job, &named, draft, name, i, count);
     }
     bool probable = named && is_probable(job, draft, name);
-    json_t *list = probable ? draft->maps : draft->pathways;
-    json_t *entry = json_pack("{s:s,s:O}", "file", name, "names", names);
-    if (!manifest_draft_take(job, draft, list, probable ? "probabilities" : "pathways", entry, NULL)) {
+    item.kind = probable ? ITEM_PROBABILITIES : ITEM_PATHWAY;
+    if (!manifest_draft_take(job, draft, &item, NULL)) {
         take_volumes(job, draft, name, count);
     } else if (probable) {
         manifest_draft_log(job, draft, "%s: %zu areas by probabilities, " NAMED, name, count);
@@ -339,23 +337,24 @@ static void take_series(struct job *job, const struct manifest_draft *draft, con
 }
 
 /* Takes a single volume as a pathway, or as an area by probabilities; `words` say why. */
-static void take_one_volume(struct job *job, const struct manifest_draft *draft, bool probable, const char *name,
+static void take_one_volume(struct job *job, struct manifest_draft *draft, bool probable, const char *name,
                             const char *words)
 {
-    json_t *list = probable ? draft->maps : draft->pathways;
-    json_t *entry = json_pack("{s:s,s:s#}", "file", name, "name", name, volume_stem_length(name));
-    if (manifest_draft_take(job, draft, list, probable ? "probabilities" : "pathways", entry, name)) {
+    const struct scene_item item = {.kind = probable ? ITEM_PROBABILITIES : ITEM_PATHWAY,
+                                    .file = (char *)name,
+                                    .label.name = job_format(job, "%.*s", (int)volume_stem_length(name), name)};
+    if (manifest_draft_take(job, draft, &item, name)) {
         manifest_draft_log(job, draft, "%s: %s, %s", name, probable ? "an area by probabilities" : "pathway", words);
     }
 }
 
 static void take_context(struct job *job, struct manifest_draft *draft, const char *name, const char *words)
 {
-    if (draft->context) {
+    if (scene_count(&draft->scene, ITEM_CONTEXT)) {
         manifest_draft_log(job, draft, "%s: a second context, left out", name);
         return;
     }
-    draft->context = manifest_draft_json(job, json_pack("{s:s}", "file", name));
+    scene_add(job, &draft->scene, &(struct scene_item){.kind = ITEM_CONTEXT, .file = (char *)name});
     manifest_draft_log(job, draft, "%s: context, %s", name, words);
 }
 
@@ -413,19 +412,19 @@ static void raise_offset(struct manifest_draft *draft, uint64_t largest)
 
 /* Takes the surfaces that a .dlabel.nii labels by numbers up to `largest`; their labels begin above those of a
  * parcellation that is there. */
-static void take_labelled(struct job *job, struct manifest_draft *draft, const struct manifest *manifest,
-                          uint32_t largest)
+static void take_labelled(struct job *job, struct manifest_draft *draft, const struct scene *scene, uint32_t largest)
 {
     uint32_t base = draft->label_offset;
     raise_offset(draft, (uint64_t)base + largest);
-    for (size_t i = 0; i < manifest->areas.count; i++) {
-        const struct manifest_area *area = &manifest->areas.at[i];
-        json_int_t offset = (json_int_t)base + area->label_offset;
-        raise_offset(draft, (uint64_t)offset + largest);
-        json_t *entry = json_pack("{s:s,s:s,s:I}", "file", area->file, "vertex_labels", area->vertex_labels,
-                                  "label_offset", offset);
-        if (manifest_draft_take(job, draft, draft->areas, "areas", entry, area->file)) {
-            manifest_draft_log(job, draft, "%s: cut by %s", area->file, area->vertex_labels);
+    for (const struct scene_item *of = NULL; (of = scene_next(scene, ITEM_AREA, of));) {
+        const uint64_t offset = (uint64_t)base + of->label_offset;
+        const struct scene_item area = {.kind = ITEM_AREA,
+                                        .file = of->file,
+                                        .vertex_labels = of->vertex_labels,
+                                        .label_offset = offset < UINT32_MAX ? (uint32_t)offset : UINT32_MAX};
+        raise_offset(draft, offset + largest);
+        if (manifest_draft_take(job, draft, &area, area.file)) {
+            manifest_draft_log(job, draft, "%s: cut by %s", area.file, area.vertex_labels);
         }
     }
 }
@@ -433,29 +432,29 @@ static void take_labelled(struct job *job, struct manifest_draft *draft, const s
 /* Takes voxels and surfaces from a .dlabel.nii: whether it could be read. */
 static bool take_cifti(struct job *job, struct manifest_draft *draft, const char *name)
 {
-    struct job trial = {.max_memory = job->max_memory};
-    struct manifest manifest = {0};
-    const char *path = job_beside(&trial, draft->folder, name);
-    const struct cifti_file *file = cifti_file_open(&trial, path);
-    plan_cifti(&trial, &manifest, file);
-    const char *why = find_fault(job, &trial);
-    if (why) {
-        manifest_draft_leave_out(job, draft, name, why);
-    } else if (file) {
+    struct scene scene = {0};
+    const struct attempt attempt = job_try(job);
+    const struct cifti_file *file = cifti_file_open(job, job_beside(job, draft->folder, name));
+    plan_cifti(job, &scene, file);
+    const bool is = job_ok(job) && file;
+    const struct notes *notes = attempt_notes(job, &attempt);
+    const char *why = attempt_end(job, &attempt, ATTEMPT_DROP);
+    if (is) {
         const struct label_table *table = &file->choice->table;
-        const char *voxels = manifest.parcellations.count ? manifest.parcellations.at[0].source.file : NULL;
+        const struct scene_item *voxels = scene_next(&scene, ITEM_PARCELLATION, NULL);
         uint32_t offset = draft->label_offset;
-        if (voxels && set_parcellation(job, draft, voxels)) {
-            manifest_draft_log(job, draft, "%s: parcellation, voxels of CIFTI labels", voxels);
+        if (voxels && set_parcellation(job, draft, voxels->file)) {
+            manifest_draft_log(job, draft, "%s: parcellation, voxels of CIFTI labels", voxels->file);
         }
         draft->label_offset = offset; /* the plan keeps surfaces off the file's own voxels */
-        take_labelled(job, draft, &manifest, table->entries[table->count - 1].number);
+        take_labelled(job, draft, &scene, table->entries[table->count - 1].number);
+    } else {
+        manifest_draft_leave_out(job, draft, name, why);
     }
-    for (size_t i = 0; i < trial.notes.count; i++) {
-        manifest_draft_log(job, draft, "%s", trial.notes.lines[i]);
+    for (size_t i = 0; notes && i < notes->count; i++) {
+        manifest_draft_log(job, draft, "%s", notes->lines[i]);
     }
-    job_end(&trial);
-    return !why;
+    return is;
 }
 
 static bool is_cifti(struct job *job, const char *path)
@@ -521,9 +520,10 @@ static void look_into_folders(struct job *job, struct manifest_draft *draft, con
 {
     for (size_t i = 0; job_ok(job) && i < names->count; i++) {
         const char *name = names->names[i];
-        bool known = voxels || json_object_get(json_array_get(draft->areas, 0), "brainglobe");
-        bool skip =
-            name[0] == '.' || (strcmp(name, "meshes") == 0 && known) || manifest_draft_has(draft->streamlines, name);
+        const struct scene_item *areas = scene_next(&draft->scene, ITEM_SURFACES, NULL);
+        bool known = voxels || (areas && areas->kind == ITEM_MESHES);
+        bool skip = name[0] == '.' || (strcmp(name, "meshes") == 0 && known) ||
+                    manifest_draft_find(draft, ITEM_STREAMLINES, name);
         if (!skip && file_is_folder(job_beside(job, draft->folder, name))) {
             manifest_surfaces_add(job, draft, name);
         }
@@ -552,38 +552,37 @@ static void scan_folder(struct job *job, struct manifest_draft *draft)
         manifest_surfaces_add(job, draft, "");
     }
     look_into_folders(job, draft, &names, voxels);
-    const char *file = voxels || labelled || !json_array_size(draft->areas) ? NULL : first_parcellation(draft);
-    if (file) {
-        manifest_draft_log(
-            job, draft, "%s and surfaces: areas that are in both are there twice: take one out of the manifest", file);
+    const struct scene_item *first = first_parcellation(draft);
+    if (first && !voxels && !labelled && scene_count(&draft->scene, ITEM_SURFACES)) {
+        manifest_draft_log(job, draft,
+                           "%s and surfaces: areas that are in both are there twice: take one out of the manifest",
+                           first->file);
     }
 }
 
 /* Makes areas of probabilities the first pathways where there is a parcellation or a surface. Areas of probabilities
  * may overlap, so a manifest has no others beside them. */
-static void settle_maps(struct job *job, const struct manifest_draft *draft)
+static void settle_maps(struct job *job, struct manifest_draft *draft)
 {
-    size_t taken = 0;
-    if (!draft->parcellation && !json_array_size(draft->areas)) {
+    const struct scene all = draft->scene;
+    if (!scene_count(&all, ITEM_LABELLED)) {
         return;
     }
-    for (size_t i = 0; job_ok(job) && i < json_array_size(draft->maps); i++) {
-        json_t *entry = json_array_get(draft->maps, i);
-        const char *fsl = json_string_value(json_object_get(entry, "fsl"));
-        const char *name = fsl ? fsl : json_string_value(json_object_get(entry, "file"));
-        const char *why = manifest_draft_try(job, draft, "pathways", entry, true);
-        if (why) {
-            manifest_draft_leave_out(job, draft, name, why);
-        } else if (json_array_insert(draft->pathways, taken++, entry)) {
-            job_fail(job, CONUS_ERROR_MEMORY, "no memory for the manifest");
-        } else {
+    draft->scene = (struct scene){0};
+    for (const struct scene_item *of = NULL; job_ok(job) && (of = scene_next(&all, ITEM_PROBABILITIES, of));) {
+        struct scene_item item = *of;
+        const char *name = item.fsl ? item.fsl : item.file;
+        item.kind = ITEM_PATHWAY;
+        if (manifest_draft_take(job, draft, &item, name)) {
             manifest_draft_log(job, draft,
                                "%s: pathways, because a manifest with a parcellation or surfaces has no areas by "
                                "probabilities",
                                name);
         }
     }
-    json_array_clear(draft->maps);
+    for (const struct scene_item *of = NULL; (of = scene_next(&all, ~(unsigned)ITEM_PROBABILITIES, of));) {
+        scene_add(job, &draft->scene, of);
+    }
 }
 
 static conus_status load_text(const struct manifest_draft *draft, struct text text)
@@ -600,21 +599,18 @@ static conus_status load_text(const struct manifest_draft *draft, struct text te
 static void write_manifest(struct job *job, const char *path, const char *folder, const conus_manifest_options *options)
 {
     struct manifest_draft draft = {.folder = folder, .options = options, .load = load_text};
-    struct manifest manifest;
-    manifest_draft_init(job, &draft);
+    struct scene again;
     if (!file_is_folder(folder)) {
         job_fail(job, CONUS_ERROR_IO, "%s: there is no such folder", folder);
     }
     scan_folder(job, &draft);
     settle_maps(job, &draft);
-    size_t found = json_array_size(draft.areas) + json_array_size(draft.pathways) + json_array_size(draft.maps) +
-                   json_array_size(draft.streamlines);
-    if (!draft.parcellation && !found) {
+    if (!scene_count(&draft.scene, ~(unsigned)ITEM_CONTEXT)) {
         job_bad(job, "%s: neither parcellation nor surfaces, pathways or streamlines in this folder", folder);
     }
-    const struct text text = manifest_draft_format(job, &draft);
+    const struct text text = scene_write(job, &draft.scene);
     size_t place = job_in(job, path, JOB_ALONE);
-    manifest_parse(job, &manifest, text);
+    scene_read(job, &again, text);
     job_out(job, place);
     (void)JOB_CALL(job, file_write_new(path, text.data, text.size));
 }

@@ -53,32 +53,33 @@ static bool has_array(struct job *job, const char *path, const struct brainglobe
     return is_there && job_ok(job);
 }
 
-static struct manifest_volume volume_of(struct job *job, const char *place, const char *name,
-                                        const struct brainglobe_metadata *metadata)
+static struct scene_item *add_array(struct job *job, struct scene *out, enum item_kind kind, const char *file,
+                                    const struct brainglobe_metadata *metadata)
 {
-    struct manifest_volume volume = {.file = job_format(job, "%s/%s", place, name),
-                                     .orientation = job_copy(job, text_from(axes))};
-    memcpy(volume.resolution, metadata->resolution, sizeof volume.resolution);
-    return volume;
+    struct scene_item item = {.kind = kind, .file = (char *)file, .orientation = job_copy(job, text_from(axes))};
+    memcpy(item.resolution, metadata->resolution, sizeof item.resolution);
+    return scene_add(job, out, &item);
 }
 
-static struct manifest_parcellation plan_annotation(struct job *job, const struct brainglobe_atlas *atlas)
+static void plan_annotation(struct job *job, struct scene *out, const struct brainglobe_atlas *atlas)
 {
-    const char *path = job_format(job, "%s%s/%s", atlas->root, atlas->annotation, annotations);
+    const char *file = job_format(job, "%s/%s", atlas->annotation, annotations);
+    const char *path = job_format(job, "%s%s", atlas->root, file);
     if (!has_array(job, path, &atlas->metadata)) {
         job_fail(job, CONUS_ERROR_IO,
                  "%s: the annotation of %g micrometres was not downloaded; python3 -c 'from brainglobe_atlasapi import "
                  "BrainGlobeAtlas as B; B(\"%s\").annotation' does so",
                  path, atlas->metadata.resolution[0], atlas->name);
     }
-    return (struct manifest_parcellation){.labels = job_format(job, "%s/terminology.csv", atlas->terminology),
-                                          .source = volume_of(job, atlas->annotation, annotations, &atlas->metadata)};
+    add_array(job, out, ITEM_PARCELLATION, file, &atlas->metadata)->labels =
+        job_format(job, "%s/terminology.csv", atlas->terminology);
 }
 
 /* Takes the template as the context. Nobody needs it for an answer, so one that is not there is a note. */
-static void plan_template(struct job *job, struct manifest *out, const struct brainglobe_atlas *atlas)
+static void plan_template(struct job *job, struct scene *out, const struct brainglobe_atlas *atlas)
 {
-    const char *path = job_format(job, "%s%s/%s", atlas->root, atlas->template, templates);
+    const char *file = job_format(job, "%s/%s", atlas->template, templates);
+    const char *path = job_format(job, "%s%s", atlas->root, file);
     const struct attempt attempt = job_try(job);
     const bool is_there = has_array(job, path, &atlas->metadata);
     const char *why = attempt_end(job, &attempt, ATTEMPT_TRY);
@@ -89,7 +90,7 @@ static void plan_template(struct job *job, struct manifest *out, const struct br
                  atlas->metadata.resolution[0]);
     }
     if (is_there) {
-        LIST_ADD(job, &out->contexts)->source = volume_of(job, atlas->template, templates, &atlas->metadata);
+        add_array(job, out, ITEM_CONTEXT, file, &atlas->metadata);
     }
 }
 
@@ -109,13 +110,12 @@ static void note_rest(struct job *job, const struct brainglobe_atlas *atlas, con
     }
 }
 
-void plan_brainglobe(struct job *job, struct manifest *out, const char **root, const char *folder)
+void plan_brainglobe(struct job *job, struct scene *out, const char **root, const char *folder)
 {
     const struct brainglobe_atlas atlas = brainglobe_atlas_read(job, folder);
     if (job_ok(job)) {
         *root = atlas.root;
-        out->single = true;
-        *LIST_ADD(job, &out->parcellations) = plan_annotation(job, &atlas);
+        plan_annotation(job, out, &atlas);
         if (atlas.template) {
             plan_template(job, out, &atlas);
         }

@@ -13,7 +13,7 @@ struct planning {
     struct job *job;
     const struct cifti_file *file;
     struct surface_list surfaces;
-    struct manifest *manifest;
+    struct scene *scene;
     uint32_t *taken; /* labels of the areas planned so far, sorted */
     size_t taken_count;
 };
@@ -78,17 +78,18 @@ static void plan_surface(struct planning *planning, const struct cifti_model *mo
         job_note(job, "%s: labels of %s are raised by %u, since others have them, too", path, structure, offset);
     }
     take_labels(planning, list, count, offset);
-    *LIST_ADD(job, &planning->manifest->areas) = (struct manifest_area){.file = job_copy(job, text_from(surface->name)),
-                                                                        .vertex_labels = name_map(planning),
-                                                                        .noted = true,
-                                                                        .label_offset = offset};
+    const struct scene_item area = {.kind = ITEM_AREA,
+                                    .file = job_copy(job, text_from(surface->name)),
+                                    .vertex_labels = name_map(planning),
+                                    .noted = true,
+                                    .label_offset = offset};
+    scene_add(job, planning->scene, &area);
 }
 
 static void plan_voxels(struct planning *planning, const uint32_t *list, size_t count)
 {
-    planning->manifest->single = true;
-    *LIST_ADD(planning->job, &planning->manifest->parcellations) =
-        (struct manifest_parcellation){.source.file = name_map(planning), .noted = true};
+    const struct scene_item voxels = {.kind = ITEM_PARCELLATION, .file = name_map(planning), .noted = true};
+    scene_add(planning->job, planning->scene, &voxels);
     take_labels(planning, list, count, 0);
 }
 
@@ -108,9 +109,9 @@ static void plan_model(struct planning *planning, const struct cifti_model *mode
     }
 }
 
-void plan_cifti(struct job *job, struct manifest *out, const struct cifti_file *file)
+void plan_cifti(struct job *job, struct scene *out, const struct cifti_file *file)
 {
-    struct planning planning = {.job = job, .file = file, .manifest = out};
+    struct planning planning = {.job = job, .file = file, .scene = out};
     if (!job_step(job)) { /* there is no file */
         return;
     }

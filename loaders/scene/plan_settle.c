@@ -92,7 +92,7 @@ static void drop_voxels(const struct area_plan *plan, const struct parcellations
 }
 
 static void apply_preference(struct job *job, struct area_plan *plan, const struct parcellations *all,
-                             const uint64_t *counts, enum manifest_preference preference)
+                             const uint64_t *counts, enum scene_preference preference)
 {
     size_t shared = 0;
     const struct planned_area *first = NULL;
@@ -100,12 +100,12 @@ static void apply_preference(struct job *job, struct area_plan *plan, const stru
         first = counts[i] && !first ? &plan->areas.at[i] : first;
         shared += counts[i] > 0;
     }
-    if (first && preference == MANIFEST_PREFER_NONE) {
+    if (first && preference == SCENE_PREFER_NONE) {
         job_bad(job,
                 "areas[%zu]: label %u of %s is in the parcellation, too: say \"prefer\": \"areas\" or "
                 "\"parcellation\"",
                 first->entry, first->label.number, path_base(first->path));
-    } else if (first && preference == MANIFEST_PREFER_PARCELLATION) {
+    } else if (first && preference == SCENE_PREFER_PARCELLATION) {
         drop_surfaces(plan, counts);
         job_note(job, "labels that are both a surface and voxels: %zu, the voxels are taken", shared);
     } else if (first) {
@@ -115,7 +115,7 @@ static void apply_preference(struct job *job, struct area_plan *plan, const stru
 }
 
 void area_plan_settle(struct job *job, struct area_plan *plan, struct parcellations *all,
-                      enum manifest_preference preference)
+                      enum scene_preference preference)
 {
     const size_t count = plan->areas.count;
     uint64_t *counts = job_zeroed(job, count + 1, sizeof *counts); /* voxels of each planned area's label */

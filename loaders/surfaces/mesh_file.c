@@ -165,7 +165,7 @@ void surface_read(struct job *job, struct mesh *out, struct label *about, const 
     struct mesh mesh = {0};
     struct label said = {0};
     if (mesh_format_is_foreign(source_format(job, path, ROLE_SURFACE))) {
-        mesh_foreign_file(job, out, path, options->space);
+        mesh_foreign_files(job, out, &path, 1, options->space);
         return;
     }
     const size_t place = job_in(job, path, JOB_ALONE);
@@ -377,51 +377,4 @@ void surface_labels_read(struct job *job, struct vertex_labels *out, const char 
     } else {
         vertex_labels_finish(&labels);
     }
-}
-
-/* What a bridge is asked for, on its job. */
-static struct mesh_file_options begin_bridge(struct job *job, const struct mesh_file_options *options)
-{
-    struct mesh_file_options out = options ? *options : (struct mesh_file_options){0};
-    job->max_memory = out.max_memory;
-    out.is_made_of = out.read != NULL;
-    return out;
-}
-
-conus_status mesh_file_read(struct mesh *out, struct label *about, const char *path,
-                            const struct mesh_file_options *options, struct notes *notes)
-{
-    struct job job = {0};
-    struct mesh mesh = {0};
-    struct label said = {0};
-    const struct mesh_file_options all = begin_bridge(&job, options);
-    surface_read(&job, &mesh, &said, path, &all);
-    conus_status status = job_close(&job, notes, all.read);
-    if (status || !about) {
-        label_finish(&said);
-    } else {
-        *about = said;
-    }
-    if (status) {
-        mesh_finish(&mesh);
-    } else {
-        *out = mesh;
-    }
-    return status;
-}
-
-conus_status vertex_labels_read(struct vertex_labels *out, const char *path, const struct mesh_file_options *options,
-                                struct notes *notes)
-{
-    struct job job = {0};
-    struct vertex_labels labels = {0};
-    const struct mesh_file_options all = begin_bridge(&job, options);
-    surface_labels_read(&job, &labels, path, &all);
-    conus_status status = job_close(&job, notes, all.read);
-    if (status) {
-        vertex_labels_finish(&labels);
-    } else {
-        *out = labels;
-    }
-    return status;
 }

@@ -12,12 +12,10 @@
 /** Zero is the default of each. */
 struct mesh_file_options {
     enum mesh_space space;
-    bool external;          /**< GIFTI arrays may lie in other files in the same folder. */
-    bool is_made_of;        /**< The file that is read is one of the job's. */
-    const char *surface;    /**< For labels: the surface whose vertices they label; NULL if not known. */
-    char hemisphere;        /**< For labels: 'L' or 'R', used if the surface does not name its structure. */
-    uint64_t max_memory;    /**< Of the bridges, for a file, and for the numbers of one array; 0 = 8 GiB. */
-    struct file_sums *read; /**< Of the bridges: gets the file that is read. */
+    bool external;       /**< GIFTI arrays may lie in other files in the same folder. */
+    bool is_made_of;     /**< The file that is read is one of the job's. */
+    const char *surface; /**< For labels: the surface whose vertices they label; NULL if not known. */
+    char hemisphere;     /**< For labels: 'L' or 'R', used if the surface does not name its structure. */
 };
 
 /** The name in the file name of @p path: "lh.pial" of "lh.pial.surf.gii.gz". The caller's to memory_free(); NULL
@@ -59,13 +57,6 @@ void vertex_labels_finish(struct vertex_labels *labels);
  * errors carry the path. @p out is untouched by a failure. */
 void surface_labels_read(struct job *job, struct vertex_labels *out, const char *path,
                          const struct mesh_file_options *options);
-
-/* Bridge: the same without a job, for the scene's plans and areas, whose notes wait beside its job, until it is one
- * loop. @p options may be NULL. */
-conus_status mesh_file_read(struct mesh *out, struct label *about, const char *path,
-                            const struct mesh_file_options *options, struct notes *notes);
-conus_status vertex_labels_read(struct vertex_labels *out, const char *path, const struct mesh_file_options *options,
-                                struct notes *notes);
 
 /** Whether mesh_foreign.h reads a surface of @p format, of ROLE_SURFACE: GIFTI and FreeSurfer are others. NULL is
  * none. */

@@ -231,7 +231,7 @@ static void find_sites(struct job *job, size_t *out, const conus_sites *sites, d
     struct mesh mesh = {0};
     struct site_cubes cubes = {0};
     const struct mesh_file_options options = {.external = true};
-    (void)JOB_CALL(job, mesh_file_read(&mesh, NULL, sites->path, &options, &job->notes));
+    surface_read(job, &mesh, NULL, sites->path, &options);
     if (mesh.vertex_count != sites->vertex_count) {
         job_bad(job, "%s: the file has changed meanwhile", sites->path);
     }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Manifests: any bytes parse or are refused. */
-#include "loaders/manifest/manifest.h"
+/* Manifests: any bytes parse or are refused; what was read can be written, and that be read. */
+#include "loaders/manifest/scene.h"
 
 #include <stdint.h>
 
@@ -9,8 +9,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct job job = {0};
-    struct manifest manifest;
-    manifest_parse(&job, &manifest, (struct text){(const char *)data, size});
+    struct scene scene;
+    scene_read(&job, &scene, (struct text){(const char *)data, size});
+    if (job_ok(&job)) {
+        scene_read(&job, &scene, scene_write(&job, &scene));
+    }
     job_end(&job);
     return 0;
 }

@@ -9,6 +9,7 @@
 #include "base/memory.h"
 #include "loaders/cifti/cifti_file.h"
 #include "loaders/surfaces/mesh_file.h"
+#include "tests/support/mesh_on_job.h"
 
 #include <stdio.h>
 #include <stdlib.h>

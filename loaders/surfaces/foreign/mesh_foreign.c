@@ -201,16 +201,21 @@ static void read_file(const struct foreign_out *out, struct reading *work, const
     job_release(job, mark);
 }
 
-void mesh_foreign_file(struct job *job, struct mesh *out, const char *path, enum mesh_space space)
+void mesh_foreign_files(struct job *job, struct mesh *out, const char *const *paths, size_t count,
+                        enum mesh_space space)
 {
     struct reading work = {.job = job, .space = space};
-    struct mesh mesh = {0};
-    read_file(&(struct foreign_out){.mesh = &mesh}, &work, path);
+    struct mesh *meshes = job_zeroed(job, count, sizeof *meshes);
+    for (size_t i = 0; i < count && job_ok(job); i++) {
+        read_file(&(struct foreign_out){.mesh = &meshes[i]}, &work, paths[i]);
+    }
     say_unstated(&work);
-    if (job_ok(job)) {
-        *out = mesh;
-    } else {
-        mesh_finish(&mesh);
+    for (size_t i = 0; meshes && i < count; i++) {
+        if (job_ok(job)) {
+            out[i] = meshes[i];
+        } else {
+            mesh_finish(&meshes[i]);
+        }
     }
 }
 
@@ -244,27 +249,4 @@ void mesh_foreign_objects(struct job *job, struct mesh_parts *parts, struct labe
         mesh_parts_finish(&objects);
         label_table_finish(names);
     }
-}
-
-conus_status mesh_foreign_read(struct mesh *out, const char *const *paths, size_t count,
-                               const struct mesh_foreign_options *options, struct notes *notes)
-{
-    struct job job = {.max_memory = options ? options->max_memory : 0};
-    struct reading work = {.job = &job, .space = options ? options->space : MESH_SPACE_UNSTATED};
-    struct mesh *meshes = job_zeroed(&job, count, sizeof *meshes);
-    for (size_t i = 0; meshes && i < count && job_ok(&job); i++) {
-        read_file(&(struct foreign_out){.mesh = &meshes[i]}, &work, paths[i]);
-    }
-    say_unstated(&work);
-    if (job.notes.count) {
-        (void)JOB_CALL(&job, notes_move(notes, &job.notes));
-    }
-    for (size_t i = 0; meshes && i < count; i++) {
-        if (job_ok(&job)) {
-            out[i] = meshes[i];
-        } else {
-            mesh_finish(&meshes[i]);
-        }
-    }
-    return job_close(&job, notes, NULL);
 }

@@ -9,25 +9,16 @@
 #include "atlas/surface/mesh_split.h"
 #include "base/job/job.h"
 
-/** Reads the file @p path, in world mm, checked by mesh_check(), path set: @p out is the caller's to finish, and
- * untouched by a failure. Polygons and strips become triangles; LPS coordinates, RAS. Notes say what mesh_check()
- * finds, and that the file does not state its space, which is then RAS; @p space overrides what it states. */
-void mesh_foreign_file(struct job *job, struct mesh *out, const char *path, enum mesh_space space);
+/** Reads @p count files into @p out[count], in world mm, checked by mesh_check(), path set: all of them, which are the
+ * caller's to finish, or none. Polygons and strips become triangles; LPS coordinates, RAS. Notes say what mesh_check()
+ * finds; one says how many files do not state their space, which is then RAS; @p space overrides what they state. */
+void mesh_foreign_files(struct job *job, struct mesh *out, const char *const *paths, size_t count,
+                        enum mesh_space space);
 
 /** Reads the file @p path into @p parts: one per object ("o NAME") of an OBJ that has several, numbered from 1 in the
  * order in which they come first, else the whole surface as part 1. @p names, which is empty, gets an entry per part,
- * without a name where the file gives none. Otherwise like mesh_foreign_file(). */
+ * without a name where the file gives none. Otherwise like mesh_foreign_files(). */
 void mesh_foreign_objects(struct job *job, struct mesh_parts *parts, struct label_table *names, const char *path,
                           enum mesh_space space);
-
-struct mesh_foreign_options {
-    enum mesh_space space; /**< Overrides the space that the files state; MESH_SPACE_UNSTATED = as they state. */
-    uint64_t max_memory;   /**< Of the job. */
-};
-
-/** Reads @p count files into @p out[count], all of them, or none; one note says how many do not state their space.
- * Bridge: load_areas.c, whose notes wait beside its job, until the scene is one loop. */
-conus_status mesh_foreign_read(struct mesh *out, const char *const *paths, size_t count,
-                               const struct mesh_foreign_options *options, struct notes *notes);
 
 #endif

@@ -11,6 +11,7 @@
 #include "loaders/volumes/volume_file.h"
 #include "sources/source.h"
 #include "test.h"
+#include "tests/support/mesh_on_job.h"
 #include "volume_on_job.h"
 
 #include <stdio.h>

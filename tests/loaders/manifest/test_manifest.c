@@ -2,7 +2,7 @@
 /* The manifest's keys, and progress of a load. Faults and scenes: tests/corpus/manifest/ and scene/. */
 #include "conus/file.h"
 #include "conus/phantom.h"
-#include "loaders/manifest/manifest.h"
+#include "loaders/manifest/scene.h"
 #include "test.h"
 
 #include <math.h>
@@ -45,28 +45,40 @@ static const char several[] =
 static conus_status parse(struct text text)
 {
     struct job job = {0};
-    struct manifest m;
-    manifest_parse(&job, &m, text);
+    struct scene m;
+    scene_read(&job, &m, text);
     return job_close(&job, NULL, NULL);
+}
+
+/* Item `index` of the kinds. */
+static const struct scene_item *at(const struct scene *scene, unsigned kinds, size_t index)
+{
+    const struct scene_item *item = scene_next(scene, kinds, NULL);
+    while (item && index--) {
+        item = scene_next(scene, kinds, item);
+    }
+    assert_non_null(item);
+    return item;
 }
 
 static void parcellations_are_kept_in_their_order(void **state)
 {
     (void)state;
     struct job job = {0};
-    struct manifest m;
-    manifest_parse(&job, &m, text_from(several));
+    struct scene m;
+    scene_read(&job, &m, text_from(several));
     assert_true(job_ok(&job));
-    assert_int_equal(m.parcellations.count, 3);
-    assert_false(m.single);
-    assert_string_equal(m.parcellations.at[0].source.file, "lh.nii.gz");
-    assert_int_equal(m.parcellations.at[0].hemisphere, 0);
-    assert_int_equal(m.parcellations.at[1].hemisphere, 'R');
-    assert_int_equal(m.parcellations.at[1].label_offset, 1000);
-    assert_int_equal(m.parcellations.at[2].source.volume, 1);
-    assert_string_equal(m.parcellations.at[2].labels, "wm.txt");
-    assert_near(m.parcellations.at[2].source.resolution[2], 3, 0);
-    assert_string_equal(m.parcellations.at[2].source.orientation, "asr");
+    assert_int_equal(scene_count(&m, ITEM_PARCELLATION), 3);
+    assert_string_equal(at(&m, ITEM_PARCELLATION, 2)->list, "parcellations");
+    assert_int_equal(at(&m, ITEM_PARCELLATION, 2)->index, 2);
+    assert_string_equal(at(&m, ITEM_PARCELLATION, 0)->file, "lh.nii.gz");
+    assert_int_equal(at(&m, ITEM_PARCELLATION, 0)->label.hemisphere, 0);
+    assert_int_equal(at(&m, ITEM_PARCELLATION, 1)->label.hemisphere, 'R');
+    assert_int_equal(at(&m, ITEM_PARCELLATION, 1)->label_offset, 1000);
+    assert_int_equal(at(&m, ITEM_PARCELLATION, 2)->volume, 2);
+    assert_string_equal(at(&m, ITEM_PARCELLATION, 2)->labels, "wm.txt");
+    assert_near(at(&m, ITEM_PARCELLATION, 2)->resolution[2], 3, 0);
+    assert_string_equal(at(&m, ITEM_PARCELLATION, 2)->orientation, "asr");
     job_end(&job);
 }
 
@@ -74,38 +86,36 @@ static void every_key_of_areas_is_kept(void **state)
 {
     (void)state;
     struct job job = {0};
-    struct manifest m;
+    struct scene m;
     assert_true(manifest_is(text_from(whole)));
-    manifest_parse(&job, &m, text_from(whole));
+    scene_read(&job, &m, text_from(whole));
     assert_true(job_ok(&job));
     assert_true(m.allow_outside);
-    assert_int_equal(m.parcellations.count, 1);
-    assert_true(m.single);
-    assert_string_equal(m.parcellations.at[0].source.file, "/data/aal.nii");
-    assert_true(m.parcellations.at[0].source.chosen);
-    assert_int_equal(m.parcellations.at[0].source.volume, 2);
-    assert_string_equal(m.parcellations.at[0].labels, "../aal.txt");
-    assert_int_equal(m.parcellations.at[0].label_offset, 3);
-    assert_int_equal(m.parcellations.at[0].hemisphere, 'B');
-    assert_int_equal(m.areas.count, 4);
-    assert_string_equal(m.areas.at[0].file, "1.gii");
-    assert_true(m.areas.at[1].has_label);
-    assert_int_equal(m.areas.at[1].label.number, 7);
-    assert_string_equal(m.areas.at[1].label.name, "B");
-    assert_int_equal(m.areas.at[1].label.rgb[1], 11);
-    assert_int_equal(m.areas.at[1].label.parent, 9);
-    assert_int_equal(m.areas.at[1].label.hemisphere, 'R');
-    assert_string_equal(m.areas.at[2].files, "lh/*.gii");
-    assert_string_equal(m.areas.at[2].labels, "lh.tsv");
-    assert_int_equal(m.areas.at[2].label_offset, 1000);
-    assert_string_equal(m.areas.at[3].brainglobe, "mouse");
-    assert_true(m.areas.at[3].all_structures);
-    assert_near(m.areas.at[3].scale, 1, 0);
-    assert_string_equal(m.areas.at[3].orientation, "ras");
+    assert_int_equal(scene_count(&m, ITEM_PARCELLATION), 1);
+    assert_int_equal(at(&m, ITEM_PARCELLATION, 0)->index, JOB_ALONE);
+    assert_string_equal(at(&m, ITEM_PARCELLATION, 0)->file, "/data/aal.nii");
+    assert_int_equal(at(&m, ITEM_PARCELLATION, 0)->volume, 3);
+    assert_string_equal(at(&m, ITEM_PARCELLATION, 0)->labels, "../aal.txt");
+    assert_int_equal(at(&m, ITEM_PARCELLATION, 0)->label_offset, 3);
+    assert_int_equal(at(&m, ITEM_PARCELLATION, 0)->label.hemisphere, 'B');
+    assert_int_equal(scene_count(&m, ITEM_SURFACES), 4);
+    assert_string_equal(at(&m, ITEM_SURFACES, 0)->file, "1.gii");
+    assert_int_equal(at(&m, ITEM_SURFACES, 1)->label.number, 7);
+    assert_string_equal(at(&m, ITEM_SURFACES, 1)->label.name, "B");
+    assert_int_equal(at(&m, ITEM_SURFACES, 1)->label.rgb[1], 11);
+    assert_int_equal(at(&m, ITEM_SURFACES, 1)->label.parent, 9);
+    assert_int_equal(at(&m, ITEM_SURFACES, 1)->label.hemisphere, 'R');
+    assert_string_equal(at(&m, ITEM_SURFACES, 2)->file, "lh/*.gii");
+    assert_string_equal(at(&m, ITEM_SURFACES, 2)->labels, "lh.tsv");
+    assert_int_equal(at(&m, ITEM_SURFACES, 2)->label_offset, 1000);
+    assert_string_equal(at(&m, ITEM_SURFACES, 3)->file, "mouse");
+    assert_true(at(&m, ITEM_SURFACES, 3)->all_structures);
+    assert_near(at(&m, ITEM_SURFACES, 3)->scale, 1, 0);
+    assert_string_equal(at(&m, ITEM_SURFACES, 3)->orientation, "ras");
     assert_int_equal(m.space, MESH_SPACE_LPS);
-    assert_int_equal(m.prefer, MANIFEST_PREFER_AREAS);
-    assert_int_equal(m.tree.count, 2);
-    assert_string_equal(m.tree.at[0].name, "Nine");
+    assert_int_equal(m.prefer, SCENE_PREFER_AREAS);
+    assert_int_equal(scene_count(&m, ITEM_NODE), 2);
+    assert_string_equal(at(&m, ITEM_NODE, 0)->label.name, "Nine");
     job_end(&job);
 }
 
@@ -113,35 +123,136 @@ static void every_key_of_pathways_transforms_and_context_is_kept(void **state)
 {
     (void)state;
     struct job job = {0};
-    struct manifest m;
-    manifest_parse(&job, &m, text_from(whole));
+    struct scene m;
+    scene_read(&job, &m, text_from(whole));
     assert_true(job_ok(&job));
     assert_near(m.threshold, 0.3, 0);
-    assert_int_equal(m.transforms.count, 2);
-    assert_false(m.single_transform);
-    assert_string_equal(m.transforms.at[0].file, "a.mat");
-    assert_string_equal(m.transforms.at[0].from, "t1.nii");
-    assert_string_equal(m.transforms.at[0].to, "../mni.nii");
-    assert_true(m.transforms.at[0].inverse && !m.transforms.at[1].inverse);
-    assert_string_equal(m.transforms.at[1].file, "b.tfm");
-    assert_true(m.pathways.at[1].moves && !m.pathways.at[0].moves && m.contexts.at[0].moves);
-    assert_int_equal(m.pathways.count, 5);
-    assert_int_equal(m.pathways.at[4].bands.count, 3);
-    assert_string_equal(m.pathways.at[4].bands.at[0].name, "Air");
-    assert_true(m.pathways.at[4].bands.at[0].low == -INFINITY && m.pathways.at[4].bands.at[0].high == -200);
-    assert_true(m.pathways.at[4].bands.at[1].low == -200 && m.pathways.at[4].bands.at[1].high == -50.5);
-    assert_true(m.pathways.at[4].bands.at[2].low == 300 && m.pathways.at[4].bands.at[2].high == INFINITY);
-    assert_string_equal(m.pathways.at[0].source.file, "fornix.nii.gz");
-    assert_false(m.pathways.at[0].source.chosen);
-    assert_string_equal(m.pathways.at[1].name, "Cingulum");
-    assert_near(m.pathways.at[1].threshold, 12.5, 0);
-    assert_int_equal(m.pathways.at[2].names.count, 2);
-    assert_string_equal(m.pathways.at[2].names.at[1], "b");
-    assert_string_equal(m.pathways.at[3].fsl, "JHU.xml");
-    assert_string_equal(m.contexts.at[0].source.file, "t1.nii");
-    assert_true(m.contexts.at[0].source.chosen && m.contexts.at[0].transfer_is_file);
-    assert_string_equal(m.contexts.at[0].transfer, "t1.tf");
-    assert_near(m.contexts.at[0].blocks, 80, 0);
+    assert_int_equal(scene_count(&m, ITEM_TRANSFORM), 2);
+    assert_int_equal(at(&m, ITEM_TRANSFORM, 1)->index, 1);
+    assert_string_equal(at(&m, ITEM_TRANSFORM, 0)->file, "a.mat");
+    assert_string_equal(at(&m, ITEM_TRANSFORM, 0)->from, "t1.nii");
+    assert_string_equal(at(&m, ITEM_TRANSFORM, 0)->to, "../mni.nii");
+    assert_true(at(&m, ITEM_TRANSFORM, 0)->inverse && !at(&m, ITEM_TRANSFORM, 1)->inverse);
+    assert_string_equal(at(&m, ITEM_TRANSFORM, 1)->file, "b.tfm");
+    assert_true(at(&m, ITEM_PATHWAY, 1)->moves && !at(&m, ITEM_PATHWAY, 0)->moves && at(&m, ITEM_CONTEXT, 0)->moves);
+    assert_int_equal(scene_count(&m, ITEM_PATHWAY), 5);
+    assert_int_equal(at(&m, ITEM_PATHWAY, 4)->bands.count, 3);
+    assert_string_equal(at(&m, ITEM_PATHWAY, 4)->bands.at[0].name, "Air");
+    assert_true(at(&m, ITEM_PATHWAY, 4)->bands.at[0].low == -INFINITY &&
+                at(&m, ITEM_PATHWAY, 4)->bands.at[0].high == -200);
+    assert_true(at(&m, ITEM_PATHWAY, 4)->bands.at[1].low == -200 && at(&m, ITEM_PATHWAY, 4)->bands.at[1].high == -50.5);
+    assert_true(at(&m, ITEM_PATHWAY, 4)->bands.at[2].low == 300 &&
+                at(&m, ITEM_PATHWAY, 4)->bands.at[2].high == INFINITY);
+    assert_string_equal(at(&m, ITEM_PATHWAY, 0)->file, "fornix.nii.gz");
+    assert_int_equal(at(&m, ITEM_PATHWAY, 0)->volume, 0);
+    assert_string_equal(at(&m, ITEM_PATHWAY, 1)->label.name, "Cingulum");
+    assert_near(at(&m, ITEM_PATHWAY, 1)->threshold, 12.5, 0);
+    assert_int_equal(at(&m, ITEM_PATHWAY, 2)->names.count, 2);
+    assert_string_equal(at(&m, ITEM_PATHWAY, 2)->names.at[1], "b");
+    assert_string_equal(at(&m, ITEM_PATHWAY, 3)->fsl, "JHU.xml");
+    assert_string_equal(at(&m, ITEM_CONTEXT, 0)->file, "t1.nii");
+    assert_int_equal(at(&m, ITEM_CONTEXT, 0)->volume, 1);
+    assert_null(at(&m, ITEM_CONTEXT, 0)->transfer);
+    assert_string_equal(at(&m, ITEM_CONTEXT, 0)->transfer_file, "t1.tf");
+    assert_near(at(&m, ITEM_CONTEXT, 0)->blocks, 80, 0);
+    job_end(&job);
+}
+
+/* A scene with every key: what is written is read as the same, and written as the same again. */
+static void what_is_written_is_read_as_the_same(void **state)
+{
+    (void)state;
+    static const char rest[] =
+        "{\"conus_atlas\": 1, \"probabilities\": [{\"file\": \"p.nii\", \"volume\": 0, \"name\": \"P\", \"scale\": "
+        "100}],"
+        " \"template\": \"none\", \"ccf\": \"asl\", \"streamlines\": [{\"file\": \"s.trk\", \"name\": \"S\", "
+        "\"radius\": 2,"
+        " \"space\": \"lps\", \"moves\": true}], \"transform\": {\"file\": \"w.nii\", \"grid\": \"g.nii\", \"vectors\":"
+        " \"absolute\", \"space\": \"ras\", \"transform\": 0}, \"context\": [{\"file\": \"a.nii\", \"transfer\": "
+        "\"ct\"},"
+        " {\"file\": \"a.obj\", \"opacity\": 0.5}]}";
+    const char *texts[] = {whole, several, rest};
+    const struct {
+        const char *text;
+        size_t count; /* in what is written of all */
+    } keys[] = {{"\"file\"", 20},
+                {"\"files\"", 1},
+                {"\"brainglobe\"", 1},
+                {"\"volume\"", 5},
+                {"\"resolution\"", 1},
+                {"\"orientation\"", 2},
+                {"\"structures\"", 1},
+                {"\"labels\"", 3},
+                {"\"label\"", 3},
+                {"\"label_offset\"", 3},
+                {"\"parent\"", 2},
+                {"\"fsl\"", 1},
+                {"\"name\"", 8},
+                {"\"abbreviation\"", 1},
+                {"\"#0a0b0c\"", 1},
+                {"\"hemisphere\"", 4},
+                {"\"names\"", 1},
+                {"\"threshold\"", 2},
+                {"\"scale\"", 2},
+                {"\"bands\"", 1},
+                {"\"low\"", 2},
+                {"\"high\"", 2},
+                {"\"radius\"", 1},
+                {"\"from\"", 1},
+                {"\"to\"", 1},
+                {"\"inverse\"", 1},
+                {"\"grid\"", 1},
+                {"\"vectors\"", 1},
+                {"\"space\"", 3},
+                {"\"transform\"", 3},
+                {"\"transfer\"", 2},
+                {"\"blocks\"", 1},
+                {"\"opacity\"", 1},
+                {"\"moves\"", 3},
+                {"\"allow_outside\"", 1},
+                {"\"parcellation\"", 1},
+                {"\"parcellations\"", 1},
+                {"\"template\"", 1},
+                {"\"ccf\"", 1},
+                {"\"prefer\"", 1},
+                {"\"tree\"", 1},
+                {"\"conus_atlas\"", 3}};
+    size_t found[sizeof keys / sizeof keys[0]] = {0};
+    for (size_t i = 0; i < 3; i++) {
+        struct job job = {0};
+        struct scene first;
+        struct scene second;
+        scene_read(&job, &first, text_from(texts[i]));
+        const struct text written = scene_write(&job, &first);
+        scene_read(&job, &second, written);
+        const struct text again = scene_write(&job, &second);
+        assert_string_equal(job.message, "");
+        assert_string_equal(written.data, again.data);
+        assert_int_equal(first.items.count, second.items.count);
+        for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++) {
+            for (const char *c = written.data; (c = strstr(c, keys[k].text)); c++) {
+                found[k]++;
+            }
+        }
+        job_end(&job);
+    }
+    for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++) {
+        if (found[k] != keys[k].count) {
+            fail_msg("%s: %zu, not %zu", keys[k].text, found[k], keys[k].count);
+        }
+    }
+}
+
+/* A name of Latin-1 cannot stand in JSON. */
+static void names_that_are_no_utf8_are_not_written(void **state)
+{
+    (void)state;
+    struct job job = {0};
+    struct scene scene = {0};
+    scene_add(&job, &scene, &(struct scene_item){.kind = ITEM_PARCELLATION, .file = "caf\xe9.nii"});
+    (void)scene_write(&job, &scene);
+    assert_int_equal(job.status, CONUS_ERROR_DATA);
+    assert_non_null(strstr(job.message, "is no UTF-8"));
     job_end(&job);
 }
 
@@ -266,6 +377,8 @@ TEST_GROUP(manifest)
         cmocka_unit_test(every_key_of_areas_is_kept),
         cmocka_unit_test(every_key_of_pathways_transforms_and_context_is_kept),
         cmocka_unit_test(parcellations_are_kept_in_their_order),
+        cmocka_unit_test(what_is_written_is_read_as_the_same),
+        cmocka_unit_test(names_that_are_no_utf8_are_not_written),
         cmocka_unit_test(what_is_no_manifest_is_refused),
         cmocka_unit_test(progress_is_reported_file_by_file),
         cmocka_unit_test(a_load_can_be_cancelled_at_each_file),

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Limits on the lists of a manifest. */
 #include "base/buffer.h"
-#include "loaders/manifest/manifest.h"
+#include "loaders/manifest/scene.h"
 #include "test.h"
 
 #include <stdio.h>
@@ -22,7 +22,7 @@ static void long_lists_are_refused(void **state)
     for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
         for (size_t more = 0; more < 2; more++) {
             struct job job = {0};
-            struct manifest m;
+            struct scene m;
             struct buffer text = {0};
             char message[80];
             buffer_format(&text, "{\"conus_atlas\": 1, %s\"%s\": [", lists[i].before, lists[i].key);
@@ -30,7 +30,7 @@ static void long_lists_are_refused(void **state)
                 buffer_text(&text, k ? ", \"a\"" : "\"a\"");
             }
             buffer_text(&text, "]}");
-            manifest_parse(&job, &m, text_from(text.data));
+            scene_read(&job, &m, text_from(text.data));
             conus_status status = job_close(&job, NULL, NULL);
             bool fine = !more || lists[i].most == 5000;
             if (fine && status) {

@@ -7,6 +7,7 @@
 #include "builders/nifti_builder.h"
 #include "sources/source.h"
 #include "test.h"
+#include "tests/support/mesh_on_job.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -148,12 +149,13 @@ static void errors_carry_the_path(void **state)
     struct mesh mesh = {0};
     struct notes notes = {0};
     const struct buffer text = {.data = (char *)"hello", .size = 5};
-    const struct mesh_file_options small = {.max_memory = 4};
+    struct job small = {.max_memory = 4};
     const char *path = write_bytes("text.gii", &text);
     assert_fails(mesh_file_read(&mesh, NULL, path, NULL, &notes), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), path));
     assert_non_null(strstr(conus_message(), "found plain text, \"hello\"; needed is a surface (GIFTI, FreeSurfer"));
-    assert_fails(mesh_file_read(&mesh, NULL, path, &small, &notes), CONUS_ERROR_MEMORY);
+    surface_read(&small, &mesh, NULL, path, &(struct mesh_file_options){0});
+    assert_fails(job_close(&small, NULL, NULL), CONUS_ERROR_MEMORY);
     assert_fails(mesh_file_read(&mesh, NULL, "absent.gii", NULL, &notes), CONUS_ERROR_IO);
 }
 

@@ -10,6 +10,7 @@
 #include "loaders/surfaces/mesh_file.h"
 #include "loaders/surfaces/mesh_format.h"
 #include "test.h"
+#include "tests/support/mesh_on_job.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -8,6 +8,7 @@
 #include "loaders/surfaces/mesh_format.h"
 #include "sources/source.h"
 #include "test.h"
+#include "tests/support/mesh_on_job.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -25,11 +26,10 @@ static const char quads[] = "v 0 0 0\nv 3 0 0\nv 3 3 0\nv 0 3 0\nv 0 0 3\nv 3 0 
 static const char ply[] = "ply\nformat ascii 1.0\ncomment SPACE=LPS\nelement vertex 4\nproperty float x\n"
                           "property float y\nproperty float z\nelement face 4\nproperty list uchar int vertex_indices\n"
                           "end_header\n0 0 0\n3 0 0\n0 3 0\n0 0 3\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
-static void read_one(struct mesh *mesh, const char *path, const struct mesh_foreign_options *options,
-                     struct notes *notes)
+static void read_one(struct mesh *mesh, const char *path, enum mesh_space space, struct notes *notes)
 {
     const char *const paths[] = {path};
-    if (mesh_foreign_read(mesh, paths, 1, options, notes)) {
+    if (mesh_foreign_read(mesh, paths, 1, space, notes)) {
         fail_msg("%s", conus_message());
     }
     assert_string_equal(mesh->path, path);
@@ -62,7 +62,7 @@ static void a_file_of_many_objects_may_be_one_surface(void **state)
     (void)state;
     struct mesh mesh;
     struct notes notes = {0};
-    read_one(&mesh, write_text("objects.obj", objects, sizeof objects - 1), NULL, &notes);
+    read_one(&mesh, write_text("objects.obj", objects, sizeof objects - 1), MESH_SPACE_UNSTATED, &notes);
     assert_int_equal(mesh.triangle_count, 12);
     notes_finish(&notes);
     mesh_finish(&mesh);
@@ -71,13 +71,11 @@ static void a_file_of_many_objects_may_be_one_surface(void **state)
 static void the_caller_may_know_the_space_better(void **state)
 {
     (void)state;
-    const struct mesh_foreign_options lps = {.space = MESH_SPACE_LPS};
-    const struct mesh_foreign_options ras = {.space = MESH_SPACE_RAS};
     struct mesh mesh;
     struct notes notes = {0};
-    read_one(&mesh, write_text("cube.obj", quads, sizeof quads - 1), &lps, &notes);
+    read_one(&mesh, write_text("cube.obj", quads, sizeof quads - 1), MESH_SPACE_LPS, &notes);
     check_shape(&mesh, 27, -1.5, 1.5);
-    read_one(&mesh, write_text("lps.ply", ply, sizeof ply - 1), &ras, &notes);
+    read_one(&mesh, write_text("lps.ply", ply, sizeof ply - 1), MESH_SPACE_RAS, &notes);
     check_shape(&mesh, 4.5, 0.75, 0.75);
     assert_int_equal(notes.count, 0);
 }
@@ -119,7 +117,7 @@ static void what_we_write_is_read(void **state)
         struct notes notes = {0};
         assert_ok(mesh_format(&bytes, &mesh, &title, (conus_mesh_format)format));
         snprintf(name, sizeof name, "ours.%s", mesh_format_ending((conus_mesh_format)format));
-        read_one(&back, write_text(name, bytes.data, bytes.size), NULL, &notes);
+        read_one(&back, write_text(name, bytes.data, bytes.size), MESH_SPACE_UNSTATED, &notes);
         assert_int_equal(notes.count, 0);
         assert_int_equal(back.vertex_count, 4);
         assert_int_equal(back.triangle_count, 4);
@@ -140,11 +138,11 @@ static void one_bad_file_among_many_is_named(void **state)
     const char *const paths[] = {good, good, bad, good};
     struct mesh meshes[4] = {0};
     struct notes notes = {0};
-    assert_true(mesh_foreign_read(meshes, paths, 4, NULL, &notes) != CONUS_OK);
+    assert_true(mesh_foreign_read(meshes, paths, 4, MESH_SPACE_UNSTATED, &notes) != CONUS_OK);
     assert_non_null(strstr(conus_message(), "far.obj: "));
     assert_null(meshes[0].positions);
     notes_finish(&notes);
-    assert_ok(mesh_foreign_read(meshes, paths, 2, NULL, &notes));
+    assert_ok(mesh_foreign_read(meshes, paths, 2, MESH_SPACE_UNSTATED, &notes));
     assert_int_equal(notes.count, 1);
     assert_non_null(strstr(notes.lines[0], "2 mesh files do not state their space"));
     mesh_finish(&meshes[0]);
@@ -163,7 +161,7 @@ static void real_files_are_read(void **state)
         struct mesh_shape shape;
         struct notes notes = {0};
         snprintf(name, sizeof name, "meshes/format-zoo/%s", cubes[i]);
-        read_one(&mesh, test_shared(name), NULL, &notes);
+        read_one(&mesh, test_shared(name), MESH_SPACE_UNSTATED, &notes);
         assert_ok(mesh_measure(&shape, &mesh));
         assert_int_equal(mesh.vertex_count, 8);
         assert_int_equal(mesh.triangle_count, 12);
@@ -182,7 +180,7 @@ static conus_status attempt(void *data)
     const char *const paths[] = {data, data};
     struct mesh meshes[2];
     struct notes notes = {0};
-    conus_status status = mesh_foreign_read(meshes, paths, 2, NULL, &notes);
+    conus_status status = mesh_foreign_read(meshes, paths, 2, MESH_SPACE_UNSTATED, &notes);
     for (int i = 0; !status && i < 2; i++) {
         mesh_finish(&meshes[i]);
     }

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file From a manifest to the atlas that it describes. */
-#ifndef CONUS_LOADERS_SCENE_LOAD_MANIFEST_H
-#define CONUS_LOADERS_SCENE_LOAD_MANIFEST_H
+/** @file From a scene to the atlas that it describes. */
+#ifndef CONUS_LOADERS_SCENE_SCENE_LOAD_H
+#define CONUS_LOADERS_SCENE_SCENE_LOAD_H
 
 #include "base/files/file.h"
-#include "loaders/manifest/manifest.h"
+#include "loaders/manifest/scene.h"
 #include "loaders/maps/named_maps.h"
 #include "loaders/scene/load_progress.h"
 
-/** Loads what the manifest in @p file, the bytes of @p path, names. A path that ends in '/' is a folder for which the
- * manifest was made up. What the job has noted and read before comes behind the atlas's own. */
+/** Loads what the manifest in @p file, the bytes of @p path, names. What the job has noted and read before comes behind
+ * the atlas's own. */
 void manifest_load(struct load *load, const char *path, const struct bytes *file);
 
-/** Loads what @p manifest, which was made up for the file or folder (with '/' at its end) @p path, names. @p names says
+/** Loads @p scene, which was made up for the file or folder (with '/' at its end) @p path, likewise. @p names says
  * where the names of its surfaces come from. */
-void manifest_load_made(struct load *load, const struct manifest *manifest, const char *path, const char *names);
+void scene_load(struct load *load, const struct scene *scene, const char *path, const char *names);
 
 /** Loads the volumes of @p path that @p maps names as areas of probabilities, if their values are some. */
 void named_maps_load(struct load *load, const char *path, const struct named_maps *maps);

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * What one scene is made of, and its JSON, the atlas manifest NAME.atlas.json (docs/formats.md, "Atlas manifest").
+ * Reading that opens none of the files. Strict: what the tables do not know is an error, with the key's path
+ * ("pathways[2].threshold"). */
+#ifndef CONUS_LOADERS_MANIFEST_SCENE_H
+#define CONUS_LOADERS_MANIFEST_SCENE_H
+
+#include "atlas/labels/labels.h"
+#include "atlas/surface/mesh_space.h"
+#include "base/job/job.h"
+
+enum {
+    MANIFEST_VERSION = 1,
+    MANIFEST_FEW = 64,   /**< The most entries of a list whose entries are all compared with each other: parcellations,
+                            transforms. */
+    MANIFEST_MANY = 4096 /**< Entries of a list of files: pathways, probabilities, streamlines, contexts. */
+};
+
+/** What an item is, which decides about the keys that it may have. */
+enum item_kind {
+    ITEM_PARCELLATION = 1 << 0,
+    ITEM_AREA = 1 << 1,          /**< One surface. */
+    ITEM_AREAS = 1 << 2,         /**< Those that match a pattern: * and ? in the last part of the path. */
+    ITEM_MESHES = 1 << 3,        /**< Those of a BrainGlobe folder of structures.json and meshes/ID.obj. */
+    ITEM_NODE = 1 << 4,          /**< A parent, or an area without a shape that groups others. */
+    ITEM_PROBABILITIES = 1 << 5, /**< An area, or with names or fsl one for each volume of a 4-D file. */
+    ITEM_PATHWAY = 1 << 6,       /**< Likewise, or one for each band. */
+    ITEM_STREAMLINES = 1 << 7,   /**< A tractogram: one bundle, or its groups. */
+    ITEM_TRANSFORM = 1 << 8,     /**< Of points from the space of poses to that of the areas. */
+    ITEM_CONTEXT = 1 << 9,
+    ITEM_SURFACES = ITEM_AREA | ITEM_AREAS | ITEM_MESHES,
+    ITEM_LABELLED = ITEM_SURFACES | ITEM_PARCELLATION
+};
+
+/** A thing that is loaded: what all kinds have, flat. Zero is the default of each. */
+struct scene_item {
+    enum item_kind kind;
+    const char *list;        /**< Its place in messages: the key, */
+    size_t index;            /**< and the index of the entry there, or JOB_ALONE. */
+    bool noted;              /**< The notes about the file of labels have been given; in no JSON. */
+    char *file;              /**< Or pattern, or folder; as written. NULL if fsl names the images. */
+    size_t volume;           /**< 1 + that of a 4-D file. */
+    double resolution[3];    /**< Micrometres along page, row, column of a TIFF stack; 0 = as metadata.json says. */
+    char *orientation;       /**< Where the axes start, three letters; NULL = as metadata.json says. */
+    unsigned all_structures; /**< Of a BrainGlobe folder: not only those that contain no other with a surface. */
+    char *labels;            /**< The table; NULL: as conus_atlas_load() finds it. Of ITEM_AREAS: none. */
+    uint32_t label_offset;   /**< Added to the labels of voxels, vertices, names of files, and of the table. */
+    struct label label;  /**< number 0: the first in the file's name. Hemisphere and parent are those of all areas that
+                            say none. */
+    char *vertex_labels; /**< Labels of the surface's vertices, which cut it into areas; NULL if none. */
+    char *fsl;           /**< An FSL atlas XML that names the volumes of the file, or of its own finest image. */
+    LIST(char *) names;  /**< Of the volumes. */
+    double threshold;    /**< 0 = the scene's, else the default. */
+    double scale;        /**< The value that means "certainly"; 0 = as the values say. Of meshes: mm per unit. */
+    LIST(conus_band) bands; /**< One pathway for each. */
+    double radius;          /**< mm; 0 = the default. */
+    char *from;             /**< The images of FSL's matrices; NULL otherwise. */
+    char *to;
+    bool inverse; /**< It moves points of the areas to where poses are. */
+    char *grid;   /**< For fields: a volume with the voxels of the moved areas; NULL = the field's. */
+    conus_vectors vectors;
+    conus_file_space space;
+    size_t transform;    /**< Place in a list of ITK's transforms: 1 + its number; 0 = none is chosen. */
+    char *transfer;      /**< A preset's name; NULL if none. */
+    char *transfer_file; /**< Or a file. */
+    double blocks;       /**< Threshold from which on it stops rays; 0 if it does not. */
+    double opacity;      /**< A surface's; 0 = the default. */
+    bool moves;          /**< It is moved with the areas. */
+};
+
+/** The Allen CCF: the world's origin is the corner where AP, DV and ML start. */
+enum scene_ccf {
+    SCENE_CCF_UNSTATED,
+    SCENE_CCF_ASR, /**< At the anterior, superior and right sides. */
+    SCENE_CCF_ASL  /**< At the anterior, superior and left sides.  */
+};
+
+/** Whether the surface or the voxels are the area where a label has both. */
+enum scene_preference { SCENE_PREFER_NONE, SCENE_PREFER_AREAS, SCENE_PREFER_PARCELLATION };
+
+struct scene {
+    bool allow_outside; /**< Paths may leave the manifest's folder. */
+    LIST(struct scene_item)
+    items;                 /**< Those of a kind are in their order: parcellations by priority, transforms as
+                              points go through them. */
+    enum mesh_space space; /**< The space of the surfaces' coordinates; unstated = as each file says. */
+    conus_brain brain;     /**< Whose the scene is, where poses are; 0 = unsaid. */
+    enum scene_ccf ccf;
+    enum scene_preference prefer;
+    double threshold; /**< For pathways that give none; 0 = the default. */
+};
+
+/** The first item of @p kinds behind @p item, or of all where that is NULL; NULL if there is none. */
+struct scene_item *scene_next(const struct scene *scene, unsigned kinds, const struct scene_item *item);
+size_t scene_count(const struct scene *scene, unsigned kinds);
+
+/** Adds @p item, at the end of its list. */
+struct scene_item *scene_add(struct job *job, struct scene *scene, const struct scene_item *item);
+
+/** True where @p text looks like a manifest: a JSON object with the key "conus_atlas". */
+bool manifest_is(struct text text);
+
+/** Reads the manifest @p text. All that the scene has is the job's. CONUS_ERROR_DATA with the key, or line and column
+ * where it is no JSON. */
+void scene_read(struct job *job, struct scene *out, struct text text);
+
+/** Writes it as a manifest. */
+struct text scene_write(struct job *job, const struct scene *scene);
+
+/** How many files there are besides surfaces and label tables. Volumes of one file count each: they are unpacked one by
+ * one. */
+size_t scene_file_count(const struct scene *scene);
+
+#endif
