@@ -110,9 +110,10 @@ static int print_failure(const struct overlap *overlap, const char *path, int co
     messages_hold(false);
     if (is_atlas) {
         print_error_line("%s; %s is an atlas%s%s", why, path,
-                         changed ? ": ATLAS comes first, then ROI"
-                                 : ", and no region: ROI is a mask or a map, whose parts in that atlas are listed, too, "
-                                   "by --atlas ",
+                         changed
+                             ? ": ATLAS comes first, then ROI"
+                             : ", and no region: ROI is a mask or a map, whose parts in that atlas are listed, too, "
+                               "by --atlas ",
                          changed ? "" : path);
     } else {
         print_error_line("%s%s", why, strstr(why, "a threshold is needed") ? ": --threshold T" : "");
