@@ -154,12 +154,14 @@ conus_status cap_check(conus_pose_list *list, struct notes *notes)
     }
     size_t count = find_pairs(pairs, list, true);
     double radius = count && scale == 0 ? centre(pairs, count, offsetof(struct pair, point)) : INFINITY;
-    conus_status status = radius > HEAD_OF_CM
-                              ? CONUS_OK
-                              : fail(CONUS_ERROR_DATA,
-                                     "a cap without a unit: half of its positions lie within %.3g of their middle, so "
-                                     "these are %s; save it in mm",
-                                     radius, radius > HEAD_OF_M ? "centimetres" : "metres, or a sphere of radius 1");
+    conus_status status =
+        radius > HEAD_OF_CM
+            ? CONUS_OK
+            : fail(CONUS_ERROR_DATA,
+                   "a cap without a unit: half of its positions lie within %.3g of their middle, so "
+                   "these are %s behind FILE takes them so",
+                   radius,
+                   radius > HEAD_OF_M ? "centimetres: ',unit=cm'" : "metres, or a sphere of radius 1: ',unit=m'");
     for (size_t i = 0; scale > 0 && i < list->count; i++) {
         double *p = list->rows[i].pose.world_from_device + 12;
         vec3_scale(p, p, scale);

@@ -148,14 +148,19 @@ static conus_status tilt_pose(conus_pose *pose, const struct pose_candidates *ca
     return status;
 }
 
-/* Writes "e412-t77": leaves out parts that can only be 1, but not all of them. */
+/* Writes "e412-t77", or names: leaves out parts that can only be 1, but not all of them. */
 static void write_id(char out[POSE_CANDIDATE_ID], const struct pose_candidates *candidates, const uint64_t numbers[4])
 {
     const uint64_t counts[4] = {candidates->asked.entry_count, candidates->asked.target_count,
                                 candidates->rings[candidates->ring_count], candidates->rolls};
+    const char *const *const names[4] = {candidates->asked.entry_names, candidates->asked.target_names};
     size_t size = 0;
     for (size_t i = 0; i < 4; i++) {
-        if (counts[i] > 1 || (i == 0 && candidates->count == 1)) {
+        bool is_part = counts[i] > 1 || (i == 0 && candidates->count == 1);
+        if (is_part && names[i]) {
+            size += (size_t)snprintf(out + size, POSE_CANDIDATE_ID - size, "%s%.64s", size ? "-" : "",
+                                     names[i][numbers[i] - 1]);
+        } else if (is_part) {
             size += (size_t)snprintf(out + size, POSE_CANDIDATE_ID - size, "%s%c%llu", size ? "-" : "", "etkr"[i],
                                      (unsigned long long)numbers[i]);
         }

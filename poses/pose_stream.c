@@ -285,6 +285,11 @@ static void find_format(struct job *job, conus_pose_stream *stream)
     (void)text_line(&rest, &first);
     used = is_binary ? 0 : known ? first.size : used;
     conus_pose_format found = format_of(known, row);
+    if (found == CONUS_POSE_FORMAT_ELECTRODES &&
+        pose_electrodes_have_two(row)) { /* is it BIDS that says what they are? */
+        pose_coordsystem_find(job, &stream->list, stream->path ? stream->path : "", false);
+        found = stream->list.coordsystem ? found : CONUS_POSE_FORMAT_TABLE;
+    }
     bool is_own_word = stream->words.at[0].size && !pose_brackets_are_rows(head); /* the user knows the columns */
     if (!is_own_word && pose_lists_know(head, stream->path, &stream->options)) {
         found = CONUS_POSE_FORMAT_LIST;
@@ -549,6 +554,7 @@ static void parse_whole(struct job *job, conus_pose_stream *stream, struct text 
     }
     move_from_mni305(job, stream);
     if (list->is_cap) {
+        list->space.scale = stream->words.unit > 0 ? stream->words.unit : list->space.scale;
         (void)JOB_CALL(job, cap_check(list, &job->notes));
     }
     if (stream->format == CONUS_POSE_FORMAT_ELECTRODES && job_ok(job)) {
@@ -620,20 +626,20 @@ static void open_text(struct job *job, conus_pose_stream *stream)
         job_bad(job, "only a table with a header has columns to be kept, and not %s", format);
     }
     const struct columns_words *words = &stream->words;
-    bool of_columns = words->at[0].size || words->name.size || words->unit > 0;
+    bool of_columns = words->at[0].size || words->name.size;
     bool has_columns = !is_whole || stream->columns.pairs || stream->format == CONUS_POSE_FORMAT_ELECTRODES ||
                        (stream->format == CONUS_POSE_FORMAT_LIST &&
                         pose_brackets_are_rows((struct text){stream->lines.data, stream->lines.size}));
-    if (of_columns && !has_columns) {
-        job_bad(job, "\"%.60s\" is for tables, points and electrodes (BIDS), and not for %s", stream->options.columns,
-                format);
-    }
     if (words->place.size && !stream->columns.place) {
         job_bad(job, "\"%.60s\": names of places are read from tables and lists where an atlas is",
                 stream->options.columns);
     }
     if (job_ok(job) && is_whole) {
         read_whole(job, stream);
+    }
+    if ((of_columns || (words->unit > 0 && !stream->list.is_cap)) && !has_columns) {
+        job_bad(job, "\"%.60s\" is for tables, points and electrodes (BIDS), and not for %s", stream->options.columns,
+                format);
     }
     for (size_t i = 0; i < stream->list.count; i++) {
         const conus_pose_row *row = &stream->list.rows[i];

@@ -32,7 +32,7 @@ const char *pose_path_name(const char *path);
  * them. */
 conus_status cap_check(conus_pose_list *list, struct notes *notes);
 
-enum { POSE_CANDIDATE_ID = 96 }; /**< "e1-t1-k1-r1", each number of at most 20 digits. */
+enum { POSE_CANDIDATE_ID = 192 }; /**< "e1-t1-k1-r1", each number of at most 20 digits, a name of 64 bytes. */
 
 struct pose_candidates {
     conus_candidates asked;

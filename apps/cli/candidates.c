@@ -171,8 +171,12 @@ void candidates_finish(struct candidates *candidates)
 {
     free(candidates->from.path);
     free(candidates->toward.path);
-    conus_sites_destroy(candidates->from.sites);
-    conus_sites_destroy(candidates->toward.sites);
+    for (int i = 0; i < 2; i++) {
+        struct place *place = i ? &candidates->toward : &candidates->from;
+        conus_sites_destroy(place->sites);
+        conus_pose_list_destroy(place->list);
+        free(place->names);
+    }
     *candidates = (struct candidates){0};
 }
 
@@ -222,9 +226,8 @@ static int load_points(struct place *place, const struct request *request, bool 
     if (!status) {
         const struct request_settings *settings = request->settings;
         int code = pose_settings_match_list(list, place->path, &request->atlases, &settings->file, &settings->common);
-        code = code ? code : take_points(place, list);
-        conus_pose_list_destroy(list);
-        return code;
+        place->list = list;
+        return code ? code : take_points(place, list);
     }
     snprintf(why, sizeof why, "%s", conus_message());
     conus_status of_mask = may_be_mask ? load_mask(&mask, place->path, request) : status;
@@ -286,6 +289,36 @@ static int check_memory(const struct place *place, const char *option, const str
     return exit_code_of(CONUS_ERROR_MEMORY);
 }
 
+static int compare_names(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+/* What the file calls the points, where it gives each a name of its own that is no number. */
+static int find_names(struct place *place)
+{
+    enum { LONGEST = 64 };
+    const size_t count = conus_sites_count(place->sites);
+    const char **names = place->list ? calloc(2 * count, sizeof *names) : NULL; /* and sorted */
+    bool are_names = names;
+    for (size_t i = 0; i < count && are_names; i++) {
+        names[i] = conus_pose_list_row(place->list, (size_t)conus_sites_source(place->sites, i))->id;
+        names[count + i] = names[i];
+        are_names = !strchr("0123456789", names[i][0]) && strlen(names[i]) <= LONGEST;
+    }
+    if (are_names) {
+        qsort(names + count, count, sizeof *names, compare_names);
+    }
+    for (size_t i = 1; i < count && are_names; i++) {
+        are_names = strcmp(names[count + i - 1], names[count + i]) != 0;
+    }
+    place->names = are_names ? names : NULL;
+    if (!are_names) {
+        free(names);
+    }
+    return place->list && !names ? print_no_memory() : EXIT_DONE;
+}
+
 static int thin_out(struct place *place, const char *option, const struct request *request)
 {
     if (!conus_sites_count(place->sites)) {
@@ -296,7 +329,8 @@ static int thin_out(struct place *place, const char *option, const struct reques
         say_note(conus_sites_note_severity(place->sites, i), request->settings->common.quiet, "%s",
                  conus_sites_note(place->sites, i));
     }
-    return status ? print_status(status) : check_memory(place, option, request);
+    int code = status ? print_status(status) : find_names(place);
+    return code ? code : check_memory(place, option, request);
 }
 
 static int load_entries(struct place *place, const struct request *request)
@@ -399,6 +433,8 @@ int candidates_open(struct candidates *candidates, struct request *request, cons
     }
     asked.targets = is_normal ? NULL : conus_sites_points(candidates->toward.sites);
     asked.target_count = conus_sites_count(candidates->toward.sites);
+    asked.entry_names = candidates->from.names;
+    asked.target_names = candidates->toward.names;
     return print_status(conus_candidates_open(&request->stream, &asked));
 }
 

@@ -23,6 +23,8 @@ struct place {
     bool flip;
     double apart; /**< mm, of `spacing`; 0 = none. */
     conus_sites *sites;
+    conus_pose_list *list; /**< Of which they are, if of a file of points. */
+    const char **names;    /**< Of the sites, as the file has them; NULL = it has none, or equal ones. */
 };
 
 /** The candidates of --from and --toward. */

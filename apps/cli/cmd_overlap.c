@@ -7,6 +7,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 struct overlap_settings {
     struct request_settings request; /* first */
@@ -95,21 +96,28 @@ static bool region_is_atlas(const struct overlap *overlap, const char *path)
     return is_atlas;
 }
 
-/* Runs while messages are held: prints the last one, and says so where ATLAS and ROI seem to have changed places. */
+/* Runs while messages are held: prints the last one, with the option that is missing, and says so where ATLAS and ROI
+ * seem to have changed places or both are atlases. */
 static int print_failure(const struct overlap *overlap, const char *path, int code)
 {
     char why[1024];
     snprintf(why, sizeof why, "%s", error_line());
     struct atlas_name named = {0};
     bool is_name = !atlas_name_find(&named, path) && named.atlas;
-    bool changed = !is_name && atlas_is_region(overlap) && region_is_atlas(overlap, path);
+    bool changed = atlas_is_region(overlap);
+    bool has_atlas = overlap->request.atlases.count && overlap->request.atlases.items[0].atlas;
+    bool is_atlas = (changed || has_atlas) && (is_name || region_is_atlas(overlap, path));
     messages_hold(false);
-    print_error_line("%s%s%s%s%s", why, changed || is_name ? "; " : "",
-                     is_name ? "ROI is a file, that of the installed atlas is " : "",
-                     is_name   ? named.path
-                     : changed ? path
-                               : "",
-                     changed ? " is an atlas: ATLAS comes first, then ROI" : "");
+    if (is_atlas) {
+        print_error_line("%s; %s is an atlas%s%s", why, path,
+                         changed
+                             ? ": ATLAS comes first, then ROI"
+                             : ", and no region: ROI is a mask or a map, whose parts in that atlas are listed, too, "
+                               "by --atlas ",
+                         changed ? "" : path);
+    } else {
+        print_error_line("%s%s", why, strstr(why, "a threshold is needed") ? ": --threshold T" : "");
+    }
     atlas_name_finish(&named);
     return code;
 }

@@ -250,6 +250,9 @@ typedef struct conus_candidates {
                          pi radians; 0 = not turned. */
     const conus_frame *frame; /**< Needles are turned about their axes as its space has it, as by
                                  conus_frame_turn_pose(); copied. NULL = #CONUS_SPACE_RAS. */
+    const char *const *entry_names;  /**< [entry_count] What the entries are called in ids, in place of eI, up to 64
+                                        bytes each, all different; NULL = they have no names. */
+    const char *const *target_names; /**< [target_count] Likewise, in place of tJ. */
 } conus_candidates;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -260,8 +263,8 @@ typedef struct conus_candidates {
  * tilts: the direction itself, then rings at tilt_step, 2 tilt_step and so on up to tilt_most; a ring at the angle t
  * has ceil(2 pi sin(t) / tilt_step) directions, from the device's +y on towards its +x (Eq. 2); of one tilt in that of
  * turns, which move the device's +y towards its +x. No memory grows with their number. A row's id is "eI-tJ-kK-rR" with
- * the numbers of entry, target, tilt and turn, from 1, without those that can only be 1; its line is its own number. An
- * entry that is the target itself is a row with an error.
+ * the numbers or names of entry, target, tilt and turn, from 1, without those that can only be 1; its line is its own
+ * number. An entry that is the target itself is a row with an error.
  * @param[out] out The stream; end it with conus_pose_stream_destroy(). Its format is #CONUS_POSE_FORMAT_TABLE.
  * @param candidates Its arrays must outlive the stream.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for no entry or target, for one that is not finite, for a normal without

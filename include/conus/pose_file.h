@@ -95,10 +95,11 @@ typedef struct conus_pose_options {
     size_t keep_count;        /**< How many, up to 64; 0 = none. Another format than a table with a header has none. */
     double longest; /**< Longest edge of the atlas, mm, by which numbers of tables and lists are judged (micrometres,
                        centimetres, sides); 0 = not known: what needs it is not asked of a table. */
-    const char *
-        columns;    /**< Of a table, beating what is said below and in the file: "x=COLUMN,y=COLUMN,z=COLUMN" of
-                       points, "name=COLUMN", "place=COLUMN" (of names of places), "unit=mm" (um, cm, m), "sides=anyway",
-                       with commas between, in any   order; NULL = none. A path may end in it, too: "FILE,x=COLUMN,...". */
+    const char *columns; /**< Of a table, beating what is said below and in the file: "x=COLUMN,y=COLUMN,z=COLUMN" of
+                            points, "name=COLUMN", "place=COLUMN" (of names of places), "unit=mm" (um, cm, m),
+                            "depth=um" and "radius=um" (of these columns), "tilt_ml=COLUMN", "tilt_ap=COLUMN" (the other
+                            one is 0), "sides=anyway", with commas between, in any order; NULL = none. A path may end in
+                            it, too: "FILE,x=COLUMN,...". */
     double unit;    /**< mm per unit of the numbers in a table, as the caller knows it; 0 = as the file says, or that of
                        the space. */
     bool any_space; /**< What titles, comments, headers and columns say of the brain is not heard. */

@@ -204,7 +204,8 @@ void label_reader_end(struct job *job, struct label_voxels *out, struct label_re
     size_t row = reader->bad_voxel / dim[0];
     job_bad(job,
             "%s: voxel (%zu, %zu, %zu): found %s, allowed labels are whole numbers from 0 to 4294967295; --context "
-            "draws an image, --pathway selects what is bright in it",
+            "draws an image, --pathway selects what is bright in it, 'conus overlap ATLAS MAP' lists the areas under a "
+            "map",
             file->path, reader->bad_voxel % dim[0], row % dim[1], row / dim[1], words);
 }
 

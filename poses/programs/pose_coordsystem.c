@@ -185,6 +185,9 @@ void pose_coordsystem_find(struct job *job, conus_pose_list *list, const char *p
 {
     const char *modalities = modalities_of(path);
     const char *beside = NULL;
+    if (list->coordsystem) { /* it was found before */
+        return;
+    }
     for (int candidate = 0; modalities && !beside && candidate < CANDIDATES; candidate++) {
         beside = system_path(job, path, candidate);
         beside = job_has_file(job, beside) ? beside : NULL;

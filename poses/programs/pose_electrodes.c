@@ -11,11 +11,22 @@
 
 #include <string.h>
 
-/* Columns that are read; and those that say where a device points: such a table is one of poses. */
-enum column { NAME, GROUP = NAME + 4, PROBE_NAME, DIRECTIONS, COLUMNS = DIRECTIONS + 4 };
+/* Columns that are read, or whose three say a space beside x y z; and those that say where a device points: such a
+ * table is one of poses. */
+enum column { NAME, GROUP = NAME + 4, PROBE_NAME, OF_SPACE, DIRECTIONS, COLUMNS = DIRECTIONS + 4 };
 
-static const char *const names[COLUMNS] = {"name",       "x",     "y",     "z",     "group",
-                                           "probe_name", "tx/TX", "dx/DX", "qw/QW", "m00/M00"};
+static const char *const names[COLUMNS] = {
+    "name",
+    "x",
+    "y",
+    "z",
+    "group",
+    "probe_name",
+    "mni_x/MNI_X/MNI_x/mni152_x/MNI152_X/MNI152_x/x_mni/X_MNI/x_MNI/mni x/MNI X/mniX/mnix",
+    "tx/TX",
+    "dx/DX",
+    "qw/QW",
+    "m00/M00"};
 
 /* A contact with a position. */
 struct contact {
@@ -39,7 +50,7 @@ static bool find_columns(struct named_cells *out, struct text line)
     *out = (struct named_cells){.names = names, .count = COLUMNS, .table.quotes_are_plain = true};
     named_cells_find(NULL, out, line); /* a column that is there twice is an error of such a table */
     for (size_t i = NAME; i < COLUMNS; i++) {
-        all = all && (i == GROUP || i == PROBE_NAME || named_cells_has(out, i) == (i < GROUP));
+        all = all && ((i >= GROUP && i < DIRECTIONS) || named_cells_has(out, i) == (i < GROUP));
     }
     return all;
 }
@@ -48,6 +59,12 @@ bool pose_electrodes_header(struct text line)
 {
     struct named_cells header;
     return find_columns(&header, line);
+}
+
+bool pose_electrodes_have_two(struct text line)
+{
+    struct named_cells header;
+    return find_columns(&header, line) && named_cells_has(&header, OF_SPACE);
 }
 
 /* "LA12" is contact 12 of LA, unless it has a group. */

@@ -20,6 +20,8 @@ void pose_brainsight_parse(struct pose_reading *to, struct text text);
 void pose_electrodes_parse(struct pose_reading *to, struct text text);
 /** Whether @p line is the header of such a table. */
 bool pose_electrodes_header(struct text line);
+/** Whether it is, with columns of MNI beside x y z. */
+bool pose_electrodes_have_two(struct text line);
 
 /** The *_markers.tsv of the proposal NIBS-BIDS (BEP037), in units of list->space: poses, or points where there is only
  * a target. */

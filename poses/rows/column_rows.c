@@ -202,14 +202,14 @@ static conus_status pose_from_values(conus_pose_row *row, const struct columns *
     }
     bool is_straight = columns->has[ROLE_DEPTH] && !columns->has[ROLE_DX] && !columns->has[ROLE_TX] &&
                        !columns->has[ROLE_QW] && !columns->has[ROLE_M00];
+    bool is_tilted = columns->has[ROLE_TILT_ML] || columns->has[ROLE_TILT_AP];
     if (columns->has[ROLE_THETA]) {
         return pose_along_phi_theta(out, x, radians_from_degrees(v[ROLE_PHI]), radians_from_degrees(v[ROLE_THETA]),
                                     &own);
     }
-    if (columns->has[ROLE_TILT_ML] || is_straight) {
-        double ml = columns->has[ROLE_TILT_ML] ? radians_from_degrees(v[ROLE_TILT_ML]) : 0;
-        double ap = columns->has[ROLE_TILT_ML] ? radians_from_degrees(v[ROLE_TILT_AP]) : 0;
-        return pose_along_tilts(out, x, ml, ap, &own);
+    if (is_tilted || is_straight) { /* 0 where there is no column */
+        return pose_along_tilts(out, x, radians_from_degrees(v[ROLE_TILT_ML]), radians_from_degrees(v[ROLE_TILT_AP]),
+                                &own);
     }
     conus_frame_direction_to_world(v + ROLE_DX, &own, v + ROLE_DX);
     conus_frame_direction_to_world(v + ROLE_UX, &own, v + ROLE_UX);
@@ -426,10 +426,9 @@ static conus_status read_row(conus_pose_row *row, struct pose_name *name, const 
             status = fail(CONUS_ERROR_DATA, "column %s: %g mm, allowed is %s0", columns->shown[role], length,
                           role == ROLE_DEPTH ? "more than " : "from ");
         } else if (options->longest > 0 && length > options->longest) {
-            const char *word = role == ROLE_DEPTH ? "depth" : "radius";
-            status =
-                fail(CONUS_ERROR_DATA, "column %s: %g mm, the atlas has %.3g: is it in um? %s_um says so, or %s_mm",
-                     columns->shown[role], length, options->longest, word, word);
+            status = fail(CONUS_ERROR_DATA,
+                          "column %s: %g mm, the atlas has %.3g: is it in um? ',%s=um' behind FILE says so",
+                          columns->shown[role], length, options->longest, role == ROLE_DEPTH ? "depth" : "radius");
         }
     }
     if (columns->has[ROLE_DEPTH] && isfinite(values[ROLE_DEPTH])) {

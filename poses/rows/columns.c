@@ -86,7 +86,10 @@ static const struct {
     {TURNED, "n/r"},
 };
 
-static const char *const word_keys[] = {"x", "y", "z", "name", "unit", "sides", "place"};
+enum { WORD_TILTS = 7, WORD_LENGTHS = WORD_TILTS + 2 };
+
+static const char *const word_keys[] = {"x",     "y",       "z",       "name",  "unit",  "sides",
+                                        "place", "tilt_ml", "tilt_ap", "depth", "radius"};
 
 /* The key that a text begins with, before its "="; -1 for none. */
 static int key_of(const char *text)
@@ -115,13 +118,15 @@ static conus_status set_word(struct columns_words *out, int key, struct text val
         out->at[key] = value;
     } else if (key == 3 || key == 6) {
         *(key == 3 ? &out->name : &out->place) = value;
-    } else if (key == 4 && unit > 0) {
-        out->unit = unit;
+    } else if (key >= WORD_TILTS && key < WORD_LENGTHS) {
+        out->tilt[key - WORD_TILTS] = value;
+    } else if (key != 5 && unit > 0) {
+        *(key == 4 ? &out->unit : &out->length[key - WORD_LENGTHS]) = unit;
     } else if (key == 5 && text_equal(value, "anyway")) {
         out->any_sides = true;
     } else {
         return fail(CONUS_ERROR_ARGUMENT, "%s=%.*s, allowed are %s", word_keys[key], POSE_QUOTE(value),
-                    key == 4 ? "mm, um, cm and m" : "anyway");
+                    key == 5 ? "anyway" : "mm, um, cm and m");
     }
     return CONUS_OK;
 }
@@ -134,7 +139,9 @@ conus_status columns_words_parse(struct columns_words *out, const char *text)
         int key = key_of(text);
         if (key < 0) {
             return fail(CONUS_ERROR_ARGUMENT,
-                        "\"%.60s\": x=, y=, z=, name=, place=, unit= and sides= are allowed behind FILE", text);
+                        "\"%.60s\": x=, y=, z=, name=, place=, unit=, sides=, tilt_ml=, tilt_ap=, depth= and radius= "
+                        "are allowed behind FILE",
+                        text);
         }
         const char *value = text + strlen(word_keys[key]) + 1;
         const char *end = value;
@@ -662,6 +669,25 @@ static const struct family *find_named(struct head *head)
     return is_whole(&head->named) && are_three ? &head->named : NULL;
 }
 
+/* Roles and units that the user names. */
+static void take_words(struct head *head)
+{
+    struct columns *out = head->out;
+    for (size_t k = 0; k < 2; k++) {
+        const struct text word = head->words.tilt[k];
+        const size_t column = word.size ? find_word(head, word) : COLUMN_NONE;
+        const enum column_role before = column == COLUMN_NONE ? ROLES : out->role_of[column];
+        const double unit = head->words.length[k];
+        if (column != COLUMN_NONE) {
+            set_role(head, column, ROLE_TILT_ML + (enum column_role)k);
+            out->factor[ROLE_TILT_ML + k] = before == ROLE_ANGLE ? out->factor[before] : out->factor[ROLE_TILT_ML + k];
+        }
+        FAULT_IF(unit > 0 && !out->has[ROLE_DEPTH + k], head, "a unit of %s, and no such column",
+                 k ? "radius" : "depth");
+        out->factor[ROLE_DEPTH + k] = unit > 0 ? unit : out->factor[ROLE_DEPTH + k];
+    }
+}
+
 /* Columns that the user calls x, y and z are nothing else. */
 static void take_named(struct head *head)
 {
@@ -765,7 +791,7 @@ static void choose_families(struct head *head)
     out->ends_at_target = target && strcmp(target->stem, "t") != 0;
     bool has_tilt = out->has[ROLE_TILT_ML] || out->has[ROLE_TILT_AP];
     bool has_angles = out->has[ROLE_PHI] && out->has[ROLE_THETA];
-    bool is_of_rodents = head->options->space >= CONUS_SPACE_CCF;
+    bool is_of_rodents = head->options->space >= CONUS_SPACE_CCF || head->lacks_space;
     int directions = (target != NULL) + (direction != NULL) + has_quaternion + has_matrix + has_tilt + has_angles;
     bool is_straight = directions == 0 && out->has[ROLE_DEPTH] && is_of_rodents; /* down */
     out->is_of_points = directions == 0 && !is_straight;
@@ -784,15 +810,19 @@ static void choose_families(struct head *head)
     }
     FAULT_IF(has_angles && !is_of_rodents, head,
              "phi and theta are angles from bregma, which only an atlas of the Allen CCF has (--space bregma)");
-    FAULT_IF(has_tilt && out->has[ROLE_TILT_ML] != out->has[ROLE_TILT_AP], head,
-             "only one of the columns tilt_ml and tilt_ap: the other one may be 0");
+    FAULT_IF(head->lacks_space && position && !named, head,
+             "%s are from bregma, mm (--space bregma), or of the CCF, um (--space ccf), where the atlas is one of the "
+             "Allen CCF",
+             FAMILY_SHOWN(head, position));
+    FAULT_IF(has_tilt && out->has[ROLE_TILT_ML] != out->has[ROLE_TILT_AP] && !head->words.tilt[0].size &&
+                 !head->words.tilt[1].size,
+             head, "only one of the columns tilt_ml and tilt_ap: is the other one 0?");
     const uint8_t *angle = memchr(out->role_of, ROLE_ANGLE, sizeof out->role_of);
     if (angle && (out->is_of_points || out->has[ROLE_DEPTH]) && is_all_zero(head, (size_t)(angle - out->role_of))) {
         drop_role(head, ROLE_ANGLE); /* whichever it is, it says nothing */
     }
     FAULT_IF(out->has[ROLE_ANGLE] && out->has[ROLE_DEPTH] && !strstr(out->shown[ROLE_ANGLE], "pening"), head,
-             "\"%s\" beside depth: the opening of a cone, or the tilt of the probe? call it opening, or tilt_ml "
-             "and tilt_ap",
+             "\"%s\" beside depth: the opening of a cone (call it opening), or the tilt of the probe?",
              out->shown[ROLE_ANGLE]);
     FAULT_IF(has_quaternion && !(quaternion && out->has[ROLE_QW]), head, "only some of the columns qw qx qy qz");
     FAULT_IF(has_matrix && count_roles(out, ROLE_M00, MATRIX_NUMBERS) < MATRIX_NUMBERS, head,
@@ -802,6 +832,8 @@ static void choose_families(struct head *head)
     FAULT_IF(has_matrix && position, head, "x y z are needed, and only, without m00...m33");
     if (!has_matrix && !position) {
         FAULT(head, "%s", head->is_on_its_side ? on_its_side : "x y z are needed: no columns say where rows are");
+        FAULT_IF(find_name(head, "i", 0) != COLUMN_NONE && find_name(head, "j", 0) != COLUMN_NONE, head, "i j k are %s",
+                 space_why_voxels);
         FAULT_IF(!head->is_on_its_side && !head->row_count && head->out->has[ROLE_NAME], head,
                  "a list of names has those of areas or positions (C3)");
         for (size_t i = 0; i < head->family_count; i++) {
@@ -954,13 +986,55 @@ static void note_unknown(const struct head *head)
     }
 }
 
-static void refuse(const struct head *head)
+/* Whether depths without a unit are longer in all rows than the atlas, which they were not in um. */
+static bool are_depths_long(const struct head *head)
 {
     const struct columns *out = head->out;
-    bool is_of_rodents = out->space < CONUS_SPACE_CCF && find_name(head, "ap", 0) != COLUMN_NONE;
-    job_bad(head->job, "header: %s; taken as %s; columns found: %s%s", head->faults.data,
-            out->is_of_points ? "points at x y z" : "poses, a position and a direction each", shown_columns(head, true),
-            is_of_rodents ? "; ap, dv and ml are read in space ccf or bregma" : "");
+    const double longest = head->options->longest;
+    const uint8_t *depth = memchr(out->role_of, ROLE_DEPTH, sizeof out->role_of);
+    bool all = depth && longest > 0 && head->row_count && out->space != CONUS_SPACE_CCF &&
+               out->factor[ROLE_DEPTH] == 0 && out->scale == 0 && head->words.unit == 0;
+    for (size_t r = 0; all && r < head->row_count; r++) {
+        double value;
+        const struct text cell = columns_cell(head, r, (size_t)(depth - out->role_of));
+        all = table_number(&value, &out->table, cell) && value > longest && value <= 1000 * longest;
+    }
+    return all;
+}
+
+/* The words that answer all that is asked of a table of probes: its space, the angle, the unit of depths. */
+static void settle_probes(struct head *head)
+{
+    const struct columns *out = head->out;
+    const enum column_role tilt = out->has[ROLE_TILT_ML]   ? ROLE_TILT_ML
+                                  : out->has[ROLE_TILT_AP] ? ROLE_TILT_AP
+                                                           : ROLE_ANGLE;
+    const char *own = tilt == ROLE_TILT_ML ? "ml" : "ap";
+    bool has_other = out->has[ROLE_TX] || out->has[ROLE_DX] || out->has[ROLE_QW] || out->has[ROLE_THETA];
+    bool is_tilted = out->has[tilt] && out->has[ROLE_TILT_ML] + out->has[ROLE_TILT_AP] < 2 && !has_other &&
+                     !head->words.tilt[0].size && !head->words.tilt[1].size;
+    bool are_long = are_depths_long(head);
+    if (!out->has[ROLE_DEPTH] || !(is_tilted || are_long) || out->is_of_points) {
+        return;
+    }
+    FAULT_IF(are_long, head, "depths are longer than the atlas in mm: are they in um?");
+    FAULT(head, "to say all at once: %s'", head->lacks_space ? "--space bregma, and " : "");
+    if (is_tilted) {
+        buffer_format(&head->faults, ",tilt_%s=%s", own, out->shown[tilt]);
+    }
+    buffer_format(&head->faults, "%s' behind FILE%s", are_long ? ",depth=um" : "",
+                  !is_tilted           ? ""
+                  : tilt == ROLE_ANGLE ? " (tilt_ap: the tip goes forward; tilt_ml: to the side)"
+                                       : " (the other tilt is 0)");
+}
+
+static void refuse(struct head *head)
+{
+    const struct columns *out = head->out;
+    settle_probes(head);
+    job_bad(head->job, "header: %s; taken as %s; columns found: %s", head->faults.data,
+            out->is_of_points ? "points at x y z" : "poses, a position and a direction each",
+            shown_columns(head, true));
 }
 
 /* A column "target" or "entry" of names beside points may be the other end of an axis, or a word about the row. */
@@ -1096,6 +1170,11 @@ static void find_columns(struct head *head)
     if (find_name(head, "x", 0) == COLUMN_NONE) {
         find_letters(head);
     }
+    const size_t others = head->family_count;
+    if (out->space < CONUS_SPACE_CCF && !others) {
+        find_families(head, (const char *const[]){"ap", "ml", "dv"});
+    }
+    head->lacks_space = head->family_count > others;
     size_t column = head->words.name.size ? find_word(head, head->words.name) : COLUMN_NONE;
     if (column != COLUMN_NONE) {
         set_role(head, column, ROLE_NAME);
@@ -1110,6 +1189,7 @@ static void find_columns(struct head *head)
         find_pairs(head);
     } else {
         find_roles(head);
+        take_words(head);
         if (out->place && !out->has[ROLE_NAME]) {
             set_role(head, out->place - 1, ROLE_NAME);
         }
@@ -1403,7 +1483,8 @@ static void find_kept(struct head *head)
 static void note_angles(const struct head *head)
 {
     const struct columns *out = head->out;
-    bool has_direction = out->has[ROLE_TX] || out->has[ROLE_DX] || out->has[ROLE_QW] || out->has[ROLE_TILT_ML];
+    bool has_direction =
+        out->has[ROLE_TX] || out->has[ROLE_DX] || out->has[ROLE_QW] || out->has[ROLE_TILT_ML] || out->has[ROLE_TILT_AP];
     if (out->has[ROLE_PHI]) {
         job_note(head->job,
                  "phi and theta are IBL's, degrees: azimuth (0 to the right, 90 to anterior) and polar angle of "

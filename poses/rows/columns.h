@@ -45,8 +45,8 @@ enum { COLUMN_NAME_SIZE = 48 };
 
 /** The words of conus_pose_options.columns. */
 struct columns_words {
-    struct text at[3], name, place; /**< Columns; empty: not given. */
-    double unit;                    /**< mm; 0 = not given. */
+    struct text at[3], name, place, tilt[2]; /**< Columns; empty: not given. Tilts: ML, AP; alone the other is 0. */
+    double unit, length[2];                  /**< mm; 0 = not given. Of positions; of the columns depth and radius. */
     bool any_sides;
 };
 

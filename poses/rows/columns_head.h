@@ -47,6 +47,7 @@ struct head {
     struct head_row *rows;
     size_t row_count, row_capacity;
     bool is_on_its_side; /**< Rows are called x, y and z. */
+    bool lacks_space;    /**< It has AP, ML and DV, which --space does not. */
     char names[TABLE_CELLS][COLUMN_NAME_SIZE];
     double unit[TABLE_CELLS]; /**< mm, as space_unit_mm(). */
     struct family families[COLUMN_FAMILIES];

@@ -223,7 +223,7 @@ conus_status pose_settle(conus_pose *out, const double world_from_device[16])
     for (int i = 0; i < 16; i++) {
         if (!isfinite(m[i])) {
             return fail(CONUS_ERROR_ARGUMENT, "pose matrix: %g in row %d, column %d, allowed are finite numbers", m[i],
-                        i % 4, i / 4);
+                        i % 4 + 1, i / 4 + 1);
         }
     }
     if (!mat4_settle_last_row(m)) {
@@ -232,11 +232,16 @@ conus_status pose_settle(conus_pose *out, const double world_from_device[16])
     }
     for (int a = 0; a < 3; a++) {
         for (int b = 0; b <= a; b++) {
-            if (fabs(vec3_dot(m + 4 * a, m + 4 * b) - (a == b)) > ROUNDED) {
-                return fail(CONUS_ERROR_ARGUMENT,
-                            "pose matrix: columns %d and %d are not orthonormal within %g, a "
-                            "rigid matrix (rotation and position) is needed",
-                            b, a, ROUNDED);
+            const double product = vec3_dot(m + 4 * a, m + 4 * b);
+            if (fabs(product - (a == b)) > ROUNDED) {
+                return a == b ? fail(CONUS_ERROR_ARGUMENT,
+                                     "pose matrix: column %d is %g long, not 1 within %g; a rigid matrix (rotation and "
+                                     "position) is needed",
+                                     a + 1, sqrt(product), ROUNDED / 2)
+                              : fail(CONUS_ERROR_ARGUMENT,
+                                     "pose matrix: columns %d and %d are not at a right angle within %g; a rigid "
+                                     "matrix (rotation and position) is needed",
+                                     b + 1, a + 1, ROUNDED);
             }
         }
     }

@@ -22,6 +22,7 @@ enum { TOKENS = 64, SIGNS = 100, CELL_TOKENS = 4 };
 
 static const char why_origin[] = "counted from a point (MCP, AC, ear bars, lambda, dura) that the atlas does not know";
 static const char why_code[] = "a code of axes other than RAS and LPS, which is read in AFNI's own reports alone";
+const char space_why_voxels[] = "voxels, which only the image that they were counted in places; mm are needed";
 
 static const struct row {
     const char *words; /* several of one row in one word: "ac pc" */
@@ -42,9 +43,8 @@ static const struct row {
     {"native/scanner/individual/acpc/ac pc/head/device/leksell/crw/scs/ctf/dicom", WEAK, POSE_BRAIN_SUBJECT, NULL,
      NULL},
     {"t1/t1w/t2/t2w/ct/flair/patient/patient s/subject/subject s/participant", FRONT, POSE_BRAIN_SUBJECT, NULL, NULL},
-    {"voxel/voxels/vox/ijk", ALONE, 0, NULL,
-     "voxels, which only the image that they were counted in places; mm are needed"},
-    {"matrix", WEAK, 0, NULL, "voxels, which only the image that they were counted in places; mm are needed"},
+    {"voxel/voxels/vox/ijk", ALONE, 0, NULL, space_why_voxels},
+    {"matrix", WEAK, 0, NULL, space_why_voxels},
     {"ras/lps/dicom/itk", WEAK, SIGNS, NULL, NULL},
     {"rai/lpi/las/lai/rpi/rps/ral/lar", ALONE, 0, NULL, why_code},
     {"ipr/ipl/spr/spl/asr/asl/pir/pil", WEAK, 0, NULL, why_code},

@@ -42,8 +42,8 @@ enum pose_brain space_brain_named(struct text name);
 /** mm of a unit by its name, in any case; 0: none, below 0: one that is not taken (inches, pixels). */
 double space_unit_mm(struct text name);
 
-/** Why such a unit is refused. */
-extern const char space_why_unit[];
+/** Why such a unit is refused, and voxels. */
+extern const char space_why_unit[], space_why_voxels[];
 
 /** Why positions in tkRAS are refused. */
 extern const char space_why_tkras[];

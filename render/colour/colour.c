@@ -129,6 +129,114 @@ static void copy_numbers(void *out, const struct volume *volume, size_t bytes, s
     }
 }
 
+enum { BRICK_OBJECTS = 8 };
+
+struct colour_seen {
+    size_t dim[3], count; /* bricks */
+    size_t object_count;
+    uint8_t *occupied, *distance;       /* [count] struct bricks where all areas are seen, and by the last picture */
+    uint8_t *shown;                     /* [object_count + 1] areas that are seen there */
+    uint32_t (*objects)[BRICK_OBJECTS]; /* [count] areas with a voxel in the brick, then 0; of more the last is MANY */
+};
+
+static const uint32_t MANY = UINT32_MAX;
+
+static void seen_destroy(struct colour_seen *seen)
+{
+    if (seen) {
+        memory_free(seen->occupied);
+        memory_free(seen->distance);
+        memory_free(seen->shown);
+        memory_free(seen->objects);
+        memory_free(seen);
+    }
+}
+
+static void add_object(uint32_t objects[BRICK_OBJECTS], uint32_t number)
+{
+    size_t i = 0;
+    while (i < BRICK_OBJECTS && objects[i] && objects[i] != number) {
+        i++;
+    }
+    objects[i < BRICK_OBJECTS ? i : BRICK_OBJECTS - 1] = i < BRICK_OBJECTS ? number : MANY;
+}
+
+/* Notes which areas of `volume` are in the bricks of its box. */
+static conus_status seen_create(struct colour_seen **out, const struct colour_volume *box, const struct volume *volume,
+                                const struct bricks *bricks, size_t object_count)
+{
+    const size_t *dim = bricks->dim;
+    const size_t count = dim[0] * dim[1] * dim[2];
+    struct colour_seen *seen = memory_zeroed(1, sizeof *seen);
+    if (!seen) {
+        return CONUS_ERROR_MEMORY;
+    }
+    *seen = (struct colour_seen){.dim = {dim[0], dim[1], dim[2]},
+                                 .count = count,
+                                 .object_count = object_count,
+                                 .occupied = memory_raw(count, 1),
+                                 .distance = memory_raw(count, 1),
+                                 .shown = memory_raw(object_count + 1, 1),
+                                 .objects = memory_zeroed(count, sizeof *seen->objects)};
+    if (!seen->occupied || !seen->distance || !seen->shown || !seen->objects) {
+        seen_destroy(seen);
+        return CONUS_ERROR_MEMORY;
+    }
+    memcpy(seen->occupied, bricks->distance, count);
+    memset(seen->shown, true, object_count + 1);
+    for (size_t row = 0; row < box->size[1] * box->size[2]; row++) {
+        const size_t j = row % box->size[1], k = row / box->size[1];
+        const size_t at = box->first[0] + box->dim[0] * (box->first[1] + j + box->dim[1] * (box->first[2] + k));
+        uint32_t(*objects)[BRICK_OBJECTS] = seen->objects + dim[0] * (j / BRICKS_EDGE + dim[1] * (k / BRICKS_EDGE));
+        for (size_t i = 0; i < box->size[0]; i++) {
+            const uint32_t number = volume->objects16 ? volume->objects16[at + i] : volume->objects32[at + i];
+            if (number && number != objects[i / BRICKS_EDGE][0]) {
+                add_object(objects[i / BRICKS_EDGE], number);
+            }
+        }
+    }
+    *out = seen;
+    return CONUS_OK;
+}
+
+static bool is_seen(const struct colour_seen *seen, size_t brick)
+{
+    bool found = false;
+    for (size_t i = 0; i < BRICK_OBJECTS && seen->objects[brick][i] && !found; i++) {
+        found = seen->objects[brick][i] == MANY || seen->shown[seen->objects[brick][i]];
+    }
+    return found;
+}
+
+/* Rays pass over bricks whose areas, and those of the bricks around, are all unseen. */
+static void skip_unseen(const struct colour_pass *pass)
+{
+    struct colour_seen *seen = pass->areas.seen;
+    struct colour_texels empty = pass->areas.empty;
+    bool same = true, all = true;
+    for (size_t number = 1; seen && number <= seen->object_count; number++) {
+        const bool shows = pass->opacity[number] > 0;
+        same = same && shows == seen->shown[number];
+        all = all && shows;
+        seen->shown[number] = shows;
+    }
+    if (same) {
+        return;
+    }
+    struct bricks bricks = {.dim = {seen->dim[0], seen->dim[1], seen->dim[2]}, .distance = seen->distance};
+    for (size_t b = 0; b < seen->count && !all; b++) {
+        bricks.distance[b] = is_seen(seen, b) ? 0 : UINT8_MAX;
+    }
+    if (!all) {
+        bricks_spread(&bricks);
+        for (size_t b = 0; b < seen->count; b++) {
+            bricks.distance[b] = bricks.distance[b] <= 1 && seen->occupied[b] == 0 ? 0 : UINT8_MAX;
+        }
+        bricks_spread(&bricks);
+    }
+    pass->device->functions->fill(&empty, 0, seen->dim[2], all ? seen->occupied : seen->distance);
+}
+
 /* Hands over object numbers in as few bytes as the highest, `last`, needs, a few slices at a time. */
 static conus_status fill_numbers(struct colour_pass *pass, const struct colour_volume *box, const struct volume *volume,
                                  size_t last, uint64_t *memory_left)
@@ -156,9 +264,9 @@ static conus_status fill_numbers(struct colour_pass *pass, const struct colour_v
 }
 
 /* Holds the field that `task` makes, and hands over the distances to bricks with densities that are
- * `visible`. */
+ * `visible`; and, if there are `areas`, of these. */
 static conus_status begin_field(struct colour_pass *pass, struct colour_volume *out, struct field_task *task,
-                                const bool *visible, uint64_t *memory_left)
+                                const bool *visible, size_t areas, uint64_t *memory_left)
 {
     const struct field *field = NULL;
     struct bricks bricks = {0};
@@ -170,6 +278,9 @@ static conus_status begin_field(struct colour_pass *pass, struct colour_volume *
     }
     status = status ? status : hold(&out->field, pass, VOLUME_TEXTURE_BYTE4, field->dim, NULL, memory_left);
     status = status ? status : hold(&out->empty, pass, VOLUME_TEXTURE_UINT8, bricks.dim, bricks.distance, memory_left);
+    if (!status && areas) {
+        status = seen_create(&out->seen, out, task->volume, &bricks, areas);
+    }
     bricks_finish(&bricks);
     return status;
 }
@@ -181,7 +292,7 @@ static conus_status begin_areas(struct colour_pass *pass, struct field_task *tas
     for (size_t i = 0; i < COLOUR_TABLE_ENTRIES; i++) {
         visible[i] = i > (FIELD_SURFACE - 1) * TABLE_PER_LEVEL;
     }
-    conus_status status = begin_field(pass, &pass->areas, task, visible, memory_left);
+    conus_status status = begin_field(pass, &pass->areas, task, visible, last, memory_left);
     if (!status) {
         status = fill_numbers(pass, &pass->areas, task->volume, last, memory_left);
     }
@@ -324,7 +435,7 @@ static conus_status colour_upload_context(struct colour_pass *pass, struct field
     float table[COLOUR_TABLE_ENTRIES * 4];
     bool visible[COLOUR_TABLE_ENTRIES];
     find_visible(visible, table, transfer);
-    conus_status status = begin_field(pass, &pass->context, task, visible, memory_left);
+    conus_status status = begin_field(pass, &pass->context, task, visible, 0, memory_left);
     if (!status) {
         status = hold(&pass->transfer, pass, VOLUME_TEXTURE_FLOAT4, (const size_t[3]){COLOUR_TABLE_ENTRIES, 1, 1},
                       table, memory_left);
@@ -382,6 +493,7 @@ static void release_all(struct colour_pass *pass)
     release(&pass->objects);
     release(&pass->areas.field);
     release(&pass->areas.empty);
+    seen_destroy(pass->areas.seen);
     release(&pass->context.field);
     release(&pass->context.empty);
     release(&pass->haze.field);
@@ -586,4 +698,5 @@ void colour_pass_look(const struct colour_pass *pass, const struct colour_view *
         pass->shown[4 * number + 3] = (float)shown;
     }
     find_opacities(pass, view);
+    skip_unseen(pass);
 }

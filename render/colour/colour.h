@@ -40,9 +40,13 @@ enum {
     COLOUR_TABLE_ENTRIES = (FIELD_LEVELS - 1) * TABLE_PER_LEVEL + 1
 };
 
+/** Which bricks of the areas show something, by the opacities of the last picture. */
+struct colour_seen;
+
 /** A volume as the colour pass holds it: the box of voxels around which anything is visible. */
 struct colour_volume {
     struct colour_texels field, empty;
+    struct colour_seen *seen; /**< Of areas; NULL of others. */
     size_t dim[3];            /**< Voxels of the grid. */
     size_t first[3], size[3]; /**< The box: its first voxel, of which each is a brick's first, and its voxels. */
     double world_from_voxel[16];

@@ -45,6 +45,19 @@ cells() {
     [[ "$stderr" == *"conus: 6 candidates: "* ]]
 }
 
+@test "points of a file keep their names, unless two are equal or one begins with a digit" {
+    needles
+    printf '%s\n' '40 0 5 F3' '40 10 5 left door' '40 0 15 C3' >entries.txt
+    answers $P --depth target+4 --format tsv -q --rank=-depth --top all
+    [ "$(cells query | tr ';' '\n' | sort | tr '\n' ';')" = "C3-t1;C3-t2;F3-t1;F3-t2;left door-t1;left door-t2;" ]
+    [ "$(cells query entry target far_mm | cut -d ';' -f 1)" = "F3-t1 1 1 26" ]
+    for name in F3 7th; do
+        printf '%s\n' '40 0 5 F3' "40 10 5 $name" '40 0 15' >entries.txt
+        answers $P --depth target+4 --format tsv -q --top all
+        [[ "$(cells query)" == *'e3-t2'* ]]
+    done
+}
+
 # Asked again, the listed poses are the same text, but for the numbers of entry and target; their lengths are those of
 # the segments, and their distances those of the clearances.
 @test "a pose that is written is the same pose again" {

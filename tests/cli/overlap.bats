@@ -122,13 +122,14 @@ EOF
 nested.nii.gz is an atlas: ATLAS comes first, then ROI" overlap cone.nii.gz nested.nii.gz
     printf '%s\n' NRRD0004 'type: float' 'dimension: 3' 'sizes: 2 1 1' 'space: RAS' \
         'space directions: (1,0,0) (0,1,0) (0,0,1)' 'space origin: (0,0,0)' 'encoding: text' '' '0.5 2.25' >map.nrrd
-    fails 3 "whole numbers from 0 to 4294967295; --context draws an image, --pathway selects what is bright in it; \
+    fails 3 "selects what is bright in it, 'conus overlap ATLAS MAP' lists the areas under a map; \
 nested.nii.gz is an atlas: ATLAS comes first, then ROI" overlap map.nrrd nested.nii.gz --threshold 1
-    fails 2 "is needed, from which on a voxel belongs to the region (below 0: down from which)" \
+    fails 2 "is needed, from which on a voxel belongs to the region (below 0: down from which): --threshold T" \
         overlap nested.nii.gz map.nrrd
     [[ "$stderr" != *"comes first"* ]]
     fails 3 "found 0.5" overlap map.nrrd cone.nii.gz
     [[ "$stderr" != *"comes first"* ]]
+    fails 2 "nested.nii.gz is an atlas, and no region: ROI is a mask or a map" overlap nested.nii.gz nested.nii.gz
     fails 3 "cannot open" overlap cone.nii.gz nothing.nii.gz
     [[ "$stderr" != *"comes first"* ]]
 }
@@ -136,7 +137,7 @@ nested.nii.gz is an atlas: ATLAS comes first, then ROI" overlap map.nrrd nested.
 @test "files that are no regions, and overwriting, are refused" {
     scene
     fails 3 "cannot open" overlap nested.nii.gz nothing.nii.gz
-    [ ! -e /usr/share/mricron/templates/aal.nii.gz ] || fails 3 "; ROI is a file, that of the installed atlas is /usr/share/mricron/templates/aal.nii.gz" overlap nested.nii.gz aal
+    [ ! -e /usr/share/mricron/templates/aal.nii.gz ] || fails 3 "; aal is an atlas, and no region: ROI is a mask or a map" overlap nested.nii.gz aal
     fails 2 "is no mask: a threshold is needed" overlap cone.nii.gz nested.nii.gz
     fails 2 "threshold 5000000000, but its values are from 0 to 4000000001" \
         overlap cone.nii.gz nested.nii.gz --threshold 5e9

@@ -108,8 +108,8 @@ answered() {
     [ "$(cut -f 1,2 <<<"${lines[*]:3:4}" | cut -f 2 | sort -u)" = error ]
     [ "${#lines[@]}" -eq 9 ]
     [ "${#stderr_lines[@]}" -eq 4 ]
-    [[ "${stderr_lines[0]}" == *'poses.tsv:3: pose matrix: columns 0 and 0 are not orthonormal'* ]]
-    [[ "${stderr_lines[1]}" == *'poses.tsv:4: pose matrix: columns 0 and 1 are not orthonormal'* ]]
+    [[ "${stderr_lines[0]}" == *'poses.tsv:3: pose matrix: column 1 is 2 long, not 1 within 0.001'* ]]
+    [[ "${stderr_lines[1]}" == *'poses.tsv:4: pose matrix: columns 1 and 2 are not at a right angle'* ]]
     [[ "${stderr_lines[2]}" == *'poses.tsv:5: pose matrix: last row 0 0 1 1'* ]]
     [[ "${stderr_lines[3]}" == *'poses.tsv:6: pose matrix: left-handed'* ]]
 }

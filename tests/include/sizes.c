@@ -86,7 +86,7 @@ SIZE(conus_tract_scalar, 32);
 SIZE(conus_streamline_list_view, 32);
 SIZE(conus_tractogram_info, 144);
 SIZE(conus_constraint, 128);
-SIZE(conus_candidates, 96);
+SIZE(conus_candidates, 112);
 SIZE(conus_plan_options, 120);
 SIZE(conus_plan_best, 56);
 SIZE(conus_verdict, 56);

@@ -718,7 +718,7 @@ NO_POINTS = ("neither names of columns nor three numbers in a line", 3)
 poses("table", in_lines("name;x;y;z;dx;dy;dz;space\n@T;@X;@Y;57;0;0;-1;@S\n", ".csv", S="ras"), *CONE, comma=None,
       empty=b";;;;;;;\n", lps={"S": "lps"})
 poses("matrix", in_lines("1 0 0 @X\n0 1 0 @Y\n0 0 1 57\n0 0 0 1\n", ".txt"), *CONE, named=False, lps=LPS,
-      nan="nan in row 0, column 3", far="inf in row 0, column 3", comma=("4 numbers in a line", 3))
+      nan="nan in row 1, column 4", far="inf in row 1, column 4", comma=("4 numbers in a line", 3))
 poses("points", in_lines("@X @Y @Z @T\n", ".txt"), *BALL, empty=b",,,\n", lps=LPS, nan=NO_POINTS,
       far=NO_POINTS, comma=None)
 poses("list", in_lines("@X @Y @Z\ninfo\nnumpoints 1\nuseRealRAS 1\n", ".dat"), *BALL, named=False,
@@ -781,7 +781,7 @@ def simnibs(path, x, y, big=False, **_):
 
 
 BINARY_NUMBERS = Never("numbers are binary")
-poses("simnibs", simnibs, *CONE, named=False, is_text=False, lps=RAS_ONLY, nan="nan in row 0", far="inf in row 0",
+poses("simnibs", simnibs, *CONE, named=False, is_text=False, lps=RAS_ONLY, nan="nan in row 1", far="inf in row 1",
       comma=BINARY_NUMBERS, big_endian=Poses(simnibs, *CONE).answers(big=True))
 
 

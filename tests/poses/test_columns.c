@@ -129,7 +129,8 @@ static void what_can_be_read_in_two_ways_is_refused(void **state)
         {"name,type,x,y,z\nA,entry,1,2,3\nA,target,4,5,60\nA,target,4,5,7\n", "line 2: \"A\" has not one entry"},
         {"name,type,x,y,z\nA,entry,1,2,3\nA,target,4,5,6\n", "1 of 1 axes from entry to target are shorter than 9 mm"},
         {"x,y,z,depth\n1,2,3,4\n", "depth is a way along a direction"},
-        {"x,y,z,dx,dy,dz,angle,depth\n1,2,3,0,0,1,4,5\n", "\"angle\" beside depth: the opening of a cone, or the tilt"},
+        {"x,y,z,dx,dy,dz,angle,depth\n1,2,3,0,0,1,4,5\n",
+         "\"angle\" beside depth: the opening of a cone (call it opening), or"},
         {"x,y,z,tilt_ml\n1,2,3,4\n", "only one of the columns tilt_ml and tilt_ap"},
         {"x,y,z,angle\n1,2,3,4\n", "the opening of a cone, which needs a direction"},
         {"x,y,z,near,far\n1,2,3,4,5\n", "near and far are depths along a direction"},
@@ -150,7 +151,7 @@ static void what_can_be_read_in_two_ways_is_refused(void **state)
         {"x,y,z,dx,dy,dz,opening (mm)\n1,2,3,0,0,1,9\n", "the unit of a length, and it is an angle"},
         {"x,y,z,dx,dy,dz,far (inch)\n1,2,3,0,0,1,9\n", "a unit that is not taken"},
         {"x_cm,y_cm,z_cm\n1,2,3\n", "is cm a unit or, as in centre of mass, a word"},
-        {"ap,ml,dv\n1,2,3\n", "ap, dv and ml are read in space ccf or bregma"},
+        {"ap,ml,dv\n1,2,3\n", "ap ml dv are from bregma, mm (--space bregma)"},
         {"x,y,a\n1,2,3\n", "only some of the columns x y z: x y, without z"},
         {"orig_y,orig_z,a\n1,2,3\n", "only some of the columns x y z: orig_y orig_z, without x"},
         {"a,b,c\nd,e,f\n", "x y z are needed"},
@@ -323,11 +324,12 @@ static void columns_are_named_by_the_user(void **state)
     conus_pose_list *list = pose_text_parse(text_from(text), &options);
     assert_row_at(pose_row_of(list, 0, "left M1"), 42, 20, -50);
     conus_pose_list_destroy(list);
-    static const char *const bad[][2] = {{"x=a,y=b", "only some of x=, y= and z="},
-                                         {"x=a,y=b,z=d", "column \"d\" is not there"},
-                                         {"unit=inch", "unit=inch, allowed are mm, um, cm and m"},
-                                         {"sides=no", "sides=no, allowed are anyway"},
-                                         {"w=a", "x=, y=, z=, name=, place=, unit= and sides= are allowed"}};
+    static const char *const bad[][2] = {
+        {"x=a,y=b", "only some of x=, y= and z="},
+        {"x=a,y=b,z=d", "column \"d\" is not there"},
+        {"unit=inch", "unit=inch, allowed are mm, um, cm and m"},
+        {"sides=no", "sides=no, allowed are anyway"},
+        {"w=a", "x=, y=, z=, name=, place=, unit=, sides=, tilt_ml=, tilt_ap=, depth= and radius= are"}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         assert_true(pose_list_parse(&list, text_from(text), &(conus_pose_options){.columns = bad[i][0]}) != CONUS_OK);
         assert_non_null(strstr(conus_message(), bad[i][1]));

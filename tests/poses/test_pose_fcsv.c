@@ -91,7 +91,7 @@ static void sides_are_asked(void **state)
     list = pose_text_parse(text_from(text), NULL);
     assert_int_equal(conus_pose_list_count(list), 2);
     conus_pose_list_destroy(list);
-    options.columns = "unit=cm";
+    options.columns = "unit=cm,sides=anyway";
     pose_text_refuse(text_from(text), &options, "is for tables, points and electrodes (BIDS), and not for markups");
     options.columns = NULL; /* LPS, as it should say; a third of a side may be wrong */
     list = pose_text_parse(text_from("# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n"

@@ -126,7 +126,7 @@ static void brainsight_is_read_strictly(void **state)
               "nan\tnan\t0\t0\t1\t0\t0\t0\t1\t0\t0\t0\t1\n",
               NULL);
     assert_row_fails(list, 0, "left", "left-handed");
-    assert_row_fails(list, 1, "skewed", "not orthonormal within 0.002");
+    assert_row_fails(list, 1, "skewed", "column 1 is 1.00499 long, not 1 within 0.001");
     assert_null(pose_row_of(list, 2, "rounded")->error);
     assert_row_fails(list, 3, "short", "6 fields, the header has 13");
     assert_row_fails(list, 4, "holes", "m0n1: \"(null)\"");
@@ -273,7 +273,7 @@ static void electrodes_have_the_columns_of_bids(void **state)
 {
     (void)state;
     static const char *const texts[] = {
-        "id\tname\tx\ty\tz\tMNI_x\tMNI_y\tMNI_z\n7\tA1\t-2\t3\t4\t-42\t-20\t50\n",
+        "id\tname\tx\ty\tz\tCT_x\tCT_y\tCT_z\n7\tA1\t-2\t3\t4\t-42\t-20\t50\n",
         "name\tx\ty\tz\ttarget_x\ttarget_y\ttarget_z\tdepth\nA1\t-2\t3\t4\t-42\tn/a\t50\tdeep\n",
     };
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {

@@ -56,8 +56,8 @@ static void simnibs_texts(void **state)
                                      "1 0 0 .1 0 1 0 0 0 0 1 .09 0 0 0 1"),
                            &simnibs);
     assert_row_fails(list, 0, "1", "left-handed");
-    assert_row_fails(list, 1, "2", "not orthonormal");
-    assert_row_fails(list, 2, "3", "nan in row 0");
+    assert_row_fails(list, 1, "2", "columns 2 and 3 are not at a right angle");
+    assert_row_fails(list, 2, "3", "nan in row 1");
     assert_row_fails(list, 3, "4", "last row 5 6 7 1");
     assert_null(pose_row_of(list, 4, "5")->error);
     assert_true(pose_has_note(list, "as if they were in metres"));

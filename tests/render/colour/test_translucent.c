@@ -521,6 +521,11 @@ static void the_walks_agree(void **state)
         float *whole = picture_draw(renderer, &camera, &view, false);
         assert_memory_equal(skipping, whole, PIXELS * 4 * sizeof *whole);
         assert_true(picture_difference(plain, whole) > 0.02);
+        view.no_skipping = false;
+        view.opacity = opaque;
+        float *again = picture_draw(renderer, &camera, &view, false); /* bricks of the unseen area are seen again */
+        assert_memory_equal(again, layers, PIXELS * 4 * sizeof *again);
+        memory_free(again);
         memory_free(plain);
         memory_free(layers);
         memory_free(skipping);
@@ -543,7 +548,7 @@ static double blocks(const double p[3])
 static void glass_is_drawn_as_by_each_plane(void **state)
 {
     (void)state;
-    const float opacity[] = {1, 0.3F, 0, 0.1F, 1};
+    static const float opacities[][5] = {{1, 0.3F, 0, 0.1F, 1}, {1, 0, 0, 0, 0.2F}};
     uint64_t seed = 5;
     for (int n = 0; n < 8; n++) {
         double areas[16];
@@ -558,13 +563,16 @@ static void glass_is_drawn_as_by_each_plane(void **state)
         assert_ok(conus_pose_toward(&pose, (double[]){-60, 10, 5}, (double[]){0, 0, 0}, NULL));
         struct colour_view view = with_cone(&pose, &marker);
         view.slices = (uint32_t)test_random(&seed, 10, 200);
-        view.opacity = opacity;
-        float *leaping = picture_draw(renderer, &camera, &view, false);
-        view.no_skipping = true;
-        float *each = picture_draw(renderer, &camera, &view, false);
-        assert_memory_equal(leaping, each, PIXELS * 4 * sizeof *each);
-        memory_free(leaping);
-        memory_free(each);
+        for (int unseen = 0; unseen < 2; unseen++) {
+            view.opacity = opacities[unseen];
+            view.no_skipping = false;
+            float *leaping = picture_draw(renderer, &camera, &view, false);
+            view.no_skipping = true;
+            float *each = picture_draw(renderer, &camera, &view, false);
+            assert_memory_equal(leaping, each, PIXELS * 4 * sizeof *each);
+            memory_free(leaping);
+            memory_free(each);
+        }
         conus_renderer_destroy(renderer);
         conus_atlas_destroy(atlas);
     }
