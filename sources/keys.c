@@ -15,7 +15,8 @@ struct source_key {
     const char *name;
     unsigned kinds;
     enum key_type type;
-    size_t least, most;  /* numbers, with ':' between them: so many, or any number of whole ones */
+    size_t least, most;  /* numbers, with ':' between them: so many, or any number of whole ones; of two
+                            the second is larger */
     double low, high;    /* of each */
     bool is_above;       /* it is not `low` itself */
     const char *words;   /* '/' between them */
@@ -31,6 +32,7 @@ struct source_key {
 #define A_NAME "a name is needed"
 #define AN_IMAGE "an image is needed"
 #define A_COLUMN "the title of a column is needed"
+#define A_PART "labels of vertices, a mask or a structure of the atlas is needed"
 #define WHOLE "allowed are whole numbers from 0"
 #define ABOVE_0 "allowed is a number above 0"
 #define MOST 0x1p53
@@ -82,9 +84,15 @@ static const struct source_key rows[] = {
     {KEY_PLACE, "place", KEYS_POSES, .allowed = A_COLUMN, .goes_on = true},
     {KEY_UNIT, "unit", KEYS_POSES, .allowed = "allowed are mm, um, cm and m", .goes_on = true},
     {KEY_SIDES, "sides", KEYS_POSES, IS_WORD, .words = "anyway", .allowed = "allowed is anyway", .goes_on = true},
+    {KEY_SPACING, "spacing", KEYS_ENTRIES | KEYS_TARGETS, IS_NUMBERS, .least = 1, .most = 1, .low = 1e-3, .high = 1e6,
+     .allowed = "allowed is a number from 0.001 to 1000000"},
+    {KEY_WITHIN, "within", KEYS_ENTRIES, .allowed = A_PART, .goes_on = true},
+    {KEY_WITHOUT, "without", KEYS_ENTRIES, .allowed = A_PART, .goes_on = true},
+    {KEY_FLIP, "flip", KEYS_ENTRIES, .type = IS_FLAG},
+    {KEY_OF, "of", KEYS_TARGETS, .allowed = "names of structures are needed", .goes_on = true},
 };
 
-enum { ROWS = sizeof rows / sizeof rows[0] };
+enum { ROWS = sizeof rows / sizeof rows[0], LISTED = 256 };
 
 /* The key that `text`, behind a comma, is; NULL if it is none. */
 static const struct source_key *find_row(const char *text, enum key_kind kind)
@@ -165,7 +173,8 @@ static bool read_numbers(struct key_value *value)
                   !(row->is_above && number == row->low);
         value->numbers[is_fine ? value->count++ : 0] = number;
     }
-    return is_fine && (row->type == IS_WHOLE || value->count == row->least || value->count == row->most);
+    return is_fine && (row->type == IS_WHOLE || value->count == row->least || value->count == row->most) &&
+           (row->least < 2 || value->numbers[0] < value->numbers[1]);
 }
 
 static bool has_value(struct key_value *value)
@@ -182,27 +191,44 @@ static bool has_value(struct key_value *value)
 }
 
 /* "a, b, c": the keys of a kind. */
-static void list_keys(char out[KEYS_WHY / 2], enum key_kind kind)
+static void list_keys(char out[LISTED], enum key_kind kind)
 {
     size_t used = 0;
     for (const struct source_key *row = rows; row < rows + ROWS; row++) {
-        if ((row->kinds & kind) && used < KEYS_WHY / 2) {
-            used += (size_t)snprintf(out + used, KEYS_WHY / 2 - used, "%s%s", used ? ", " : "", row->name);
+        if ((row->kinds & kind) && used < LISTED) {
+            used += (size_t)snprintf(out + used, LISTED - used, "%s%s", used ? ", " : "", row->name);
         }
     }
 }
 
 #define FAIL(out, ...) (snprintf((out)->why, sizeof(out)->why, __VA_ARGS__), false)
 
+/* The key of the kind that was perhaps meant; "" if none is near. */
+static const char *find_near(struct text found, enum key_kind kind)
+{
+    const struct text word = {found.data, strcspn(found.data, "=")};
+    const char *near = "";
+    size_t least = (word.size + 2) / 3 + 1;
+    for (const struct source_key *row = rows; row < rows + ROWS; row++) {
+        const size_t far = row->kinds & kind ? text_distance(word, text_from(row->name)) : SIZE_MAX;
+        near = far < least ? row->name : near;
+        least = far < least ? far : least;
+    }
+    return near;
+}
+
 /* What is no key, behind one or behind a file. */
 static bool refuse_unknown(struct source_keys *out, struct text found, struct text before, enum key_kind kind)
 {
-    char all[KEYS_WHY / 2];
+    char all[LISTED];
+    if (before.size && !memchr(found.data, '=', found.size)) {
+        return FAIL(out, "\"%.*s,%.*s\" has a comma in it; a number has a decimal point, and a name no comma",
+                    TEXT_SHOW(before, 80U), TEXT_SHOW(found, 80U));
+    }
+    const char *near = find_near(found, kind);
     list_keys(all, kind);
-    return before.size && !memchr(found.data, '=', found.size)
-               ? FAIL(out, "\"%.*s,%.*s\" has a comma in it; a number has a decimal point, and a name no comma",
-                      TEXT_SHOW(before, 80U), TEXT_SHOW(found, 80U))
-               : FAIL(out, "found \"%.*s\", allowed are %s", TEXT_SHOW(found, 80U), all);
+    return FAIL(out, "found \"%.*s\", allowed are %s%s%s%s", TEXT_SHOW(found, 80U), all,
+                *near ? "; did you mean " : "", near, *near ? "?" : "");
 }
 
 /* Takes the key at `at`, up to `end`. */
@@ -259,11 +285,13 @@ bool keys_read(struct source_keys *out, const char *text, enum key_kind kind)
 {
     size_t other;
     *out = (struct source_keys){.length = find_file(&other, text, kind)};
-    if (other) {
-        return FAIL(out,
-                    "there is this file, and also \"%.*s\", of which this would be a part: which one is meant? "
-                    "Rename one of them",
+    struct source_keys part = {0};
+    if (other && read_all(&part, text + other + 1, kind)) {
+        return FAIL(out, "\"%s\" is there, and so is \"%.*s\", of which it would be a part: rename one of them", text,
                     (int)other, text);
+    }
+    if (!out->length && *text) {
+        return FAIL(out, "\"%.80s\" names no file", text);
     }
     const struct text unknown = find_unknown(text, out->length);
     if (unknown.size) {
@@ -301,7 +329,8 @@ void keys_keep(char *out, const char *text, const struct source_keys *keys, unsi
     for (size_t i = 0; i < keys->count; i++) {
         const struct key_value *value = &keys->values[i];
         if (value->row->kinds & kinds) {
-            const size_t ahead = strlen(value->row->name) + 2; /* ",name=" */
+            const size_t ahead = strlen(value->row->name) + 1; /* "name=" */
+            out[used++] = ',';
             memcpy(out + used, value->text.data - ahead, ahead + value->text.size);
             used += ahead + value->text.size;
         }
@@ -320,4 +349,21 @@ bool keys_fit(char why[KEYS_WHY], const struct source_keys *keys, uint64_t allow
         snprintf(why, KEYS_WHY, "%s %s", first->name, first->refusal ? first->refusal : "is not for this file");
     }
     return !first;
+}
+
+bool keys_cut(struct source_keys *out, char *text, enum key_kind kind)
+{
+    const bool is_fine = keys_read(out, text, kind);
+    for (size_t i = 0; is_fine && i < out->count; i++) {
+        const struct text value = out->values[i].text;
+        text[(size_t)(value.data - text) + value.size] = '\0';
+    }
+    text[is_fine ? out->length : strlen(text)] = '\0';
+    return is_fine;
+}
+
+const char *keys_string(const struct source_keys *keys, enum source_key_id id)
+{
+    const struct text text = keys_value(keys, id)->text;
+    return text.size ? text.data : NULL;
 }

@@ -20,6 +20,8 @@ enum key_kind {
     KEYS_TRANSFORM = 1 << 7,
     KEYS_MAP = 1 << 8,   /**< Values of vertices that a context shows. */
     KEYS_POSES = 1 << 9, /**< A table of poses. */
+    KEYS_ENTRIES = 1 << 10, /**< From where poses are tried, */
+    KEYS_TARGETS = 1 << 11, /**< and to where. */
 };
 
 enum source_key_id {
@@ -53,11 +55,16 @@ enum source_key_id {
     KEY_Z,
     KEY_SIDES,
     KEY_PLACE,
+    KEY_SPACING,
+    KEY_WITHIN,
+    KEY_WITHOUT,
+    KEY_FLIP,
+    KEY_OF,
 };
 
 #define KEY_BIT(id) (UINT64_C(1) << (id))
 
-enum { KEY_NUMBERS = 16, KEYS_MOST = 32, KEYS_WHY = 512 };
+enum { KEY_NUMBERS = 16, KEYS_MOST = 32, KEYS_WHY = 1024 };
 
 struct source_key;
 
@@ -81,6 +88,13 @@ struct source_keys {
 
 /** Takes @p text apart; false where it is refused, keys.why says why. */
 bool keys_read(struct source_keys *out, const char *text, enum key_kind kind);
+
+/** Likewise, and ends each part in @p text with a NUL: it is FILE then, and values are strings. It stays as it was where
+ * it is refused. */
+bool keys_cut(struct source_keys *out, char *text, enum key_kind kind);
+
+/** The value of keys_cut(); NULL where it is not given. */
+const char *keys_string(const struct source_keys *keys, enum source_key_id id);
 
 /** The same of @p words without a file: "key=value,key=value". */
 bool keys_read_alone(struct source_keys *out, const char *words, enum key_kind kind);

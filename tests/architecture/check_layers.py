@@ -128,9 +128,9 @@ LIBRARY = {
     "selection/batch": "base base/geometry base/system poses poses/rows selection selection/study selection/report",
 }
 RULES = {**LIBRARY, **APPS}
-# What programs link beside the library (conus_system in base/CMakeLists.txt).
+# What programs link beside the library (conus_system in base/CMakeLists.txt, conus_keys in sources).
 SHARED = {"base/look.h", "base/look_sizes.h", "base/order.h", "base/path.h",
-          "base/system/system.h", "base/text.h", "base/writer.h"}
+          "base/system/system.h", "base/text.h", "base/writer.h", "sources/keys.h"}
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 
