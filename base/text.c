@@ -2,7 +2,6 @@
 /* Takes text apart: lines, fields, words, numbers; compares and cleans it. */
 #include "base/text.h"
 
-#include "base/memory.h"
 #include "base/order.h"
 #include "base/system/system.h"
 
@@ -363,28 +362,4 @@ bool text_to_int(struct text text, int64_t *out)
     }
     *out = negative ? -(int64_t)value : (int64_t)value;
     return true;
-}
-
-char *text_to_utf8(struct text text)
-{
-    char *out = text.size < SIZE_MAX / 3 ? memory_raw(3 * text.size + 1, 1) : NULL;
-    size_t size = 0;
-    while (out && text.size) {
-        const unsigned char *at = (const unsigned char *)text.data;
-        size_t length = text_character(text);
-        bool control = length == 2 && at[0] == 0xc2 && at[1] < 0xa0;
-        if (length && !control) {
-            memcpy(&out[size], text.data, length);
-            size += length;
-        } else {
-            size += text_from_windows(&out[size], at[control]);
-        }
-        length = length ? length : 1;
-        text = (struct text){text.data + length, text.size - length};
-    }
-    if (out) {
-        out[size] = '\0';
-        text_make_plain(out, "");
-    }
-    return out;
 }

@@ -4,29 +4,24 @@
 #include "atlas/space.h"
 #include "base/memory.h"
 #include "base/options.h"
-#include "base/path.h"
 #include "loaders/maps/atlas_on_job.h"
 #include "loaders/scene/load_streamlines.h"
 #include "pack/pack_file.h"
+#include "sources/keys.h"
 
 #include <string.h>
 
 /* Copies `path` without the ",template=WORD" that says whose brain the atlas is, if it has one. */
 static conus_status cut_template(char **plain, conus_brain *brain, const char *path)
 {
-    static const char key[] = ",template=";
-    const char *at = strstr(path_base(path), key);
-    const char *behind = at ? at + strlen(key) + strcspn(at + strlen(key), ",") : NULL;
-    if (at && !space_brain_parse(brain, (struct text){at + strlen(key), (size_t)(behind - at) - strlen(key)})) {
-        return fail(
-            CONUS_ERROR_ARGUMENT,
-            "%.*s: template: found \"%.*s\", allowed are mni152, colin27, mni305, and none for one person's own "
-            "brain",
-            (int)(at - path), path, (int)((size_t)(behind - at) - strlen(key)), at + strlen(key));
+    struct source_keys keys;
+    if (!keys_read(&keys, path, KEYS_ATLAS)) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: %s", path, keys.why);
     }
-    *plain = memory_text(path, strlen(path));
-    if (*plain && at) {
-        memmove(*plain + (at - path), behind, strlen(behind) + 1);
+    (void)space_brain_parse(brain, keys_value(&keys, KEY_TEMPLATE)->text);
+    *plain = memory_raw(strlen(path) + 1, 1);
+    if (*plain) {
+        keys_keep(*plain, path, &keys, KEYS_SCENE);
     }
     return *plain ? CONUS_OK : CONUS_ERROR_MEMORY;
 }

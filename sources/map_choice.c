@@ -3,25 +3,10 @@
 #include "sources/map_choice.h"
 
 #include "base/buffer.h"
-#include "base/files/file.h"
-#include "base/files/folder.h"
-#include "base/memory.h"
 
 #include <string.h>
 
 enum { SHOWN = 8, WIDTH = 60 };
-
-conus_status map_choice_split(char **path, struct text *map, const char *text)
-{
-    static const char selector[] = ",map=";
-    const char *at = file_exists(text) ? NULL : strstr(path_base(text), selector);
-    *map = text_from(at ? at + strlen(selector) : "");
-    if (at && !map->size) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: map: a number from 0 or a name is needed", text);
-    }
-    *path = memory_text(text, at ? (size_t)(at - text) : strlen(text));
-    return *path ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
 
 /* "0 "aparc", 1 "yeo"", of the first maps. */
 static void list_maps(struct buffer *out, const char *const *names, size_t count)

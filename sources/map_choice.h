@@ -6,10 +6,6 @@
 #include "base/notes.h"
 #include "base/text.h"
 
-/** Splits @p text at ",map=", unless there is a file of that name: *path is the caller's to memory_free(), @p map lies
- * in @p text and is empty where nothing is chosen. */
-conus_status map_choice_split(char **path, struct text *map, const char *text);
-
 /** Which of @p count maps called @p names (NULL entries have no name) @p wanted is: a number from 0, which is not
  * compared with the count, or a name. The first if it is empty; where there are others, a note names them. @p kind is
  * what the maps are, in words. CONUS_ERROR_ARGUMENT for a name that none or several have. */

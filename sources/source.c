@@ -4,7 +4,6 @@
 
 #include "base/formats/gzip.h"
 #include "base/memory.h"
-#include "sources/map_choice.h"
 
 /* Unpacks the first bytes where they are packed; of damaged ones there are none. */
 static conus_status look_at_head(struct source *source, const char *path)
@@ -32,6 +31,24 @@ static struct source *begin_source(struct job *job, struct source *source)
     bool has_looked = JOB_CALL(job, file_read_here(&source->stored, &source->file, HEAD_SIZE, UINT64_MAX, "")) &&
                       JOB_CALL(job, look_at_head(source, source->file.path));
     return has_looked ? source : NULL;
+}
+
+void source_keys_read(struct job *job, struct source_keys *out, const char *text, enum key_kind kind)
+{
+    const size_t place = job_in(job, text, JOB_ALONE);
+    if (!keys_read(out, text, kind)) {
+        job_fail(job, CONUS_ERROR_ARGUMENT, "%s", out->why);
+    }
+    job_out(job, place);
+    out->path = job_copy(job, (struct text){text, out->length});
+}
+
+void source_keys_refuse(struct job *job, const struct source_keys *keys, uint64_t allowed)
+{
+    char why[KEYS_WHY];
+    if (!keys_fit(why, keys, allowed)) {
+        job_fail(job, CONUS_ERROR_ARGUMENT, "%s", why);
+    }
 }
 
 struct source *source_open(struct job *job, const char *path)
@@ -145,15 +162,16 @@ conus_status source_of(struct source *out, const char *path, const struct bytes 
 
 conus_status source_open_atlas(struct source *out, const char *path)
 {
-    struct text map = {0};
-    char *plain = NULL;
+    struct source_keys keys;
+    bool is_known = keys_read(&keys, path, KEYS_SCENE) && !(keys.given & ~KEY_BIT(KEY_MAP));
+    char *plain = memory_text(path, keys.length);
     *out = (struct source){0};
-    conus_status status = map_choice_split(&plain, &map, path);
-    if (!status && file_exists(plain)) {
+    conus_status status = plain ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (is_known && plain && file_exists(plain)) {
         status = open_file(out, plain);
     }
     out->path = plain;
-    if (status || (map.size && source_scene(out) != FORMAT_CIFTI)) {
+    if (status || (keys.count && source_scene(out) != FORMAT_CIFTI)) {
         source_close(out);
     }
     return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;

@@ -6,6 +6,7 @@
 #include "base/job/reader.h"
 #include "base/threads.h"
 #include "sources/format.h"
+#include "sources/keys.h"
 
 struct source {
     char *path; /**< Owned, of source_open_atlas(); else NULL. */
@@ -20,6 +21,11 @@ struct source {
     struct thread_piece summing;
     _Atomic bool stops; /**< Nobody will ask for the sum. */
 };
+
+/** Takes "FILE,key=value" apart: keys.path is FILE, "" without memory. CONUS_ERROR_ARGUMENT where keys are refused. */
+void source_keys_read(struct job *job, struct source_keys *out, const char *text, enum key_kind kind);
+/** CONUS_ERROR_ARGUMENT where a key is given that is not among @p allowed (KEY_BIT()). */
+void source_keys_refuse(struct job *job, const struct source_keys *keys, uint64_t allowed);
 
 /** Opens the regular file @p path, which must live as long as the job, and looks how it begins. The path is a place,
  * which the caller enters before. NULL after a failure. The job closes it. */

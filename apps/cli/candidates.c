@@ -60,67 +60,19 @@ const struct option candidate_options[] = {
     {0},
 };
 
-/* Keys behind --from and --toward. */
-static const struct key {
-    const char *name;
-    size_t offset; /* in struct place */
-    bool of_from, of_toward, is_flag;
-} keys[] = {
-    {"spacing", offsetof(struct place, spacing), true, true, false},
-    {"within", offsetof(struct place, within), true, false, false},
-    {"without", offsetof(struct place, without), true, false, false},
-    {"flip", offsetof(struct place, flip), true, false, true},
-    {"of", offsetof(struct place, of), false, true, false},
-};
-
-enum { KEYS = sizeof keys / sizeof keys[0] };
-
-static const char *key_name(const void *is_from, size_t index)
+static bool read_place(struct place *out, const char *option, const char *value, enum key_kind kind)
 {
-    for (size_t i = 0; i < KEYS; i++) {
-        bool fits = *(const bool *)is_from ? keys[i].of_from : keys[i].of_toward;
-        if (fits && index-- == 0) {
-            return keys[i].name;
-        }
-    }
-    return NULL;
-}
-
-/* Cuts keys and their values off a text. A value goes on to the next key, since names have commas between them. */
-static bool read_place(struct place *out, const char *value, bool is_from)
-{
-    const char *option = is_from ? "from" : "toward";
+    struct source_keys keys;
     out->path = strdup(value);
-    if (!out->path) {
-        print_no_memory();
+    if (!option_cut_keys(&keys, option, out->path, kind)) {
         return false;
     }
-    for (char *comma = strchr(out->path, ','); comma; comma = strchr(comma + 1, ',')) {
-        char *word = comma + 1;
-        size_t length = strcspn(word, ",=");
-        const struct key *key = keys;
-        while (key < keys + KEYS && !((is_from ? key->of_from : key->of_toward) && strlen(key->name) == length &&
-                                      strncmp(key->name, word, length) == 0 && (word[length] == '=') != key->is_flag)) {
-            key++;
-        }
-        if (key < keys + KEYS) {
-            *comma = '\0';
-            if (key->is_flag) {
-                out->flip = true;
-            } else {
-                *(char **)((char *)out + key->offset) = word + length + 1;
-            }
-        } else if (word[length] == '=') {
-            word[length] = '\0';
-            const char *near = closest_name(word, key_name, &is_from);
-            return refuse("--%s: there is no key \"%s\"%s%s%s", option, word, near ? "; did you mean " : "",
-                          near ? near : "", near ? "?" : "");
-        }
-    }
-    if (out->spacing && !(number_parse(out->spacing, &out->apart) && out->apart >= 1e-3 && out->apart <= 1e6)) {
-        return refuse("--%s: spacing=%s is not a number from 0.001 to 1000000", option, out->spacing);
-    }
-    return *out->path || refuse("--%s: there is no file", option);
+    out->apart = keys_value(&keys, KEY_SPACING)->numbers[0];
+    out->within = keys_string(&keys, KEY_WITHIN);
+    out->without = keys_string(&keys, KEY_WITHOUT);
+    out->of = keys_string(&keys, KEY_OF);
+    out->flip = keys.given & KEY_BIT(KEY_FLIP);
+    return true;
 }
 
 /* "70", "target", "target+3", "target-1" */
@@ -162,7 +114,8 @@ int candidates_parse(struct candidates *out, const struct candidate_settings *se
     if (settings->tilt && numbers_parse(out->tilt, 2, settings->tilt, ',') != 2) {
         return print_usage_error("--tilt: \"%s\" is not two numbers MAX,STEP", settings->tilt);
     }
-    return read_place(&out->from, settings->from, true) && read_place(&out->toward, settings->toward, false)
+    return read_place(&out->from, "from", settings->from, KEYS_ENTRIES) &&
+                   read_place(&out->toward, "toward", settings->toward, KEYS_TARGETS)
                ? EXIT_DONE
                : EXIT_USAGE;
 }
@@ -250,9 +203,14 @@ static int keep(conus_sites *sites, const char *what, bool inside, const struct 
     conus_roi *mask = NULL;
     conus_status status = CONUS_OK;
     bool is_labels = false;
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        is_labels = is_labels || path_ends_in(what, endings[i]) || (strchr(what, ',') && strstr(what, endings[i]));
+    char *file = text_copy(what, keys_file_length(what, KEYS_VERTICES));
+    for (size_t i = 0; file && i < sizeof endings / sizeof endings[0]; i++) {
+        is_labels = is_labels || path_ends_in(file, endings[i]);
     }
+    if (!file) {
+        return print_no_memory();
+    }
+    free(file);
     if (is_labels) {
         status = conus_sites_keep_labelled(sites, what, inside);
     } else if (conus_atlas_is_path(what)) {

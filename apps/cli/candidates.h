@@ -19,9 +19,9 @@ extern const struct option candidate_options[];
 /** Points, with what is asked of them behind commas. */
 struct place {
     char *path; /**< A file, or a word; owned, with the others behind it. */
-    char *spacing, *within, *without, *of;
+    const char *within, *without, *of;
     bool flip;
-    double apart; /**< mm, of `spacing`; 0 = none. */
+    double apart; /**< mm, of "spacing"; 0 = none. */
     conus_sites *sites;
     conus_pose_list *list; /**< Of which they are, if of a file of points. */
     const char **names;    /**< Of the sites, as the file has them; NULL = it has none, or equal ones. */

@@ -634,7 +634,7 @@ static int check_maps(const struct planning *planning)
     if (fill && strcmp(fill, "nearest") != 0) {
         return print_usage_error("--map: fill=%s, allowed is nearest", fill);
     }
-    if (fill && !from->spacing) {
+    if (fill && !(from->apart > 0)) {
         return print_usage_error("--map: fill has no effect without spacing=MM of --from");
     }
     bool is_volume = map && (path_ends_in(map, ".nii") || path_ends_in(map, ".nii.gz"));

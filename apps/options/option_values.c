@@ -315,6 +315,13 @@ bool option_read(const struct option *option, void *field, const char *text)
     return false;
 }
 
+bool option_cut_keys(struct source_keys *out, const char *option, char *text, enum key_kind kind)
+{
+    return text ? (keys_cut(out, text, kind) && *text) ||
+                      refuse("--%s: %s", option, *text ? out->why : "\"\" names no file")
+                : refuse("--%s: not enough memory", option);
+}
+
 bool key_left_in_file(const char *option, const char *file, const char *const *keys)
 {
     const char *key = NULL;

@@ -4,6 +4,8 @@
 #ifndef CONUS_OPTIONS_OPTIONS_H
 #define CONUS_OPTIONS_OPTIONS_H
 
+#include "sources/keys.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -218,6 +220,10 @@ bool number_parse(const char *text, double *out);
 size_t numbers_parse(double *out, size_t limit, const char *text, char separator);
 /** The whole of @p text as a decimal whole number up to @p limit. */
 bool count_parse(const char *text, uint64_t limit, uint64_t *out);
+
+/** Cuts the @p text FILE,key=value of an option, which then is FILE. Prints an error and returns false where it is none;
+ * @p text NULL: there is no memory. */
+bool option_cut_keys(struct source_keys *out, const char *option, char *text, enum key_kind kind);
 
 /** An @p option is FILE and keys behind commas, cut off from the end. Whether one of @p keys (",radius=", the
  * last NULL) is left in @p file, since its value has a comma, as in radius=0,5. Prints an error then. */

@@ -22,9 +22,8 @@
 struct pathway_option {
     char *text;              /* The text that the others point into. */
     const char *given;       /* As it was given: borrowed. */
-    char *path;              /* With ",volume=K" at its end, as the library wants it. */
+    char *path;              /* With ",volume=K" and the like at its end, as the library wants it. */
     const char *name, *unit; /* NULL if not given. */
-    char *volume;            /* "volume=K", NULL if not given. */
     double threshold;        /* 0 if not given. */
     conus_band *bands;       /* [band_count], in the order in which they were given; names point into texts. */
     size_t band_count;
@@ -67,68 +66,25 @@ static bool read_band(struct pathway_option *pathway, char *value)
     return add_bands(pathway, &band, 1);
 }
 
-/* Takes "NAME=VALUE" unless there is such a value already; false where it is no such key. */
-static bool take_text(const char **out, const char *key, const char *name)
-{
-    bool is_it = !*out && strncmp(key, name, strlen(name)) == 0;
-    *out = is_it ? key + strlen(name) : *out;
-    return is_it;
-}
-
-/* Reads "key=value", the text after a comma. */
-static bool read_key(struct pathway_option *pathway, char *key)
-{
-    char *value = strchr(key, '=') + 1;
-    if (strncmp(key, "threshold=", 10) == 0 && pathway->threshold == 0) {
-        return (number_parse(value, &pathway->threshold) && pathway->threshold > 0) ||
-               refuse("--pathway: threshold=%s is not a number above 0", value);
-    }
-    if (take_text(&pathway->name, key, "name=") || take_text(&pathway->unit, key, "unit=")) {
-        return *value || refuse("--pathway: %s is empty", key);
-    }
-    if (strncmp(key, "volume=", 7) == 0 && !pathway->volume) {
-        uint64_t index;
-        pathway->volume = key;
-        return count_parse(value, UINT32_MAX, &index) ||
-               refuse("--pathway: volume=%s is not a whole number from 0", value);
-    }
-    if (strncmp(key, "band=", 5) == 0) {
-        return read_band(pathway, value);
-    }
-    return refuse("--pathway: \"%s\" is none of threshold=T, name=S, unit=S and volume=K, each at most once, and "
-                  "band=LOW:HIGH:NAME",
-                  key);
-}
-
-/* Takes `text` apart; prints an error and returns false where that is no pathway. End `out` in either case. Cuts
- * keys off the end as long as there are some, since a file's name may have commas as well. */
+/* Takes `text` apart; prints an error and returns false where that is no pathway. End `out` in either case. */
 static bool pathway_option_parse(struct pathway_option *out, const char *text)
 {
-    static const char *const names[] = {",threshold=", ",name=", ",unit=", ",volume=", ",band=", NULL};
     size_t size = strlen(text) + 1;
+    struct source_keys keys;
     *out = (struct pathway_option){.text = calloc(2, size), .given = text};
-    if (!out->text) {
-        return refuse("--pathway: not enough memory");
-    }
-    char *keys = memcpy(out->text, text, size);
-    for (char *comma; (comma = strrchr(keys, ',')) && strchr(comma, '=');) {
-        *comma = '\0';
-        if (!read_key(out, comma + 1)) {
-            return false;
-        }
-    }
-    if (!*keys) {
-        return refuse("--pathway: \"%s\" names no file", text);
-    }
-    if (key_left_in_file("pathway", keys, names)) {
+    if (!option_cut_keys(&keys, "pathway", out->text ? memcpy(out->text, text, size) : NULL, KEYS_PATHWAY)) {
         return false;
     }
     out->path = out->text + size;
-    snprintf(out->path, size, "%s%s%s", keys, out->volume ? "," : "", out->volume ? out->volume : "");
-    for (size_t i = 0, count = out->band_count; i < count / 2; i++) { /* keys were read from the last to the first */
-        conus_band first = out->bands[i];
-        out->bands[i] = out->bands[count - 1 - i];
-        out->bands[count - 1 - i] = first;
+    keys_keep(out->path, out->text, &keys, KEYS_VOLUME);
+    out->name = keys_string(&keys, KEY_NAME);
+    out->unit = keys_string(&keys, KEY_UNIT);
+    out->threshold = keys_value(&keys, KEY_THRESHOLD)->numbers[0];
+    for (size_t i = 0; i < keys.count; i++) {
+        const struct key_value *key = &keys.values[i];
+        if (key->id == KEY_BAND && !read_band(out, out->text + (key->text.data - out->text))) {
+            return false;
+        }
     }
     const char *other = out->threshold > 0 ? "threshold" : out->name ? "name" : NULL;
     if (out->band_count && other) {
@@ -137,13 +93,11 @@ static bool pathway_option_parse(struct pathway_option *out, const char *text)
     return true;
 }
 
-/* "ras" or "lps". */
-static bool file_space_parse(conus_file_space *out, const char *text)
+/* Of "ras" or "lps". */
+static conus_file_space file_space_of(const struct source_keys *keys)
 {
-    *out = strcmp(text, "ras") == 0   ? CONUS_FILE_SPACE_RAS
-           : strcmp(text, "lps") == 0 ? CONUS_FILE_SPACE_LPS
-                                      : CONUS_FILE_SPACE_AS_STATED;
-    return *out != CONUS_FILE_SPACE_AS_STATED;
+    const char *word = keys_string(keys, KEY_SPACE);
+    return !word ? CONUS_FILE_SPACE_AS_STATED : *word == 'r' ? CONUS_FILE_SPACE_RAS : CONUS_FILE_SPACE_LPS;
 }
 
 struct streamlines_option {
@@ -154,106 +108,50 @@ struct streamlines_option {
     conus_file_space space;
 };
 
-/* Reads "key=value" or "moves", the text after a comma. */
-static bool streamlines_read_key(struct streamlines_option *out, char *key)
-{
-    if (strncmp(key, "radius=", 7) == 0 && out->radius == 0) {
-        return (number_parse(key + 7, &out->radius) && out->radius > 0) ||
-               refuse("--streamlines: radius=%s is not a number above 0", key + 7);
-    }
-    if (take_text(&out->name, key, "name=")) {
-        return *out->name || refuse("--streamlines: name= is empty");
-    }
-    if (strcmp(key, "moves") == 0 && !out->moves) {
-        return out->moves = true;
-    }
-    if (strncmp(key, "space=", 6) == 0 && !out->space) {
-        return file_space_parse(&out->space, key + 6) ||
-               refuse("--streamlines: space=%s, allowed are ras and lps", key + 6);
-    }
-    return refuse("--streamlines: \"%s\" is none of radius=R, name=S, space=S and moves, each at most once", key);
-}
-
 /* Takes `text` apart; prints an error and returns false where that is no tractogram with its keys. End `out` in
- * either case. Cuts keys off the end as long as there are some, since a file's name may have commas as well. */
+ * either case. */
 static bool streamlines_option_parse(struct streamlines_option *out, const char *text)
 {
-    static const char *const keys[] = {",radius=", ",name=", ",space=", NULL};
+    struct source_keys keys;
     *out = (struct streamlines_option){.path = strdup(text)};
-    if (!out->path) {
-        return refuse("--streamlines: not enough memory");
+    if (!option_cut_keys(&keys, "streamlines", out->path, KEYS_STREAMLINES)) {
+        return false;
     }
-    for (char *comma; (comma = strrchr(out->path, ',')) && (strchr(comma, '=') || strcmp(comma, ",moves") == 0);) {
-        *comma = '\0';
-        if (!streamlines_read_key(out, comma + 1)) {
-            return false;
-        }
-    }
-    if (!*out->path) {
-        print_error_line("--streamlines: \"%s\" names no file", text);
-    }
-    return *out->path && !key_left_in_file("streamlines", out->path, keys);
-}
-
-/* The parts of "FILE[,from=IMAGE,to=IMAGE][,inverse][,relative|absolute][,space=ras|lps][,grid=IMAGE][,transform=K]",
- * which is cut at its commas. */
-struct transform_option {
-    char *path;
-    conus_transform_options options;
-};
-
-/* Takes a key, the text after a comma. False where it is no key: then it is a part of the file's name. */
-static bool transform_take_key(struct transform_option *out, const char *key)
-{
-    if (strcmp(key, "inverse") == 0 && !out->options.inverse) {
-        return out->options.inverse = true;
-    }
-    if ((strcmp(key, "relative") == 0 || strcmp(key, "absolute") == 0) && !out->options.vectors) {
-        out->options.vectors = key[0] == 'r' ? CONUS_VECTORS_RELATIVE : CONUS_VECTORS_ABSOLUTE;
-        return true;
-    }
-    if (strncmp(key, "space=", 6) == 0 && !out->options.space) {
-        return file_space_parse(&out->options.space, key + 6);
-    }
-    if (strncmp(key, "transform=", 10) == 0 && !out->options.transform) {
-        double number;
-        bool is_number =
-            number_parse(key + 10, &number) && number >= 0 && number < UINT32_MAX && number == floor(number);
-        out->options.transform = is_number ? (size_t)number + 1 : 0;
-        return is_number;
-    }
-    return take_text(&out->options.grid, key, "grid=") || take_text(&out->options.from, key, "from=") ||
-           take_text(&out->options.to, key, "to=");
-}
-
-static bool is_empty(const char *text)
-{
-    return text && !*text;
+    out->name = keys_string(&keys, KEY_NAME);
+    out->radius = keys_value(&keys, KEY_RADIUS)->numbers[0];
+    out->moves = keys.given & KEY_BIT(KEY_MOVES);
+    out->space = file_space_of(&keys);
+    return true;
 }
 
 /* A field and what it resamples may take `max_memory`, 0 = the default. */
 static int transform_apply(conus_atlas *atlas, const char *given, uint64_t max_memory)
 {
-    char *text = strdup(given);
-    struct transform_option option = {.path = text};
-    if (!text) {
-        return print_no_memory();
+    struct source_keys keys;
+    char *path = strdup(given);
+    conus_status status = CONUS_OK;
+    int code = option_cut_keys(&keys, "atlas-transform", path, KEYS_TRANSFORM) ? EXIT_DONE : EXIT_USAGE;
+    const bool is_relative = !code && keys.given & KEY_BIT(KEY_RELATIVE);
+    const bool is_absolute = !code && keys.given & KEY_BIT(KEY_ABSOLUTE);
+    if (is_relative && is_absolute) {
+        code = print_usage_error("--atlas-transform: relative and absolute exclude each other");
     }
-    /* Keys are cut off the end as long as there are some, since a file's name may have commas as well. */
-    for (char *comma; (comma = strrchr(text, ',')) && transform_take_key(&option, comma + 1);) {
-        *comma = '\0';
+    if (!code) {
+        const struct key_value *number = keys_value(&keys, KEY_TRANSFORM);
+        const conus_transform_options options = {.inverse = keys.given & KEY_BIT(KEY_INVERSE),
+                                                 .vectors = is_relative   ? CONUS_VECTORS_RELATIVE
+                                                            : is_absolute ? CONUS_VECTORS_ABSOLUTE
+                                                                          : CONUS_VECTORS_AS_STATED,
+                                                 .space = file_space_of(&keys),
+                                                 .grid = keys_string(&keys, KEY_GRID),
+                                                 .from = keys_string(&keys, KEY_FROM),
+                                                 .to = keys_string(&keys, KEY_TO),
+                                                 .transform = number->count ? (size_t)number->numbers[0] + 1 : 0,
+                                                 .max_memory = max_memory};
+        status = conus_atlas_transform(atlas, path, &options);
     }
-    option.options.max_memory = max_memory;
-    bool empty = is_empty(option.path) || is_empty(option.options.from) || is_empty(option.options.to) ||
-                 is_empty(option.options.grid);
-    const char *space = strstr(option.path, ",space=");
-    int code =
-        empty   ? print_usage_error("--atlas-transform: \"%s\" names no file, or no image", given)
-        : space ? print_usage_error("--atlas-transform: \"%s\", allowed are space=ras and space=lps, once", space + 1)
-                : EXIT_DONE;
-    code = code ? code : print_status(conus_atlas_transform(atlas, option.path, &option.options));
-    free(text);
-    return code;
+    free(path);
+    return status ? print_status(status) : code;
 }
 
 /* The atlas's files and then those of the command line. */
@@ -466,19 +364,22 @@ static int find_named(struct atlas_name *out, const char *text, bool is_path, ca
     if (is_path) {
         return EXIT_DONE;
     }
-    const char *key = strstr(text, ",template=");
-    char *name = key ? text_copy(text, (size_t)(key - text)) : NULL;
+    const char *key = text + keys_file_length(text, KEYS_ATLAS);
+    char *name = text_copy(text, (size_t)(key - text));
+    if (!name) {
+        return print_no_memory();
+    }
     conus_status status = conus_catalogue_create(&out->catalogue, NULL);
-    status = status ? status : find(&out->atlas, out->catalogue, name ? name : text);
+    status = status ? status : find(&out->atlas, out->catalogue, name);
     free(name);
     if (status) {
         return print_status(status);
     }
-    if (key && asprintf(&out->owned, "%s%s", out->atlas->path, key) < 0) {
+    if (*key && asprintf(&out->owned, "%s%s", out->atlas->path, key) < 0) {
         out->owned = NULL;
         return print_no_memory();
     }
-    out->path = key ? out->owned : out->atlas->path;
+    out->path = *key ? out->owned : out->atlas->path;
     return EXIT_DONE;
 }
 
@@ -616,37 +517,24 @@ bool context_choice_has_volume(const struct context_choice *choice)
     return found;
 }
 
-/* Takes "array=NAME" or "range=A:B". */
-static bool read_map_key(conus_context_map_options *out, char *key)
-{
-    char *high = strchr(key, ':');
-    if (strcmp(key, "array=") != 0 && take_text(&out->array, key, "array=")) {
-        return true;
-    }
-    if (strncmp(key, "range=", 6) == 0 && high && out->range[0] == 0 && out->range[1] == 0) {
-        *high = '\0';
-        bool is_fine = number_parse(key + 6, &out->range[0]) && number_parse(high + 1, &out->range[1]) &&
-                       out->range[0] < out->range[1];
-        return is_fine || refuse("--map: range=%s:%s are not two numbers, the second larger", key + 6, high + 1);
-    }
-    return refuse("--map: \"%s\" is none of array=NAME and range=A:B, each at most once", key);
-}
-
-/* Cuts keys off the end as long as there are some, since a file's name may have commas as well. */
 static int load_map(conus_atlas *atlas, const struct context_choice *choice, const struct atlas_settings *settings)
 {
-    conus_context_map_options options = {.opacity = choice->opacity, .max_memory = settings->max_memory};
-    char *text = choice->map ? strdup(choice->map) : NULL;
-    int code = text || !choice->map ? EXIT_DONE : print_no_memory();
-    for (char *comma; text && !code && (comma = strrchr(text, ',')) && strchr(comma, '=');) {
-        *comma = '\0';
-        code = read_map_key(&options, comma + 1) ? EXIT_DONE : EXIT_USAGE;
+    struct source_keys keys;
+    char *path = strdup(choice->map);
+    conus_status status = CONUS_OK;
+    int code = option_cut_keys(&keys, "map", path, KEYS_MAP) ? EXIT_DONE : EXIT_USAGE;
+    if (!code && !(keys.given & KEY_BIT(KEY_ARRAY))) {
+        code = print_usage_error("--map: %s: which array? FILE,array=NAME", path);
     }
-    if (text && !code && !options.array) {
-        code = print_usage_error("--map: %s: which array? FILE,array=NAME", text);
+    if (!code) {
+        const double *range = keys_value(&keys, KEY_RANGE)->numbers;
+        const conus_context_map_options options = {.array = keys_string(&keys, KEY_ARRAY),
+                                                   .range = {range[0], range[1]},
+                                                   .opacity = choice->opacity,
+                                                   .max_memory = settings->max_memory};
+        status = conus_atlas_set_context_map(atlas, path, &options);
     }
-    conus_status status = text && !code ? conus_atlas_set_context_map(atlas, text, &options) : CONUS_OK;
-    free(text);
+    free(path);
     return status ? print_status(status) : code;
 }
 
@@ -659,5 +547,5 @@ int context_choice_load(conus_atlas *atlas, const struct context_choice *choice,
                                                .max_memory = settings->max_memory};
         code = set_context(atlas, path, &options);
     }
-    return code ? code : load_map(atlas, choice, settings);
+    return code || !choice->map ? code : load_map(atlas, choice, settings);
 }

@@ -9,6 +9,7 @@
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/outputs.h"
+#include "sources/keys.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,13 +36,7 @@ static char *name_of_path(const char *path)
 {
     struct system_stat info;
     bool is_folder = system_stat(&info, path) && info.kind == SYSTEM_FOLDER;
-    static const char *const keys[] = {",volume=", ",resolution=", ",orientation=",
-                                       ",level=",  ",template=",   ",space="}; /* behind a file: what is in it */
-    size_t end = strlen(path);
-    for (size_t i = 0; !is_folder && i < sizeof keys / sizeof keys[0]; i++) {
-        const char *key = strstr(path, keys[i]);
-        end = key && (size_t)(key - path) < end ? (size_t)(key - path) : end;
-    }
+    size_t end = is_folder ? strlen(path) : keys_file_length(path, KEYS_ATLAS);
     end = path_plain_length(path, end);
     size_t start = path_length_above(path, end);
     char *name = text_copy(path + start, end - start);

@@ -4,6 +4,7 @@
 #include "base/path.h"
 #include "base/system/system.h"
 #include "loaders/catalogue/catalogue.h"
+#include "sources/keys.h"
 
 #include <errno.h>
 #include <string.h>
@@ -19,16 +20,9 @@ static bool is_there(const char *path)
 
 bool conus_atlas_is_path(const char *text)
 {
-    bool is = !path_is_name(text) || is_there(text);
-    for (const char *comma = text; !is && (comma = strchr(comma, ',')); comma++) {
-        struct text key = {comma + 1, strcspn(comma + 1, "=")}; /* of what chooses a part of the file before it */
-        if (key.data[key.size] && text_is_one_of(key, "volume/resolution/orientation/level/map/template/space", true)) {
-            char *path = memory_text(text, (size_t)(comma - text));
-            is = path && is_there(path);
-            memory_free(path);
-            return is;
-        }
-    }
+    char *path = memory_text(text, keys_file_length(text, KEYS_ATLAS));
+    const bool is = !path_is_name(text) || is_there(text) || (path && is_there(path));
+    memory_free(path);
     return is;
 }
 

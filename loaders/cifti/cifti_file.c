@@ -153,24 +153,22 @@ uint32_t *cifti_voxels(struct job *job, struct label_table *table, const struct 
 struct cifti_file *cifti_file_open(struct job *job, const char *path)
 {
     struct cifti_file *file = job_new(job, struct cifti_file);
-    char *plain = NULL;
-    struct text map = {0};
-    (void)JOB_CALL(job, map_choice_split(&plain, &map, path));
-    plain = job_adopt(job, plain);
-    if (!file || !plain) {
+    struct source_keys keys;
+    source_keys_read(job, &keys, path, KEYS_VERTICES);
+    if (!file) {
         return NULL;
     }
-    file->path = plain;
-    const size_t place = job_in(job, plain, JOB_ALONE);
+    file->path = keys.path;
+    const size_t place = job_in(job, keys.path, JOB_ALONE);
     struct attempt own = job_try(job);
-    struct source *source = source_open(job, plain);
+    struct source *source = source_open(job, keys.path);
     const struct bytes bytes = source_whole(job, source);
     snprintf(file->sha256, sizeof file->sha256, "%s", source_sum(job, source));
-    file->choice = cifti_choose(job, &bytes, map);
+    file->choice = cifti_choose(job, &bytes, keys_value(&keys, KEY_MAP)->text);
     source_close(source); /* the choice has what is needed of it */
     struct notes *notes = attempt_notes(job, &own);
     (void)attempt_end(job, &own, ATTEMPT_SILENT);
     job_out(job, place);
-    (void)JOB_CALL(job, notes_move_in(&job->notes, notes, plain));
+    (void)JOB_CALL(job, notes_move_in(&job->notes, notes, keys.path));
     return job_ok(job) ? file : NULL;
 }

@@ -37,8 +37,8 @@ uint32_t *cifti_voxels(struct job *job, struct label_table *table, const struct 
 
 /** A file, opened by its path with ",map=K" or ",map=NAME" behind it. */
 struct cifti_file {
-    char *path;      /**< Without what chooses the map. */
-    char sha256[65]; /**< SHA-256 of the file as it is stored. */
+    const char *path; /**< Without what chooses the map. */
+    char sha256[65];  /**< SHA-256 of the file as it is stored. */
     struct cifti_choice *choice;
 };
 

@@ -73,29 +73,13 @@ bool label_file_colours(struct job *job, struct label_table *table, const char *
     return has_colours;
 }
 
-char *label_path_split(struct job *job, struct text columns[2], const char *text)
+const char *label_path_split(struct job *job, struct text columns[2], const char *text)
 {
-    static const char *const keys[2] = {"label=", "name="};
-    const char *at = path_base(text);
-    bool found = false;
-    columns[0] = columns[1] = (struct text){0};
-    for (; !found && !file_exists(text) && (at = strchr(at, ',')); at += !found) {
-        found = strncmp(at + 1, keys[0], strlen(keys[0])) == 0 || strncmp(at + 1, keys[1], strlen(keys[1])) == 0;
-    }
-    struct text rest = text_from(found ? at + 1 : "");
-    struct text field;
-    for (bool more = found; text_field(&rest, ',', &more, &field);) {
-        int key = text_starts(field, keys[0]) ? 0 : 1;
-        size_t length = strlen(keys[key]);
-        if (!text_starts(field, keys[key]) || field.size == length || columns[key].size) {
-            job_fail(job, CONUS_ERROR_ARGUMENT,
-                     "%s: found \"%.*s\", needed are label=COLUMN and name=COLUMN, once each", text, (int)field.size,
-                     field.data);
-            break;
-        }
-        columns[key] = (struct text){field.data + length, field.size - length};
-    }
-    return job_copy(job, (struct text){text, found ? (size_t)(at - text) : strlen(text)});
+    struct source_keys keys;
+    source_keys_read(job, &keys, text, KEYS_LABELS);
+    columns[0] = keys_value(&keys, KEY_LABEL)->text;
+    columns[1] = keys_value(&keys, KEY_NAME)->text;
+    return keys.path;
 }
 
 /* The format of a file that is certainly no table, else NULL: then the parser of tables says more. */

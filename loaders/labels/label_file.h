@@ -6,9 +6,9 @@
 #include "loaders/labels/label_use.h"
 #include "loaders/labels/labels_on_job.h"
 
-/** Takes @p text apart at ",label=COLUMN" and ",name=COLUMN", in either order, unless there is a file of that name:
- * gives the path; @p columns lie in @p text, empty where none is given. CONUS_ERROR_ARGUMENT. */
-char *label_path_split(struct job *job, struct text columns[2], const char *text);
+/** Takes @p text apart at ",label=COLUMN" and ",name=COLUMN": gives the path; @p columns lie in @p text, empty where
+ * none is given. CONUS_ERROR_ARGUMENT. */
+const char *label_path_split(struct job *job, struct text columns[2], const char *text);
 
 /** Reads the label table @p path, as label_path_split() takes it apart, into the empty @p out (and, for a table without
  * colours, X.lut beside it). *format is its name in words, static. @p use may be NULL. The job's files get what was

@@ -366,18 +366,18 @@ void roi_of_volume(struct job *job, conus_roi **out, struct volume_file *file, d
 }
 
 /* The region in a mesh of SimNIBS, which is the last file of the job. */
-static void roi_of_mesh(struct job *job, conus_roi **out, const struct hdf5 *hdf5,
-                        const struct volume_selector *selector, double threshold)
+static void roi_of_mesh(struct job *job, conus_roi **out, const struct hdf5 *hdf5, const struct source_keys *keys,
+                        double threshold)
 {
     conus_volume_info info = {.role = CONUS_ROLE_SCALAR,
-                              .path = selector->path,
+                              .path = keys->path,
                               .format = "SimNIBS, HDF5",
                               .datatype = "float32",
                               .volume_count = 1,
                               .slope = 1,
                               .threshold = threshold};
-    const size_t place = job_in(job, selector->path, JOB_ALONE);
-    struct roi_mesh mesh = simnibs_find(job, hdf5, selector);
+    const size_t place = job_in(job, keys->path, JOB_ALONE);
+    struct roi_mesh mesh = simnibs_find(job, hdf5, keys);
     job_out(job, place);
     mesh.nodes = job_give(job, mesh.nodes, mesh.node_count * sizeof *mesh.nodes);
     mesh.tetrahedra = job_give(job, mesh.tetrahedra, mesh.count * sizeof *mesh.tetrahedra);
@@ -402,22 +402,22 @@ static struct source *open_mesh(struct job *job, const char *path)
 }
 
 /* Likewise for a file; nothing where it is none of them. */
-static void load_mesh_region(struct job *job, conus_roi **out, const struct volume_selector *selector, double threshold)
+static void load_mesh_region(struct job *job, conus_roi **out, const struct source_keys *keys, double threshold)
 {
-    const size_t place = job_in(job, selector->path, JOB_ALONE);
-    struct source *source = open_mesh(job, selector->path);
+    const size_t place = job_in(job, keys->path, JOB_ALONE);
+    struct source *source = open_mesh(job, keys->path);
     const struct hdf5 *hdf5 = source ? hdf5_open(job, &source->file, simnibs_wanted, SIMNIBS_WANTED) : NULL;
     job_out(job, place);
     if (hdf5 && simnibs_is(hdf5)) {
         source_made_of(job, source);
-        roi_of_mesh(job, out, hdf5, selector, threshold);
+        roi_of_mesh(job, out, hdf5, keys, threshold);
     }
 }
 
 conus_status conus_roi_load(conus_roi **out, const char *path, const conus_roi_options *options)
 {
     struct volume_file file = {0};
-    struct volume_selector selector = {0};
+    struct source_keys keys;
     conus_roi *roi = NULL;
     if (!out || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_roi_load: a result and a path are needed");
@@ -425,9 +425,9 @@ conus_status conus_roi_load(conus_roi **out, const char *path, const conus_roi_o
     options = options_of(conus_roi_options, options);
     const struct note_sink sink = {options->log, options->log_user, path};
     struct job job = {.sink = &sink, .max_memory = options->max_memory};
-    volume_selector_read(&job, &selector, path);
+    source_keys_read(&job, &keys, path, KEYS_VOLUME);
     if (job_ok(&job)) {
-        load_mesh_region(&job, &roi, &selector, options->threshold);
+        load_mesh_region(&job, &roi, &keys, options->threshold);
     }
     if (!roi && job_ok(&job)) {
         volume_load(&job, &file, path, options->max_memory);

@@ -46,29 +46,29 @@ static struct named_maps find_names(struct job *job, const conus_volume_info *in
     return out;
 }
 
-static bool is_chosen(const struct volume_selector *selector)
+static bool is_chosen(const struct source_keys *keys)
 {
-    return selector->given & VOLUME_KEY(KEY_VOLUME);
+    return keys->given & KEY_BIT(KEY_VOLUME);
 }
 
 /* The volume is called as its file is. */
-static struct named_maps name_one(struct job *job, const struct volume_selector *selector)
+static struct named_maps name_one(struct job *job, const struct source_keys *keys)
 {
-    const char *name = path_base(selector->path);
+    const char *name = path_base(keys->path);
     struct label_table *table = labels_new(job);
-    labels_set(job, &labels_add(job, table, (uint32_t)selector->volume + 1)->name,
+    labels_set(job, &labels_add(job, table, (uint32_t)keys_value(keys, KEY_VOLUME)->numbers[0] + 1)->name,
                (struct text){name, volume_stem_length(name)});
-    return (struct named_maps){job_ok(job) ? table : &no_table, "the file's name", NULL, is_chosen(selector), true};
+    return (struct named_maps){job_ok(job) ? table : &no_table, "the file's name", NULL, is_chosen(keys), true};
 }
 
 struct named_maps named_maps_find(struct job *job, const struct source *source, const char *path,
                                   const conus_load_options *options)
 {
     struct named_maps maps = {.table = &no_table};
-    struct volume_selector selector;
+    struct source_keys keys;
     conus_volume_info info = {0};
     struct attempt attempt = job_try(job); /* its reader says what is wrong with it */
-    volume_selector_read(job, &selector, path);
+    source_keys_read(job, &keys, path, KEYS_VOLUME);
     bool is_volume = job_ok(job) && !options->labels_anyway && /* each volume is one of labels */
                      source_scene(source) == FORMAT_OTHER && source_first(source) != '<';
     const struct volume_wish wish = {.source = source, .is_header_only = true, .is_peek = true};
@@ -77,22 +77,22 @@ struct named_maps named_maps_find(struct job *job, const struct source *source, 
         info = v->header.info;
     }
     (void)attempt_end(job, &attempt, ATTEMPT_DROP);
-    bool stated = is_volume && (options->probability > 0 || named_maps_is_probseg(selector.path));
-    if (!is_chosen(&selector) && info.volume_count > 1) {
-        info.path = selector.path;
+    bool stated = is_volume && (options->probability > 0 || named_maps_is_probseg(keys.path));
+    if (!is_chosen(&keys) && info.volume_count > 1) {
+        info.path = keys.path;
         maps = find_names(job, &info, options);
         if (stated && !maps.table->count) {
             job_fail(job, CONUS_ERROR_ARGUMENT,
                      "%s: has %zu volumes of probabilities, as its name or --probability states, and nothing names "
                      "them: --labels FILE does, FILE,volume=K takes one",
-                     selector.path, info.volume_count);
+                     keys.path, info.volume_count);
         }
     } else if (stated && options->labels) {
         job_fail(job, CONUS_ERROR_ARGUMENT,
                  "%s: one volume of probabilities is called as its file is, --labels names all volumes of a file",
                  path);
     } else if (stated) {
-        maps = name_one(job, &selector);
+        maps = name_one(job, &keys);
     }
     return maps;
 }

@@ -177,11 +177,11 @@ static float value_of(const struct hdf5_value *field, size_t element)
     return (float)vec3_length(vector);
 }
 
-static bool is_chosen(const struct volume_selector *selector, int64_t tissue)
+static bool is_chosen(const struct key_value *wanted, int64_t tissue)
 {
-    bool is = selector->tissue_count == 0;
-    for (size_t i = 0; !is && i < selector->tissue_count; i++) {
-        is = tissue == (int64_t)selector->tissues[i];
+    bool is = wanted->count == 0;
+    for (size_t i = 0; !is && i < wanted->count; i++) {
+        is = tissue == (int64_t)wanted->numbers[i];
     }
     return is;
 }
@@ -203,11 +203,11 @@ static void take_tetrahedron(struct job *job, struct roi_mesh *out, const struct
 /* Lists the tissues of the tetrahedra, as far as there is space: "1, 2, 5". Returns how many there are. */
 static size_t list_tissues(char *out, size_t size, const struct found *mesh)
 {
-    int64_t seen[TISSUE_LIMIT];
+    int64_t seen[KEY_NUMBERS];
     size_t count = 0;
     size_t length = 0;
     *out = '\0';
-    for (size_t i = 0; i < mesh->types->count && count < TISSUE_LIMIT; i++) {
+    for (size_t i = 0; i < mesh->types->count && count < KEY_NUMBERS; i++) {
         int64_t tissue = hdf5_whole(mesh->tags, i);
         bool is_new = hdf5_whole(mesh->types, i) == TETRAHEDRON;
         for (size_t k = 0; is_new && k < count; k++) {
@@ -223,13 +223,14 @@ static size_t list_tissues(char *out, size_t size, const struct found *mesh)
 
 /* Takes the tetrahedra of the tissues, and says which: a mesh of a head holds more than its brain. */
 static void take_tetrahedra(struct job *job, struct roi_mesh *out, const struct found *mesh,
-                            const struct volume_selector *selector)
+                            const struct source_keys *keys)
 {
     char tissues[LISTED];
+    const struct key_value *wanted = keys_value(keys, KEY_TISSUE);
     const size_t elements = mesh->types->count;
     out->tetrahedra = job_raw(job, elements, sizeof *out->tetrahedra);
     for (size_t i = 0; job_ok(job) && i < elements; i++) {
-        if (hdf5_whole(mesh->types, i) == TETRAHEDRON && is_chosen(selector, hdf5_whole(mesh->tags, i))) {
+        if (hdf5_whole(mesh->types, i) == TETRAHEDRON && is_chosen(wanted, hdf5_whole(mesh->tags, i))) {
             take_tetrahedron(job, out, mesh, i);
         }
     }
@@ -240,23 +241,23 @@ static void take_tetrahedra(struct job *job, struct roi_mesh *out, const struct 
         job_fail(job, CONUS_ERROR_ARGUMENT, "tissue: no tetrahedron has it (tag1); there are %s", tissues);
     }
     bool is_vector = mesh->field->count != elements;
-    bool are_all = count > 1 && !selector->tissue_count;
-    job_note(job, "%s: %s%.*s of tetrahedra%s%s%s", selector->path, is_vector ? "length of " : "",
+    bool are_all = count > 1 && !wanted->count;
+    job_note(job, "%s: %s%.*s of tetrahedra%s%s%s", keys->path, is_vector ? "length of " : "",
              TEXT_SHOW(hdf5_last_name(mesh->field->name), 60U), are_all ? " of all tissues: tag1 " : "",
              are_all ? tissues : "", are_all ? "; \",tissue=1:2\" takes white and grey matter" : "");
 }
 
-struct roi_mesh simnibs_find(struct job *job, const struct hdf5 *hdf5, const struct volume_selector *selector)
+struct roi_mesh simnibs_find(struct job *job, const struct hdf5 *hdf5, const struct source_keys *keys)
 {
     struct roi_mesh out = {0};
-    const struct found mesh = find_mesh(job, hdf5, selector->field);
+    const struct found mesh = find_mesh(job, hdf5, keys_value(keys, KEY_FIELD)->text);
     if (!job_ok(job) || !mesh.coordinates) {
         return out;
     }
     check_shapes(job, &mesh);
     if (job_ok(job)) {
         take_nodes(job, &out, mesh.coordinates);
-        take_tetrahedra(job, &out, &mesh, selector);
+        take_tetrahedra(job, &out, &mesh, keys);
     }
     return out;
 }

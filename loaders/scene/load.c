@@ -56,15 +56,16 @@ struct statement {
 /* Takes the statement off the path. */
 static const char *take_statement(struct job *job, struct statement *out, const char *path)
 {
-    static const char key[] = ",space=";
-    const char *at = strstr(path, key); /* the image may lie in another folder */
+    struct source_keys keys;
     conus_volume_info image;
     double flirt[16];
     double voxel[16];
-    if (!at || file_exists(path)) {
+    source_keys_read(job, &keys, path, KEYS_SCENE);
+    const char *word = job_copy(job, keys_value(&keys, KEY_SPACE)->text);
+    char *plain = job_raw(job, strlen(path) + 1, 1);
+    if (!word[0] || !plain) {
         return path;
     }
-    const char *word = at + strlen(key);
     out->space = strcmp(word, "lps") == 0 ? MESH_SPACE_LPS : MESH_SPACE_RAS;
     out->is_placed = strcmp(word, "lps") != 0 && strcmp(word, "ras") != 0;
     if (out->is_placed) {
@@ -78,7 +79,8 @@ static const char *take_statement(struct job *job, struct statement *out, const 
             job_bad(job, "%s: the matrix is singular", word);
         }
     }
-    return job_format(job, "%.*s", (int)(at - path), path);
+    keys_keep(plain, path, &keys, KEYS_VOLUME);
+    return plain;
 }
 
 static void place_surface(struct surface *surface, const struct statement *stated)

@@ -38,7 +38,7 @@ static void describe_cifti(struct job *job, struct volume_file *out, const struc
 {
     const struct cifti *cifti = &file->choice->cifti;
     conus_volume_info *info = &out->info;
-    out->path = job_give(job, file->path, strlen(file->path) + 1);
+    out->path = job_give(job, (char *)file->path, strlen(file->path) + 1);
     out->datatype = cifti->datatype;
     out->max_memory = job->max_memory;
     *info = (conus_volume_info){

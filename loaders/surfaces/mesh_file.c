@@ -359,16 +359,13 @@ static void take_labels(struct reading *reading, struct vertex_labels *out, stru
 void surface_labels_read(struct job *job, struct vertex_labels *out, const char *path,
                          const struct mesh_file_options *options)
 {
-    char *file = NULL;
-    struct text map;
+    struct source_keys keys;
     struct vertex_labels labels = {0};
-    if (!JOB_CALL(job, map_choice_split(&file, &map, path)) || !job_adopt(job, file)) {
-        return;
-    }
-    const size_t place = job_in(job, file, JOB_ALONE);
-    struct reading reading = begin_reading(job, file, options);
+    source_keys_read(job, &keys, path, KEYS_VERTICES);
+    const size_t place = job_in(job, keys.path, JOB_ALONE);
+    struct reading reading = begin_reading(job, keys.path, options);
     if (job_ok(job)) {
-        take_labels(&reading, &labels, map);
+        take_labels(&reading, &labels, keys_value(&keys, KEY_MAP)->text);
     }
     end_reading(&reading);
     job_out(job, place);

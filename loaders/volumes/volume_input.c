@@ -49,7 +49,7 @@ static void open_input(struct job *job, struct volume_input *v, const struct vol
         return;
     }
     v->reader = find_reader(format);
-    volume_selector_refuse(job, &v->keys, (v->reader ? v->reader->keys : 0) | VOLUME_KEY(KEY_VOLUME));
+    source_keys_refuse(job, &v->keys, (v->reader ? v->reader->keys : 0) | KEY_BIT(KEY_VOLUME));
     if (!v->reader || (wish->is_peek && v->reader->is_whole)) {
         source_refuse(job, v->source, v->needed);
         return;
@@ -59,6 +59,28 @@ static void open_input(struct job *job, struct volume_input *v, const struct vol
     check_size(job, v);
     if (job_ok(job)) {
         v->reader->open(job, v);
+    }
+}
+
+/* Takes the text apart, and what it says of the place. */
+static void read_keys(struct job *job, struct volume_input *v, const char *given)
+{
+    source_keys_read(job, &v->keys, given, KEYS_VOLUME);
+    const struct key_value *resolution = keys_value(&v->keys, KEY_RESOLUTION);
+    const struct text orientation = keys_value(&v->keys, KEY_ORIENTATION)->text;
+    struct brainglobe_metadata *place = &v->place;
+    for (size_t axis = 0; resolution->count && axis < 3; axis++) {
+        place->resolution[axis] = resolution->numbers[resolution->count > 1 ? axis : 0];
+    }
+    if (orientation.size) {
+        double matrix[16];
+        const double scale[3] = {1, 1, 1};
+        const size_t mark = job_in(job, given, JOB_ALONE);
+        snprintf(place->orientation, sizeof place->orientation, "%.*s", (int)orientation.size, orientation.data);
+        if (job_ok(job) && brainglobe_axes(matrix, place->orientation, scale)) {
+            (void)JOB_CALL(job, CONUS_ERROR_ARGUMENT); /* with its message */
+        }
+        job_out(job, mark);
     }
 }
 
@@ -72,11 +94,11 @@ struct volume_input *volume_open(struct job *job, const char *given, const struc
     *v = (struct volume_input){
         .header.info.slope = 1, .needed = wish->needed ? wish->needed : volume, .is_header_only = wish->is_header_only};
     sha256_init(&v->sum);
-    volume_selector_read(job, &v->keys, given);
+    read_keys(job, v, given);
     v->path = v->keys.path;
-    v->keys.place = wish->place ? *wish->place : v->keys.place;
+    v->place = wish->place ? *wish->place : v->place;
     const size_t place = job_in(job, v->path, JOB_ALONE);
-    volume_selector_refuse(job, &v->keys, ~(VOLUME_KEY(KEY_FIELD) | VOLUME_KEY(KEY_TISSUE)));
+    source_keys_refuse(job, &v->keys, ~(KEY_BIT(KEY_FIELD) | KEY_BIT(KEY_TISSUE)));
     if (job_ok(job)) {
         open_input(job, v, wish);
     }
@@ -105,7 +127,8 @@ bool volume_fits_series(const struct job *job, const struct volume_input *v)
 void volume_choose(struct job *job, struct volume_input *v, bool is_series, bool is_held)
 {
     struct volume_header *header = &v->header;
-    const bool is_chosen = v->keys.given & VOLUME_KEY(KEY_VOLUME);
+    const bool is_chosen = v->keys.given & KEY_BIT(KEY_VOLUME);
+    const uint64_t number = (uint64_t)keys_value(&v->keys, KEY_VOLUME)->numbers[0];
     const size_t count = header->info.volume_count;
     const uint64_t limit = memory_limit(job->max_memory);
     const uint64_t held = is_held ? header->volume_size : 0; /* else labels count what they take */
@@ -113,16 +136,16 @@ void volume_choose(struct job *job, struct volume_input *v, bool is_series, bool
     if (!is_series && count > 1 && !is_chosen) {
         job_fail(job, CONUS_ERROR_ARGUMENT,
                  "volume: the file has %zu, choose one by adding \",volume=K\", K from 0 to %zu", count, count - 1);
-    } else if (!is_series && v->keys.volume >= count) {
-        job_fail(job, CONUS_ERROR_ARGUMENT, "volume: found %llu, allowed are 0 to %zu",
-                 (unsigned long long)v->keys.volume, count - 1);
+    } else if (!is_series && number >= count) {
+        job_fail(job, CONUS_ERROR_ARGUMENT, "volume: found %llu, allowed are 0 to %zu", (unsigned long long)number,
+                 count - 1);
     } else if (header->offset + v->scratch > limit || held > room_of(job, v)) {
         job_fail(job, CONUS_ERROR_MEMORY,
                  "dim: %zu x %zu x %zu voxels of %s take %zu bytes unpacked, allowed are %llu (--max-memory)",
                  header->info.dim[0], header->info.dim[1], header->info.dim[2], header->info.datatype,
                  header->volume_size, (unsigned long long)limit);
     }
-    header->info.volume = is_series || !job_ok(job) ? 0 : (size_t)v->keys.volume;
+    header->info.volume = is_series || !job_ok(job) ? 0 : (size_t)number;
     if (v->reader->around && job_ok(job)) {
         v->reader->around(job, v);
     }

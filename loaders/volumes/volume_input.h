@@ -5,8 +5,8 @@
 #ifndef CONUS_LOADERS_VOLUMES_VOLUME_INPUT_H
 #define CONUS_LOADERS_VOLUMES_VOLUME_INPUT_H
 
+#include "loaders/brainglobe/brainglobe_metadata.h"
 #include "loaders/volumes/volume_header.h"
-#include "loaders/volumes/volume_selector.h"
 #include "sources/source.h"
 
 #include <nettle/sha2.h>
@@ -39,7 +39,7 @@ struct volume_extension {
 /** A format. */
 struct volume_reader {
     enum format_id id;
-    unsigned keys;   /**< VOLUME_KEY() of those it takes besides volume. */
+    uint64_t keys;   /**< KEY_BIT() of those it takes besides volume. */
     bool is_whole;   /**< Its header takes more than the first bytes of the file. */
     bool is_partial; /**< A large file that is not packed is read in pieces, however large it is. */
     /** Reads the header, and sets v->run or v->read. Other files are opened only if v->is_header_only is not set. */
@@ -52,12 +52,13 @@ extern const struct volume_reader nifti_reader, nifti_image_reader, mgh_reader, 
 
 struct volume_input {
     const struct volume_reader *reader;
-    struct volume_selector keys; /**< Whose path is the one that was given. */
-    const struct source *source; /**< Of that path; NULL: a folder. */
-    const struct source *other;  /**< The other half that has the header; NULL: `source` has. */
-    const struct source *voxels; /**< The file of the voxels. */
-    const char *path;            /**< The volume's in results: that of the voxels, or of a header of text. */
-    struct volume_header header; /**< info.sha256 is set once the voxels were read. */
+    struct source_keys keys;          /**< Whose path is the one that was given. */
+    struct brainglobe_metadata place; /**< resolution and orientation, as far as they are given. */
+    const struct source *source;      /**< Of that path; NULL: a folder. */
+    const struct source *other;       /**< The other half that has the header; NULL: `source` has. */
+    const struct source *voxels;      /**< The file of the voxels. */
+    const char *path;                 /**< The volume's in results: that of the voxels, or of a header of text. */
+    struct volume_header header;      /**< info.sha256 is set once the voxels were read. */
     struct voxel_run run;
     uint64_t scratch;     /**< Bytes that reading takes beyond the voxels that are wanted. */
     const char *encoding; /**< ", gzip": how the voxels are stored; "" = as they are. */

@@ -9,14 +9,14 @@
 #include <string.h>
 
 /* The place of the stack: what the keys state, completed by metadata.json beside it, which then is the job's. */
-static struct brainglobe_metadata find_place(struct job *job, const struct volume_selector *keys)
+static struct brainglobe_metadata find_place(struct job *job, const struct volume_input *v)
 {
     bool found = false;
-    const struct brainglobe_metadata *stated = &keys->place;
+    const struct brainglobe_metadata *stated = &v->place;
     bool whole = stated->orientation[0] && stated->resolution[0] > 0;
     struct brainglobe_metadata place = {0};
     if (!whole) {
-        found = brainglobe_metadata_take(job, &place, keys->path);
+        found = brainglobe_metadata_take(job, &place, v->keys.path);
     }
     if (stated->orientation[0]) {
         memcpy(place.orientation, stated->orientation, sizeof place.orientation);
@@ -92,7 +92,7 @@ static void tiff_open(struct job *job, struct volume_input *v)
         return;
     }
     tiff_parse(job, tiff, bytes.data, bytes.size);
-    const struct brainglobe_metadata place = find_place(job, &v->keys);
+    const struct brainglobe_metadata place = find_place(job, v);
     if (!job_ok(job)) { /* there may be no page */
         return;
     }
@@ -118,5 +118,5 @@ static void tiff_open(struct job *job, struct volume_input *v)
     }
 }
 
-const struct volume_reader tiff_reader = {FORMAT_TIFF, VOLUME_KEY(KEY_RESOLUTION) | VOLUME_KEY(KEY_ORIENTATION),
+const struct volume_reader tiff_reader = {FORMAT_TIFF, KEY_BIT(KEY_RESOLUTION) | KEY_BIT(KEY_ORIENTATION),
                                           .is_whole = true, .open = tiff_open};

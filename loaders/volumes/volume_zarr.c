@@ -21,7 +21,7 @@ enum {
 /* A store while its array is looked for. */
 struct search {
     struct job *job;
-    const struct volume_selector *keys;
+    const struct volume_input *v;
     const char *folder; /* of the group, or of the array that was given, without '/' at its end */
     struct text group;  /* the group's metadata; none where there is no group */
     struct text array;  /* the array's */
@@ -73,10 +73,10 @@ static size_t find_size(const struct ome *ome, const double micrometres[SPACE])
 static const struct ome_level *choose_level(struct search *search)
 {
     const struct ome *ome = search->ome;
-    const double *size = search->keys->place.resolution;
+    const double *size = search->v->place.resolution;
     const double *scale = ome->count ? ome->levels[0].scale : NULL;
-    const bool is_numbered = search->keys->given & VOLUME_KEY(KEY_LEVEL);
-    const size_t level = is_numbered                            ? (size_t)search->keys->level
+    const bool is_numbered = search->v->keys.given & KEY_BIT(KEY_LEVEL);
+    const size_t level = is_numbered ? (size_t)keys_value(&search->v->keys, KEY_LEVEL)->numbers[0]
                          : size[0] > 0 && scale && scale[0] > 0 ? find_size(ome, size)
                                                                 : 0;
     if (level < ome->count) {
@@ -145,7 +145,7 @@ static const char *find_place(struct search *search, double world[16])
 {
     struct job *job = search->job;
     const struct ome_level *level = search->level;
-    struct brainglobe_metadata place = search->keys->place;
+    struct brainglobe_metadata place = search->v->place;
     bool has_level = level && level->scale[0] > 0 && level->scale[1] > 0 && level->scale[2] > 0;
     bool is_own = has_level && !(place.resolution[0] > 0 && place.orientation[0]);
     if (!place.orientation[0]) {
@@ -210,7 +210,7 @@ static void zarr_open(struct job *job, struct volume_input *v)
 {
     const char *path = v->keys.path;
     struct volume_zarr *zarr = job_new(job, struct volume_zarr);
-    struct search search = {.job = job, .keys = &v->keys, .ome = job_new(job, struct ome)};
+    struct search search = {.job = job, .v = v, .ome = job_new(job, struct ome)};
     search.folder = job_format(job, "%.*s", (int)path_plain_length(path, strlen(path)), path);
     if (!zarr || !search.ome) {
         return;
@@ -218,7 +218,7 @@ static void zarr_open(struct job *job, struct volume_input *v)
     job_at(job, search.folder, JOB_ALONE);
     search.array = read_metadata(job, search.folder, array_files);
     if (is_array(search.array)) {
-        volume_selector_refuse(job, &v->keys, ~VOLUME_KEY(KEY_LEVEL));
+        source_keys_refuse(job, &v->keys, ~KEY_BIT(KEY_LEVEL));
         look_above(&search);
     } else {
         search.group = read_metadata(job, search.folder, group_files);
@@ -238,6 +238,6 @@ static void zarr_open(struct job *job, struct volume_input *v)
     }
 }
 
-const struct volume_reader zarr_reader = {
-    FORMAT_ZARR, VOLUME_KEY(KEY_RESOLUTION) | VOLUME_KEY(KEY_ORIENTATION) | VOLUME_KEY(KEY_LEVEL), .is_whole = true,
-    .open = zarr_open};
+const struct volume_reader zarr_reader = {FORMAT_ZARR,
+                                          KEY_BIT(KEY_RESOLUTION) | KEY_BIT(KEY_ORIENTATION) | KEY_BIT(KEY_LEVEL),
+                                          .is_whole = true, .open = zarr_open};

@@ -2,11 +2,11 @@
 /* Finds the roles of columns by their names; or points without a header. */
 #include "poses/rows/columns.h"
 
-#include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "poses/rows/columns_head.h"
+#include "sources/keys.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -86,72 +86,41 @@ static const struct {
     {TURNED, "n/r"},
 };
 
-enum { WORD_TILTS = 7, WORD_LENGTHS = WORD_TILTS + 2 };
-
-static const char *const word_keys[] = {"x",     "y",       "z",       "name",  "unit",  "sides",
-                                        "place", "tilt_ml", "tilt_ap", "depth", "radius"};
-
-/* The key that a text begins with, before its "="; -1 for none. */
-static int key_of(const char *text)
-{
-    int key = sizeof word_keys / sizeof word_keys[0] - 1;
-    while (key >= 0 &&
-           (strncmp(text, word_keys[key], strlen(word_keys[key])) != 0 || text[strlen(word_keys[key])] != '=')) {
-        key--;
-    }
-    return key;
-}
-
 size_t conus_pose_path_length(const char *path)
 {
-    const char *comma = path;
-    while ((comma = strchr(comma, ',')) && key_of(comma + 1) < 0) {
-        comma++;
-    }
-    return comma && !file_exists(path) ? (size_t)(comma - path) : strlen(path);
+    return keys_file_length(path, KEYS_POSES);
 }
 
-static conus_status set_word(struct columns_words *out, int key, struct text value)
+/* mm of the unit that a key names; 0 where it is not given. */
+static conus_status read_unit(double *out, const struct source_keys *keys, enum source_key_id id)
 {
-    double unit = space_unit_mm(value);
-    if (key < 3) {
-        out->at[key] = value;
-    } else if (key == 3 || key == 6) {
-        *(key == 3 ? &out->name : &out->place) = value;
-    } else if (key >= WORD_TILTS && key < WORD_LENGTHS) {
-        out->tilt[key - WORD_TILTS] = value;
-    } else if (key != 5 && unit > 0) {
-        *(key == 4 ? &out->unit : &out->length[key - WORD_LENGTHS]) = unit;
-    } else if (key == 5 && text_equal(value, "anyway")) {
-        out->any_sides = true;
-    } else {
-        return fail(CONUS_ERROR_ARGUMENT, "%s=%.*s, allowed are %s", word_keys[key], POSE_QUOTE(value),
-                    key == 5 ? "anyway" : "mm, um, cm and m");
-    }
-    return CONUS_OK;
+    const struct key_value *unit = keys_value(keys, id);
+    *out = unit->text.size ? space_unit_mm(text_trim(unit->text)) : 0;
+    return !unit->text.size || *out > 0 ? CONUS_OK
+                                        : fail(CONUS_ERROR_ARGUMENT, "%s: found \"%.*s\", %s", keys_name(unit),
+                                               POSE_QUOTE(unit->text), keys_allowed(unit));
 }
 
 conus_status columns_words_parse(struct columns_words *out, const char *text)
 {
     *out = (struct columns_words){0};
-    conus_status status = CONUS_OK;
-    while (!status && text && *text) {
-        int key = key_of(text);
-        if (key < 0) {
-            return fail(CONUS_ERROR_ARGUMENT,
-                        "\"%.60s\": x=, y=, z=, name=, place=, unit=, sides=, tilt_ml=, tilt_ap=, depth= and radius= "
-                        "are allowed behind FILE",
-                        text);
-        }
-        const char *value = text + strlen(word_keys[key]) + 1;
-        const char *end = value;
-        while (*end && !(*end == ',' && key_of(end + 1) >= 0)) {
-            end++;
-        }
-        status = set_word(out, key, text_trim((struct text){value, (size_t)(end - value)}));
-        text = *end ? end + 1 : end;
+    struct source_keys keys = {0};
+    if (text && *text && !keys_read_alone(&keys, text, KEYS_POSES)) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s", keys.why);
     }
-    int count = (out->at[0].size > 0) + (out->at[1].size > 0) + (out->at[2].size > 0);
+    int count = 0;
+    for (int k = 0; k < 3; k++) {
+        out->at[k] = text_trim(keys_value(&keys, (enum source_key_id)(KEY_X + k))->text);
+        count += out->at[k].size > 0;
+    }
+    out->name = text_trim(keys_value(&keys, KEY_NAME)->text);
+    out->place = text_trim(keys_value(&keys, KEY_PLACE)->text);
+    out->any_sides = keys.given & KEY_BIT(KEY_SIDES);
+    out->tilt[0] = text_trim(keys_value(&keys, KEY_TILT_ML)->text);
+    out->tilt[1] = text_trim(keys_value(&keys, KEY_TILT_AP)->text);
+    conus_status status = read_unit(&out->unit, &keys, KEY_UNIT);
+    status = status ? status : read_unit(&out->length[0], &keys, KEY_DEPTH);
+    status = status ? status : read_unit(&out->length[1], &keys, KEY_RADIUS);
     return status || count == 0 || count == 3 ? status
                                               : fail(CONUS_ERROR_ARGUMENT, "only some of x=, y= and z= are given");
 }

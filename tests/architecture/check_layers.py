@@ -72,11 +72,11 @@ LIBRARY = {
     "atlas/warp": "base base/geometry atlas/deformation atlas",
     "atlas/fit": "base base/geometry atlas/surface atlas",
     "atlas/phantom": "base base/geometry atlas/labels atlas/surface atlas",
-    "poses/rows": "base base/files base/formats base/geometry base/job base/system",
+    "poses/rows": "base base/files base/formats base/geometry base/job base/system sources",
     "poses/programs": "base base/files base/child base/geometry base/formats poses/rows",
     "poses": "base base/child base/geometry base/formats base/system sources poses/rows poses/programs",
     # What a file is, for every room that reads files. It knows none of their readers.
-    "sources": "base base/files base/formats base/child base/job",
+    "sources": "base base/files base/formats base/child base/job base/system",
     # refuse.c asks the table of formats, and the readers of label tables.
     "loaders": "base/formats loaders/labels sources",
     "loaders/tiff": "base base/job sources",
@@ -100,7 +100,7 @@ LIBRARY = {
     "loaders/scene": "base base/files base/geometry base/formats base/job atlas/labels atlas/surface atlas atlas/areas atlas/fit"
     " atlas/warp loaders/maps loaders loaders/volumes loaders/labels loaders/cifti loaders/surfaces/foreign loaders/surfaces"
     " loaders/manifest loaders/transform loaders/tracts loaders/brainglobe sources",
-    "loaders/catalogue": "base base/system base/files base/formats base/job loaders/brainglobe loaders/volumes loaders/labels",
+    "loaders/catalogue": "base base/system base/files base/formats base/job loaders/brainglobe loaders/volumes loaders/labels sources",
     "loaders/arrays": "base atlas atlas/areas loaders/labels loaders/maps loaders/volumes loaders/scene loaders/tracts",
     "render/gl": "base base/geometry base/system",
     "render/id": "base base/geometry atlas/surface atlas render/gl",
@@ -125,13 +125,13 @@ LIBRARY = {
     "selection/ends": "base base/geometry atlas/surface atlas selection/cone selection/measure selection/engine/voxels selection",
     "selection/picture": "base base/geometry render/draw render/image render/colour render/flat selection/measure selection",
     "selection/report": "base base/geometry atlas poses/programs selection selection/ends selection/study selection/table",
-    "pack": "base base/files base/geometry base/system atlas atlas/tracts loaders/maps loaders/scene selection/engine/voxels",
+    "pack": "base base/files base/geometry base/system atlas atlas/tracts loaders/maps loaders/scene selection/engine/voxels sources",
     "selection/batch": "base base/geometry base/system poses poses/rows selection selection/study selection/report",
 }
 RULES = {**LIBRARY, **APPS}
-# What programs link beside the library (conus_system in base/CMakeLists.txt).
+# What programs link beside the library (conus_system in base/CMakeLists.txt, conus_keys in sources).
 SHARED = {"base/look.h", "base/look_sizes.h", "base/order.h", "base/path.h",
-          "base/system/system.h", "base/text.h", "base/writer.h"}
+          "base/system/system.h", "base/text.h", "base/writer.h", "sources/keys.h"}
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 

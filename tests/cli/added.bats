@@ -246,7 +246,7 @@ END
     says 'more.tck: bundle two: another bundle has that name'
     says 'gone.tck: cannot open'
     says 'cut.nii: '
-    says 'radius=-1 is not a number above 0'
+    says 'radius: found "-1", allowed is a number above 0'
     says 'there is no --atlas-transform that could move it'
     says 'are they voxel indices, not mm? If all is well, add it once more.'
     says 'none of 2 points is in the box around the areas: is it in their space?'

@@ -193,9 +193,9 @@ cells() {
     fails 2 'no candidates given: --poses FILE, or --from FILE --toward WHAT' $U --depth 9
     fails 2 '--from and --poses' $P --depth 9 --poses targets.txt
     fails 2 '--from has no effect without --toward' $U --from entries.txt --depth 9
-    fails 2 'there is no key "spasing"; did you mean spacing?' $U --from entries.txt,spasing=2 --toward targets.txt --depth 9
-    fails 2 'spacing=0 is not a number from 0.001' $U --from entries.txt,spacing=0 --toward targets.txt --depth 9
-    fails 2 'there is no key "within"' $U --from entries.txt --toward targets.txt,within=U --depth 9
+    fails 2 'found "spasing=2", allowed are spacing, within, without, flip; did you mean spacing?' $U --from entries.txt,spasing=2 --toward targets.txt --depth 9
+    fails 2 'spacing: found "0", allowed is a number from 0.001' $U --from entries.txt,spacing=0 --toward targets.txt --depth 9
+    fails 2 'found "within=U", allowed are spacing, of' $U --from entries.txt --toward targets.txt,within=U --depth 9
     fails 2 'did you mean "Ball"?' $U --from entries.txt --toward voxels,of=Balll --depth 9
     fails 2 'did you mean' $U --from entries.txt,without=Balll --toward targets.txt --depth 9
     fails 2 'of which structure?' plan u-shape.nii.gz --length 1,9 --from entries.txt --toward voxels --depth 9

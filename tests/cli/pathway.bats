@@ -49,7 +49,7 @@ tstat.nii,unit=% signal change:% signal change
 END
     answers render slabs.nii.gz --pathway sphere.nii.gz --pathway-transfer heat --size 300x200 -q -o m.svg
     grep -qF '>sphere by probability, %<' m.svg
-    fails 2 'unit= is empty' render slabs.nii.gz --pathway act.nii,unit= -o m.svg
+    fails 2 'unit: found "", a unit is needed' render slabs.nii.gz --pathway act.nii,unit= -o m.svg
     fails 2 'allowed are up to 23 bytes' render slabs.nii.gz --pathway act.nii,unit=123456789012345678901234 -o m.svg
 }
 
@@ -126,14 +126,14 @@ END
 @test "mistakes in --pathway are named" {
     scene
     local start="query slabs.nii.gz $AIM"
-    fails 2 '--pathway: "treshold=3" is none of threshold=T, name=S, unit=S and volume=K' $start --pathway sphere.nii.gz,treshold=3
-    fails 2 '--pathway: threshold=0 is not a number above 0' $start --pathway sphere.nii.gz,threshold=0
+    fails 2 '--pathway: found "treshold=3", allowed are volume, resolution, orientation, level, name, threshold, unit, band; did you mean threshold?' $start --pathway sphere.nii.gz,treshold=3
+    fails 2 '--pathway: threshold: found "0", allowed is a number above 0' $start --pathway sphere.nii.gz,threshold=0
     fails 2 '--pathway: "threshold=0,5" has a comma in it' $start --pathway sphere.nii.gz,threshold=0,5
     fails 2 '--pathway: "band=0,5:1:x" has a comma in it' $start --pathway sphere.nii.gz,band=0,5:1:x
-    fails 2 '--pathway: threshold=nan is not a number above 0' $start --pathway sphere.nii.gz,threshold=nan
-    fails 2 '--pathway: volume=-1 is not a whole number from 0' $start --pathway sphere.nii.gz,volume=-1
-    fails 2 '--pathway: name= is empty' $start --pathway sphere.nii.gz,name=
-    fails 2 '--pathway: "name=a" is none of' $start --pathway sphere.nii.gz,name=a,name=b
+    fails 2 '--pathway: threshold: found "nan", allowed is a number above 0' $start --pathway sphere.nii.gz,threshold=nan
+    fails 2 '--pathway: volume: found "-1", allowed are whole numbers from 0' $start --pathway sphere.nii.gz,volume=-1
+    fails 2 '--pathway: name: found "", a name is needed' $start --pathway sphere.nii.gz,name=
+    fails 2 '--pathway: name is given twice' $start --pathway sphere.nii.gz,name=a,name=b
     fails 2 'names no file' $start --pathway ,name=a
     fails 2 'threshold 2, allowed is above 0 to 1' $start --pathway sphere.nii.gz,threshold=2
     fails 3 'none.nii: cannot open' $start --pathway none.nii

@@ -197,12 +197,12 @@ open("arc.trx/header.json", "w").write("{\"NB_STREAMLINES\": 2, \"NB_VERTICES\":
 
 @test "an option that is none, and a file that is none, are refused" {
     scene
-    fails 2 'radius=0 is not a number above 0' info slabs.nii.gz --streamlines two.tck,radius=0
-    fails 2 'radius=thin is not a number' info slabs.nii.gz --streamlines two.tck,radius=thin
+    fails 2 'radius: found "0", allowed is a number above 0' info slabs.nii.gz --streamlines two.tck,radius=0
+    fails 2 'radius: found "thin", allowed is a number' info slabs.nii.gz --streamlines two.tck,radius=thin
     fails 2 '"radius=0,5" has a comma in it' info slabs.nii.gz --streamlines two.tck,radius=0,5
     fails 2 '"name=A,B" has a comma in it' info slabs.nii.gz --streamlines two.tck,name=A,B,radius=1
-    fails 2 '"threshold=1" is none of radius=R, name=S, space=S and moves' info slabs.nii.gz --streamlines two.tck,threshold=1
-    fails 2 'name= is empty' info slabs.nii.gz --streamlines two.tck,name=
+    fails 2 'found "threshold=1", allowed are space, name, radius, moves' info slabs.nii.gz --streamlines two.tck,threshold=1
+    fails 2 'name: found "", a name is needed' info slabs.nii.gz --streamlines two.tck,name=
     fails 2 'names no file' info slabs.nii.gz --streamlines ,name=S
     fails 2 'radius 101 mm, allowed is above 0 to 100' info slabs.nii.gz --streamlines two.tck,radius=101
     fails 3 'none.tck' info slabs.nii.gz --streamlines none.tck
@@ -241,7 +241,7 @@ open("arc.trx/header.json", "w").write("{\"NB_STREAMLINES\": 2, \"NB_VERTICES\":
     has "$turned"
     sed -i 's/"lps"/"xyz"/' scene.atlas.json
     fails 3 'streamlines[0].space: found "xyz"' info scene.atlas.json
-    fails 2 'space=up, allowed are ras and lps' info slabs.nii.gz --streamlines dipy.vtk,space=up
+    fails 2 'space: found "up", allowed are ras and lps' info slabs.nii.gz --streamlines dipy.vtk,space=up
     conus query slabs.nii.gz $AIM --streamlines dipy.vtk,space=lps -o a.tsv
     answers verify a.tsv
     cp "$BATS_TEST_DIRNAME/../fuzz/corpus/tract/plain.trk" placed.trk
@@ -321,7 +321,7 @@ END
     fails 2 'two.tck,moves: there is no --atlas-transform that could move it' info slabs.nii.gz \
         --streamlines two.tck,moves
     printf '1 0 0 -5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >shift.txt
-    fails 2 '"moves" is none of' info slabs.nii.gz --streamlines two.tck,moves,moves --atlas-transform shift.txt
+    fails 2 'moves is given twice' info slabs.nii.gz --streamlines two.tck,moves,moves --atlas-transform shift.txt
     tck more.tck 0,0,20 0,0,10
     run -0 --separate-stderr "$CONUS" info slabs.nii.gz --streamlines two.tck --streamlines more.tck,moves --atlas-transform shift.txt --format tsv
     [ "$(cell name 3)/$(cell index 3)/$(cell name 4)/$(cell index 4)" = more/1/two/2 ]

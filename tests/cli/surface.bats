@@ -286,9 +286,9 @@ numbers() {
     fails 2 'one is needed of 0 "leeway_mm"' "${scene[@]}" -o a.png --map m.shape.gii,array=leeway
     fails 2 'short.shape.gii: 5 numbers, but skin.surf.gii has 6 vertices' "${scene[@]}" -o a.png \
         --map short.shape.gii,array=leeway_mm
-    fails 2 '--map: range=5:1 are not two numbers, the second larger' "${scene[@]}" -o a.png \
+    fails 2 '--map: range: found "5:1", allowed are two numbers LOW:HIGH, the second larger' "${scene[@]}" -o a.png \
         --map m.shape.gii,array=leeway_mm,range=5:1
-    fails 2 '--map: "rage=1:5" is none of array=NAME and range=A:B' "${scene[@]}" -o a.png --map m.shape.gii,rage=1:5
+    fails 2 '--map: found "rage=1:5", allowed are array, range; did you mean range?' "${scene[@]}" -o a.png --map m.shape.gii,rage=1:5
     fails 2 '--map: m.shape.gii: which array? FILE,array=NAME' "${scene[@]}" -o a.png --map m.shape.gii
     fails 2 'm.shape.gii: 6 numbers: 0 surfaces of the context have so many vertices' render sphere.nii.gz -o a.png \
         --map m.shape.gii,array=leeway_mm

@@ -217,7 +217,7 @@ images=,from=nested.nii.gz,to=nested.nii.gz
         fails 2 "',space=ras,absolute' for positions in RAS mm (MRtrix's warpconvert, EasyReg)" $move ras.nii.gz$key
     done
     fails 2 "',relative' (displacements) or ',absolute' (positions) is needed, too" $move ras.nii.gz,space=ras
-    fails 2 'allowed are space=ras and space=lps, once' $move ras.nii.gz,space=RAS,relative
+    fails 2 'space: found "RAS", allowed are ras and lps' $move ras.nii.gz,space=RAS,relative
     fails 2 "to=IMAGE is needed, too" $move rel.nii.gz,from=nested.nii.gz
     fails 2 "are for FSL's fields" $move itk.nii.gz$images
     fails 2 'itk.nii.gz: transform is for lists in ITK' $move itk.nii.gz,transform=0

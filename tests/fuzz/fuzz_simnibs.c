@@ -10,7 +10,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static const struct volume_selector all = {.path = (char *)"mesh"};
+    static const struct source_keys all = {.path = "mesh"};
     const conus_volume_info info = {.path = "mesh", .threshold = 1};
     conus_roi *roi = NULL;
     struct job job = {0};

@@ -6,6 +6,7 @@
 #include "conus/file.h"
 #include "conus/streamlines.h"
 #include "options/output.h"
+#include "sources/keys.h"
 #include "viewer/model/session_file.h"
 
 #include <stdint.h>
@@ -49,17 +50,14 @@ enum addition addition_of(const char **value, const char *word)
     return (enum addition)kind;
 }
 
+/* The kinds of keys, in the order of enum addition. */
+static const enum key_kind addition_keys[ADDITION_COUNT] = {KEYS_VOLUME, KEYS_PATHWAY, KEYS_STREAMLINES, KEYS_POSES,
+                                                            KEYS_ATLAS};
+
 bool addition_path(char path[SYSTEM_PATH], enum addition kind, const char *value)
 {
-    int size = snprintf(path, SYSTEM_PATH, "%s", value);
-    for (char *comma; size < SYSTEM_PATH && (comma = strrchr(path, ','));) {
-        bool is_key = strchr(comma + 1, '=') || (kind == ADD_STREAMLINES && strcmp(comma + 1, "moves") == 0);
-        if (!is_key) {
-            break;
-        }
-        *comma = '\0';
-    }
-    return size < SYSTEM_PATH;
+    const size_t length = keys_file_length(value, addition_keys[kind]);
+    return snprintf(path, SYSTEM_PATH, "%.*s", (int)length, value) < SYSTEM_PATH;
 }
 
 static const char *word_at(const json_t *words, size_t index)
@@ -191,9 +189,9 @@ static void describe_streamlines(json_t *entry, struct taken *taken, const conus
 static void describe_volume(json_t *entry, struct taken *taken, const conus_atlas *atlas, conus_role role,
                             const char *value, const char *path)
 {
-    static const char key[] = ",volume=";
-    const char *named = strstr(value, key);
-    uint64_t index = named ? strtoull(named + sizeof key - 1, NULL, 10) : 0;
+    struct source_keys keys;
+    (void)keys_read(&keys, value, role == CONUS_ROLE_CONTEXT ? KEYS_VOLUME : KEYS_PATHWAY);
+    const uint64_t index = (uint64_t)keys_value(&keys, KEY_VOLUME)->numbers[0];
     for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
         const conus_volume_info *info = conus_atlas_volume(atlas, i);
         if (taken->volumes[i] || info->role != role || info->volume != index || !paths_equal(info->path, path)) {

@@ -6,6 +6,7 @@
 #include "base/system/system.h"
 #include "options/output.h"
 #include "options/provenance.h"
+#include "sources/keys.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -61,11 +62,7 @@ bool session_file_differs(const struct session_file *file, const conus_atlas *at
 static bool is_there(const char *path)
 {
     char file[SYSTEM_PATH];
-    snprintf(file, sizeof file, "%s", path);
-    if (system_allows(file, SYSTEM_READ)) {
-        return true;
-    }
-    file[strcspn(file, ",")] = '\0';
+    snprintf(file, sizeof file, "%.*s", (int)keys_file_length(path, KEYS_ATLAS), path);
     return file[0] && system_allows(file, SYSTEM_READ);
 }
 

@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "options/messages.h"
 #include "options/output.h"
+#include "sources/keys.h"
 #include "viewer/window/state_file.h"
 
 #include <stdint.h>
@@ -240,8 +241,8 @@ static bool answer_save(char path[SYSTEM_PATH], struct dialog *dialog)
 static bool may_be_opened(const char *path)
 {
     char file[SYSTEM_PATH];
-    snprintf(file, sizeof file, "%.*s", (int)strcspn(path, ","), path);
-    return path_is_name(path) || system_allows(path, 0) || system_allows(file, 0);
+    snprintf(file, sizeof file, "%.*s", (int)keys_file_length(path, KEYS_ATLAS), path);
+    return path_is_name(path) || system_allows(file, 0);
 }
 
 bool dialog_enter(char path[SYSTEM_PATH], struct dialog *dialog)

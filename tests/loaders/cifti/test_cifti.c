@@ -127,7 +127,7 @@ static void files_are_plain_or_packed(void **state)
     source_close(&source);
     snprintf(path, sizeof path, "%s,map=", test_scratch("x.dlabel.nii"));
     assert_fails(open_file(&map, path, 0), CONUS_ERROR_ARGUMENT);
-    assert_non_null(strstr(conus_message(), "map: a number from 0 or a name is needed"));
+    assert_non_null(strstr(conus_message(), "map: found \"\", a number from 0 or a name is needed"));
     bytes.data[bytes.size - 5] = 0x78; /* 7 becomes 3.6e34 */
     assert_fails(open_file(&map, write_bytes("x.dlabel.nii", &bytes), 0), CONUS_ERROR_DATA);
     buffer_finish(&bytes);

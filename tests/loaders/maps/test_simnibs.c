@@ -75,13 +75,13 @@ static void build(struct hdf5_builder *builder, const struct bent *bent)
 }
 
 /* The region is asked of the mesh in the memory of `job`, and the arrays are given to it. */
-static conus_status make_of(conus_roi **out, const struct hdf5_builder *builder, const struct volume_selector *selector,
+static conus_status make_of(conus_roi **out, const struct hdf5_builder *builder, const char *keys,
                             const conus_volume_info *info)
 {
     struct job job = {0};
-    struct volume_selector named = *selector;
+    struct source_keys named;
     const struct hdf5 *hdf5 = hdf5_of_stream(&job, (struct text){builder->bytes.data, builder->bytes.size});
-    named.path = (char *)info->path;
+    source_keys_read(&job, &named, keys, KEYS_VOLUME);
     if (job_ok(&job)) {
         assert_true(simnibs_is(hdf5));
         struct roi_mesh mesh = simnibs_find(&job, hdf5, &named);
@@ -95,13 +95,12 @@ static conus_status make_of(conus_roi **out, const struct hdf5_builder *builder,
     return job_close(&job, NULL, NULL);
 }
 
-static conus_status make_region(conus_roi **out, const struct bent *bent, const struct volume_selector *selector,
-                                double threshold)
+static conus_status make_region(conus_roi **out, const struct bent *bent, const char *keys, double threshold)
 {
     struct hdf5_builder builder;
     const conus_volume_info info = {.path = "mesh.hdf5", .threshold = threshold};
     build(&builder, bent);
-    conus_status status = make_of(out, &builder, selector, &info);
+    conus_status status = make_of(out, &builder, keys, &info);
     buffer_finish(&builder.bytes);
     return status;
 }
@@ -112,21 +111,21 @@ static void tetrahedra_and_their_values(void **state)
     (void)state;
     static const struct {
         struct bent bent;
-        struct volume_selector selector;
+        const char *keys;
         double threshold;
         uint64_t count;
         double mm3, largest;
     } cases[] = {
         {.threshold = 0.5, .count = 2, .mm3 = 108, .largest = 3},
         {.threshold = 1.5, .count = 1, .mm3 = 72, .largest = 3},
-        {.threshold = 0.5, .selector = {.tissues = {7, 2}, .tissue_count = 2}, .count = 1, .mm3 = 36, .largest = 3},
+        {.threshold = 0.5, .keys = "mesh.hdf5,tissue=7:2", .count = 1, .mm3 = 36, .largest = 3},
         {.threshold = -1, .bent = {.value = -2}, .count = 1, .mm3 = 72, .largest = 3},
         {.threshold = 0.5, .bent = {.value = NAN}, .count = 1, .mm3 = 36, .largest = 3},
         {.threshold = 0.5, .bent = {.value = -INFINITY}, .count = 1, .mm3 = 36, .largest = 3},
         {.bent = {.field = "/mesh_roi/elmdata/E"}, .threshold = 7, .count = 2, .mm3 = 108, .largest = 9},
         {.bent = {.field = "/mesh_roi/elmdata/E"}, .threshold = 7.5, .count = 1, .mm3 = 72, .largest = 9},
         {.bent = {.field = "/mesh_roi/elmdata/J"},
-         .selector = {.field = {"J", 1}},
+         .keys = "mesh.hdf5,field=J",
          .threshold = 7.5,
          .count = 1,
          .mm3 = 72,
@@ -134,7 +133,7 @@ static void tetrahedra_and_their_values(void **state)
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         conus_roi *roi = NULL;
-        assert_ok(make_region(&roi, &cases[i].bent, &cases[i].selector, cases[i].threshold));
+        assert_ok(make_region(&roi, &cases[i].bent, cases[i].keys ? cases[i].keys : "mesh.hdf5", cases[i].threshold));
         assert_int_equal(conus_roi_voxels(roi), cases[i].count);
         assert_near(roi->mm3, cases[i].mm3, 1e-12);
         assert_near(conus_roi_volume(roi)->maximum, cases[i].largest, 0);
@@ -147,54 +146,58 @@ static void what_is_refused(void **state)
     (void)state;
     static const struct {
         struct bent bent;
-        struct volume_selector selector;
+        const char *keys;
         double threshold;
         conus_status status;
         const char *part;
     } cases[] = {
-        {{.missing = "/mesh_roi/elm/tag1"}, {0}, 1, CONUS_ERROR_DATA, "tag1: a whole number for each of 4 elements"},
-        {{.missing = "/mesh_roi/elmdata/magnE"}, {0}, 1, CONUS_ERROR_DATA, "elmdata: a mesh of SimNIBS without fields"},
+        {{.missing = "/mesh_roi/elm/tag1"}, NULL, 1, CONUS_ERROR_DATA, "tag1: a whole number for each of 4 elements"},
+        {{.missing = "/mesh_roi/elmdata/magnE"},
+         NULL,
+         1,
+         CONUS_ERROR_DATA,
+         "elmdata: a mesh of SimNIBS without fields"},
         {{.field = "/mesh_roi/elmdata/J"},
-         {0},
+         NULL,
          1,
          CONUS_ERROR_ARGUMENT,
          "field: no magnE, normE or E of elements "
          "(elmdata); there are J"},
-        {{0}, {.field = {"v", 1}}, 1, CONUS_ERROR_ARGUMENT, "field: no v of elements (elmdata); there are magnE"},
+        {{0}, "mesh.hdf5,field=v", 1, CONUS_ERROR_ARGUMENT, "field: no v of elements (elmdata); there are magnE"},
         {{.twice = "/b/elmdata/E"},
-         {0},
+         NULL,
          1,
          CONUS_ERROR_DATA,
          "field: two meshes have one, /b/elmdata/E and /mesh_roi/elmdata/magnE"},
-        {{.field = "/mesh_roi/elmdata/E", .pairs = true}, {0}, 1, CONUS_ERROR_DATA, "E: one or three numbers"},
-        {{.wide_nodes = true}, {0}, 1, CONUS_ERROR_DATA, "node_coord: three numbers for each node"},
-        {{.few_tags = true}, {0}, 1, CONUS_ERROR_DATA, "tag1: a whole number for each of 4 elements"},
-        {{.real_corners = true}, {0}, 1, CONUS_ERROR_DATA, "node_number_list: four whole numbers"},
-        {{.corner = 7}, {0}, 1, CONUS_ERROR_DATA, "node_number_list: element 3: found node 7, allowed are 1 to 6"},
-        {{.corner = -1}, {0}, 1, CONUS_ERROR_DATA, "element 3: found node -1, allowed are 1 to 6"},
-        {{.node = NAN}, {0}, 1, CONUS_ERROR_DATA, "node_coord: node 1: found nan"},
-        {{.node = 10001}, {0}, 1, CONUS_ERROR_DATA, "node_coord: node 1: found 10001"},
-        {{.types = 2}, {0}, 1, CONUS_ERROR_DATA, "elm_type: no tetrahedra (4)"},
+        {{.field = "/mesh_roi/elmdata/E", .pairs = true}, NULL, 1, CONUS_ERROR_DATA, "E: one or three numbers"},
+        {{.wide_nodes = true}, NULL, 1, CONUS_ERROR_DATA, "node_coord: three numbers for each node"},
+        {{.few_tags = true}, NULL, 1, CONUS_ERROR_DATA, "tag1: a whole number for each of 4 elements"},
+        {{.real_corners = true}, NULL, 1, CONUS_ERROR_DATA, "node_number_list: four whole numbers"},
+        {{.corner = 7}, NULL, 1, CONUS_ERROR_DATA, "node_number_list: element 3: found node 7, allowed are 1 to 6"},
+        {{.corner = -1}, NULL, 1, CONUS_ERROR_DATA, "element 3: found node -1, allowed are 1 to 6"},
+        {{.node = NAN}, NULL, 1, CONUS_ERROR_DATA, "node_coord: node 1: found nan"},
+        {{.node = 10001}, NULL, 1, CONUS_ERROR_DATA, "node_coord: node 1: found 10001"},
+        {{.types = 2}, NULL, 1, CONUS_ERROR_DATA, "elm_type: no tetrahedra (4)"},
         {{0},
-         {.tissues = {1005}, .tissue_count = 1},
+         "mesh.hdf5,tissue=1005",
          1,
          CONUS_ERROR_ARGUMENT,
          "tissue: no tetrahedron has it "
          "(tag1); there are 2, 1"},
         {{0},
-         {0},
+         NULL,
          0,
          CONUS_ERROR_ARGUMENT,
          "mesh.hdf5: has values from 1 to 3 and is no mask: a threshold is needed, "
          "from which on a tetrahedron"},
-        {{0}, {0}, 4, CONUS_ERROR_ARGUMENT, "mesh.hdf5: threshold 4, but its values are from 1 to 3"},
-        {{0}, {0}, NAN, CONUS_ERROR_ARGUMENT, "mesh.hdf5: threshold nan"},
-        {{0}, {0}, 2.5, CONUS_ERROR_ARGUMENT, "mesh.hdf5: threshold 2.5"}, /* only the flat one remains */
+        {{0}, NULL, 4, CONUS_ERROR_ARGUMENT, "mesh.hdf5: threshold 4, but its values are from 1 to 3"},
+        {{0}, NULL, NAN, CONUS_ERROR_ARGUMENT, "mesh.hdf5: threshold nan"},
+        {{0}, NULL, 2.5, CONUS_ERROR_ARGUMENT, "mesh.hdf5: threshold 2.5"}, /* only the flat one remains */
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         conus_roi *roi = NULL;
-        test_status(make_region(&roi, &cases[i].bent, &cases[i].selector, cases[i].threshold), cases[i].status,
-                    cases[i].part, __FILE__, __LINE__);
+        test_status(make_region(&roi, &cases[i].bent, cases[i].keys ? cases[i].keys : "mesh.hdf5", cases[i].threshold),
+                    cases[i].status, cases[i].part, __FILE__, __LINE__);
         if (!strstr(conus_message(), cases[i].part)) {
             fail_msg("case %zu: \"%s\" does not say \"%s\"", i, conus_message(), cases[i].part);
         }
@@ -223,8 +226,7 @@ static void what_is_no_mesh(void **state)
 static conus_status make_of_built(void *builder)
 {
     conus_roi *roi = NULL;
-    conus_status status =
-        make_of(&roi, builder, &(struct volume_selector){0}, &(conus_volume_info){.path = "mesh", .threshold = 1});
+    conus_status status = make_of(&roi, builder, "mesh", &(conus_volume_info){.path = "mesh", .threshold = 1});
     conus_roi_destroy(roi);
     return status;
 }

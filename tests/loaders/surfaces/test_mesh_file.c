@@ -273,7 +273,7 @@ static void maps_are_chosen_by_number_or_name(void **state)
         {",map=3", 0, "LABEL array 3: the file has 3 (counted from 0)"},
         {",map=yeo", 0, "map: 2 LABEL arrays are called \"yeo\", one is needed of 0 \"aparc\""},
         {",map=Aparc", 0, "map: 0 LABEL arrays are called \"Aparc\""},
-        {",map=", 0, "map: a number from 0 or a name is needed"},
+        {",map=", 0, "map: found \"\", a number from 0 or a name is needed"},
     };
     char file[4096];
     snprintf(file, sizeof file, "%s", write_maps());

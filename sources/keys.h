@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file FILE,key=value,...: the table of keys, and what takes such a text apart. Programs have it beside the library.
+ *
+ * A file of that very name has no keys. Else known keys are cut off from the end; what is no key and stands behind one
+ * is refused. Where FILE and "FILE,key=value" are both there, the text is refused, since it may mean either. */
+#ifndef CONUS_SOURCES_KEYS_H
+#define CONUS_SOURCES_KEYS_H
+
+#include "base/text.h"
+
+/** What has keys. A row of the table holds for some of them. */
+enum key_kind {
+    KEYS_VOLUME = 1 << 0,   /**< A volume, or a mesh as a region. */
+    KEYS_SCENE = 1 << 1,    /**< A file of an atlas: */
+    KEYS_ATLAS = 1 << 2,    /**< with whose brain it is. */
+    KEYS_VERTICES = 1 << 3, /**< Labels of vertices. */
+    KEYS_LABELS = 1 << 4,   /**< A label table. */
+    KEYS_PATHWAY = 1 << 5,
+    KEYS_STREAMLINES = 1 << 6,
+    KEYS_TRANSFORM = 1 << 7,
+    KEYS_MAP = 1 << 8,   /**< Values of vertices that a context shows. */
+    KEYS_POSES = 1 << 9, /**< A table of poses. */
+    KEYS_ENTRIES = 1 << 10, /**< From where poses are tried, */
+    KEYS_TARGETS = 1 << 11, /**< and to where. */
+};
+
+enum source_key_id {
+    KEY_FIELD, /**< These in the order in which a refusal names one. */
+    KEY_TISSUE,
+    KEY_LEVEL,
+    KEY_ORIENTATION,
+    KEY_RESOLUTION,
+    KEY_VOLUME,
+    KEY_MAP,
+    KEY_TEMPLATE,
+    KEY_SPACE,
+    KEY_LABEL,
+    KEY_NAME,
+    KEY_THRESHOLD,
+    KEY_UNIT,
+    KEY_BAND,
+    KEY_RADIUS,
+    KEY_MOVES,
+    KEY_FROM,
+    KEY_TO,
+    KEY_INVERSE,
+    KEY_RELATIVE,
+    KEY_ABSOLUTE,
+    KEY_GRID,
+    KEY_TRANSFORM,
+    KEY_ARRAY,
+    KEY_RANGE,
+    KEY_X,
+    KEY_Y,
+    KEY_Z,
+    KEY_SIDES,
+    KEY_PLACE,
+    KEY_TILT_ML,
+    KEY_TILT_AP,
+    KEY_DEPTH,
+    KEY_SPACING,
+    KEY_WITHIN,
+    KEY_WITHOUT,
+    KEY_FLIP,
+    KEY_OF,
+};
+
+#define KEY_BIT(id) (UINT64_C(1) << (id))
+
+enum { KEY_NUMBERS = 16, KEYS_MOST = 32, KEYS_WHY = 1024 };
+
+struct source_key;
+
+struct key_value {
+    const struct source_key *row;
+    enum source_key_id id;
+    struct text text;            /**< In the text that was taken apart. */
+    double numbers[KEY_NUMBERS]; /**< What it says, where the table says that these are numbers. */
+    size_t count;
+};
+
+/** All 0: no key is given. */
+struct source_keys {
+    const char *path; /**< The file, of source_keys_read(). */
+    size_t length;    /**< Of the file in the text. */
+    uint64_t given;   /**< KEY_BIT() of each. */
+    size_t count;
+    struct key_value values[KEYS_MOST]; /**< As they were given. */
+    char why[KEYS_WHY];                 /**< What is wrong, without the text; "" = nothing. */
+};
+
+/** Takes @p text apart; false where it is refused, keys.why says why. */
+bool keys_read(struct source_keys *out, const char *text, enum key_kind kind);
+
+/** Likewise, and ends each part in @p text with a NUL: it is FILE then, and values are strings. It stays as it was where
+ * it is refused. */
+bool keys_cut(struct source_keys *out, char *text, enum key_kind kind);
+
+/** The value of keys_cut(); NULL where it is not given. */
+const char *keys_string(const struct source_keys *keys, enum source_key_id id);
+
+/** The same of @p words without a file: "key=value,key=value". */
+bool keys_read_alone(struct source_keys *out, const char *words, enum key_kind kind);
+
+/** Length of the file in @p text, whatever its keys say. */
+size_t keys_file_length(const char *text, enum key_kind kind);
+
+/** The first value of a key; where it is not given, one whose text is empty. */
+const struct key_value *keys_value(const struct source_keys *keys, enum source_key_id id);
+
+const char *keys_name(const struct key_value *value);
+
+/** What a message says is allowed for it. */
+const char *keys_allowed(const struct key_value *value);
+
+/** Writes FILE of @p text, and behind it those of its @p keys that hold for one of @p kinds, too; none of them is a
+ * flag. @p out has room for strlen(text) + 1 bytes. */
+void keys_keep(char *out, const char *text, const struct source_keys *keys, unsigned kinds);
+
+/** False where a key is given that is not among @p allowed (KEY_BIT()); @p why says it. */
+bool keys_fit(char why[KEYS_WHY], const struct source_keys *keys, uint64_t allowed);
+
+#endif

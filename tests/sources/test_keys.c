@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* FILE,key=value: where the file ends, what its keys say, and which texts are refused. */
+#include "sources/keys.h"
+
+#include "base/files/file.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Each text stands behind the scratch folder and '/'. "a.nii" is there, and "b,volume=1.nii", and no other but what
+ * a case says. */
+static void put(const char *name)
+{
+    assert_ok(file_write_soon(test_scratch(name), "x", 1));
+}
+
+static void what_is_cut_off(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        enum key_kind kind;
+        const char *file;
+        size_t count;
+    } cases[] = {
+        {"a.nii", KEYS_ATLAS, "a.nii", 0},
+        {"a.nii,volume=1", KEYS_ATLAS, "a.nii", 1},
+        {"a.nii,volume=1,template=none,map=x, y,space=/other/image,1.nii", KEYS_ATLAS, "a.nii", 4},
+        {"b,volume=1.nii", KEYS_VOLUME, "b,volume=1.nii", 0},
+        {"b,volume=1.nii,volume=2", KEYS_VOLUME, "b,volume=1.nii", 1},
+        {"gone, b.nii,volume=2", KEYS_VOLUME, "gone, b.nii", 1},
+        {"gone,moves.trk", KEYS_STREAMLINES, "gone,moves.trk", 0},
+        {"gone.trk,moves", KEYS_STREAMLINES, "gone.trk", 1},
+        {"gone.trk,moves", KEYS_PATHWAY, "gone.trk,moves", 0},
+        {"gone.nii,foo=1", KEYS_PATHWAY, "gone.nii,foo=1", 0},
+        {"gone.nii,foo=1,threshold=2", KEYS_PATHWAY, "gone.nii,foo=1", 1},
+        {"a.nii,name=in/out,unit=%", KEYS_PATHWAY, "a.nii", 2},
+        {"a.nii,band=0:9:x,band=9::y", KEYS_PATHWAY, "a.nii", 2},
+        {"a.nii,from=m, n.nii,inverse,to=/z.nii", KEYS_TRANSFORM, "a.nii", 3},
+        {"-,x=a, mm,y=b,z=c", KEYS_POSES, "-", 3},
+    };
+    put("a.nii");
+    put("b,volume=1.nii");
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct source_keys keys;
+        char kept[4096 + 256];
+        char text[4096 + 256];
+        snprintf(text, sizeof text, "%s", test_scratch(cases[i].text));
+        const char *name = cases[i].text + strlen(cases[i].file);
+        if (!keys_read(&keys, text, cases[i].kind)) {
+            fail_msg("%s: %s", cases[i].text, keys.why);
+        }
+        assert_string_equal(text + keys.length, name);
+        assert_int_equal(keys.count, cases[i].count);
+        assert_int_equal(keys_file_length(text, cases[i].kind), keys.length);
+        keys_keep(kept, text, &keys, 0);
+        assert_int_equal(strlen(kept), keys.length);
+        if (cases[i].kind != KEYS_TRANSFORM && !(keys.given & KEY_BIT(KEY_MOVES))) {
+            keys_keep(kept, text, &keys, cases[i].kind);
+            assert_string_equal(kept, text);
+        }
+    }
+}
+
+static void what_keys_say(void **state)
+{
+    (void)state;
+    struct source_keys keys;
+    assert_true(keys_read(&keys, "f,tissue=7:2,volume=12,resolution=25:20:10,map= a, b ", KEYS_VOLUME));
+    const struct key_value *tissue = keys_value(&keys, KEY_TISSUE);
+    assert_int_equal(tissue->count, 2);
+    assert_near(tissue->numbers[1], 2, 0);
+    assert_near(keys_value(&keys, KEY_VOLUME)->numbers[0], 12, 0);
+    assert_near(keys_value(&keys, KEY_RESOLUTION)->numbers[2], 10, 0);
+    assert_true(text_equal(keys_value(&keys, KEY_MAP)->text, " a, b "));
+    assert_int_equal(keys_value(&keys, KEY_LEVEL)->text.size, 0);
+    assert_int_equal(keys_value(&keys, KEY_LEVEL)->count, 0);
+    char kept[64];
+    keys_keep(kept, "f,tissue=7:2,volume=12,resolution=25:20:10,map= a, b ", &keys, KEYS_PATHWAY);
+    assert_string_equal(kept, "f,volume=12,resolution=25:20:10");
+    char why[KEYS_WHY];
+    assert_false(keys_fit(why, &keys, KEY_BIT(KEY_VOLUME)));
+    assert_non_null(strstr(why, "tissue is for results of SimNIBS"));
+    assert_true(keys_fit(why, &keys, ~UINT64_C(0)));
+    assert_true(keys_read(&keys, "f,range=-1:2.5", KEYS_MAP));
+    assert_near(keys_value(&keys, KEY_RANGE)->numbers[0], -1, 0);
+}
+
+static void what_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        enum key_kind kind;
+        const char *why;
+    } cases[] = {
+        {"f,volume=x", KEYS_VOLUME, "volume: found \"x\", allowed are whole numbers from 0"},
+        {"f,volume=", KEYS_VOLUME, "volume: found \"\""},
+        {"f,volume=1:2", KEYS_VOLUME, "volume: found \"1:2\""},
+        {"f,volume=-1", KEYS_VOLUME, "volume: found \"-1\""},
+        {"f,volume=99999999999999999999", KEYS_VOLUME, "volume: found"},
+        {"f,level=2147483648", KEYS_VOLUME, "level: found"},
+        {"f,tissue=1:2:3:4:5:6:7:8:9:1:2:3:4:5:6:7:8", KEYS_VOLUME, "tissue: found"},
+        {"f,resolution=1:2", KEYS_VOLUME, "resolution: found \"1:2\""},
+        {"f,resolution=0", KEYS_VOLUME, "resolution: found \"0\""},
+        {"f,resolution=inf", KEYS_VOLUME, "resolution: found \"inf\""},
+        {"f,resolution=1:1:1:1", KEYS_VOLUME, "resolution: found"},
+        {"f,range=1", KEYS_MAP, "range: found \"1\""},
+        {"f,threshold=nan", KEYS_PATHWAY, "threshold: found \"nan\", allowed is a number above 0"},
+        {"f,threshold=0,5", KEYS_PATHWAY, "\"threshold=0,5\" has a comma in it; a number has a decimal point"},
+        {"f,name=A,B,radius=1", KEYS_STREAMLINES, "\"name=A,B\" has a comma in it"},
+        {"f,volume=0,foo=1", KEYS_VOLUME,
+         "found \"foo=1\", allowed are volume, resolution, orientation, level, field, tissue, map"},
+        {"f,volume=0,volume=0", KEYS_VOLUME, "volume is given twice"},
+        {"f,moves,moves", KEYS_STREAMLINES, "moves is given twice"},
+        {"f,moves,space=up", KEYS_STREAMLINES, "space: found \"up\", allowed are ras and lps"},
+        {"f,template=", KEYS_ATLAS, "template: found \"\", allowed are mni152"},
+        {"f,map=", KEYS_VERTICES, "map: found \"\", a number from 0 or a name is needed"},
+        {"f,unit=mm,sides=no", KEYS_POSES, "sides: found \"no\", allowed is anyway"},
+    };
+    struct source_keys keys;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        assert_false(keys_read(&keys, cases[i].text, cases[i].kind));
+        if (!strstr(keys.why, cases[i].why)) {
+            fail_msg("%s: \"%s\" does not say \"%s\"", cases[i].text, keys.why, cases[i].why);
+        }
+    }
+    char many[40 * 12] = "f";
+    for (size_t i = 0; i <= KEYS_MOST; i++) {
+        snprintf(many + strlen(many), 12, ",band=::x");
+    }
+    assert_false(keys_read(&keys, many, KEYS_PATHWAY));
+    assert_non_null(strstr(keys.why, "there are 32 keys"));
+    assert_true(keys_read_alone(&keys, "x=a, mm,unit=cm", KEYS_POSES));
+    assert_int_equal(keys.count, 2);
+    assert_false(keys_read_alone(&keys, "w=a", KEYS_POSES));
+    assert_non_null(strstr(keys.why, "found \"w=a\", allowed are x, y, z, name, place, unit, sides"));
+}
+
+/* What may be two files is neither; a word behind a file that is there is a key with another name. */
+static void files_decide(void **state)
+{
+    (void)state;
+    struct source_keys keys;
+    char path[4096];
+    put("c.nii");
+    put("c.nii,volume=1");
+    snprintf(path, sizeof path, "%s", test_scratch("c.nii,volume=1"));
+    assert_false(keys_read(&keys, path, KEYS_VOLUME));
+    assert_non_null(strstr(keys.why, "c.nii,volume=1\" is there, and so is \""));
+    assert_non_null(strstr(keys.why, "c.nii\""));
+    assert_true(keys_read(&keys, path, KEYS_STREAMLINES)); /* which have no such key */
+    snprintf(path, sizeof path, "%s", test_scratch("c.nii,volume=1,level=0"));
+    assert_false(keys_read(&keys, path, KEYS_VOLUME));
+    snprintf(path, sizeof path, "%s", test_scratch("c.nii,volume=2"));
+    assert_true(keys_read(&keys, path, KEYS_VOLUME));
+    snprintf(path, sizeof path, "%s", test_scratch("c.nii,treshold=2"));
+    assert_false(keys_read(&keys, path, KEYS_PATHWAY));
+    assert_non_null(strstr(keys.why, "found \"treshold=2\", allowed are "));
+    snprintf(path, sizeof path, "%s", test_scratch("c.nii,Treshold=2"));
+    assert_true(keys_read(&keys, path, KEYS_PATHWAY));
+}
+
+TEST_GROUP(keys)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_cut_off),
+        cmocka_unit_test(what_keys_say),
+        cmocka_unit_test(what_is_refused),
+        cmocka_unit_test(files_decide),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
