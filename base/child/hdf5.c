@@ -191,7 +191,7 @@ static void take_frames(struct job *job, struct hdf5 *hdf5)
     if (!text_starts(stream, HDF5_STREAM_MAGIC)) {
         job_bad(job, "HDF5 stream: it does not begin with " HDF5_STREAM_MAGIC);
     }
-    for (uint64_t count = 0; job_ok(job); count++) {
+    for (uint64_t count = 0; stream.data && job_ok(job); count++) {
         const struct frame frame = parse_frame(job, stream, at);
         if (!job_ok(job)) {
             return;

@@ -54,9 +54,11 @@ static void write_surface(struct job *job, const char *folder, size_t index)
 static void write_brain_volume(struct job *job, const char *folder, const char *name,
                                uint16_t (*value)(const double world[3]))
 {
-    conus_volume_info grid = {0};
+    conus_volume_info grid;
     const struct job_mark mark = job_mark(job);
-    (void)JOB_CALL(job, phantom_brain_grid(&grid));
+    if (!JOB_CALL(job, phantom_brain_grid(&grid))) {
+        return;
+    }
     size_t count = grid.dim[0] * grid.dim[1] * grid.dim[2];
     uint32_t *values = job_array(job, &count, sizeof *values);
     for (size_t i = 0; i < count; i++) {

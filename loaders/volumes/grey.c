@@ -275,7 +275,7 @@ struct grey_result grey_judge(struct job *job, const struct label_voxels *labels
     struct tally tally = {0};
     struct grey_result result = {.equal = 1, .telling = true};
     find_plateaus(job, &scan, labels->count);
-    if (job_ok(job)) {
+    if (scan.block) {
         visit_neighbours(&scan, count_pairs, &tally);
         result.equal = tally.pairs ? (double)tally.equal / (double)tally.pairs : 1;
     }

@@ -100,7 +100,7 @@ float *sink_array_grow(struct mesh_sink *sink, struct sink_array *array, size_t 
         array->capacity = wanted;
     }
     array->count += more;
-    return array->values + array->count - more;
+    return array->values ? array->values + array->count - more : NULL; /* of none */
 }
 
 enum mesh_space mesh_space_in(struct text text)
