@@ -73,25 +73,22 @@ static void finish_file(void *file)
     volume_file_finish(file);
 }
 
-/* A job of its own: a folder has many volumes, and no note of theirs is wanted. */
-static conus_status guess_alone(struct volume_guess *out, const char *path, uint64_t max_memory)
-{
-    struct job job = {.max_memory = max_memory};
-    struct volume_file file = {0};
-    job_own(&job, finish_file, &file);
-    path = job_format(&job, "%s,volume=0", path); /* a 4-D file is refused without a choice: 0 stands for all */
-    volume_load(&job, &file, path, max_memory);
-    if (file.info.volume_count > 1) {
-        *out = (struct volume_guess){VOLUME_SERIES, file.info.volume_count, "several volumes"};
-    } else {
-        judge_volume(&job, out, &file);
-    }
-    return job_close(&job, NULL, NULL);
-}
-
 void volume_guess_make(struct job *job, struct volume_guess *out, const char *path)
 {
-    (void)JOB_CALL(job, guess_alone(out, path, job->max_memory));
+    const struct job_mark mark = job_mark(job); /* a folder has many volumes */
+    struct volume_file *file = job_new(job, struct volume_file);
+    if (!file) {
+        return;
+    }
+    job_own(job, finish_file, file);
+    path = job_format(job, "%s,volume=0", path); /* a 4-D file is refused without a choice: 0 stands for all */
+    volume_load(job, file, path, job->max_memory);
+    if (job_ok(job) && file->info.volume_count > 1) {
+        *out = (struct volume_guess){VOLUME_SERIES, file->info.volume_count, "several volumes"};
+    } else if (job_ok(job)) {
+        judge_volume(job, out, file);
+    }
+    job_release(job, mark);
 }
 
 bool volume_names_are_halves(struct job *job, const char *left, const char *right)

@@ -354,6 +354,10 @@ static void take_context(struct job *job, struct manifest_draft *draft, const ch
         manifest_draft_log(job, draft, "%s: a second context, left out", name);
         return;
     }
+    if (!text_is_utf8(text_from(name))) {
+        manifest_draft_leave_out(job, draft, name, "its name is no UTF-8");
+        return;
+    }
     scene_add(job, &draft->scene, &(struct scene_item){.kind = ITEM_CONTEXT, .file = (char *)name});
     manifest_draft_log(job, draft, "%s: context, %s", name, words);
 }
