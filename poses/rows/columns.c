@@ -417,6 +417,14 @@ static const char *show_family(char out[3 * COLUMN_NAME_SIZE], const struct head
 
 #define FAMILY_SHOWN(head, family) show_family((char[3 *COLUMN_NAME_SIZE]){0}, head, family)
 
+/* What a column of positions is called in --space, or where the table lacks that. */
+static const char *axis_shown(const struct head *head, size_t axis)
+{
+    static const char *const plain[2][3] = {{"x", "y", "z"}, {"AP", "ML", "DV"}};
+    const conus_space space = head->options->space;
+    return space < CONUS_SPACE_CCF ? plain[head->lacks_space][axis] : conus_space_axis(space, axis);
+}
+
 /* Gives the columns of a family their roles, or says what it lacks. */
 static void take_family(struct head *head, const struct family *family, enum column_role first, const char *what)
 {
@@ -427,7 +435,8 @@ static void take_family(struct head *head, const struct family *family, enum col
     }
     for (size_t k = 0; k < 3; k++) {
         if (family->at[k] == COLUMN_NONE) {
-            FAULT(head, "only some of the columns %s: %s, without %c", what, FAMILY_SHOWN(head, family), "xyz"[k]);
+            FAULT(head, "only some of the columns %s: %s, without %s", what, FAMILY_SHOWN(head, family),
+                  axis_shown(head, k));
             continue;
         }
         double own = head->unit[family->at[k]];
@@ -600,6 +609,7 @@ static void refuse_turned(struct head *head, const struct family *position)
                  "entry_z and target_x target_y target_z; without %s the rows are points",
                  FAMILY_SHOWN(head, family), FAMILY_SHOWN(head, position), FAMILY_SHOWN(head, family));
     }
+    struct buffer list = {0};
     for (size_t i = 0; i < head->line.count; i++) {
         struct text rest = text_from(head->names[i]);
         struct text word;
@@ -617,13 +627,17 @@ static void refuse_turned(struct head *head, const struct family *position)
         FAULT_IF(is_read && !is_one && has_number(head, i), head,
                  "column \"%.*s\" beside %s: --poses-format table reads it; without it the rows are points",
                  POSE_QUOTE(head->line.cells[i]), FAMILY_SHOWN(head, position));
-        FAULT_IF(is_one, head,
-                 "column \"%.*s\" beside %s: angles and rotations are read as tilt_ml and tilt_ap (one of them may "
-                 "be 0), phi and theta, dx dy dz, tx ty tz, qw qx qy qz or m00...m33%s; without it the rows are %s",
-                 POSE_QUOTE(head->line.cells[i]), FAMILY_SHOWN(head, position),
-                 head->out->is_bids ? ", with --poses-format table here" : "",
-                 is_straight ? "straight down" : "points");
+        if (is_one) {
+            buffer_format(&list, "%s\"%.*s\"", list.size ? ", " : "", POSE_QUOTE(head->line.cells[i]));
+        }
     }
+    (void)JOB_CALL(head->job, buffer_status(&list));
+    FAULT_IF(list.size, head,
+             "column %s beside %s: angles and rotations are read as tilt_ml and tilt_ap (one of them may "
+             "be 0), phi and theta, dx dy dz, tx ty tz, qw qx qy qz or m00...m33%s; without it the rows are %s",
+             list.data, FAMILY_SHOWN(head, position), head->out->is_bids ? ", with --poses-format table here" : "",
+             is_straight ? "straight down" : "points");
+    buffer_finish(&list);
 }
 
 /* Whether the column is 0 in all rows of the head. */
@@ -831,7 +845,9 @@ static void choose_families(struct head *head)
              "several directions; needed is one of tx ty tz (a target), dx dy dz, qw qx qy qz, or m00...m33 alone");
     FAULT_IF(has_matrix && position, head, "x y z are needed, and only, without m00...m33");
     if (!has_matrix && !position) {
-        FAULT(head, "%s", head->is_on_its_side ? on_its_side : "x y z are needed: no columns say where rows are");
+        FAULT_IF(head->is_on_its_side, head, "%s", on_its_side);
+        FAULT_IF(!head->is_on_its_side, head, "%s %s %s are needed: no columns say where rows are", axis_shown(head, 0),
+                 axis_shown(head, 1), axis_shown(head, 2));
         FAULT_IF(find_name(head, "i", 0) != COLUMN_NONE && find_name(head, "j", 0) != COLUMN_NONE, head, "i j k are %s",
                  space_why_voxels);
         FAULT_IF(!head->is_on_its_side && !head->row_count && head->out->has[ROLE_NAME], head,

@@ -5,6 +5,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "poses/rows/space_words.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -53,8 +54,12 @@ const char *pose_check_id(struct text *id, char ordinal[POSE_ORDINAL_SIZE], uint
 conus_status pose_no_number(const char *what, struct text field)
 {
     bool has_comma = field.size && memchr(field.data, ',', field.size);
+    const char *last = text_last(field, ' ');
+    bool has_unit = last && space_unit_mm((struct text){last + 1, field.size - (size_t)(last + 1 - field.data)}) != 0;
     return fail(CONUS_ERROR_DATA, "%s: \"%.*s\" is not a finite number%s", what, POSE_QUOTE(field),
-                has_comma ? "; decimals are written with a point" : "");
+                has_comma  ? "; decimals are written with a point"
+                : has_unit ? "; a unit stands in the header, as in x (mm)"
+                           : "");
 }
 
 conus_status pose_check_angle(double angle)
