@@ -5,7 +5,6 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/status.h"
-#include "poses/rows/space_words.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -55,7 +54,8 @@ conus_status pose_no_number(const char *what, struct text field)
 {
     bool has_comma = field.size && memchr(field.data, ',', field.size);
     const char *last = text_last(field, ' ');
-    bool has_unit = last && space_unit_mm((struct text){last + 1, field.size - (size_t)(last + 1 - field.data)}) != 0;
+    const struct text behind = {last ? last + 1 : "", last ? field.size - (size_t)(last + 1 - field.data) : 0};
+    bool has_unit = text_is_one_of(behind, "mm/um/cm/m/deg", true);
     return fail(CONUS_ERROR_DATA, "%s: \"%.*s\" is not a finite number%s", what, POSE_QUOTE(field),
                 has_comma  ? "; decimals are written with a point"
                 : has_unit ? "; a unit stands in the header, as in x (mm)"
