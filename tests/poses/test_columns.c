@@ -328,6 +328,9 @@ static void columns_are_named_by_the_user(void **state)
         {"x=a,y=b", "only some of x=, y= and z="},
         {"x=a,y=b,z=d", "column \"d\" is not there"},
         {"unit=inch", "unit=inch, allowed are mm, um, cm and m"},
+        {"depth=inch", "depth=inch, allowed are mm, um, cm and m"},
+        {"radius=um", "a unit of radius, and no such column"},
+        {"tilt_ap=d", "column \"d\" is not there"},
         {"sides=no", "sides=no, allowed are anyway"},
         {"w=a", "x=, y=, z=, name=, place=, unit=, sides=, tilt_ml=, tilt_ap=, depth= and radius= are"}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
