@@ -422,7 +422,8 @@ static const char *axis_shown(const struct head *head, size_t axis)
 {
     static const char *const plain[2][3] = {{"x", "y", "z"}, {"AP", "ML", "DV"}};
     const conus_space space = head->options->space;
-    return space < CONUS_SPACE_CCF ? plain[head->lacks_space][axis] : conus_space_axis(space, axis);
+    bool is_plain = find_name(head, "x", 0) != COLUMN_NONE || find_name(head, "y", 0) != COLUMN_NONE;
+    return is_plain || space < CONUS_SPACE_CCF ? plain[head->lacks_space][axis] : conus_space_axis(space, axis);
 }
 
 /* Gives the columns of a family their roles, or says what it lacks. */
@@ -807,8 +808,8 @@ static void choose_families(struct head *head)
     bool has_angles = out->has[ROLE_PHI] && out->has[ROLE_THETA];
     bool is_of_rodents = head->options->space >= CONUS_SPACE_CCF || head->lacks_space;
     int directions = (target != NULL) + (direction != NULL) + has_quaternion + has_matrix + has_tilt + has_angles;
-    bool is_straight = directions == 0 && out->has[ROLE_DEPTH] && is_of_rodents; /* down */
-    out->is_of_points = directions == 0 && !is_straight;
+    out->is_straight = directions == 0 && out->has[ROLE_DEPTH] && is_of_rodents;
+    out->is_of_points = directions == 0 && !out->is_straight;
     FAULT_IF(out->place && !out->is_of_points, head, "a direction or a depth beside names of places, which are points");
     out->is_mlapdv = has_angles && head->options->space == CONUS_SPACE_BREGMA && position &&
                      position->stem[0] == '\0' && find_name(head, "x", 0) == position->at[0];
@@ -859,7 +860,7 @@ static void choose_families(struct head *head)
         }
     }
     FAULT_IF(up && !target && !direction, head, "ux uy uz go with tx ty tz or dx dy dz");
-    if (is_straight && position && !named) {
+    if (out->is_straight && position && !named) {
         refuse_turned(head, position);
     }
     if (!out->is_of_points || !position) {
@@ -1026,11 +1027,11 @@ static void settle_probes(struct head *head)
                                   : out->has[ROLE_TILT_AP] ? ROLE_TILT_AP
                                                            : ROLE_ANGLE;
     const char *own = tilt == ROLE_TILT_ML ? "ml" : "ap";
-    bool has_other = out->has[ROLE_TX] || out->has[ROLE_DX] || out->has[ROLE_QW] || out->has[ROLE_THETA];
-    bool is_tilted = out->has[tilt] && out->has[ROLE_TILT_ML] + out->has[ROLE_TILT_AP] < 2 && !has_other &&
-                     !head->words.tilt[0].size && !head->words.tilt[1].size;
+    bool is_one = tilt != ROLE_ANGLE ? out->has[ROLE_TILT_ML] != out->has[ROLE_TILT_AP] : out->is_straight;
+    bool is_tilted = out->has[tilt] && is_one && !head->words.tilt[0].size && !head->words.tilt[1].size;
     bool are_long = are_depths_long(head);
-    if (!out->has[ROLE_DEPTH] || !(is_tilted || are_long) || out->is_of_points) {
+    if (!out->has[ROLE_DEPTH] || !(is_tilted || (are_long && head->lacks_space)) || out->is_of_points ||
+        count_roles(out, ROLE_X, 3) < 3) {
         return;
     }
     FAULT_IF(are_long, head, "depths are longer than the atlas in mm: are they in um?");
@@ -1499,14 +1500,12 @@ static void find_kept(struct head *head)
 static void note_angles(const struct head *head)
 {
     const struct columns *out = head->out;
-    bool has_direction =
-        out->has[ROLE_TX] || out->has[ROLE_DX] || out->has[ROLE_QW] || out->has[ROLE_TILT_ML] || out->has[ROLE_TILT_AP];
     if (out->has[ROLE_PHI]) {
         job_note(head->job,
                  "phi and theta are IBL's, degrees: azimuth (0 to the right, 90 to anterior) and polar angle of "
                  "the way from the tip to the top; theta 0 is straight down%s",
                  out->is_mlapdv ? "; x y z are ML, AP, DV from bregma" : "");
-    } else if (!has_direction && out->has[ROLE_DEPTH]) {
+    } else if (out->is_straight) {
         job_note(head->job, "depth without an angle: straight down");
     }
 }
