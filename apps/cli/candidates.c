@@ -2,6 +2,7 @@
 /* Makes the candidates of a plan from entries and targets, and writes the poses that it lists. */
 #include "cli/candidates.h"
 
+#include "base/order.h"
 #include "base/path.h"
 #include "base/system/system.h"
 #include "options/messages.h"
@@ -247,11 +248,6 @@ static int check_memory(const struct place *place, const char *option, const str
     return exit_code_of(CONUS_ERROR_MEMORY);
 }
 
-static int compare_names(const void *a, const void *b)
-{
-    return strcmp(*(const char *const *)a, *(const char *const *)b);
-}
-
 /* What the file calls the points, where it gives each a name of its own that is no number. */
 static int find_names(struct place *place)
 {
@@ -265,7 +261,7 @@ static int find_names(struct place *place)
         are_names = !strchr("0123456789", names[i][0]) && strlen(names[i]) <= LONGEST;
     }
     if (are_names) {
-        qsort(names + count, count, sizeof *names, compare_names);
+        order_sort(names + count, count, sizeof *names, compare_text_pointers);
     }
     for (size_t i = 1; i < count && are_names; i++) {
         are_names = strcmp(names[count + i - 1], names[count + i]) != 0;

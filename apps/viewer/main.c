@@ -109,7 +109,9 @@ static int run_window(struct window *window, const struct view_settings *setting
         start_look(&window->start);
     }
     while (!(code && script) && loop_run(window, script, &code)) {
+        const bool is_needed = window->files.requested.is_needed;
         open_requested(window, &later, !path && !window->viewer, clock_ms(), &failed);
+        code = is_needed && failed ? EXIT_DATA : code;
     }
     open_finish(window);
     return code;

@@ -145,10 +145,17 @@ static conus_status refuse_unknown(const struct searched *searched, const char *
     size_t most = (strlen(name) + 2) / 3;
     const char *colon = strchr(name, ':');
     const struct text wanted = text_from(colon ? colon + 1 : name);
+    struct text rest = wanted;
+    struct text part;
+    const char *joined = ""; /* "harvard-oxford" as one word */
+    for (bool more = true; text_field(&rest, '-', &more, &part);) {
+        joined = job_format(&job, "%s%.*s", joined, (int)part.size, part.data);
+    }
     for (size_t i = 0; i < searched->items->count; i++) {
         const conus_installed *atlas = &searched->items->at[i].atlas;
         struct text own = text_from(atlas->name);
-        bool contains = wanted.size >= 3 && text_contains(own, wanted); /* then it is near */
+        bool contains = (wanted.size >= 3 && text_contains(own, text_from(joined))) || /* then it is near */
+                        (own.size >= 3 && text_contains(wanted, own));
         size_t far = contains ? 1 : text_distance(wanted, own);
         if (far <= most) {
             rank(nearest, atlas, far);

@@ -200,14 +200,12 @@ static conus_status pose_from_values(conus_pose_row *row, const struct columns *
     if (status || columns->is_of_points) {
         return status ? status : pose_of_point(out, x);
     }
-    bool is_straight = columns->has[ROLE_DEPTH] && !columns->has[ROLE_DX] && !columns->has[ROLE_TX] &&
-                       !columns->has[ROLE_QW] && !columns->has[ROLE_M00];
     bool is_tilted = columns->has[ROLE_TILT_ML] || columns->has[ROLE_TILT_AP];
     if (columns->has[ROLE_THETA]) {
         return pose_along_phi_theta(out, x, radians_from_degrees(v[ROLE_PHI]), radians_from_degrees(v[ROLE_THETA]),
                                     &own);
     }
-    if (is_tilted || is_straight) { /* 0 where there is no column */
+    if (is_tilted || columns->is_straight) { /* 0 where there is no column */
         return pose_along_tilts(out, x, radians_from_degrees(v[ROLE_TILT_ML]), radians_from_degrees(v[ROLE_TILT_AP]),
                                 &own);
     }

@@ -386,6 +386,15 @@ static const char *show_family(char out[3 * COLUMN_NAME_SIZE], const struct head
 
 #define FAMILY_SHOWN(head, family) show_family((char[3 *COLUMN_NAME_SIZE]){0}, head, family)
 
+/* What a column of positions is called in --space, or where the table lacks that. */
+static const char *axis_shown(const struct head *head, size_t axis)
+{
+    static const char *const plain[2][3] = {{"x", "y", "z"}, {"AP", "ML", "DV"}};
+    const conus_space space = head->options->space;
+    bool is_plain = find_name(head, "x", 0) != COLUMN_NONE || find_name(head, "y", 0) != COLUMN_NONE;
+    return is_plain || space < CONUS_SPACE_CCF ? plain[head->lacks_space][axis] : conus_space_axis(space, axis);
+}
+
 /* Gives the columns of a family their roles, or says what it lacks. */
 static void take_family(struct head *head, const struct family *family, enum column_role first, const char *what)
 {
@@ -396,7 +405,8 @@ static void take_family(struct head *head, const struct family *family, enum col
     }
     for (size_t k = 0; k < 3; k++) {
         if (family->at[k] == COLUMN_NONE) {
-            FAULT(head, "only some of the columns %s: %s, without %c", what, FAMILY_SHOWN(head, family), "xyz"[k]);
+            FAULT(head, "only some of the columns %s: %s, without %s", what, FAMILY_SHOWN(head, family),
+                  axis_shown(head, k));
             continue;
         }
         double own = head->unit[family->at[k]];
@@ -569,6 +579,7 @@ static void refuse_turned(struct head *head, const struct family *position)
                  "entry_z and target_x target_y target_z; without %s the rows are points",
                  FAMILY_SHOWN(head, family), FAMILY_SHOWN(head, position), FAMILY_SHOWN(head, family));
     }
+    struct buffer list = {0};
     for (size_t i = 0; i < head->line.count; i++) {
         struct text rest = text_from(head->names[i]);
         struct text word;
@@ -586,13 +597,17 @@ static void refuse_turned(struct head *head, const struct family *position)
         FAULT_IF(is_read && !is_one && has_number(head, i), head,
                  "column \"%.*s\" beside %s: --poses-format table reads it; without it the rows are points",
                  POSE_QUOTE(head->line.cells[i]), FAMILY_SHOWN(head, position));
-        FAULT_IF(is_one, head,
-                 "column \"%.*s\" beside %s: angles and rotations are read as tilt_ml and tilt_ap (one of them may "
-                 "be 0), phi and theta, dx dy dz, tx ty tz, qw qx qy qz or m00...m33%s; without it the rows are %s",
-                 POSE_QUOTE(head->line.cells[i]), FAMILY_SHOWN(head, position),
-                 head->out->is_bids ? ", with --poses-format table here" : "",
-                 is_straight ? "straight down" : "points");
+        if (is_one) {
+            buffer_format(&list, "%s\"%.*s\"", list.size ? ", " : "", POSE_QUOTE(head->line.cells[i]));
+        }
     }
+    (void)JOB_CALL(head->job, buffer_status(&list));
+    FAULT_IF(list.size, head,
+             "column %s beside %s: angles and rotations are read as tilt_ml and tilt_ap (one of them may "
+             "be 0), phi and theta, dx dy dz, tx ty tz, qw qx qy qz or m00...m33%s; without it the rows are %s",
+             list.data, FAMILY_SHOWN(head, position), head->out->is_bids ? ", with --poses-format table here" : "",
+             is_straight ? "straight down" : "points");
+    buffer_finish(&list);
 }
 
 /* Whether the column is 0 in all rows of the head. */
@@ -762,8 +777,8 @@ static void choose_families(struct head *head)
     bool has_angles = out->has[ROLE_PHI] && out->has[ROLE_THETA];
     bool is_of_rodents = head->options->space >= CONUS_SPACE_CCF || head->lacks_space;
     int directions = (target != NULL) + (direction != NULL) + has_quaternion + has_matrix + has_tilt + has_angles;
-    bool is_straight = directions == 0 && out->has[ROLE_DEPTH] && is_of_rodents; /* down */
-    out->is_of_points = directions == 0 && !is_straight;
+    out->is_straight = directions == 0 && out->has[ROLE_DEPTH] && is_of_rodents;
+    out->is_of_points = directions == 0 && !out->is_straight;
     FAULT_IF(out->place && !out->is_of_points, head, "a direction or a depth beside names of places, which are points");
     out->is_mlapdv = has_angles && head->options->space == CONUS_SPACE_BREGMA && position &&
                      position->stem[0] == '\0' && find_name(head, "x", 0) == position->at[0];
@@ -800,7 +815,9 @@ static void choose_families(struct head *head)
              "several directions; needed is one of tx ty tz (a target), dx dy dz, qw qx qy qz, or m00...m33 alone");
     FAULT_IF(has_matrix && position, head, "x y z are needed, and only, without m00...m33");
     if (!has_matrix && !position) {
-        FAULT(head, "%s", head->is_on_its_side ? on_its_side : "x y z are needed: no columns say where rows are");
+        FAULT_IF(head->is_on_its_side, head, "%s", on_its_side);
+        FAULT_IF(!head->is_on_its_side, head, "%s %s %s are needed: no columns say where rows are", axis_shown(head, 0),
+                 axis_shown(head, 1), axis_shown(head, 2));
         FAULT_IF(find_name(head, "i", 0) != COLUMN_NONE && find_name(head, "j", 0) != COLUMN_NONE, head, "i j k are %s",
                  space_why_voxels);
         FAULT_IF(!head->is_on_its_side && !head->row_count && head->out->has[ROLE_NAME], head,
@@ -812,7 +829,7 @@ static void choose_families(struct head *head)
         }
     }
     FAULT_IF(up && !target && !direction, head, "ux uy uz go with tx ty tz or dx dy dz");
-    if (is_straight && position && !named) {
+    if (out->is_straight && position && !named) {
         refuse_turned(head, position);
     }
     if (!out->is_of_points || !position) {
@@ -979,11 +996,11 @@ static void settle_probes(struct head *head)
                                   : out->has[ROLE_TILT_AP] ? ROLE_TILT_AP
                                                            : ROLE_ANGLE;
     const char *own = tilt == ROLE_TILT_ML ? "ml" : "ap";
-    bool has_other = out->has[ROLE_TX] || out->has[ROLE_DX] || out->has[ROLE_QW] || out->has[ROLE_THETA];
-    bool is_tilted = out->has[tilt] && out->has[ROLE_TILT_ML] + out->has[ROLE_TILT_AP] < 2 && !has_other &&
-                     !head->words.tilt[0].size && !head->words.tilt[1].size;
+    bool is_one = tilt != ROLE_ANGLE ? out->has[ROLE_TILT_ML] != out->has[ROLE_TILT_AP] : out->is_straight;
+    bool is_tilted = out->has[tilt] && is_one && !head->words.tilt[0].size && !head->words.tilt[1].size;
     bool are_long = are_depths_long(head);
-    if (!out->has[ROLE_DEPTH] || !(is_tilted || are_long) || out->is_of_points) {
+    if (!out->has[ROLE_DEPTH] || !(is_tilted || (are_long && head->lacks_space)) || out->is_of_points ||
+        count_roles(out, ROLE_X, 3) < 3) {
         return;
     }
     FAULT_IF(are_long, head, "depths are longer than the atlas in mm: are they in um?");
@@ -1452,14 +1469,12 @@ static void find_kept(struct head *head)
 static void note_angles(const struct head *head)
 {
     const struct columns *out = head->out;
-    bool has_direction =
-        out->has[ROLE_TX] || out->has[ROLE_DX] || out->has[ROLE_QW] || out->has[ROLE_TILT_ML] || out->has[ROLE_TILT_AP];
     if (out->has[ROLE_PHI]) {
         job_note(head->job,
                  "phi and theta are IBL's, degrees: azimuth (0 to the right, 90 to anterior) and polar angle of "
                  "the way from the tip to the top; theta 0 is straight down%s",
                  out->is_mlapdv ? "; x y z are ML, AP, DV from bregma" : "");
-    } else if (!has_direction && out->has[ROLE_DEPTH]) {
+    } else if (out->is_straight) {
         job_note(head->job, "depth without an angle: straight down");
     }
 }

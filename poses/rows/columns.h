@@ -68,6 +68,7 @@ struct columns {
     int side;     /**< Before columns_plan(): sides_of_file(). */
     double beside_mm;  /**< Before columns_plan(): mm per unit, as a file beside it says; 0 = none does. */
     bool is_of_points; /**< It gives no direction. */
+    bool is_straight;  /**< Its rows go straight down, by a depth alone. */
     bool has_space;    /**< It says itself in which space the numbers are: */
     conus_space space;
     double scale;                 /**< Units of the space per unit of positions. */

@@ -53,8 +53,13 @@ const char *pose_check_id(struct text *id, char ordinal[POSE_ORDINAL_SIZE], uint
 conus_status pose_no_number(const char *what, struct text field)
 {
     bool has_comma = field.size && memchr(field.data, ',', field.size);
+    const char *last = text_last(field, ' ');
+    const struct text behind = {last ? last + 1 : "", last ? field.size - (size_t)(last + 1 - field.data) : 0};
+    bool has_unit = text_is_one_of(behind, "mm/um/cm/m/deg", true);
     return fail(CONUS_ERROR_DATA, "%s: \"%.*s\" is not a finite number%s", what, POSE_QUOTE(field),
-                has_comma ? "; decimals are written with a point" : "");
+                has_comma  ? "; decimals are written with a point"
+                : has_unit ? "; a unit stands in the header, as in x (mm)"
+                           : "");
 }
 
 conus_status pose_check_angle(double angle)

@@ -453,6 +453,7 @@ two_places() {
         info brodman
     check_message 'did you mean brodmann?'
     fails 3 'did you mean aal?' info mricron:aall
+    fails 3 "did you mean aal?" info aal3v1
     fails 3 "lists them)" info nothing-like-it
     not grep -q 'did you mean' <<<"$stderr"
     # Control characters of the command line are not printed.

@@ -930,6 +930,18 @@ is_at() {
     check_message 'none.nii'
 }
 
+@test "a script that adds what cannot be read ends with its code" {
+    need_window
+    conus phantom u-shape -o .
+    local command
+    for command in 'context none.nii' 'pathway none.nii' 'pose none.csv'; do
+        printf '%s\nsettle\nresults after.tsv\n' "$command" >script
+        run -3 --separate-stderr timeout $HANG "$CONUS" view u-shape.nii.gz --script script --quiet --size 400x256
+        check_message "${command#* }: cannot open"
+        [ ! -e after.tsv ]
+    done
+}
+
 @test "actions at random do no harm" {
     need_window
     conus phantom u-shape -o .

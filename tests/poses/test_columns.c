@@ -324,11 +324,15 @@ static void columns_are_named_by_the_user(void **state)
     conus_pose_list *list = pose_text_parse(text_from(text), &options);
     assert_row_at(pose_row_of(list, 0, "left M1"), 42, 20, -50);
     conus_pose_list_destroy(list);
-    static const char *const bad[][2] = {{"x=a,y=b", "only some of x=, y= and z="},
-                                         {"x=a,y=b,z=d", "column \"d\" is not there"},
-                                         {"unit=inch", "unit: found \"inch\", allowed are mm, um, cm and m"},
-                                         {"sides=no", "sides: found \"no\", allowed is anyway"},
-                                         {"w=a", "allowed are x, y, z, name, place, unit, sides, tilt_ml, tilt_ap, depth, radius"}};
+    static const char *const bad[][2] = {
+        {"x=a,y=b", "only some of x=, y= and z="},
+        {"x=a,y=b,z=d", "column \"d\" is not there"},
+        {"unit=inch", "unit: found \"inch\", allowed are mm, um, cm and m"},
+        {"depth=inch", "depth: found \"inch\", allowed are mm, um, cm and m"},
+        {"radius=um", "a unit of radius, and no such column"},
+        {"tilt_ap=d", "column \"d\" is not there"},
+        {"sides=no", "sides: found \"no\", allowed is anyway"},
+        {"w=a", "allowed are x, y, z, name, place, unit, sides, tilt_ml, tilt_ap, depth, radius"}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         assert_true(pose_list_parse(&list, text_from(text), &(conus_pose_options){.columns = bad[i][0]}) != CONUS_OK);
         assert_non_null(strstr(conus_message(), bad[i][1]));

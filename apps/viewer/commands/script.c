@@ -211,6 +211,7 @@ static bool do_add(struct call *call)
 {
     window_change(call->window, SIZE_MAX, (enum addition)find_name(call->words[0], addition_names, ADDITION_COUNT),
                   call->arguments[0]);
+    call->window->files.requested.is_needed = call->script;
     return true;
 }
 

@@ -217,6 +217,7 @@ static bool show_again(struct window *window, struct atlases *loaded, const stru
                                                 &settings->common, settings->atlas.max_memory);
     if (!fine) {
         snprintf(why, LOADER_WHY, "%s", error_line());
+        atlases_finish(loaded); /* it was said */
     }
     fine = fine && exchange(window, loaded, added, how, why);
     if (fine) {

@@ -153,6 +153,7 @@ struct open_request {
     const char *asked_of; /**< The file that the user is asked about, */
     bool may_be_added;    /**< and whether it can be added. */
     bool by_dialog;       /**< It is the dialog that asked, and says so where they cannot be opened. */
+    bool is_needed;       /**< By a line of a script, which ends where they cannot be opened. */
     struct json_t *words; /**< Options with which the atlas that is open is to be opened again; NULL = none. */
     int step;             /**< By which undo goes then (session/undo.h). */
 };
