@@ -321,16 +321,3 @@ bool option_cut_keys(struct source_keys *out, const char *option, char *text, en
                       refuse("--%s: %s", option, *text ? out->why : "\"\" names no file")
                 : refuse("--%s: not enough memory", option);
 }
-
-bool key_left_in_file(const char *option, const char *file, const char *const *keys)
-{
-    const char *key = NULL;
-    for (; *keys && !key; keys++) {
-        key = strstr(file, *keys);
-    }
-    if (key) {
-        print_error_line("--%s: \"%s\" has a comma in it; a number has a decimal point, and a name no comma", option,
-                         key + 1);
-    }
-    return key;
-}
