@@ -148,7 +148,7 @@ static bool read_number(const struct option *option, double *field, const char *
     } units[] = {
         {"MM", "mm", 1}, {"MM", "cm", 10}, {"DEGREES", "deg", 1}, {"DEGREES", "degrees", 1}, {"DEGREES", "°", 1}};
     char word[NUMBERS_SIZE];
-    double number;
+    double number = 0;
     bool is_number = number_parse(text, &number);
     for (size_t i = 0; !is_number && option->value && i < sizeof units / sizeof units[0]; i++) {
         const size_t unit = strlen(units[i].unit);
