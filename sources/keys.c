@@ -94,6 +94,35 @@ static const struct source_key rows[] = {
     {KEY_WITHOUT, "without", KEYS_ENTRIES, .allowed = A_PART, .goes_on = true},
     {KEY_FLIP, "flip", KEYS_ENTRIES, .type = IS_FLAG},
     {KEY_OF, "of", KEYS_TARGETS, .allowed = "names of structures are needed", .goes_on = true},
+    {KEY_WITHIN, "within", KEYS_CLEARANCE, IS_NUMBERS, .least = 1, .most = 1, .high = 1000,
+     .allowed = "allowed is a number of mm from 0 to 1000"},
+    {KEY_STEP, "step", KEYS_PROFILE, IS_NUMBERS, .least = 1, .most = 1, .high = INFINITY, .is_above = true,
+     .allowed = ABOVE_0},
+    {KEY_FILL, "fill", KEYS_VERTEX_MAP, IS_WORD, .words = "nearest", .allowed = "allowed is nearest"},
+    {KEY_LENGTH, "length", KEYS_REACH, IS_NUMBERS, .least = 1, .most = 1, .high = 1e9,
+     .allowed = "allowed is a number from 0 to 1e9"},
+    {KEY_TIP, "tip", KEYS_REACH, .type = IS_FLAG},
+    {KEY_CROSSED, "crossed", KEYS_REACH, .type = IS_FLAG},
+    {KEY_PART, "part", KEYS_REACH, IS_NUMBERS, .least = 2, .most = 2, .high = INFINITY,
+     .allowed = "allowed is A:B with numbers from 0, the lower one first"},
+    {KEY_CONTACTS, "contacts", KEYS_REACH, IS_NUMBERS, .least = 1, .most = 1, .high = 65536,
+     .allowed = "allowed is a number from 0 to 65536"},
+    {KEY_PROBABILITY, "probability", KEYS_REACH, IS_NUMBERS, .least = 1, .most = 1, .high = 1,
+     .allowed = "allowed is a number from 0 to 1"},
+    {KEY_SHARE, "share", KEYS_REACH | KEYS_AVOID, IS_NUMBERS, .least = 1, .most = 1, .high = 1,
+     .allowed = "allowed is a number from 0 to 1"},
+    {KEY_PIERCED, "pierced", KEYS_REACH | KEYS_AVOID, IS_NUMBERS, .least = 1, .most = 1, .high = 1,
+     .allowed = "allowed is a number from 0 to 1"},
+    {KEY_VOLUME, "volume", KEYS_REACH, IS_NUMBERS, .least = 1, .most = 1, .high = 1e12,
+     .allowed = "allowed is a number from 0 to 1e12"},
+    {KEY_FRACTION, "fraction", KEYS_REACH, IS_NUMBERS, .least = 1, .most = 1, .high = 1,
+     .allowed = "allowed is a number from 0 to 1"},
+    {KEY_STREAMLINES, "streamlines", KEYS_REACH, IS_NUMBERS, .least = 1, .most = 1, .high = 1e12,
+     .allowed = "allowed is a number from 0 to 1e12"},
+    {KEY_MARGIN, "margin", KEYS_AVOID, IS_NUMBERS, .least = 1, .most = 1, .high = 100,
+     .allowed = "allowed is a number from 0 to 100"},
+    {KEY_SHANK, "shank", KEYS_REACH | KEYS_AVOID | KEYS_APART | KEYS_FIRST,
+     .allowed = "allowed are any, all and whole numbers above 0"},
 };
 
 enum { ROWS = sizeof rows / sizeof rows[0], LISTED = 256 };
@@ -120,11 +149,11 @@ static const char *next_key(const char *at, enum key_kind kind)
     return at;
 }
 
-static bool is_there(const char *text, size_t length)
+static bool is_there(const char *text, size_t length, enum key_kind kind)
 {
     char path[SYSTEM_PATH];
     struct system_stat info;
-    if (!length || length >= sizeof path) {
+    if (!length || length >= sizeof path || kind >= KEYS_CLEARANCE) {
         return false;
     }
     memcpy(path, text, length);
@@ -140,12 +169,12 @@ static size_t find_file(size_t *other, const char *text, enum key_kind kind)
     *other = 0;
     for (const char *at = first; at; at = next_key(at + 1, kind)) {
         const size_t length = (size_t)(at - text);
-        if (is_there(text, length)) {
+        if (is_there(text, length, kind)) {
             *other = found;
             found = length;
         }
     }
-    if (first && is_there(text, strlen(text))) {
+    if (first && is_there(text, strlen(text), kind)) {
         *other = found;
         found = strlen(text);
     }
@@ -230,9 +259,13 @@ static bool refuse_unknown(struct source_keys *out, struct text found, struct te
                     TEXT_SHOW(before, 80U), TEXT_SHOW(found, 80U));
     }
     const char *near = find_near(found, kind);
+    if (text_equal((struct text){found.data, strcspn(found.data, "=,")}, near)) {
+        return FAIL(out, "%s: %s", near,
+                    memchr(found.data, '=', found.size) ? "no value is allowed" : "a value is needed");
+    }
     list_keys(all, kind);
-    return FAIL(out, "found \"%.*s\", allowed are %s%s%s%s", TEXT_SHOW(found, 80U), all,
-                *near ? "; did you mean " : "", near, *near ? "?" : "");
+    return FAIL(out, "found \"%.*s\", allowed are %s%s%s%s", TEXT_SHOW(found, 80U), all, *near ? "; did you mean " : "",
+                near, *near ? "?" : "");
 }
 
 /* Takes the key at `at`, up to `end`. */
@@ -260,13 +293,25 @@ static bool read_key(struct source_keys *out, const char *at, const char *end, e
     return true;
 }
 
-/* A word behind a file that is there, where the whole is not: a key with another name. */
-static struct text find_unknown(const char *text, size_t length)
+/* Whether the word of so many letters is the name of a key, which lacks its value. */
+static bool is_name(const char *word, size_t length, enum key_kind kind)
+{
+    bool is = false;
+    for (const struct source_key *row = rows; row < rows + ROWS && !is; row++) {
+        is = (row->kinds & kind) && strlen(row->name) == length && strncmp(row->name, word, length) == 0;
+    }
+    return is && (word[length] == '\0' || word[length] == ',');
+}
+
+/* A word behind a file that is there, or is written, where the whole is not: a key with another name, or without a
+ * value. */
+static struct text find_unknown(const char *text, size_t length, enum key_kind kind)
 {
     for (const char *at = text; (at = memchr(at, ',', (size_t)(text + length - at))); at++) {
         const size_t word = strspn(at + 1, "abcdefghijklmnopqrstuvwxyz");
-        const bool is_key = word && at[1 + word] == '=';
-        if (is_key && is_there(text, (size_t)(at - text)) && !is_there(text, length)) {
+        const bool is_key = word && (at[1 + word] == '=' || is_name(at + 1, word, kind));
+        const bool is_file = kind >= KEYS_CLEARANCE || is_there(text, (size_t)(at - text), kind);
+        if (is_key && is_file && kind != KEYS_APART && !is_there(text, length, kind)) { /* poses have their own */
             return (struct text){at + 1, (size_t)(text + length - at) - 1};
         }
     }
@@ -295,9 +340,9 @@ bool keys_read(struct source_keys *out, const char *text, enum key_kind kind)
                     (int)other, text);
     }
     if (!out->length && *text) {
-        return FAIL(out, "\"%.80s\" names no file", text);
+        return FAIL(out, "\"%.80s\" names no %s", text, kind >= KEYS_REACH ? "structure" : "file");
     }
-    const struct text unknown = find_unknown(text, out->length);
+    const struct text unknown = find_unknown(text, out->length, kind);
     if (unknown.size) {
         return refuse_unknown(out, unknown, (struct text){0}, kind);
     }
@@ -321,9 +366,18 @@ const struct key_value *keys_value(const struct source_keys *keys, enum source_k
     return i < keys->count ? &keys->values[i] : &none;
 }
 
-const char *keys_name(const struct key_value *value)
+const char *keys_name_of(const struct key_value *value)
 {
     return value->row->name;
+}
+
+const char *keys_name(enum key_kind kind)
+{
+    const struct source_key *row = rows;
+    while (!(row->kinds & kind)) {
+        row++;
+    }
+    return row->name;
 }
 
 const char *keys_allowed(const struct key_value *value)

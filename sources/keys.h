@@ -18,10 +18,17 @@ enum key_kind {
     KEYS_PATHWAY = 1 << 5,
     KEYS_STREAMLINES = 1 << 6,
     KEYS_TRANSFORM = 1 << 7,
-    KEYS_MAP = 1 << 8,   /**< Values of vertices that a context shows. */
-    KEYS_POSES = 1 << 9, /**< A table of poses. */
-    KEYS_ENTRIES = 1 << 10, /**< From where poses are tried, */
-    KEYS_TARGETS = 1 << 11, /**< and to where. */
+    KEYS_MAP = 1 << 8,        /**< Values of vertices that a context shows. */
+    KEYS_POSES = 1 << 9,      /**< A table of poses. */
+    KEYS_ENTRIES = 1 << 10,   /**< From where poses are tried, */
+    KEYS_TARGETS = 1 << 11,   /**< and to where. */
+    KEYS_CLEARANCE = 1 << 12, /**< From here on files that are written: what is there is not looked at. */
+    KEYS_PROFILE = 1 << 13,
+    KEYS_VERTEX_MAP = 1 << 14,
+    KEYS_REACH = 1 << 15, /**< And names of structures, or FILE,MM. */
+    KEYS_AVOID = 1 << 16,
+    KEYS_APART = 1 << 17,
+    KEYS_FIRST = 1 << 18,
 };
 
 enum source_key_id {
@@ -63,6 +70,20 @@ enum source_key_id {
     KEY_WITHOUT,
     KEY_FLIP,
     KEY_OF,
+    KEY_STEP,
+    KEY_FILL,
+    KEY_LENGTH,
+    KEY_TIP,
+    KEY_CROSSED,
+    KEY_PART,
+    KEY_CONTACTS,
+    KEY_PROBABILITY,
+    KEY_SHARE,
+    KEY_PIERCED,
+    KEY_FRACTION,
+    KEY_STREAMLINES,
+    KEY_MARGIN,
+    KEY_SHANK,
 };
 
 #define KEY_BIT(id) (UINT64_C(1) << (id))
@@ -92,8 +113,8 @@ struct source_keys {
 /** Takes @p text apart; false where it is refused, keys.why says why. */
 bool keys_read(struct source_keys *out, const char *text, enum key_kind kind);
 
-/** Likewise, and ends each part in @p text with a NUL: it is FILE then, and values are strings. It stays as it was where
- * it is refused. */
+/** Likewise, and ends each part in @p text with a NUL: it is FILE then, and values are strings. It stays as it was
+ * where it is refused. */
 bool keys_cut(struct source_keys *out, char *text, enum key_kind kind);
 
 /** The value of keys_cut(); NULL where it is not given. */
@@ -108,7 +129,10 @@ size_t keys_file_length(const char *text, enum key_kind kind);
 /** The first value of a key; where it is not given, one whose text is empty. */
 const struct key_value *keys_value(const struct source_keys *keys, enum source_key_id id);
 
-const char *keys_name(const struct key_value *value);
+const char *keys_name_of(const struct key_value *value);
+
+/** The name of the first key of a kind. */
+const char *keys_name(enum key_kind kind);
 
 /** What a message says is allowed for it. */
 const char *keys_allowed(const struct key_value *value);

@@ -134,7 +134,7 @@ static const struct option best_map_options[] = {
      .needs = "from",
      .role = OPTION_WRITES,
      .endings = ".func.gii .shape.gii .nii.gz .nii",
-     .key = "fill"},
+     .keys = KEYS_VERTEX_MAP},
     {.name = "target-map",
      FIELD(target_map),
      .value = "FILE",
@@ -165,7 +165,7 @@ static const struct option rows_options[] = {
      .help = "write how far each listed needle is from what it is to avoid, at every MM of depth (default 1)",
      .words = "curve, distance",
      .role = OPTION_WRITES_ROWS,
-     .key = "step"},
+     .keys = KEYS_PROFILE},
     {.name = "tolerance",
      FIELD(tolerance),
      .value = "FILE",
@@ -248,13 +248,6 @@ static bool read_top(uint64_t *out, const char *text)
     *out = text && strcmp(text, "all") == 0 ? UINT64_MAX : 0;
     bool is_fine = !text || *out || (count_parse(text, UINT64_MAX, out) && *out > 0);
     return is_fine || refuse("--top: \"%s\" is neither a whole number above 0 nor all", text);
-}
-
-static bool read_step(double *out, const char *text)
-{
-    *out = 1;
-    bool is_fine = !text || (number_parse(text, out) && *out > 0);
-    return is_fine || refuse("--profile: step=%s is not a number above 0", text);
 }
 
 static bool read_pivot(conus_tolerance_options *out, const char *text)
@@ -631,9 +624,6 @@ static int check_maps(const struct planning *planning)
     const struct place *from = &planning->candidates.from;
     const char *fill = option_key(planning->request.arguments, "map");
     const char *map = planning->settings->map;
-    if (fill && strcmp(fill, "nearest") != 0) {
-        return print_usage_error("--map: fill=%s, allowed is nearest", fill);
-    }
     if (fill && !(from->apart > 0)) {
         return print_usage_error("--map: fill has no effect without spacing=MM of --from");
     }
@@ -725,7 +715,7 @@ static int answer_plan(struct planning *planning)
 static int run_plan(const void *given, const struct arguments *arguments)
 {
     const struct plan_settings *settings = given;
-    struct planning planning = {.settings = settings};
+    struct planning planning = {.settings = settings, .step = option_key_number(arguments, "profile", 1)};
     int code = constraints_parse(&planning.constraints, arguments);
     code = code ? code : candidates_parse(&planning.candidates, &settings->candidates, arguments);
     if (!code && !planning.constraints.count) {
@@ -737,8 +727,7 @@ static int run_plan(const void *given, const struct arguments *arguments)
         code = print_usage_error("--%s has no effect without a measure of the cone, such as share=P", of_cone->name);
     }
     bool fits = !code && settings_check_shape(&settings->request.aim, &settings->request.engine, arguments) &&
-                read_top(&planning.top, settings->top) && read_step(&planning.step, option_key(arguments, "profile")) &&
-                read_pivot(&planning.pivot, settings->pivot) &&
+                read_top(&planning.top, settings->top) && read_pivot(&planning.pivot, settings->pivot) &&
                 (!settings->jitter || settings_jitter(&planning.jitter, settings->jitter, settings->samples, true)) &&
                 space_settings_check(arguments, &settings->request.aim.space);
     code = code || fits ? code : EXIT_USAGE;

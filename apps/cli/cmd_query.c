@@ -766,8 +766,8 @@ static int start_axes(struct query_run *run)
         return print_usage_error("--sidecar has no effect without the answer");
     }
     bool answer_has_format = !output_is_stdout(settings->request.answer.output);
-    double within;
-    int code = settings_within(&within, request->arguments);
+    const double within = option_key_number(request->arguments, "clearance", CLEARANCE_WITHIN);
+    int code = EXIT_DONE;
     for (size_t i = 0; i < AXIS_FILES && !code; i++) {
         code = rows_file_init(&run->axes[i], &settings_axis_rows[i], files[i],
                               answer_has_format ? CONUS_FORMAT_TABLE : request->format);

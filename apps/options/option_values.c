@@ -148,7 +148,7 @@ static bool read_number(const struct option *option, double *field, const char *
     } units[] = {
         {"MM", "mm", 1}, {"MM", "cm", 10}, {"DEGREES", "deg", 1}, {"DEGREES", "degrees", 1}, {"DEGREES", "°", 1}};
     char word[NUMBERS_SIZE];
-    double number;
+    double number = 0;
     bool is_number = number_parse(text, &number);
     for (size_t i = 0; !is_number && option->value && i < sizeof units / sizeof units[0]; i++) {
         const size_t unit = strlen(units[i].unit);
@@ -320,17 +320,4 @@ bool option_cut_keys(struct source_keys *out, const char *option, char *text, en
     return text ? (keys_cut(out, text, kind) && *text) ||
                       refuse("--%s: %s", option, *text ? out->why : "\"\" names no file")
                 : refuse("--%s: not enough memory", option);
-}
-
-bool key_left_in_file(const char *option, const char *file, const char *const *keys)
-{
-    const char *key = NULL;
-    for (; *keys && !key; keys++) {
-        key = strstr(file, *keys);
-    }
-    if (key) {
-        print_error_line("--%s: \"%s\" has a comma in it; a number has a decimal point, and a name no comma", option,
-                         key + 1);
-    }
-    return key;
 }

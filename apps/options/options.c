@@ -112,6 +112,13 @@ const char *option_key(const struct arguments *arguments, const char *name)
     return use ? use->key : NULL;
 }
 
+double option_key_number(const struct arguments *arguments, const char *name, double otherwise)
+{
+    double number = 0;
+    const char *text = option_key(arguments, name);
+    return text && number_parse(text, &number) ? number : otherwise;
+}
+
 const struct option *option_with(const struct arguments *arguments, unsigned flags)
 {
     const struct option *option;
@@ -143,22 +150,21 @@ static const char *take_value(struct cursor *cursor, const struct option *option
     return word;
 }
 
-/* Cuts ",key=..." off the end of a file, whose name may have commas as well. */
+/* Cuts the key of an output off. */
 static int cut_key(struct option_use *use)
 {
     const struct option *option = use->option;
-    const char *comma = option->key ? strrchr(use->value, ',') : NULL;
-    size_t length = comma ? strcspn(comma + 1, "=") : 0;
-    if (!comma || !comma[1 + length]) {
+    struct source_keys keys;
+    if (!option->keys) {
         return CONTINUE;
     }
-    if (strlen(option->key) != length || memcmp(option->key, comma + 1, length) != 0) {
-        return print_usage_error("--%s: \"%s\" is no key of %s", option->name, comma + 1, option->value);
+    use->file = strdup(use->value);
+    if (!option_cut_keys(&keys, option->name, use->file, option->keys)) {
+        return EXIT_USAGE;
     }
-    use->file = text_copy(use->value, (size_t)(comma - use->value));
     use->value = use->file;
-    use->key = comma + 1 + length + 1;
-    return use->file ? CONTINUE : print_no_memory();
+    use->key = keys.count ? keys.values[0].text.data : NULL;
+    return CONTINUE;
 }
 
 /* Joins a place's first number with the next two words, where these are numbers, too. */

@@ -119,7 +119,7 @@ struct option {
     const char *excludes; /**< "pose,poses": options that cannot stand beside it. */
     const char *endings;  /**< ".exr .png": the file's name must have one of them. */
     const char *format;   /**< The answer's format (OPTION_WRITES_ANSWER) if no ending says one. */
-    const char *key;      /**< "within": FILE,within=... is taken, too; option_key() gives what is behind the =. */
+    enum key_kind keys;   /**< Of an output that may have one behind its name: option_key() gives its value; or 0. */
     const char *const *choices;             /**< NULL-terminated, or: */
     const char *(*choice_at)(size_t index); /**< NULL past the last. */
 };
@@ -194,6 +194,9 @@ const char *option_text(const struct arguments *arguments, const char *name);
 /** The value of the key behind the file of the option @p name; NULL if none was given. */
 const char *option_key(const struct arguments *arguments, const char *name);
 
+/** The number that it is, which its table has checked; @p otherwise if none was given. */
+double option_key_number(const struct arguments *arguments, const char *name, double otherwise);
+
 /** The option of this name; NULL if the command has none. */
 const struct option *option_find(const struct command *command, const char *name);
 
@@ -221,13 +224,10 @@ size_t numbers_parse(double *out, size_t limit, const char *text, char separator
 /** The whole of @p text as a decimal whole number up to @p limit. */
 bool count_parse(const char *text, uint64_t limit, uint64_t *out);
 
-/** Cuts the @p text FILE,key=value of an option, which then is FILE. Prints an error and returns false where it is none;
+/** Cuts the @p text FILE,key=value of an option, which then is FILE. Prints an error and returns false where it is
+ * none;
  * @p text NULL: there is no memory. */
 bool option_cut_keys(struct source_keys *out, const char *option, char *text, enum key_kind kind);
-
-/** An @p option is FILE and keys behind commas, cut off from the end. Whether one of @p keys (",radius=", the
- * last NULL) is left in @p file, since its value has a comma, as in radius=0,5. Prints an error then. */
-bool key_left_in_file(const char *option, const char *file, const char *const *keys);
 
 /** --help of one command. */
 void help_command(FILE *out, const struct command *command);

@@ -72,7 +72,10 @@ static bool pathway_option_parse(struct pathway_option *out, const char *text)
     size_t size = strlen(text) + 1;
     struct source_keys keys;
     *out = (struct pathway_option){.text = calloc(2, size), .given = text};
-    if (!option_cut_keys(&keys, "pathway", out->text ? memcpy(out->text, text, size) : NULL, KEYS_PATHWAY)) {
+    if (!out->text) {
+        return refuse("--pathway: not enough memory");
+    }
+    if (!option_cut_keys(&keys, "pathway", memcpy(out->text, text, size), KEYS_PATHWAY)) {
         return false;
     }
     out->path = out->text + size;

@@ -55,140 +55,76 @@ const struct option shank_options[] = {
     {0},
 };
 
-/* A key behind the names of an option; of a REACH and an AVOID a measure in place of the length or margin. */
-static const struct key {
-    conus_constraint_kind kind;
-    const char *name;
+/* The kinds of keys, in the order of conus_constraint_kind; 0 = none. */
+static const enum key_kind constraint_keys[] = {[CONUS_CONSTRAINT_REACH] = KEYS_REACH,
+                                                [CONUS_CONSTRAINT_AVOID] = KEYS_AVOID,
+                                                [CONUS_CONSTRAINT_APART] = KEYS_APART,
+                                                [CONUS_CONSTRAINT_FIRST] = KEYS_FIRST};
+
+/* Keys that are a measure in place of a REACH's length or an AVOID's margin. */
+static const struct {
+    enum source_key_id id;
     conus_measure measure;
-    double high; /* highest number allowed, from 0; 0 = the key has none */
-    enum { KEY_MEASURE = 0, KEY_PART, KEY_SHANK } sort;
-} keys[] = {
-    {CONUS_CONSTRAINT_REACH, "length", CONUS_MEASURE_LENGTH, 1e9, KEY_MEASURE},
-    {CONUS_CONSTRAINT_REACH, "tip", CONUS_MEASURE_TIP, 0, KEY_MEASURE},
-    {CONUS_CONSTRAINT_REACH, "crossed", CONUS_MEASURE_CROSSED, 0, KEY_MEASURE},
-    {CONUS_CONSTRAINT_REACH, "part", CONUS_MEASURE_LENGTH, 1e9, KEY_PART},
-    {CONUS_CONSTRAINT_REACH, "contacts", CONUS_MEASURE_CONTACTS, 65536, KEY_MEASURE},
-    {CONUS_CONSTRAINT_REACH, "probability", CONUS_MEASURE_PROBABILITY, 1, KEY_MEASURE},
-    {CONUS_CONSTRAINT_REACH, "share", CONUS_MEASURE_SHARE, 1, KEY_MEASURE},
-    {CONUS_CONSTRAINT_REACH, "pierced", CONUS_MEASURE_PIERCED, 1, KEY_MEASURE},
-    {CONUS_CONSTRAINT_REACH, "volume", CONUS_MEASURE_VOLUME, 1e12, KEY_MEASURE},
-    {CONUS_CONSTRAINT_REACH, "fraction", CONUS_MEASURE_FRACTION, 1, KEY_MEASURE},
-    {CONUS_CONSTRAINT_REACH, "streamlines", CONUS_MEASURE_STREAMLINES, 1e12, KEY_MEASURE},
-    {CONUS_CONSTRAINT_AVOID, "margin", CONUS_MEASURE_LENGTH, 100, KEY_MEASURE},
-    {CONUS_CONSTRAINT_AVOID, "share", CONUS_MEASURE_SHARE, 1, KEY_MEASURE},
-    {CONUS_CONSTRAINT_AVOID, "pierced", CONUS_MEASURE_PIERCED, 1, KEY_MEASURE},
-    {CONUS_CONSTRAINT_REACH, "shank", CONUS_MEASURE_LENGTH, 1, KEY_SHANK},
-    {CONUS_CONSTRAINT_AVOID, "shank", CONUS_MEASURE_LENGTH, 1, KEY_SHANK},
-    {CONUS_CONSTRAINT_APART, "shank", CONUS_MEASURE_LENGTH, 1, KEY_SHANK},
-    {CONUS_CONSTRAINT_FIRST, "shank", CONUS_MEASURE_LENGTH, 1, KEY_SHANK},
+} measures[] = {
+    {KEY_LENGTH, CONUS_MEASURE_LENGTH},     {KEY_TIP, CONUS_MEASURE_TIP},
+    {KEY_CROSSED, CONUS_MEASURE_CROSSED},   {KEY_CONTACTS, CONUS_MEASURE_CONTACTS},
+    {KEY_SHARE, CONUS_MEASURE_SHARE},       {KEY_PROBABILITY, CONUS_MEASURE_PROBABILITY},
+    {KEY_PIERCED, CONUS_MEASURE_PIERCED},   {KEY_VOLUME, CONUS_MEASURE_VOLUME},
+    {KEY_FRACTION, CONUS_MEASURE_FRACTION}, {KEY_STREAMLINES, CONUS_MEASURE_STREAMLINES},
+    {KEY_MARGIN, CONUS_MEASURE_LENGTH},
 };
-
-enum { KEYS = sizeof keys / sizeof keys[0] };
-
-static const char *key_name(const void *kind, size_t index)
-{
-    for (size_t i = 0; i < KEYS; i++) {
-        if (keys[i].kind == *(const conus_constraint_kind *)kind && index-- == 0) {
-            return keys[i].name;
-        }
-    }
-    return NULL;
-}
-
-/* The key that a text begins with, up to its end or "="; NULL if there is none. */
-static const struct key *find_key(conus_constraint_kind kind, const char *text)
-{
-    size_t length = strcspn(text, "=");
-    for (const struct key *key = keys; key < keys + KEYS; key++) {
-        if (key->kind == kind && strlen(key->name) == length && strncmp(key->name, text, length) == 0) {
-            return key;
-        }
-    }
-    return NULL;
-}
 
 static bool read_shank(conus_constraint *out, const char *option, const char *text)
 {
     uint64_t number = 0;
     bool is_word = strcmp(text, "any") == 0 || strcmp(text, "all") == 0;
-    if (out->shank || (!is_word && !(count_parse(text, INT32_MAX, &number) && number))) {
-        return refuse("--%s: shank=%s %s", option, text,
-                      out->shank ? "is one shank too many" : "is neither any nor all nor a whole number above 0");
+    if (!is_word && !(count_parse(text, INT32_MAX, &number) && number)) {
+        return refuse("--%s: shank=%s is neither any nor all nor a whole number above 0", option, text);
     }
     out->shank = number ? (int32_t)number : strcmp(text, "any") == 0 ? CONUS_SHANK_ANY : CONUS_SHANK_ALL;
     return true;
 }
 
-/* Reads "key=value" or "key", the text after a comma. */
-static bool read_key(conus_constraint *out, bool *has_measure, char *text)
-{
-    const char *option = constraint_options[out->kind].name;
-    const struct key *key = find_key(out->kind, text);
-    const char *value = strchr(text, '=') ? strchr(text, '=') + 1 : NULL;
-    double part[2];
-    if (!key) {
-        text[strcspn(text, "=")] = '\0';
-        const char *near = closest_name(text, key_name, &out->kind);
-        print_error_line("--%s: there is no key \"%s\"%s%s%s", option, text, near ? "; did you mean " : "",
-                         near ? near : "", near ? "?" : "");
-    } else if ((key->high > 0) != (value != NULL)) {
-        print_error_line("--%s: \"%s\" has %s behind it", option, text,
-                         value                    ? "a number"
-                         : key->sort == KEY_SHANK ? "neither any nor all nor a number"
-                                                  : "no number");
-    } else if (value && key->sort == KEY_SHANK) {
-        return read_shank(out, option, value);
-    } else if (key->sort == KEY_PART ? out->part[1] > 0 : *has_measure) {
-        print_error_line("--%s: \"%s\" is one measure too many, an option has one", option, text);
-    } else if (key->sort == KEY_PART) {
-        if (numbers_parse(part, 2, value, ':') == 2 && part[0] >= 0 && part[0] < part[1]) {
-            memcpy(out->part, part, sizeof part);
-            return true;
-        }
-        print_error_line("--%s: %s is not A:B with numbers from 0, the lower one first", option, text);
-    } else if (value && !(number_parse(value, &out->limit) && out->limit >= 0 && out->limit <= key->high)) {
-        print_error_line("--%s: %s is not a number from 0 to %g", option, text, key->high);
-    } else {
-        *has_measure = true;
-        out->measure = key->measure;
-        return true;
-    }
-    return false;
-}
-
 static bool read_keys(conus_constraint *out, char *text)
 {
-    bool has_measure = false;
-    for (char *comma; (comma = strrchr(text, ',')) && (strchr(comma, '=') || find_key(out->kind, comma + 1));) {
-        *comma = '\0';
-        if (!read_key(out, &has_measure, comma + 1)) {
-            return false;
+    const char *option = constraint_options[out->kind].name;
+    struct source_keys keys;
+    size_t count = 0;
+    if (!option_cut_keys(&keys, option, text, constraint_keys[out->kind])) {
+        return false;
+    }
+    for (size_t i = 0; i < sizeof measures / sizeof measures[0]; i++) {
+        if (keys.given & KEY_BIT(measures[i].id)) {
+            out->measure = measures[i].measure;
+            out->limit = keys_value(&keys, measures[i].id)->numbers[0];
+            count++;
         }
     }
-    return true;
+    if (count > 1) {
+        return refuse("--%s: %s has %zu measures, an option has one", option, text, count);
+    }
+    if (keys.given & KEY_BIT(KEY_PART)) {
+        memcpy(out->part, keys_value(&keys, KEY_PART)->numbers, sizeof out->part);
+    }
+    return !(keys.given & KEY_BIT(KEY_SHANK)) || read_shank(out, option, keys_string(&keys, KEY_SHANK));
 }
 
 /* NAMES with keys behind them. */
 static bool read_structure(conus_constraint *out, char *text)
 {
-    static const char *const numbers[] = {
-        ",length=",  ",part=",   ",margin=",   ",contacts=",    ",probability=", ",share=",
-        ",pierced=", ",volume=", ",fraction=", ",streamlines=", ",shank=",       NULL};
     const char *option = constraint_options[out->kind].name;
     double number;
     out->names = text;
-    if (!read_keys(out, text) || key_left_in_file(option, text, numbers)) {
+    if (!read_keys(out, text)) {
         return false;
     }
     const char *last = strrchr(text, ',');
     last = last ? last + 1 + strspn(last + 1, " ") : "";
     bool begins_with_number = strspn(text, "0123456789") == strcspn(text, ",");
-    if (out->kind != CONUS_CONSTRAINT_FIRST && !begins_with_number && number_parse(last, &number)) {
-        return refuse("--%s: \"%s\" ends in a number: %s=%s is in mm, and an area's label behind a name stands in "
-                      "double quotes",
-                      option, text, out->kind == CONUS_CONSTRAINT_AVOID ? "margin" : "length", last);
-    }
-    return *text || refuse("--%s: there is no name of a structure", option);
+    return out->kind == CONUS_CONSTRAINT_FIRST || begins_with_number || !number_parse(last, &number) ||
+           refuse("--%s: \"%s\" ends in a number: %s=%s is in mm, and an area's label behind a name stands in "
+                  "double quotes",
+                  option, text, out->kind == CONUS_CONSTRAINT_AVOID ? "margin" : "length", last);
 }
 
 static bool read_length(conus_constraint *out, char *text)

@@ -506,7 +506,8 @@ const struct option axis_options[] = {
      .help = "write how far the device stays from each area, pathway and bundle, the nearest first, and where; as a "
              "needle of --radius (a cone has none) from the near to the far end of --range; up to MM away, 0 to 1000 "
              "(default 10)",
-     .words = "margin, safety, needle, avoid", .role = OPTION_WRITES_ROWS, .flags = OPTION_OF_CONE, .key = "within"},
+     .words = "margin, safety, needle, avoid", .role = OPTION_WRITES_ROWS, .flags = OPTION_OF_CONE,
+     .keys = KEYS_CLEARANCE},
     {OPTION_VALUED("order", struct axis_settings, order, "ORDER"),
      .help = "order of the rows of an answer: the best first, or the nearest (with --layers all by entry, else by "
              "distance):",
@@ -517,20 +518,6 @@ const struct option axis_options[] = {
      .role = OPTION_ASKS},
     {0},
 };
-
-int settings_within(double *out, const struct arguments *arguments)
-{
-    static const char *const keys[] = {",within=", NULL};
-    const char *path = option_text(arguments, "clearance");
-    const char *text = option_key(arguments, "clearance");
-    *out = 10;
-    if (path && key_left_in_file("clearance", path, keys)) {
-        return EXIT_USAGE;
-    }
-    return !text || (number_parse(text, out) && *out >= 0 && *out <= 1000)
-               ? EXIT_DONE
-               : print_usage_error("--clearance: within=%s is no number of mm from 0 to 1000", text);
-}
 
 int settings_contacts(conus_contacts *out, const char *text)
 {

@@ -187,9 +187,8 @@ extern const struct option axis_options[]; /**< axis_settings */
 /** Message for a pose that is only a point where an axis is wanted. */
 #define POINT_HAS_NO_AXIS "a point, without the direction that an axis needs"
 
-/** Reads the key of --clearance, mm; without one its default. Returns the exit code and prints an error unless it is 0.
- */
-int settings_within(double *out, const struct arguments *arguments);
+/** mm of --clearance where its key does not say others. */
+enum { CLEARANCE_WITHIN = 10 };
 
 /** Reads --contacts; the count is 0 if it was not given (NULL). Returns the exit code and prints an error unless it is
  * 0. */

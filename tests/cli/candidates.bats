@@ -261,7 +261,7 @@ cells() {
     cmp a.func.gii c.func.gii
     conus "${asked[@]}" --from box.ply,spacing=50 --top 1 -o one.tsv --map thin.shape.gii
     conus "${asked[@]}" --from box.ply,spacing=50 --top 1 -o one.tsv --map full.shape.gii,fill=nearest
-    fails 2 '--map: fill=all, allowed is nearest' "${scene[@]}" -o x.tsv --map x.func.gii,fill=all
+    fails 2 '--map: fill: found "all", allowed is nearest' "${scene[@]}" -o x.tsv --map x.func.gii,fill=all
     fails 2 '--map: fill has no effect without spacing=MM of --from' "${scene[@]}" -o x.tsv --map x.func.gii,fill=nearest
     fails 2 '--map: entries.txt is no surface' $P --depth target -o x.tsv --map x.func.gii
     fails 2 '--map' "${scene[@]}" -o x.tsv --map x.txt

@@ -76,12 +76,12 @@ poses() {
 @test "invalid options are refused with a line" {
     u_shape
     for wrong in -1 x nan 1001 ''; do
-        fails 2 "--clearance: within=$wrong is no number of mm from 0 to 1000" query $NEEDLE --clearance "rows.tsv,within=$wrong"
+        fails 2 "--clearance: within: found \"$wrong\", allowed is a number of mm from 0 to 1000" query $NEEDLE --clearance "rows.tsv,within=$wrong"
     done
-    fails 2 'within=x is no number' batch u-shape.nii.gz --poses poses.tsv --clearance rows.tsv,within=x
-    fails 2 '--clearance: "with=3" is no key of FILE[,within=MM]' query $NEEDLE --clearance rows.tsv,with=3
+    fails 2 'within: found "x", allowed is a number' batch u-shape.nii.gz --poses poses.tsv --clearance rows.tsv,within=x
+    fails 2 '--clearance: found "with=3", allowed are within; did you mean within?' query $NEEDLE --clearance rows.tsv,with=3
     fails 2 'a number has a decimal point' query $NEEDLE --clearance rows.tsv,within=1,5
-    fails 2 '"" is not FILE[,within=MM]' query $NEEDLE --clearance ,within=3
+    fails 2 '",within=3" names no file' query $NEEDLE --clearance ,within=3
     fails 2 'cannot both be on standard output' query $NEEDLE --clearance - --segments -
     fails 2 '--segments and --clearance are the same file' query $NEEDLE --clearance rows.tsv,within=3 --segments rows.tsv
     fails 2 '--clearance u-shape.tsv would overwrite' query $NEEDLE --clearance u-shape.tsv

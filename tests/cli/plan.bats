@@ -154,15 +154,15 @@ columns() {
     needles
     fails 2 'did you mean "Ball"' $U --reach Bal1
     fails 2 'did you mean length' $U --reach U,lenght=5
-    fails 2 'length=x is not a number' $U --reach U,length=x
+    fails 2 'length: found "x", allowed is a number' $U --reach U,length=x
     fails 2 'has a comma in it' $U --reach U,length=0,5
-    fails 2 '"tip=3" has a number behind it' $U --reach U,tip=3
-    fails 2 'one measure too many' $U --reach U,tip,length=3
-    fails 2 'no name of a structure' $U --reach ,length=3
-    fails 2 'part=3:1 is not A:B' $U --reach U,part=3:1
-    fails 2 'margin=101 is not a number from 0 to 100' $U --avoid U,margin=101
-    fails 2 'margin=nan is not a number' $U --avoid U,margin=nan
-    fails 2 'no key "length"' $U --avoid U,length=3
+    fails 2 'tip: no value is allowed' $U --reach U,tip=3
+    fails 2 'has 2 measures, an option has one' $U --reach U,tip,length=3
+    fails 2 '",length=3" names no structure' $U --reach ,length=3
+    fails 2 'part: found "3:1", allowed is A:B' $U --reach U,part=3:1
+    fails 2 'margin: found "101", allowed is a number from 0 to 100' $U --avoid U,margin=101
+    fails 2 'margin: found "nan", allowed is a number' $U --avoid U,margin=nan
+    fails 2 'found "length=3", allowed are share, pierced, margin, shank' $U --avoid U,length=3
     fails 2 '--avoid: "Ball,2" ends in a number: margin=2 is in mm' $U --reach U --avoid Ball,2
     fails 2 '--reach: "U, 0.5" ends in a number: length=0.5 is in mm' $U --reach 'U, 0.5'
     run -0 conus $U --reach 'U,"2"' -q
@@ -195,7 +195,7 @@ columns() {
     fails 2 'is not COUNT,COLUMNS' $U --reach U,contacts=3 --contacts 8,1,1
     fails 2 'has no probabilities' $U --reach U,probability=0.5
     fails 2 'U has no streamlines' $U --reach U,streamlines=1
-    fails 2 'probability=2 is not a number from 0 to 1' $U --reach U,probability=2
+    fails 2 'probability: found "2", allowed is a number from 0 to 1' $U --reach U,probability=2
     nothing_left needles.tsv u-shape.nii.gz u-shape.tsv u-shape.json
 }
 
@@ -312,9 +312,9 @@ END
     fails 2 'is at 0,1001, allowed are up to 1000 mm' $U --reach U --shanks 0,1001
     fails 2 'shank: 3, allowed are any, all and 1 to 2' $U --reach U,shank=3 $two
     fails 2 'shank: 2, but the device has one shank' $U --reach U,shank=2
-    fails 2 '"shank" has neither any nor all nor a number behind it' $U --reach U,shank $two
+    fails 2 'shank: a value is needed' $U --reach U,shank $two
     fails 2 'shank=0 is neither any nor all' $U --reach U,shank=0 $two
-    fails 2 'one shank too many' $U --reach U,shank=1,shank=any $two
+    fails 2 'shank is given twice' $U --reach U,shank=1,shank=any $two
     fails 2 'is not four numbers' $U --reach U --lean 0,0,1,3,shank=1
     fails 2 'avoids all that' $U --reach U --avoid U $two
 }
@@ -369,8 +369,8 @@ END
         cmp wanted found
     done
     fails 2 'no effect without a measure of the cone' $U --reach U --resolution 32
-    fails 2 'share=2 is not a number from 0 to 1' $U --reach U,share=2
-    fails 2 'no key "volume"' $U --avoid U,volume=2
+    fails 2 'share: found "2", allowed is a number from 0 to 1' $U --reach U,share=2
+    fails 2 'found "volume=2", allowed are share, pierced, margin, shank' $U --avoid U,volume=2
 }
 
 # many_needles: needles.tsv with 2000 candidates of which every other one is no pose.

@@ -15,7 +15,7 @@ needles() {
     [ -x "${CONUS%/*}/conus-view" ] || skip "conus-view is not built"
     needles
     fails 2 'did you mean length?' view u-shape.nii.gz --reach U,lenght=5
-    fails 2 '--avoid: margin=200 is not a number from 0 to 100' view u-shape.nii.gz --avoid U,margin=200
+    fails 2 '--avoid: margin: found "200", allowed is a number from 0 to 100' view u-shape.nii.gz --avoid U,margin=200
     fails 2 'they have to be a file' view u-shape.nii.gz "${plan[@]}" --poses -
     fails 3 'absent.tsv' view u-shape.nii.gz "${plan[@]}" --poses absent.tsv
 }

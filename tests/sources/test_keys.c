@@ -40,6 +40,9 @@ static void what_is_cut_off(void **state)
         {"a.nii,band=0:9:x,band=9::y", KEYS_PATHWAY, "a.nii", 2},
         {"a.nii,from=m, n.nii,inverse,to=/z.nii", KEYS_TRANSFORM, "a.nii", 3},
         {"-,x=a, mm,y=b,z=c", KEYS_POSES, "-", 3},
+        {"a.nii,within=4", KEYS_CLEARANCE, "a.nii", 1},
+        {"poses.csv,x=a,y=b,z=c,5,shank=all", KEYS_APART, "poses.csv,x=a,y=b,z=c,5", 1},
+        {"A,\"B, left\",length=5,part=1:2", KEYS_REACH, "A,\"B, left\"", 2},
     };
     put("a.nii");
     put("b,volume=1.nii");
@@ -118,6 +121,11 @@ static void what_is_refused(void **state)
         {"f,moves,space=up", KEYS_STREAMLINES, "space: found \"up\", allowed are ras and lps"},
         {"f,template=", KEYS_ATLAS, "template: found \"\", allowed are mni152"},
         {"f,map=", KEYS_VERTICES, "map: found \"\", a number from 0 or a name is needed"},
+        {"f,with=3", KEYS_CLEARANCE, "found \"with=3\", allowed are within; did you mean within?"},
+        {"f,within", KEYS_CLEARANCE, "within: a value is needed"},
+        {"A,tip=3", KEYS_REACH, "tip: no value is allowed"},
+        {"A,part=3:1", KEYS_REACH, "part: found \"3:1\""},
+        {",length=3", KEYS_REACH, "\",length=3\" names no structure"},
         {"f,unit=mm,sides=no", KEYS_POSES, "sides: found \"no\", allowed is anyway"},
     };
     struct source_keys keys;

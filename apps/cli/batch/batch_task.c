@@ -131,7 +131,7 @@ static int init_task(struct task *out, const struct batch_settings *settings, co
     }
     int code = keep_settings_names(&out->kept, &settings->keep);
     code = code ? code : settings_contacts(&out->contacts, settings->axis.contacts);
-    code = code ? code : settings_within(&out->within, arguments);
+    out->within = option_key_number(arguments, "clearance", CLEARANCE_WITHIN);
     code = code ? code : name_file(out, settings->part.all ? all_parts : settings->part);
     for (int i = 1; out->path && i < arguments->count && !code; i++) {
         code = outputs_check_name(arguments->words[i]);

@@ -216,7 +216,7 @@ static void put_output(struct writing *out, const struct option *option, const c
     conus_format format;
     char *path = stage_output(&out->replay->stage, option->name, name);
     char *keyed = NULL;
-    if (path && key && asprintf(&keyed, "%s,%s=%s", path, option->key, key) < 0) {
+    if (path && key && asprintf(&keyed, "%s,%s=%s", path, keys_name(option->keys), key) < 0) {
         keyed = NULL;
     }
     if (option->role == OPTION_WRITES_ANSWER) {
