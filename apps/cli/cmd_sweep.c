@@ -175,7 +175,7 @@ static bool show_sample(void *user, size_t done, size_t total)
 static conus_status add_chances(struct sweep *sweep, const struct answerer *answerer, const conus_pose_row *row,
                                 double angle)
 {
-    conus_jitter *jitter = NULL;
+    conus_table *table = NULL;
     conus_jitter_options options = sweep->jitter;
     options.progress = show_sample;
     options.progress_user = &sweep->request;
@@ -183,9 +183,9 @@ static conus_status add_chances(struct sweep *sweep, const struct answerer *answ
         options.tilt = isfinite(row->error_deg) ? radians(row->error_deg) : 0;
         options.shift = isfinite(row->error_mm) ? row->error_mm : 0;
     }
-    conus_status status = conus_jitter_create(&jitter, answerer->selector, &row->pose, angle, &options);
-    status = status ? status : conus_report_add_jitter(answerer->report, row->id, jitter);
-    conus_jitter_destroy(jitter);
+    conus_status status = conus_jitter(&table, answerer->selector, &row->pose, angle, &options);
+    status = status ? status : conus_report_add_table(answerer->report, row->id, table);
+    conus_table_destroy(table);
     return status;
 }
 

@@ -7,6 +7,7 @@
 #define CONUS_PUBLIC_JITTER_H
 
 #include <conus/selection.h>
+#include <conus/table.h>
 
 #include <stddef.h>
 #include <stdint.h>
@@ -14,8 +15,6 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-typedef struct conus_jitter conus_jitter; /**< An answer under errors of the pose. */
 
 /** How far off a pose may be: independent normal errors (Eq. 14). */
 typedef struct conus_jitter_options {
@@ -35,25 +34,12 @@ typedef struct conus_jitter_options {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_JITTER_OPTIONS_INIT CONUS_INIT_(conus_jitter_options)
 
-/** The chances of one object. */
-typedef struct conus_chance {
-    conus_kind kind; /**< Its kind. */
-    uint32_t object; /**< Number in the atlas; 0 for #CONUS_KIND_UNASSIGNED. */
-    uint32_t rank;   /**< From 1, by hit; 0 for #CONUS_KIND_UNASSIGNED. */
-    double hit; /**< Probability that it is the answer: the object that the selector ranks best among those that pixels
-                   hit first; #CONUS_KIND_UNASSIGNED where no pixel hits any. They sum to 1. */
-    double hit_error;       /**< Standard error of that number, from 16 independent sets of samples. */
-    double seen;            /**< Probability that some pixel hits it first. */
-    double in_cone;         /**< Probability that it is in the cone at all, a bundle with one of its streamlines (Eq.
-                               19); NaN without #CONUS_LAYERS_ALL. */
-    double share;           /**< Mean share (Eq. 4); they sum to 1. */
-    double share_deviation; /**< Standard deviation of the share from sample to sample. */
-} conus_chance;
-
 /**
  * Traces from poses around @p pose as its errors make them. They are always the same ones: low-discrepancy samples
  * without a random seed.
- * @param[out] out The chances; end them with conus_jitter_destroy().
+ * @param[out] out The columns of `conus sweep --jitter` (docs/formats.md) but query, the most probable object first,
+ * what is unassigned last; end it with conus_table_destroy(). The answer of a pose (p_hit) is the object that the
+ * selector ranks best among those that pixels hit first.
  * @param selector The selector.
  * @param pose Apex and axis without errors.
  * @param angle As for conus_select().
@@ -63,35 +49,8 @@ typedef struct conus_chance {
  * @threads One at a time for each @p selector.
  * @since 0.1
  */
-CONUS_CHECKED conus_status conus_jitter_create(conus_jitter **out, conus_selector *selector, const conus_pose *pose,
-                                               double angle, const conus_jitter_options *options);
-
-/**
- * Ends the chances.
- * @param jitter NULL is allowed.
- * @threads One at a time for each @p jitter.
- * @since 0.1
- */
-CONUS_API void conus_jitter_destroy(conus_jitter *jitter);
-
-/**
- * Counts the chances. They are ordered by rank, with that of unassigned last.
- * @param jitter NULL counts 0.
- * @return How many chances there are.
- * @threads Any: the object does not change.
- * @since 0.1
- */
-CONUS_API size_t conus_jitter_count(const conus_jitter *jitter);
-
-/**
- * Gives chance @p index.
- * @param jitter The chances.
- * @param index From 0.
- * @return NULL past the last. Borrowed from @p jitter.
- * @threads Any: the object does not change.
- * @since 0.1
- */
-CONUS_API const conus_chance *conus_jitter_chance(const conus_jitter *jitter, size_t index);
+CONUS_CHECKED conus_status conus_jitter(conus_table **out, conus_selector *selector, const conus_pose *pose,
+                                        double angle, const conus_jitter_options *options);
 
 #ifdef __cplusplus
 }

@@ -50,7 +50,7 @@ typedef enum conus_rows {
     CONUS_ROWS_SHARES, /**< The same with the angle, and for people a table of shares by angle; answers in a row that
                      have one id belong together. */
     CONUS_ROWS_ADMISSIONS,  /**< Tables of conus_sweep(). */
-    CONUS_ROWS_CHANCES,     /**< From conus_report_add_jitter(). */
+    CONUS_ROWS_CHANCES,     /**< Tables of conus_jitter(). */
     CONUS_ROWS_SUMMARIES,   /**< From conus_report_add(), one row each: the best, the runner-up, and by how much. Not as
                            #CONUS_FORMAT_TABLE. */
     CONUS_ROWS_COVERAGES,   /**< From conus_report_add_overlap(). */
@@ -163,7 +163,7 @@ CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *qu
                                             const conus_selection *selection);
 
 /**
- * Adds the answer of a study: of conus_sweep().
+ * Adds the answer of a study: of conus_sweep() or conus_jitter().
  * @param report The report.
  * @param query_id As for conus_report_add().
  * @param table Of the report's selector, with positions in the frame of the report. It may end afterwards.
@@ -172,18 +172,6 @@ CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *qu
  * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_add_table(conus_report *report, const char *query_id, conus_table *table);
-
-/**
- * Adds an answer under errors of the pose.
- * @param report The report.
- * @param query_id As for conus_report_add().
- * @param jitter The chances; may end afterwards.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows.
- * @threads One at a time for each @p report.
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_report_add_jitter(conus_report *report, const char *query_id,
-                                                   const conus_jitter *jitter);
 
 /**
  * Adds which areas bundles connect.

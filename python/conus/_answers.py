@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The answers: selections, answers to many poses, and chances, as arrays and tables."""
+"""The answers: selections and answers to many poses, as arrays and tables."""
 from __future__ import annotations
 
 import html
@@ -10,7 +10,7 @@ import numpy as np
 
 from ._conus import ffi, lib
 from ._library import (
-    CHANCE, CLUSTER, COVERAGE, RESULT, STEP, Bound, Error, array_of, check, choice, owned, path_of, text, utf8, whole,
+    CLUSTER, COVERAGE, RESULT, STEP, Bound, Error, array_of, check, choice, owned, path_of, text, utf8, whole,
 )
 
 if TYPE_CHECKING:
@@ -621,30 +621,13 @@ class _Study:
         raise NotImplementedError
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """The rows of ``conus sweep`` or ``conus overlap``, without the column ``query``."""
+        """The rows of ``conus overlap``, without the column ``query``."""
         import pandas
 
         return pandas.DataFrame({**identity_of(self.atlas.objects, self.records, self._ranks()), **self._measures()})
 
     def _repr_html_(self) -> str:
         return str(self.to_dataframe()._repr_html_())
-
-
-class Jitter(_Study):
-    """The chances of each object under errors of the pose, most probable first."""
-
-    def __init__(self, atlas: Atlas, pointer: Any, samples: int, degrees: float, mm: float) -> None:
-        self._settings = {"samples": samples, "error_deg": degrees, "error_mm": mm}
-        jitter = owned(pointer, lib.conus_jitter_destroy)
-        count = lib.conus_jitter_count(jitter)
-        super().__init__(atlas, array_of(lib.conus_jitter_chance(jitter, 0), count, CHANCE))
-
-    def _measures(self) -> dict[str, Any]:
-        names = (("p_hit", "hit"), ("p_hit_error", "hit_error"), ("p_seen", "seen"), ("p_in_cone", "in_cone"))
-        columns = {name: self.records[member] for name, member in names}
-        columns["mean_share"] = self.records["share"]
-        columns["sd_share"] = self.records["share_deviation"]
-        return {**columns, **self._settings}
 
 
 class Overlap(_Study):

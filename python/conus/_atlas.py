@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, NamedTuple, 
 
 import numpy as np
 
-from ._answers import Answers, Array, Clusters, Jitter, Objects, Overlap, Selection, Track, kind_word
+from ._answers import Answers, Array, Clusters, Objects, Overlap, Selection, Track, kind_word
 from ._axis import Clearances, Segments
 from ._callback import Callback, load_progress, receive
 from ._candidates import candidates_stream, depth_of
@@ -1078,7 +1078,7 @@ class Selector(Guarded):
     def jitter(
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
         angle: Optional[float] = None, degrees: float = 0, mm: float = 0, samples: int = 0,
-    ) -> Jitter:
+    ) -> Table:
         """The chances of each object under errors of the pose: ``conus sweep --jitter``.
 
         Parameters
@@ -1094,15 +1094,15 @@ class Selector(Guarded):
 
         Returns
         -------
-        Jitter
+        Table
             The most probable first.
         """
-        aim, out = self._pose(origin, toward, direction, up, pose), ffi.new("conus_jitter **")
+        aim, out = self._pose(origin, toward, direction, up, pose), ffi.new("conus_table **")
         options, opening = ffi.new("conus_jitter_options *"), self._angle(angle)
         options.tilt, options.shift = math.radians(real("degrees", degrees)), real("mm", mm)
         options.samples = whole("samples", samples)
-        self._call(lib.conus_jitter_create, out, self._p, aim, opening, options)
-        jitter = Jitter(self.atlas, out[0], options.samples or 1024, float(degrees), float(mm))
+        self._call(lib.conus_jitter, out, self._p, aim, opening, options)
+        jitter = Table(out[0])
         self._warn_of(aim, opening)
         return jitter
 
@@ -1656,7 +1656,7 @@ class Atlas:
 
     def jitter(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
                angle: Optional[float] = None, degrees: float = 0, mm: float = 0, samples: int = 0,
-               **options: Any) -> Jitter:
+               **options: Any) -> Table:
         """The chances of each object under errors of the pose: see :meth:`Selector.jitter`."""
         return self._selector(options).jitter(
             origin, toward=toward, direction=direction, up=up, pose=pose, angle=angle, degrees=degrees, mm=mm,

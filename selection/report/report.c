@@ -406,20 +406,6 @@ conus_status conus_report_add_table(conus_report *report, const char *query_id, 
     return CONUS_OK;
 }
 
-conus_status conus_report_add_jitter(conus_report *report, const char *query_id, const conus_jitter *jitter)
-{
-    struct report_row *rows;
-    const struct report_query query = {.asked = {.cone = jitter->cone, .jitter = jitter->options}};
-    if (report->options.rows != CONUS_ROWS_CHANCES) {
-        return refuse_rows("an answer under errors of the pose");
-    }
-    conus_status status = report_append(&rows, report, query_id, &query, jitter->count);
-    for (size_t i = 0; !status && i < jitter->count; i++) {
-        rows[i].chance = jitter->rows[i];
-    }
-    return status;
-}
-
 conus_status conus_report_add_segments(conus_report *report, const char *query_id, const conus_segments *segments)
 {
     struct report_row *rows;

@@ -81,7 +81,6 @@ struct report_row {
     union {
         conus_result result;
         struct report_table_row of_table;
-        conus_chance chance;
         conus_coverage coverage;
         conus_cluster_row cluster;
         conus_segment segment;

@@ -216,22 +216,6 @@ static const struct report_column share_columns[] = {
     {"angle_deg", "degree", "full opening angle of the cone", OF_QUERY(ANGLE, asked.cone.angle)},
 };
 
-static const struct report_column chance_columns[] = {
-    {"rank", NULL, "1 is the most probable hit", OF_ROW(RANK, chance.rank)},
-    {"p_hit", NULL, "probability that it is the one hit; of a query they sum to 1", OF_ROW(NUMBER, chance.hit)},
-    {"p_hit_error", NULL, "standard error of p_hit, on the safe side", OF_ROW(NUMBER, chance.hit_error)},
-    {"p_seen", NULL, "probability that some pixel hits it first", OF_ROW(NUMBER, chance.seen)},
-    {"p_in_cone", NULL, "probability that it, or a streamline of it, is in the cone; needs all layers",
-     OF_ROW(NUMBER, chance.in_cone)},
-    {"mean_share", NULL, "mean part of the cone's solid angle; of a query they sum to 1", OF_ROW(NUMBER, chance.share)},
-    {"sd_share", NULL, "standard deviation of that part from sample to sample", OF_ROW(NUMBER, chance.share_deviation)},
-    {"samples", NULL, "poses that were looked from", OF_QUERY(COUNT, asked.jitter.samples)},
-    {"error_deg", "degree", "standard deviation of the tilt of the axis, about each of two axes",
-     OF_QUERY(ANGLE, asked.jitter.tilt)},
-    {"error_mm", "mm", "standard deviation of the position, along each of three axes",
-     OF_QUERY(NUMBER, asked.jitter.shift)},
-};
-
 static struct cell get_coverage_rank(const conus_report *report, const struct report_row *row)
 {
     return row->coverage.object ? get_place(report, row) : no_cell();
@@ -941,7 +925,8 @@ static bool insert_column(struct report_columns *out, size_t place, const struct
 
 const struct table_fields *report_fields(conus_rows rows)
 {
-    static const struct table_fields *const studies[] = {[CONUS_ROWS_ADMISSIONS] = &sweep_fields};
+    static const struct table_fields *const studies[] = {
+        [CONUS_ROWS_ADMISSIONS] = &sweep_fields, [CONUS_ROWS_CHANCES] = &jitter_fields};
     return (size_t)rows < COUNT_OF(studies) ? studies[rows] : NULL;
 }
 
@@ -992,6 +977,7 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
         list_table(out, report, share_columns, COUNT_OF(share_columns));
         break;
     case CONUS_ROWS_ADMISSIONS:
+    case CONUS_ROWS_CHANCES:
         list_fields(out, report);
         break;
     case CONUS_ROWS_COVERAGES:
@@ -1016,10 +1002,6 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
     case CONUS_ROWS_CONNECTIONS:
         list_table(out, report, connection_columns, COUNT_OF(connection_columns));
         break;
-    case CONUS_ROWS_CHANCES:
-        list_named(out, study_common, COUNT_OF(study_common));
-        list_table(out, report, chance_columns, COUNT_OF(chance_columns));
-        break;
     case CONUS_ROWS_PLAN:
         list_table(out, report, plan_columns, COUNT_OF(plan_columns));
         list_table(out, report, report->plan.columns, report->plan.column_count);
@@ -1039,7 +1021,7 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
     place += insert_column(out, place, report->name ? &atlas_column : NULL);
     place += insert_column(out, place, marks && marks->has_number ? &row_column : NULL);
     (void)insert_column(out, place, marks && marks->has_time ? &time_column : NULL);
-    if (report->kept && marks) {
+    if (marks && report->kept) {
         list_table(out, report, report->kept, marks->count);
     }
 }
@@ -1063,11 +1045,11 @@ bool conus_column_is_number(const char *name)
         const struct report_column *columns;
         size_t count;
     } tables[] = {
-        ALL_OF(answer_columns),     ALL_OF(track_columns),     ALL_OF(share_columns),     ALL_OF(chance_columns),
+        {&row_column, 1},           ALL_OF(answer_columns),    ALL_OF(track_columns),     ALL_OF(share_columns),
         ALL_OF(coverage_columns),   ALL_OF(segment_columns),   ALL_OF(clearance_columns), ALL_OF(connection_columns),
         ALL_OF(summary_columns),    ALL_OF(electrode_columns), ALL_OF(voxel_columns),     ALL_OF(plan_columns),
         ALL_OF(constraint_columns), ALL_OF(profile_columns),   ALL_OF(tolerance_columns), ALL_OF(probe_columns),
-        ALL_OF(bep032_columns),     ALL_OF(error_columns),     ALL_OF(cluster_columns),   {&row_column, 1}};
+        ALL_OF(bep032_columns),     ALL_OF(error_columns),     ALL_OF(cluster_columns)};
     for (size_t i = 0; i < COUNT_OF(tables); i++) {
         for (size_t k = 0; k < tables[i].count; k++) {
             if (strcmp(tables[i].columns[k].name, name) == 0) {

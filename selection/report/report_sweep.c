@@ -31,21 +31,23 @@ static void write_chance(struct buffer *out, const conus_report *report, const s
     char label[TABLE_LABEL_SIZE];
     char share[TABLE_SHARE_SIZE];
     char varies[TABLE_SHARE_SIZE];
-    const conus_chance *chance = &row->chance;
-    if (chance->rank) {
-        snprintf(rank, sizeof rank, "%u", chance->rank);
+    double in_cone = report_number(row, "p_in_cone");
+    if (row->of_table.object) {
+        snprintf(rank, sizeof rank, "%zu", row->of_table.index + 1);
     }
     buffer_format(out, "%4s  ", rank);
-    table_write_name(out, table_name(report, row->result.object), width);
-    buffer_format(out, "  %10s  %6.2f %%  %6.2f %%  %6.2f %%", table_label(label, report, row->result.object),
-                  100 * chance->hit, 100 * chance->hit_error, 100 * chance->seen);
-    if (report->selector.layers && isfinite(chance->in_cone)) {
-        buffer_format(out, "  %6.2f %%", 100 * chance->in_cone);
+    table_write_name(out, table_name(report, row->of_table.object), width);
+    buffer_format(out, "  %10s  %6.2f %%  %6.2f %%  %6.2f %%", table_label(label, report, row->of_table.object),
+                  100 * report_number(row, "p_hit"), 100 * report_number(row, "p_hit_error"),
+                  100 * report_number(row, "p_seen"));
+    if (report->selector.layers && isfinite(in_cone)) {
+        buffer_format(out, "  %6.2f %%", 100 * in_cone);
     } else if (report->selector.layers) {
         buffer_format(out, "  %8s", "");
     }
-    buffer_format(out, "  %6s %%  %6s %%\n", table_share(share, chance->share, report->selector.resolution),
-                  table_share(varies, chance->share_deviation, report->selector.resolution));
+    buffer_format(out, "  %6s %%  %6s %%\n",
+                  table_share(share, report_number(row, "mean_share"), report->selector.resolution),
+                  table_share(varies, report_number(row, "sd_share"), report->selector.resolution));
 }
 
 static void write_rows_of(struct buffer *out, const conus_report *report, size_t index, int width)

@@ -181,15 +181,15 @@ struct count {
     double share, square; /* sums */
 };
 
-static conus_status answer_sample(struct count *counts, conus_selector *selector, const conus_jitter *jitter,
+static conus_status answer_sample(struct count *counts, conus_selector *selector, const struct table_question *asked,
                                   uint32_t index)
 {
     conus_pose pose;
     conus_selection *selection = NULL;
     double errors[JITTER_DIMENSIONS];
     jitter_sample(errors, index);
-    jitter_pose(&pose, &jitter->cone.pose, &jitter->options, errors);
-    conus_status status = conus_select(&selection, selector, &pose, jitter->cone.angle);
+    jitter_pose(&pose, &asked->cone.pose, &asked->jitter, errors);
+    conus_status status = conus_select(&selection, selector, &pose, asked->cone.angle);
     if (status) {
         return status;
     }
@@ -203,7 +203,7 @@ static conus_status answer_sample(struct count *counts, conus_selector *selector
         count->square += result->share * result->share;
         best = best || !result->pixels ? best : result->object;
     }
-    counts[best].hits[index / (jitter->options.samples / JITTER_SETS)]++;
+    counts[best].hits[index / (asked->jitter.samples / JITTER_SETS)]++;
     conus_selection_destroy(selection);
     return CONUS_OK;
 }
@@ -224,17 +224,58 @@ static void estimate_probability(double out[2], const uint32_t hits[JITTER_SETS]
     out[1] = sqrt(square / (JITTER_SETS * (JITTER_SETS - 1)));
 }
 
-static conus_chance describe(const struct count *count, const conus_selector *selector, uint32_t number,
-                             uint32_t samples)
+/* The chances of one object: a row of the table. */
+struct row {
+    struct table_object object;
+    uint32_t rank;          /* from 1, by hit; 0 of what is unassigned */
+    uint32_t samples;       /* of the question, as tilt and shift */
+    double hit;             /* probability that it is the one that the selector ranks best among those that pixels hit
+                               first; of what is unassigned, that none hits any */
+    double hit_error;       /* standard error of that number, from JITTER_SETS independent sets of samples */
+    double seen;            /* probability that some pixel hits it first */
+    double in_cone;         /* probability that it is in the cone at all, a bundle with one of its streamlines (Eq. 19);
+                               NaN without all layers */
+    double share;           /* mean share (Eq. 4) */
+    double share_deviation; /* standard deviation of the share from sample to sample */
+    double tilt, shift;
+};
+
+static const struct table_field columns[] = {
+    TABLE_IDENTITY,
+    {"rank", NULL, "1 is the most probable hit", TABLE_OF(RANK, struct row, rank)},
+    {"p_hit", NULL, "probability that it is the one hit; of a query they sum to 1", TABLE_OF(NUMBER, struct row, hit)},
+    {"p_hit_error", NULL, "standard error of p_hit, on the safe side", TABLE_OF(NUMBER, struct row, hit_error)},
+    {"p_seen", NULL, "probability that some pixel hits it first", TABLE_OF(NUMBER, struct row, seen)},
+    {"p_in_cone", NULL, "probability that it, or a streamline of it, is in the cone; needs all layers",
+     TABLE_OF(NUMBER, struct row, in_cone)},
+    {"mean_share", NULL, "mean part of the cone's solid angle; of a query they sum to 1",
+     TABLE_OF(NUMBER, struct row, share)},
+    {"sd_share", NULL, "standard deviation of that part from sample to sample",
+     TABLE_OF(NUMBER, struct row, share_deviation)},
+    {"samples", NULL, "poses that were looked from", TABLE_OF(COUNT, struct row, samples)},
+    {"error_deg", "degree", "standard deviation of the tilt of the axis, about each of two axes",
+     TABLE_OF(ANGLE, struct row, tilt)},
+    {"error_mm", "mm", "standard deviation of the position, along each of three axes",
+     TABLE_OF(NUMBER, struct row, shift)},
+};
+
+const struct table_fields jitter_fields = {columns, sizeof columns / sizeof *columns};
+
+static struct row describe(const struct count *count, const conus_selector *selector, uint32_t number,
+                           const conus_jitter_options *errors)
 {
     const conus_object *object = conus_atlas_object(selector->atlas, number);
-    conus_chance row = {.kind = object ? object->kind : CONUS_KIND_UNASSIGNED, .object = number};
+    double samples = errors->samples;
+    struct row row = {.object = {object ? object->kind : CONUS_KIND_UNASSIGNED, number},
+                      .samples = errors->samples,
+                      .tilt = errors->tilt,
+                      .shift = errors->shift};
     double hit[2];
-    estimate_probability(hit, count->hits, samples / (double)JITTER_SETS);
+    estimate_probability(hit, count->hits, samples / JITTER_SETS);
     row.hit = hit[0];
     row.hit_error = hit[1];
-    row.seen = count->seen / (double)samples;
-    row.in_cone = object && selector->options.layers ? count->inside / (double)samples : NAN;
+    row.seen = count->seen / samples;
+    row.in_cone = object && selector->options.layers ? count->inside / samples : NAN;
     row.share = count->share / samples;
     double variance = (count->square - samples * row.share * row.share) / (samples - 1);
     row.share_deviation = variance > 0 ? sqrt(variance) : 0;
@@ -244,100 +285,68 @@ static conus_chance describe(const struct count *count, const conus_selector *se
 /* The most probable first; what is unassigned comes last. */
 static int compare(const void *a, const void *b)
 {
-    const conus_chance *x = a;
-    const conus_chance *y = b;
-    int order = !x->object - !y->object;
+    const struct row *x = a;
+    const struct row *y = b;
+    int order = !x->object.number - !y->object.number;
     order = order ? order : compare_double(y->hit, x->hit);
     order = order ? order : compare_double(y->share, x->share);
-    return order ? order : compare_unsigned(x->object, y->object);
+    return order ? order : compare_unsigned(x->object.number, y->object.number);
 }
 
-static conus_status fill_rows(conus_jitter *jitter, const struct count *counts, const conus_selector *selector)
+static conus_status tabulate(conus_table **out, const struct count *counts, const conus_selector *selector,
+                             const struct table_question *asked)
 {
     size_t objects = selector->atlas->object_count;
-    size_t count = 1;
-    for (size_t number = 1; number <= objects; number++) {
-        count += counts[number].inside > 0;
-    }
-    jitter->rows = memory_raw(count, sizeof *jitter->rows);
-    if (!jitter->rows) {
+    size_t count = 0;
+    struct row *rows = memory_raw(objects + 1, sizeof *rows);
+    if (!rows) {
         return CONUS_ERROR_MEMORY;
     }
     for (uint32_t number = 0; number <= objects; number++) {
         if (number == 0 || counts[number].inside > 0) {
-            jitter->rows[jitter->count++] = describe(&counts[number], selector, number, jitter->options.samples);
+            rows[count++] = describe(&counts[number], selector, number, &asked->jitter);
         }
     }
-    order_sort(jitter->rows, count, sizeof *jitter->rows, compare);
+    order_sort(rows, count, sizeof *rows, compare);
     for (size_t i = 0; i + 1 < count; i++) {
-        jitter->rows[i].rank = (uint32_t)i + 1;
+        rows[i].rank = (uint32_t)i + 1;
     }
-    return CONUS_OK;
+    conus_status status = table_create(out, &(struct table_source){selector->atlas, &selector->frame}, &jitter_fields,
+                                       asked, rows, sizeof *rows, count);
+    memory_free(rows);
+    return status;
 }
 
-static conus_status build(conus_jitter *jitter, conus_selector *selector)
+static conus_status answer(conus_table **out, conus_selector *selector, const struct table_question *asked)
 {
     struct count *counts = memory_zeroed(selector->atlas->object_count + 1, sizeof *counts);
-    const conus_jitter_options *options = &jitter->options;
+    const conus_jitter_options *options = &asked->jitter;
     conus_status status = counts ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (uint32_t i = 0; !status && i < options->samples; i++) {
-        status = answer_sample(counts, selector, jitter, i);
+        status = answer_sample(counts, selector, asked, i);
         if (!status && options->progress && !options->progress(options->progress_user, i + 1, options->samples)) {
             status = fail(CONUS_ERROR_CANCELLED, "jitter: cancelled after %u of %u poses", i + 1, options->samples);
         }
     }
-    status = status ? status : fill_rows(jitter, counts, selector);
+    status = status ? status : tabulate(out, counts, selector, asked);
     memory_free(counts);
     return status;
 }
 
-conus_status conus_jitter_create(conus_jitter **out, conus_selector *selector, const conus_pose *pose, double angle,
-                                 const conus_jitter_options *options)
+conus_status conus_jitter(conus_table **out, conus_selector *selector, const conus_pose *pose, double angle,
+                          const conus_jitter_options *options)
 {
-    conus_jitter_options filled = *options_of(conus_jitter_options, options);
-    struct cone cone = {.angle = angle,
-                        .resolution = selector->options.resolution,
-                        .aperture = selector->options.aperture,
-                        .radius = selector->options.radius,
-                        .range = {selector->range[0], selector->range[1]}};
-    conus_status status = jitter_check(&filled);
-    if (!status && jitter_is_of_ends(&filled)) {
+    struct table_question asked = {.jitter = *options_of(conus_jitter_options, options),
+                                   .cone = {.angle = angle,
+                                            .resolution = selector->options.resolution,
+                                            .aperture = selector->options.aperture,
+                                            .radius = selector->options.radius,
+                                            .range = {selector->range[0], selector->range[1]}}};
+    conus_status status = jitter_check(&asked.jitter);
+    if (!status && jitter_is_of_ends(&asked.jitter)) {
         status = fail(CONUS_ERROR_ARGUMENT, "jitter: errors of an entry, a target or a depth are of needles");
     }
-    status = status ? status : pose_settle(&cone.pose, pose->world_from_device);
-    status = status ? status : cone_check(&cone);
-    if (status) {
-        return status;
-    }
-    conus_jitter *jitter = memory_zeroed(1, sizeof *jitter);
-    if (!jitter) {
-        return CONUS_ERROR_MEMORY;
-    }
-    jitter->options = filled;
-    jitter->cone = cone;
-    status = build(jitter, selector);
-    if (status) {
-        conus_jitter_destroy(jitter);
-        return status;
-    }
-    *out = jitter;
-    return CONUS_OK;
-}
-
-void conus_jitter_destroy(conus_jitter *jitter)
-{
-    if (jitter) {
-        memory_free(jitter->rows);
-        memory_free(jitter);
-    }
-}
-
-size_t conus_jitter_count(const conus_jitter *jitter)
-{
-    return jitter ? jitter->count : 0;
-}
-
-const conus_chance *conus_jitter_chance(const conus_jitter *jitter, size_t index)
-{
-    return jitter && index < jitter->count ? &jitter->rows[index] : NULL;
+    status = status ? status : pose_settle(&asked.cone.pose, pose->world_from_device);
+    status = status ? status : cone_check(&asked.cone);
+    return status ? status : answer(out, selector, &asked);
 }

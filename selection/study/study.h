@@ -14,18 +14,11 @@
 #include "selection/table/table.h"
 
 /* Columns of the tables of studies. */
-extern const struct table_fields sweep_fields;
+extern const struct table_fields sweep_fields, jitter_fields;
 
 /* jitter.c: errors of the pose (Eq. 14). */
 /** Errors have five dimensions; samples are counted in so many sets, one after the other. */
 enum { JITTER_DIMENSIONS = 5, JITTER_SETS = 16 };
-
-struct conus_jitter {
-    conus_jitter_options options; /**< Defaults filled in. */
-    struct cone cone;             /**< Without an error.   */
-    conus_chance *rows;
-    size_t count;
-};
 
 /** Standard normal errors of sample @p index: tilts about the device's x and y, shifts along x, y and z. */
 void jitter_sample(double out[JITTER_DIMENSIONS], uint32_t index);

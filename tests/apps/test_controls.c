@@ -8,6 +8,8 @@
 
 #include "conus/file.h"
 #include "conus/phantom.h"
+#include "selection/table/table.h"
+#include "tables.h"
 #include "test.h"
 
 #include <math.h>
@@ -144,7 +146,7 @@ static void await_study(struct viewer *viewer)
 static void studies_answer_as_the_library_does(void **state)
 {
     struct viewer viewer;
-    conus_jitter *jitter = NULL;
+    conus_table *jitter = NULL;
     (void)state;
     load(&viewer);
     tool_aim_along(&viewer, FIRST_TOOL, eye, back);
@@ -172,36 +174,42 @@ static void studies_answer_as_the_library_does(void **state)
     await_study(&viewer);
     const struct study_table *table = viewer.study.answer->tables;
     const conus_jitter_options options = {.tilt = 2 * (M_PI / 180), .shift = 1.5, .samples = 64};
-    assert_ok(conus_jitter_create(&jitter, viewer.drawn->selector, &viewer.tools[FIRST_TOOL].pose, 40 * (M_PI / 180),
-                                  &options));
-    assert_int_equal(table->chance_count, conus_jitter_count(jitter));
-    for (size_t i = 0; i < table->chance_count; i++) {
-        assert_true(table->chances[i].hit == conus_jitter_chance(jitter, i)->hit);
-        assert_int_equal(table->chances[i].object, conus_jitter_chance(jitter, i)->object);
-    }
-    conus_jitter_destroy(jitter);
+    assert_ok(
+        conus_jitter(&jitter, viewer.drawn->selector, &viewer.tools[FIRST_TOOL].pose, 40 * (M_PI / 180), &options));
+    assert_same_tables(table->chances, jitter);
+    conus_table_destroy(jitter);
     viewer_finish(&viewer);
 }
 
 /* Without all layers nothing is known of what lies behind; what is no object cannot lie there. */
 static void areas_that_nothing_ever_hits_are_not_listed(void **state)
 {
-    static const struct {
-        conus_chance chance;
+    static const struct chance {
+        struct table_object object;
+        double hit, seen, in_cone;
         bool is_listed, is_behind;
-    } rows[] = {{{.object = 1, .hit = 0.5, .seen = 0.75, .in_cone = 1}, true, false},
-                {{.object = 1, .seen = 0.25, .in_cone = 0.5}, true, false},
-                {{.object = 1, .in_cone = 0.25}, true, true},
-                {{.object = 1, .in_cone = 0}, false, false},
-                {{.object = 1, .in_cone = NAN}, false, false},
-                {{.object = 1, .seen = 0.25, .in_cone = NAN}, true, false},
-                {{.object = 0, .hit = 0.25, .in_cone = NAN}, true, false},
-                {{.object = 0, .in_cone = 1}, false, false}};
+    } rows[] = {{.object.number = 1, .hit = 0.5, .seen = 0.75, .in_cone = 1, true, false},
+                {.object.number = 1, .seen = 0.25, .in_cone = 0.5, true, false},
+                {.object.number = 1, .in_cone = 0.25, true, true},
+                {.object.number = 1, .in_cone = 0, false, false},
+                {.object.number = 1, .in_cone = NAN, false, false},
+                {.object.number = 1, .seen = 0.25, .in_cone = NAN, true, false},
+                {.object.number = 0, .hit = 0.25, .in_cone = NAN, true, false},
+                {.object.number = 0, .in_cone = 1, false, false}};
+    static const struct table_field columns[] = {{"p_hit", NULL, "", TABLE_OF(NUMBER, struct chance, hit)},
+                                                 {"p_seen", NULL, "", TABLE_OF(NUMBER, struct chance, seen)},
+                                                 {"p_in_cone", NULL, "", TABLE_OF(NUMBER, struct chance, in_cone)}};
+    static const struct table_fields fields = {columns, sizeof columns / sizeof *columns};
+    const struct table_source source = {.frame = &(conus_frame){.space = CONUS_SPACE_RAS}};
+    size_t count = sizeof rows / sizeof *rows;
+    conus_table *chances = NULL;
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        assert_int_equal(chance_is_listed(&rows[i].chance), rows[i].is_listed);
-        assert_int_equal(chance_is_behind(&rows[i].chance), rows[i].is_behind);
+    assert_ok(table_create(&chances, &source, &fields, &(struct table_question){0}, rows, sizeof *rows, count));
+    for (size_t i = 0; i < count; i++) {
+        assert_int_equal(chance_is_listed(chances, i), rows[i].is_listed);
+        assert_int_equal(chance_is_behind(chances, i), rows[i].is_behind);
     }
+    conus_table_destroy(chances);
 }
 
 /* A change of the pose, the range or the hidden objects makes the answer old. */

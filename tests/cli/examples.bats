@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# The examples of the C interface that read poses and draw; ctest runs the others by themselves.
+# The examples of the C interface that need files; ctest runs the others by themselves.
 load helpers
 : "${CONUS_EXAMPLES:?is the folder of the examples}"
 
@@ -73,4 +73,16 @@ answers_are() {
     cmp picture.png wanted.png
     [ "$(head -c 8 picture.png | od -An -tx1 | tr -d ' ')" = 89504e470d0a1a0a ]
     run -1 "$CONUS_EXAMPLES/render_to_memory" sphere.nii.gz no/such/folder.png
+}
+
+# The deepest voxels at the axis of a cone from z = 60 mm are the nearest to it: sqrt(2) mm beside it, at z = -19 mm.
+@test "sweep_table prints two columns, and is C++17, too" {
+    ball
+    run -0 --separate-stderr "$CONUS_EXAMPLES/sweep_table" sphere.nii.gz
+    [ "$output" = "$(awk 'BEGIN { printf "Sphere: %.3f", 2 * atan2(sqrt(2), 79) * 45 / atan2(1, 1) }')" ]
+    [ -z "$stderr" ]
+    run -1 --separate-stderr "$CONUS_EXAMPLES/sweep_table" none.nii.gz
+    [ -z "$output" ] && [[ "$stderr" == 'none.nii.gz: '* ]]
+    c++ -std=c++17 -Wall -Werror -fsyntax-only -x c++ -I "$BATS_TEST_DIRNAME/../../include" \
+        "$BATS_TEST_DIRNAME/../../examples/sweep_table.c"
 }

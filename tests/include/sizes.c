@@ -65,7 +65,6 @@ SIZE(conus_step, 16);
 SIZE(conus_place, 88);
 SIZE(conus_named_place, 112);
 SIZE(conus_context_surface, 96);
-SIZE(conus_chance, 64);
 SIZE(conus_coverage, 72);
 SIZE(conus_cluster_row, 112);
 SIZE(conus_connection, 40);

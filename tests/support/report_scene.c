@@ -18,7 +18,7 @@ struct report_scene report_scene_create_from(uint64_t seed)
     assert_ok(conus_selector_create(&scene.selector, scene.atlas, NULL));
     assert_ok(conus_select(&scene.cone, scene.selector, &pose, 1));
     assert_ok(conus_sweep(&scene.sweep, scene.selector, &pose, 1));
-    assert_ok(conus_jitter_create(&scene.jitter, scene.selector, &pose, 1, &errors));
+    assert_ok(conus_jitter(&scene.jitter, scene.selector, &pose, 1, &errors));
     for (int i = 0; i < 2; i++) {
         const double *at = pose.world_from_device + 12;
         const double centre[3] = {at[0], at[1], at[2] + i};
@@ -29,7 +29,7 @@ struct report_scene report_scene_create_from(uint64_t seed)
 
 void report_scene_destroy(struct report_scene *scene)
 {
-    conus_jitter_destroy(scene->jitter);
+    conus_table_destroy(scene->jitter);
     conus_table_destroy(scene->sweep);
     conus_selection_destroy(scene->contacts[0]);
     conus_selection_destroy(scene->contacts[1]);

@@ -10,8 +10,7 @@ struct report_scene {
     conus_selector *selector;
     conus_selection *cone;
     conus_selection *contacts[2]; /**< Balls 1 mm apart. */
-    conus_table *sweep;
-    conus_jitter *jitter;
+    conus_table *sweep, *jitter;
     conus_report_options options; /**< Zero; a test sets what it needs. */
 };
 

@@ -56,6 +56,7 @@ static conus_status prepare_selectors(struct studier *studier, const struct stud
     for (size_t i = 0; i < studier->atlas_count && !status; i++) {
         conus_selector_options options = question->options;
         options.level = question->level[0] && !i ? question->level : NULL;
+        options.frame = &question->frame; /* a table's is that of its report */
         status = conus_selector_create(&studier->selectors[i], studier->atlases[i].atlas, &options);
     }
     return status;

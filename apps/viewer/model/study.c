@@ -168,20 +168,9 @@ static conus_status shake(struct work *work, size_t atlas)
                                           .samples = (uint32_t)question->settings.samples,
                                           .progress = go_on,
                                           .progress_user = work};
-    conus_jitter *jitter = NULL;
-    conus_status status =
-        conus_jitter_create(&jitter, work->selectors[atlas], &question->pose, question->angle, &options);
-    status = status ? status : conus_report_add_jitter(work->reports[atlas], "1", jitter);
-    struct study_table *table = &work->answer->tables[atlas];
-    size_t count = status ? 0 : conus_jitter_count(jitter);
-    table->chances = status ? NULL : calloc(count + 1, sizeof *table->chances);
-    table->chance_count = table->chances ? count : 0;
-    for (size_t i = 0; i < table->chance_count; i++) {
-        table->chances[i] = *conus_jitter_chance(jitter, i);
-    }
-    status = status || table->chances ? status : CONUS_ERROR_MEMORY;
-    conus_jitter_destroy(jitter);
-    return status;
+    conus_table **chances = &work->answer->tables[atlas].chances;
+    conus_status status = conus_jitter(chances, work->selectors[atlas], &question->pose, question->angle, &options);
+    return status ? status : conus_report_add_table(work->reports[atlas], "1", *chances);
 }
 
 static conus_status answer_atlas(struct work *work, const char *name, size_t atlas)
@@ -259,14 +248,21 @@ struct study_answer *study_answer_create(const struct study_question *question, 
     return answer;
 }
 
-bool chance_is_behind(const conus_chance *chance)
+double chance_number(const conus_table *chances, size_t row, const char *column)
 {
-    return chance->object && chance->seen <= 0 && chance->in_cone > 0; /* NaN without all layers */
+    return conus_table_numbers(chances, column)[row];
 }
 
-bool chance_is_listed(const conus_chance *chance)
+bool chance_is_behind(const conus_table *chances, size_t row)
 {
-    return chance->hit > 0 || chance->seen > 0 || chance_is_behind(chance);
+    return conus_table_objects(chances)[row] && chance_number(chances, row, "p_seen") <= 0 &&
+           chance_number(chances, row, "p_in_cone") > 0; /* NaN without all layers */
+}
+
+bool chance_is_listed(const conus_table *chances, size_t row)
+{
+    return chance_number(chances, row, "p_hit") > 0 || chance_number(chances, row, "p_seen") > 0 ||
+           chance_is_behind(chances, row);
 }
 
 void study_answer_destroy(struct study_answer *answer)
@@ -277,7 +273,7 @@ void study_answer_destroy(struct study_answer *answer)
             free(table->curves[c].shares);
         }
         free(table->curves);
-        free(table->chances);
+        conus_table_destroy(table->chances);
     }
     if (answer) {
         plan_list_finish(&answer->plan);

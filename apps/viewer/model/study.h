@@ -60,8 +60,7 @@ struct study_curve {
 struct study_table {
     struct study_curve *curves; /**< [curve_count] Of a sweep: the largest first, nothing hit last. */
     size_t curve_count;
-    conus_chance *chances; /**< [chance_count] Of jitter: by rank, nothing hit last. */
-    size_t chance_count;
+    conus_table *chances; /**< Of jitter: by rank, nothing hit last. */
 };
 
 struct study_answer {
@@ -84,10 +83,12 @@ struct study_answer *study_answer_create(const struct study_question *question, 
                                          void *user);
 /** An answer that only says why there is none. NULL without memory. */
 struct study_answer *study_answer_refuse(const struct study_question *question, const char *why);
+/** A number of a row of chances. */
+double chance_number(const conus_table *chances, size_t row, const char *column);
 /** Whether it lies in the cone of some pose, but no pixel of any hits it first: known with all layers. */
-bool chance_is_behind(const conus_chance *chance);
+bool chance_is_behind(const conus_table *chances, size_t row);
 /** Whether it is hit, seen or behind under any pose. */
-bool chance_is_listed(const conus_chance *chance);
+bool chance_is_listed(const conus_table *chances, size_t row);
 /** NULL is allowed. */
 void study_answer_destroy(struct study_answer *answer);
 

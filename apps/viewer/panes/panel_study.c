@@ -53,8 +53,8 @@ static size_t rank_of(const struct viewer *viewer, const struct study_table *tab
     for (size_t i = 0; i < conus_selection_count(viewer_selection(viewer)) && !is_found; i++) {
         rank += conus_selection_result(viewer_selection(viewer), i)->object > 0;
     }
-    for (size_t i = 0; i < table->curve_count + table->chance_count && !is_found; i++) {
-        uint32_t other = table->curve_count ? table->curves[i].object : table->chances[i].object;
+    for (size_t i = 0; i < table->curve_count + conus_table_rows(table->chances) && !is_found; i++) {
+        uint32_t other = table->curve_count ? table->curves[i].object : conus_table_objects(table->chances)[i];
         rank += other && !viewer_rank(viewer, other);
         is_found = other == object;
     }
@@ -229,15 +229,18 @@ static void draw_shares(struct window *window, const struct study_answer *answer
 
 enum { CHANCE_TIP = 320 };
 
-static void tip_of_chance(char tip[CHANCE_TIP], const conus_chance *chance)
+static void tip_of_chance(char tip[CHANCE_TIP], const conus_table *chances, size_t row)
 {
-    size_t used = (size_t)snprintf(tip, CHANCE_TIP,
-                                   "is the one hit: %.2f %%, standard error %.2f %%\nsome pixel hits it first: "
-                                   "%.2f %%\nshare: %.2f %% on average, varies by %.2f %%",
-                                   100 * chance->hit, 100 * chance->hit_error, 100 * chance->seen, 100 * chance->share,
-                                   100 * chance->share_deviation);
-    if (isfinite(chance->in_cone) && used < CHANCE_TIP) {
-        snprintf(tip + used, CHANCE_TIP - used, "\nis in the cone at all: %.2f %%", 100 * chance->in_cone);
+    double in_cone = chance_number(chances, row, "p_in_cone");
+    size_t used = (size_t)snprintf(
+        tip, CHANCE_TIP,
+        "is the one hit: %.2f %%, standard error %.2f %%\nsome pixel hits it first: %.2f %%\nshare: %.2f %% on "
+        "average, varies by %.2f %%",
+        100 * chance_number(chances, row, "p_hit"), 100 * chance_number(chances, row, "p_hit_error"),
+        100 * chance_number(chances, row, "p_seen"), 100 * chance_number(chances, row, "mean_share"),
+        100 * chance_number(chances, row, "sd_share"));
+    if (isfinite(in_cone) && used < CHANCE_TIP) {
+        snprintf(tip + used, CHANCE_TIP - used, "\nis in the cone at all: %.2f %%", 100 * in_cone);
     }
 }
 
@@ -249,26 +252,27 @@ static void draw_chances(struct window *window, const struct study_table *table)
     panel_widths(widths, window, columns, (const char *const[]){"", "behind", "100.00", "100.00"}, 4);
     size_t shown = ui_list_fit(widths, 4, 2); /* the tip has all */
     if (ui_table("chances", columns, widths, shown, (LINES + 2) * ui_list_line())) {
-        for (size_t i = 0; i < table->chance_count; i++) {
-            const conus_chance *chance = &table->chances[i];
+        for (size_t i = 0; i < conus_table_rows(table->chances); i++) {
+            static const char *const shown_as[] = {NULL, "p_hit", "p_hit_error", "p_seen"};
+            uint32_t object = conus_table_objects(table->chances)[i];
             char tip[CHANCE_TIP];
-            if (!chance_is_listed(chance)) {
+            if (!chance_is_listed(table->chances, i)) {
                 continue;
             }
-            tip_of_chance(tip, chance);
-            ui_id(chance->object);
-            draw_name(viewer, table, chance->object, tip);
-            ui_cell();
-            if (chance_is_behind(chance)) {
-                ui_text_right("behind");
-            } else {
-                ui_underline(chance->hit, colour_of(viewer, table, chance->object));
-                panel_number("%.2f", 100 * chance->hit);
-            }
-            for (size_t c = 2; c < shown; c++) {
+            bool is_behind = chance_is_behind(table->chances, i);
+            tip_of_chance(tip, table->chances, i);
+            ui_id(object);
+            draw_name(viewer, table, object, tip);
+            for (size_t c = 1; c < shown; c++) {
+                double chance = chance_number(table->chances, i, shown_as[c]);
                 ui_cell();
-                if (!chance_is_behind(chance)) {
-                    panel_number("%.2f", 100 * (c == 2 ? chance->hit_error : chance->seen));
+                if (c == 1 && is_behind) {
+                    ui_text_right("behind");
+                } else if (!is_behind) {
+                    if (c == 1) {
+                        ui_underline(chance, colour_of(viewer, table, object));
+                    }
+                    panel_number("%.2f", 100 * chance);
                 }
             }
             ui_id_end();

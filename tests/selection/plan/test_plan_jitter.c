@@ -327,7 +327,7 @@ static void what_cannot_be_is_refused(void **state)
     conus_atlas *atlas = box();
     conus_selector *selector = NULL;
     conus_plan *plan = NULL;
-    conus_jitter *jitter = NULL;
+    conus_table *jitter = NULL;
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         assert_fails(conus_plan_create(&plan, selector, &bad[i], 1, NULL), CONUS_ERROR_ARGUMENT);
@@ -341,7 +341,7 @@ static void what_cannot_be_is_refused(void **state)
     assert_true(strstr(conus_message(), "jitter") != NULL);
     conus_pose pose;
     assert_ok(conus_pose_along(&pose, (const double[]){0, 13, 13}, (const double[]){1, 0, 0}, NULL));
-    assert_fails(conus_jitter_create(&jitter, selector, &pose, 0.1, &(conus_jitter_options){.entry = 1}),
+    assert_fails(conus_jitter(&jitter, selector, &pose, 0.1, &(conus_jitter_options){.entry = 1}),
                  CONUS_ERROR_ARGUMENT);
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);

@@ -42,7 +42,7 @@ static conus_status add_query(conus_report *report, const struct report_scene *s
     snprintf(id, sizeof id, "q%d", index);
     return index == 1                      ? conus_report_add_error(report, id, 7, "is no pose")
            : rows == CONUS_ROWS_ADMISSIONS ? conus_report_add_table(report, id, scene->sweep)
-           : rows == CONUS_ROWS_CHANCES    ? conus_report_add_jitter(report, id, scene->jitter)
+           : rows == CONUS_ROWS_CHANCES    ? conus_report_add_table(report, id, scene->jitter)
                                            : conus_report_add(report, id, scene->cone);
 }
 

@@ -9,7 +9,7 @@
 static conus_status add(conus_report *report, const struct report_scene *scene, conus_rows rows, const char *id)
 {
     return rows == CONUS_ROWS_ADMISSIONS ? conus_report_add_table(report, id, scene->sweep)
-           : rows == CONUS_ROWS_CHANCES  ? conus_report_add_jitter(report, id, scene->jitter)
+           : rows == CONUS_ROWS_CHANCES  ? conus_report_add_table(report, id, scene->jitter)
                                          : conus_report_add(report, id, scene->cone);
 }
 

@@ -5,6 +5,7 @@
 #include "mesh_scene.h"
 #include "scene.h"
 #include "selection/study/study.h"
+#include "tables.h"
 #include "test.h"
 #include "test_gl.h"
 
@@ -42,61 +43,66 @@ static conus_atlas *half_spaces(double edge)
     return tiles((const size_t[]){2, 1}, (const double[]){1e5, 2e5}, edge);
 }
 
-static conus_jitter *jitter_of(const conus_atlas *atlas, const conus_selector_options *selector_options,
-                               const conus_pose *pose, double degrees, const conus_jitter_options *options)
+static conus_table *jitter_of(const conus_atlas *atlas, const conus_selector_options *selector_options,
+                              const conus_pose *pose, double degrees, const conus_jitter_options *options)
 {
     conus_selector *selector = NULL;
-    conus_jitter *jitter = NULL;
+    conus_table *jitter = NULL;
     assert_ok(conus_selector_create(&selector, atlas, selector_options));
-    assert_ok(conus_jitter_create(&jitter, selector, pose, radians_from_degrees(degrees), options));
+    assert_ok(conus_jitter(&jitter, selector, pose, radians_from_degrees(degrees), options));
     conus_selector_destroy(selector);
     return jitter;
 }
 
-static const conus_chance *find(const conus_jitter *jitter, uint32_t object)
+/* A number of the row about an object, which has one. */
+static double number_of(const conus_table *jitter, const char *column, uint32_t object)
 {
-    for (size_t i = 0; i < conus_jitter_count(jitter); i++) {
-        if (conus_jitter_chance(jitter, i)->object == object) {
-            return conus_jitter_chance(jitter, i);
-        }
-    }
-    return NULL;
+    return table_number_at(jitter, column, table_row_of(jitter, object));
 }
 
-/* Sums of 1, ranks, order, numbers in their ranges. */
-static void check_rows(const conus_jitter *jitter, bool layers)
+/* Sums of 1, ranks, order, numbers in their ranges; the errors that were asked. */
+static void check_rows(const conus_table *jitter, bool layers)
 {
-    double hit = 0;
-    double share = 0;
-    size_t count = conus_jitter_count(jitter);
+    double hits = 0;
+    double shares = 0;
+    size_t count = conus_table_rows(jitter);
+    const struct table_question *asked = table_question(jitter);
     for (size_t i = 0; i < count; i++) {
-        const conus_chance *row = conus_jitter_chance(jitter, i);
-        const conus_chance *next = conus_jitter_chance(jitter, i + 1);
-        assert_int_equal(row->object == 0, i + 1 == count);
-        assert_int_equal(row->rank, row->object ? i + 1 : 0);
-        assert_true(!next || !next->object || row->hit >= next->hit);
-        assert_true(row->hit >= 0 && row->hit <= row->seen + 1e-12 && row->seen <= 1 && row->hit_error >= 0);
-        assert_true(layers && row->object ? row->in_cone >= row->seen && row->in_cone <= 1 : isnan(row->in_cone));
-        assert_true(row->share >= 0 && row->share <= row->seen + 1e-12 && row->share_deviation >= 0);
-        hit += row->hit;
-        share += row->share;
+        uint32_t object = conus_table_objects(jitter)[i];
+        double hit = table_number_at(jitter, "p_hit", i);
+        double seen = table_number_at(jitter, "p_seen", i);
+        double in_cone = table_number_at(jitter, "p_in_cone", i);
+        double share = table_number_at(jitter, "mean_share", i);
+        bool is_last = i + 1 == count;
+        assert_int_equal(object == 0, is_last);
+        assert_int_equal(table_count_at(jitter, "rank", i), object ? i + 1 : 0);
+        assert_int_equal(conus_table_find(jitter, "rank")->missing[i], is_last);
+        assert_int_equal(!strcmp(table_text_at(jitter, "kind", i), "unassigned"), is_last);
+        assert_true(i + 2 >= count || hit >= table_number_at(jitter, "p_hit", i + 1));
+        assert_true(hit >= 0 && hit <= seen + 1e-12 && seen <= 1 && table_number_at(jitter, "p_hit_error", i) >= 0);
+        assert_true(layers && object ? in_cone >= seen && in_cone <= 1 : isnan(in_cone));
+        assert_true(share >= 0 && share <= seen + 1e-12 && table_number_at(jitter, "sd_share", i) >= 0);
+        assert_int_equal(table_count_at(jitter, "samples", i), asked->jitter.samples);
+        assert_true(table_number_at(jitter, "error_deg", i) == degrees_from_radians(asked->jitter.tilt));
+        assert_true(table_number_at(jitter, "error_mm", i) == asked->jitter.shift);
+        hits += hit;
+        shares += share;
     }
-    assert_near(hit, 1, 1e-12);
-    assert_near(share, 1, 1e-12);
-    assert_null(conus_jitter_chance(jitter, count));
+    assert_near(hits, 1, 1e-12);
+    assert_near(shares, 1, 1e-12);
 }
 
 static double hit_of(const conus_atlas *atlas, const conus_pose *pose, const conus_jitter_options *options,
                      uint32_t object, double *error)
 {
-    conus_jitter *jitter = jitter_of(atlas, &one_ray, pose, 1, options);
-    const conus_chance *row = find(jitter, object);
-    double hit = row ? row->hit : 0;
+    conus_table *jitter = jitter_of(atlas, &one_ray, pose, 1, options);
+    bool has = table_row_of(jitter, object) < conus_table_rows(jitter);
+    double hit = has ? number_of(jitter, "p_hit", object) : 0;
     if (error) {
-        *error = row ? row->hit_error : 0;
+        *error = has ? number_of(jitter, "p_hit_error", object) : 0;
     }
     check_rows(jitter, false);
-    conus_jitter_destroy(jitter);
+    conus_table_destroy(jitter);
     return hit;
 }
 
@@ -288,22 +294,21 @@ static void without_errors_there_is_one_answer(void **state)
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
     conus_pose pose = scene_generic_pose(&seed, atlas);
-    conus_jitter *jitter = jitter_of(atlas, &rays_of_16, &pose, 60, &(conus_jitter_options){0});
+    conus_table *jitter = jitter_of(atlas, &rays_of_16, &pose, 60, &(conus_jitter_options){0});
     assert_ok(conus_selector_create(&selector, atlas, &rays_of_16));
     assert_ok(conus_select(&selection, selector, &pose, radians_from_degrees(60)));
     check_rows(jitter, false);
-    assert_int_equal(conus_jitter_count(jitter), conus_selection_count(selection));
+    assert_int_equal(conus_table_rows(jitter), conus_selection_count(selection));
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
-        const conus_chance *row = find(jitter, result->object);
-        assert_true(row->hit == (result->rank == 1));
-        assert_near(row->share, result->share, 1e-12);
-        assert_near(row->share_deviation, 0, 1e-7);
-        assert_true(row->hit_error == 0);
+        assert_true(number_of(jitter, "p_hit", result->object) == (result->rank == 1));
+        assert_near(number_of(jitter, "mean_share", result->object), result->share, 1e-12);
+        assert_near(number_of(jitter, "sd_share", result->object), 0, 1e-7);
+        assert_true(number_of(jitter, "p_hit_error", result->object) == 0);
     }
     conus_selection_destroy(selection);
     conus_selector_destroy(selector);
-    conus_jitter_destroy(jitter);
+    conus_table_destroy(jitter);
     conus_atlas_destroy(atlas);
 }
 
@@ -315,14 +320,14 @@ static void what_is_never_best_is_ranked_by_share(void **state)
     static const uint32_t order[3] = {2, 3, 1};
     conus_atlas *atlas = tiles((const size_t[]){3, 1}, (const double[]){10, 100}, 0);
     const conus_pose pose = down_from(1, 0, 10);
-    conus_jitter *jitter =
+    conus_table *jitter =
         jitter_of(atlas, NULL, &pose, 2 * degrees_from_radians(atan(0.8)), &(conus_jitter_options){.samples = 16});
     check_rows(jitter, false);
     for (size_t i = 0; i < 3; i++) {
-        assert_int_equal(conus_jitter_chance(jitter, i)->object, order[i]);
-        assert_true(conus_jitter_chance(jitter, i)->hit == (i == 0));
+        assert_int_equal(conus_table_objects(jitter)[i], order[i]);
+        assert_true(table_number_at(jitter, "p_hit", i) == (i == 0));
     }
-    conus_jitter_destroy(jitter);
+    conus_table_destroy(jitter);
     conus_atlas_destroy(atlas);
 }
 
@@ -354,13 +359,13 @@ static void shares_are_means(void **state)
     conus_atlas *atlas = half_spaces(0);
     const conus_jitter_options options = {.shift = 2, .tilt = 0.02, .samples = 4096};
     const conus_selector_options fine = {.resolution = 64};
-    conus_jitter *jitter = jitter_of(atlas, &fine, &pose, 10, &options);
+    conus_table *jitter = jitter_of(atlas, &fine, &pose, 10, &options);
     double wanted = deviation_of_part(2 * sqrt(2) / (100 * tan(radians_from_degrees(5))));
     check_rows(jitter, false);
-    assert_near(find(jitter, 1)->share, 0.5, 0.0005);
-    assert_near(find(jitter, 1)->share_deviation, wanted, 0.01 * wanted);
-    assert_near(find(jitter, 1)->share_deviation, find(jitter, 2)->share_deviation, 1e-9);
-    conus_jitter_destroy(jitter);
+    assert_near(number_of(jitter, "mean_share", 1), 0.5, 0.0005);
+    assert_near(number_of(jitter, "sd_share", 1), wanted, 0.01 * wanted);
+    assert_near(number_of(jitter, "sd_share", 1), number_of(jitter, "sd_share", 2), 1e-9);
+    conus_table_destroy(jitter);
     conus_atlas_destroy(atlas);
 }
 
@@ -421,24 +426,16 @@ static void deviation_and_error_are_those_of_samples(void **state)
     const conus_jitter_options options = {.shift = 3, .tilt = 0.02, .samples = FEW};
     struct samples samples;
     double sets[JITTER_SETS] = {0};
-    conus_jitter *jitter = jitter_of(atlas, NULL, &pose, 10, &options);
+    conus_table *jitter = jitter_of(atlas, NULL, &pose, 10, &options);
     select_samples(&samples, atlas, &pose, 10, &options);
     for (int i = 0; i < FEW; i++) {
         sets[i * JITTER_SETS / FEW] += samples.hit[i] * JITTER_SETS / FEW;
     }
-    const conus_chance *row = find(jitter, 1);
-    assert_true(row->hit > 0.2 && row->hit < 0.95);
-    assert_near(row->share_deviation, sqrt(sample_variance(samples.share, FEW)), 1e-12);
-    assert_near(row->hit_error, sqrt(sample_variance(sets, JITTER_SETS) / JITTER_SETS), 1e-12);
-    conus_jitter_destroy(jitter);
+    assert_true(number_of(jitter, "p_hit", 1) > 0.2 && number_of(jitter, "p_hit", 1) < 0.95);
+    assert_near(number_of(jitter, "sd_share", 1), sqrt(sample_variance(samples.share, FEW)), 1e-12);
+    assert_near(number_of(jitter, "p_hit_error", 1), sqrt(sample_variance(sets, JITTER_SETS) / JITTER_SETS), 1e-12);
+    conus_table_destroy(jitter);
     conus_atlas_destroy(atlas);
-}
-
-static void assert_same_row(const conus_chance *a, const conus_chance *b)
-{
-    assert_int_equal(a->object, b->object);
-    assert_true(a->hit == b->hit && a->hit_error == b->hit_error && a->seen == b->seen);
-    assert_true(a->share == b->share && a->share_deviation == b->share_deviation);
 }
 
 static void both_engines_say_the_same(void **state)
@@ -453,15 +450,12 @@ static void both_engines_say_the_same(void **state)
     assert_gl(conus_selector_create(&selector, atlas, &by_gl));
     conus_selector_destroy(selector);
     conus_pose pose = scene_generic_pose(&seed, atlas);
-    conus_jitter *gl = jitter_of(atlas, &by_gl, &pose, 50, &options);
-    conus_jitter *rays = jitter_of(atlas, &by_rays, &pose, 50, &options);
-    assert_int_equal(conus_jitter_count(gl), conus_jitter_count(rays));
-    assert_true(conus_jitter_count(gl) > 2);
-    for (size_t i = 0; i < conus_jitter_count(gl); i++) {
-        assert_same_row(conus_jitter_chance(gl, i), conus_jitter_chance(rays, i));
-    }
-    conus_jitter_destroy(gl);
-    conus_jitter_destroy(rays);
+    conus_table *gl = jitter_of(atlas, &by_gl, &pose, 50, &options);
+    conus_table *rays = jitter_of(atlas, &by_rays, &pose, 50, &options);
+    assert_true(conus_table_rows(gl) > 2);
+    assert_same_tables(gl, rays);
+    conus_table_destroy(gl);
+    conus_table_destroy(rays);
     conus_atlas_destroy(atlas);
 }
 
@@ -475,12 +469,12 @@ static void all_layers_know_what_is_hidden(void **state)
         conus_pose pose = scene_generic_pose(&seed, atlas);
         const conus_selector_options all = {.layers = CONUS_LAYERS_ALL, .resolution = 4};
         const conus_jitter_options options = {.tilt = 0.2, .shift = 1, .samples = 32};
-        conus_jitter *jitter = jitter_of(atlas, &all, &pose, 30, &options);
+        conus_table *jitter = jitter_of(atlas, &all, &pose, 30, &options);
         check_rows(jitter, true);
-        for (size_t r = 0; r < conus_jitter_count(jitter); r++) {
-            hidden += conus_jitter_chance(jitter, r)->in_cone > conus_jitter_chance(jitter, r)->seen;
+        for (size_t r = 0; r < conus_table_rows(jitter); r++) {
+            hidden += table_number_at(jitter, "p_in_cone", r) > table_number_at(jitter, "p_seen", r);
         }
-        conus_jitter_destroy(jitter);
+        conus_table_destroy(jitter);
         conus_atlas_destroy(atlas);
     }
     assert_true(hidden > 5);
@@ -492,30 +486,27 @@ static void limits_are_named(void **state)
     conus_atlas *atlas = half_spaces(0);
     conus_pose pose = down_from(0, 0, 100);
     conus_selector *selector = NULL;
-    conus_jitter *jitter = NULL;
+    conus_table *jitter = NULL;
     static const conus_jitter_options wrong[] = {
         {.tilt = -1},   {.tilt = 2},    {.tilt = NAN},   {.shift = -1},         {.shift = NAN},
         {.shift = 1e7}, {.samples = 8}, {.samples = 48}, {.samples = 1U << 21}, {.shift = INFINITY}};
     assert_ok(conus_selector_create(&selector, atlas, &one_ray));
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
-        assert_fails(conus_jitter_create(&jitter, selector, &pose, 1, &wrong[i]), CONUS_ERROR_ARGUMENT);
+        assert_fails(conus_jitter(&jitter, selector, &pose, 1, &wrong[i]), CONUS_ERROR_ARGUMENT);
     }
-    assert_fails(conus_jitter_create(&jitter, selector, &pose, 0, &wrong[9]), CONUS_ERROR_ARGUMENT);
-    assert_fails(conus_jitter_create(&jitter, selector, &pose, NAN, &(conus_jitter_options){0}), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_jitter(&jitter, selector, &pose, 0, &wrong[9]), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_jitter(&jitter, selector, &pose, NAN, &(conus_jitter_options){0}), CONUS_ERROR_ARGUMENT);
     assert_null(jitter);
-    assert_int_equal(conus_jitter_count(NULL), 0);
-    conus_jitter_destroy(NULL);
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
 }
 
 static conus_status make_jitter(void *data)
 {
-    conus_jitter *jitter = NULL;
+    conus_table *jitter = NULL;
     conus_pose pose = down_from(0, 0, 100);
-    conus_status status =
-        conus_jitter_create(&jitter, data, &pose, 1, &(conus_jitter_options){.shift = 1, .samples = 16});
-    conus_jitter_destroy(jitter);
+    conus_status status = conus_jitter(&jitter, data, &pose, 1, &(conus_jitter_options){.shift = 1, .samples = 16});
+    conus_table_destroy(jitter);
     return status;
 }
 
@@ -545,11 +536,11 @@ static void a_callback_ends_it(void **state)
     size_t heard = 0;
     conus_atlas *atlas = half_spaces(0);
     conus_selector *selector = NULL;
-    conus_jitter *jitter = NULL;
+    conus_table *jitter = NULL;
     const conus_pose pose = down_from(0, 0, 100);
     const conus_jitter_options options = {.samples = 16, .progress = stop_at_five, .progress_user = &heard};
     assert_ok(conus_selector_create(&selector, atlas, NULL));
-    assert_fails(conus_jitter_create(&jitter, selector, &pose, 0.2, &options), CONUS_ERROR_CANCELLED);
+    assert_fails(conus_jitter(&jitter, selector, &pose, 0.2, &options), CONUS_ERROR_CANCELLED);
     assert_string_equal(conus_message(), "jitter: cancelled after 5 of 16 poses");
     assert_null(jitter);
     conus_selector_destroy(selector);

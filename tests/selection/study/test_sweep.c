@@ -451,16 +451,6 @@ static double below(double x)
     return 0.5 * erfc(-x / sqrt(2));
 }
 
-static const conus_chance *chance_of(const conus_jitter *jitter, uint32_t object)
-{
-    for (size_t i = 0; i < conus_jitter_count(jitter); i++) {
-        if (conus_jitter_chance(jitter, i)->object == object) {
-            return conus_jitter_chance(jitter, i);
-        }
-    }
-    return NULL;
-}
-
 /* A straight streamline at the distance y from the axis of a cylinder of radius R is in it with the probability of a
  * normal shift between -R - y and R - y. The tube that rays hit is 2 mm thicker, and the cylinder's rays reach 31/32 of
  * its radius. */
@@ -478,21 +468,22 @@ static void a_bundle_is_in_the_cone_with_a_line_of_it(void **state)
     conus_atlas *atlas = mesh_scene_atlas();
     assert_ok(conus_atlas_add_polylines(atlas, &lines, &(conus_streamlines_options){.radius = tube}));
     conus_selector *selector = NULL;
-    conus_jitter *jitter = NULL;
+    conus_table *jitter = NULL;
     conus_pose pose;
     assert_ok(conus_pose_along(&pose, (double[]){0, 0, 50}, (double[]){0, 0, -1}, NULL));
     assert_ok(conus_selector_create(&selector, atlas, &options));
-    assert_ok(
-        conus_jitter_create(&jitter, selector, &pose, 0, &(conus_jitter_options){.shift = shift, .samples = 4096}));
+    assert_ok(conus_jitter(&jitter, selector, &pose, 0, &(conus_jitter_options){.shift = shift, .samples = 4096}));
     conus_selector_destroy(selector);
-    const conus_chance *row = chance_of(jitter, 1);
+    size_t row = table_row_of(jitter, 1);
+    double in_cone = table_number_at(jitter, "p_in_cone", row);
+    double is_seen = table_number_at(jitter, "p_seen", row);
     double in = below((radius - 3) / shift) - below((-radius - 3) / shift);
     double reach = radius * 15 / 16 + tube;
     double seen = below((reach - 3) / shift) - below((-reach - 3) / shift);
-    assert_near(row->in_cone, in, 2e-3);
-    assert_near(row->seen, seen, 5e-3);
-    assert_true(row->seen > row->in_cone + 0.3);
-    conus_jitter_destroy(jitter);
+    assert_near(in_cone, in, 2e-3);
+    assert_near(is_seen, seen, 5e-3);
+    assert_true(is_seen > in_cone + 0.3);
+    conus_table_destroy(jitter);
     conus_atlas_destroy(atlas);
 }
 
