@@ -123,18 +123,18 @@ static int print_failure(const struct overlap *overlap, const char *path, int co
 }
 
 /* Notes about where a region lies. */
-static void say_place(const struct overlap *overlap, size_t index, const conus_roi *roi, const conus_overlap *coverages)
+static void say_place(const struct overlap *overlap, size_t index, const conus_roi *roi, const conus_table *coverages)
 {
     char prefix[ATLAS_PREFIX_SIZE];
     const struct named_atlas *named = &overlap->request.atlases.items[index];
     const conus_volume_info *info = conus_roi_volume(roi);
-    const conus_coverage *best = conus_overlap_coverage(coverages, 0);
+    bool is_beside = !conus_table_rows(coverages) || !conus_table_objects(coverages)[0];
     const conus_volume_info *atlas = conus_atlas_volume(named->atlas, 0);
     const conus_brain_view brains[] = {conus_volume_brain(info), conus_atlas_brain(named->atlas)};
     conus_brain_gap gap = conus_brain_compare(brains[0], brains[1]);
     bool quiet = overlap->settings->request.common.quiet;
     atlases_prefix(prefix, named);
-    if (!best->object) {
+    if (is_beside) {
         say_note(CONUS_SEVERITY_NOTE, quiet, "%s%s: covers no area and no pathway; are it and the atlas in one space?",
                  prefix, info->path);
     }
@@ -176,18 +176,18 @@ static void say_bundles(const struct overlap *overlap, const struct named_atlas 
 static int add_answer(struct overlap *overlap, size_t index, const char *path, const conus_roi *roi)
 {
     struct answerer *answerer = &overlap->request.answerers[index];
-    conus_overlap *coverages = NULL;
-    conus_status status = conus_overlap_create(&coverages, answerer->selector, roi);
-    status = status ? status : conus_report_add_overlap(answerer->report, path, coverages);
+    conus_table *coverages = NULL;
+    conus_status status = conus_overlap(&coverages, answerer->selector, roi);
+    status = status ? status : conus_report_add_table(answerer->report, path, coverages);
     if (!status) {
         say_place(overlap, index, roi, coverages);
     }
-    conus_overlap_destroy(coverages);
+    conus_table_destroy(coverages);
     if (!status && overlap->clusters.path) {
-        conus_clusters *clusters = NULL;
-        status = conus_clusters_create(&clusters, answerer->selector, roi);
-        status = status ? status : conus_report_add_clusters(overlap->clusters.reports[index], path, clusters);
-        conus_clusters_destroy(clusters);
+        conus_table *clusters = NULL;
+        status = conus_clusters(&clusters, answerer->selector, roi);
+        status = status ? status : conus_report_add_table(overlap->clusters.reports[index], path, clusters);
+        conus_table_destroy(clusters);
     }
     return print_status(status);
 }

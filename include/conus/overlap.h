@@ -8,16 +8,15 @@
 
 #include <conus/arrays.h>
 #include <conus/selection.h>
+#include <conus/table.h>
 
-#include <stddef.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-typedef struct conus_roi conus_roi;         /**< A region of interest: voxels of a volume, or tetrahedra of a mesh. */
-typedef struct conus_overlap conus_overlap; /**< The areas and pathways that a region of interest covers. */
+typedef struct conus_roi conus_roi; /**< A region of interest: voxels of a volume, or tetrahedra of a mesh. */
 
 /** How a region of interest is read. */
 typedef struct conus_roi_options {
@@ -84,63 +83,24 @@ CONUS_API const conus_volume_info *conus_roi_volume(const conus_roi *roi);
  */
 CONUS_API uint64_t conus_roi_voxels(const conus_roi *roi);
 
-/** How much of an object a region of interest covers (Eq. 16): exact for voxels and closed surfaces as they are, and
- * for tetrahedra in voxels. Volumes outside of all surfaces, and in several surfaces that are reported as one area, are
- * measured round 4 x 4 lines through each voxel; the parts of tetrahedra in surfaces, round lines 0.5 mm from each
- * other. */
-typedef struct conus_coverage {
-    conus_kind kind;     /**< Its kind; #CONUS_KIND_UNASSIGNED: the part of the region in no object. */
-    uint32_t object;     /**< Number in the atlas, as it is reported (level); 0 for #CONUS_KIND_UNASSIGNED. */
-    double volume;       /**< Volume of the part that is in both, mm³. */
-    double fraction;     /**< That part of the object, up to 1; NaN for #CONUS_KIND_UNASSIGNED, and where the object's
-                            volume is unknown. */
-    double roi_fraction; /**< That part of the region. Areas and pathways may overlap: these need not sum to 1. */
-    double peak; /**< Among the region's voxels or tetrahedra that are in it at least in part: the value farthest from 0
-                    on the threshold's side; of a mask its value. */
-    double peak_point[3]; /**< Centre of that one, world mm; of several the first in the file. */
-    double volume_error;  /**< An estimate of how far the volume is off, mm³, where lines had a part in it (Eq. 16),
-                             rather too large than too small: of 81 volumes one was off by 1.04 of it; 0 = exact. */
-} conus_coverage;
-
 /**
- * Finds which objects a region of interest covers. The selector's level holds; its angle, range and engine do not
- * matter. Surfaces that are not closed have no inside and are left out.
- * @param[out] out The overlap; end it with conus_overlap_destroy().
+ * Finds which objects a region of interest covers, and how much of each (Eq. 16): the largest volume first, last the
+ * part in no object, of number 0. Areas and pathways may overlap: parts of the region need not sum to 1. The selector's
+ * level holds; its angle, range and engine do not matter. Surfaces that are not closed have no inside and are left out.
+ * Exact for voxels and closed surfaces as they are, and for tetrahedra in voxels. Volumes outside of all surfaces, and
+ * in several surfaces that are reported as one area, are measured round 4 x 4 lines through each voxel; the parts of
+ * tetrahedra in surfaces, round lines 0.5 mm from each other: there volume_error_mm3 estimates how far the volume is
+ * off, rather too large than too small (of 81 volumes one was off by 1.04 of it); else it is 0.
+ * @param[out] out The columns of `conus overlap` (docs/formats.md) but query, and always volume_error_mm3; end it with
+ * conus_table_destroy(). Peaks are those of the voxels or tetrahedra that are there at least in part: the value
+ * farthest from 0 on the threshold's side, of several the first in the file.
  * @param selector The selector.
  * @param roi In the space of the atlas; may end afterwards.
  * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
  * @threads One at a time for each @p selector.
  * @since 0.1
  */
-CONUS_CHECKED conus_status conus_overlap_create(conus_overlap **out, const conus_selector *selector,
-                                                const conus_roi *roi);
-
-/**
- * Ends an overlap.
- * @param overlap NULL is allowed.
- * @threads One at a time for each @p overlap.
- * @since 0.1
- */
-CONUS_API void conus_overlap_destroy(conus_overlap *overlap);
-
-/**
- * Counts the coverages. They are ordered by volume, the largest first, with that of unassigned last.
- * @param overlap NULL counts 0.
- * @return How many coverages there are.
- * @threads Any: the object does not change.
- * @since 0.1
- */
-CONUS_API size_t conus_overlap_count(const conus_overlap *overlap);
-
-/**
- * Gives coverage @p index.
- * @param overlap The overlap.
- * @param index From 0.
- * @return NULL past the last. Borrowed from the overlap.
- * @threads Any: the object does not change.
- * @since 0.1
- */
-CONUS_API const conus_coverage *conus_overlap_coverage(const conus_overlap *overlap, size_t index);
+CONUS_CHECKED conus_status conus_overlap(conus_table **out, const conus_selector *selector, const conus_roi *roi);
 
 #ifdef __cplusplus
 }

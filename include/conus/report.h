@@ -53,7 +53,7 @@ typedef enum conus_rows {
     CONUS_ROWS_CHANCES,     /**< Tables of conus_jitter(). */
     CONUS_ROWS_SUMMARIES,   /**< From conus_report_add(), one row each: the best, the runner-up, and by how much. Not as
                            #CONUS_FORMAT_TABLE. */
-    CONUS_ROWS_COVERAGES,   /**< From conus_report_add_overlap(). */
+    CONUS_ROWS_COVERAGES,   /**< Tables of conus_overlap(). */
     CONUS_ROWS_SEGMENTS,    /**< From conus_report_add_segments(). */
     CONUS_ROWS_CONNECTIONS, /**< From conus_report_add_connections(). */
     CONUS_ROWS_CLEARANCES,  /**< From conus_report_add_clearances(). */
@@ -61,7 +61,7 @@ typedef enum conus_rows {
     CONUS_ROWS_CONSTRAINTS, /**< From the same, a row for each of them and each constraint. */
     CONUS_ROWS_PROFILE,     /**< From conus_report_add_profile(). */
     CONUS_ROWS_TOLERANCE,   /**< From conus_report_add_tolerance(). */
-    CONUS_ROWS_CLUSTERS     /**< From conus_report_add_clusters(). */
+    CONUS_ROWS_CLUSTERS     /**< Tables of conus_clusters(). */
 } conus_rows;
 
 /** The order of the answers to a query. */
@@ -163,7 +163,7 @@ CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *qu
                                             const conus_selection *selection);
 
 /**
- * Adds the answer of a study: of conus_sweep() or conus_jitter().
+ * Adds the answer of a study: of conus_sweep(), conus_jitter(), conus_overlap() or conus_clusters().
  * @param report The report.
  * @param query_id As for conus_report_add().
  * @param table Of the report's selector, with positions in the frame of the report. It may end afterwards.
@@ -198,30 +198,6 @@ CONUS_CHECKED conus_status conus_report_add_connections(conus_report *report, co
  */
 CONUS_CHECKED conus_status conus_report_matrix(const char **text, size_t *size, conus_report *report,
                                                conus_connectivity *connectivity);
-
-/**
- * Adds what a region of interest covers.
- * @param report The report.
- * @param query_id As for conus_report_add().
- * @param overlap The coverages; may end afterwards.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows.
- * @threads One at a time for each @p report.
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_report_add_overlap(conus_report *report, const char *query_id,
-                                                    const conus_overlap *overlap);
-
-/**
- * Adds the clusters of a region of interest.
- * @param report The report.
- * @param query_id As for conus_report_add().
- * @param clusters May end afterwards.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows.
- * @threads One at a time for each @p report.
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_report_add_clusters(conus_report *report, const char *query_id,
-                                                     const conus_clusters *clusters);
 
 /**
  * Adds what an axis passes: to #CONUS_ROWS_SEGMENTS a row for each segment. To #CONUS_FORMAT_SPIKEGLX and

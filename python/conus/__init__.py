@@ -13,7 +13,7 @@
 All positions are RAS mm and all angles degrees, but in ``results`` and ``records``, which are the
 library's own structs.
 """
-from ._answers import Answers, Clusters, Hit, Overlap, Selection, Step, Track
+from ._answers import Answers, Hit, Selection, Step, Track
 from ._atlas import Atlas, InstalledAtlas, Placement, Selector, atlases, load
 from ._axis import Clearances, Segments
 from ._conus import ffi as _ffi, lib as _lib
@@ -41,8 +41,8 @@ from ._tracts import Tractogram, is_tractogram
 
 __version__ = _ffi.string(_lib.conus_version()).decode()
 __all__ = [
-    "Answers", "ArgumentError", "Atlas", "CancelledError", "Clearances", "Clusters", "Connectivity", "Contacts", "DataError", "Difference", "Error", "FileError",
-    "GLError", "Hit", "InstalledAtlas", "OutOfMemoryError", "Overlap", "Picture", "Place", "Placement", "Plan", "PoseWarning", "Poses", "Probe", "Renderer",
+    "Answers", "ArgumentError", "Atlas", "CancelledError", "Clearances", "Connectivity", "Contacts", "DataError", "Difference", "Error", "FileError",
+    "GLError", "Hit", "InstalledAtlas", "OutOfMemoryError", "Picture", "Place", "Placement", "Plan", "PoseWarning", "Poses", "Probe", "Renderer",
     "Segments", "Selection", "Selector", "SourceFile", "Step", "Table", "Track", "Tracker", "Tractogram",
     "UnsupportedError", "Verification", "atlases", "cite", "is_tractogram", "load", "page", "pose_formats", "read_poses", "read_probe",
     "transfer_presets", "verify",

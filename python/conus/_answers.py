@@ -10,7 +10,7 @@ import numpy as np
 
 from ._conus import ffi, lib
 from ._library import (
-    CLUSTER, COVERAGE, RESULT, STEP, Bound, Error, array_of, check, choice, owned, path_of, text, utf8, whole,
+    RESULT, STEP, Bound, Error, array_of, check, choice, owned, path_of, text, utf8, whole,
 )
 
 if TYPE_CHECKING:
@@ -597,92 +597,3 @@ class Track(Answers):
             return frame
         nothing = (results["object"] == 0) & (steps["selected"] == 0) & (steps["confirmed"] == 0)
         return frame[frame["selected"] | frame["confirmed"] | nothing].reset_index(drop=True)
-
-
-class _Study:
-    """Records of one pose, or of a region, other than results."""
-
-    space: Optional[Space] = None  #: of positions in tables; None = RAS mm
-
-    def __init__(self, atlas: Atlas, records: Array) -> None:
-        self.atlas = atlas
-        self.records = records
-
-    def __len__(self) -> int:
-        return len(self.records)
-
-    def __repr__(self) -> str:
-        return f"<conus.{type(self).__name__} of {len(self)} objects>"
-
-    def _ranks(self) -> Array:
-        return np.asarray(self.records["rank"])
-
-    def _measures(self) -> dict[str, Any]:
-        raise NotImplementedError
-
-    def to_dataframe(self) -> pandas.DataFrame:
-        """The rows of ``conus overlap``, without the column ``query``."""
-        import pandas
-
-        return pandas.DataFrame({**identity_of(self.atlas.objects, self.records, self._ranks()), **self._measures()})
-
-    def _repr_html_(self) -> str:
-        return str(self.to_dataframe()._repr_html_())
-
-
-class Overlap(_Study):
-    """How much of each object a region of interest covers, the largest volume first; last what is in no object."""
-
-    def __init__(self, atlas: Atlas, pointer: Any) -> None:
-        overlap = owned(pointer, lib.conus_overlap_destroy)
-        count = lib.conus_overlap_count(overlap)
-        super().__init__(atlas, array_of(lib.conus_overlap_coverage(overlap, 0), count, COVERAGE))
-
-    def _ranks(self) -> Array:
-        return np.where(self.records["object"] > 0, np.arange(1, len(self) + 1), 0)
-
-    def _measures(self) -> dict[str, Any]:
-        return {
-            "volume_mm3": self.records["volume"],
-            "fraction": self.records["fraction"],
-            "region_fraction": self.records["roi_fraction"],
-            "peak": self.records["peak"],
-            **points_of("peak_", self.records["peak_point"], self.space),
-        }
-
-
-class Clusters(_Study):
-    """The clusters of a region of interest, the largest first: of each a record of the whole, of its part in each
-    object, and of its local maxima, told apart by ``part``."""
-
-    def __init__(self, atlas: Atlas, pointer: Any) -> None:
-        clusters = owned(pointer, lib.conus_clusters_destroy)
-        count = lib.conus_clusters_count(clusters)
-        super().__init__(atlas, array_of(lib.conus_clusters_row(clusters, 0), count, CLUSTER))
-
-    def __repr__(self) -> str:
-        return f"<conus.Clusters: {(self.records['part'] == lib.CONUS_CLUSTER_WHOLE).sum()} clusters>"
-
-    def to_dataframe(self) -> pandas.DataFrame:
-        """The rows of ``conus overlap --clusters``, without the column ``query``."""
-        import pandas
-
-        records = self.records
-        whole, maximum = (records["part"] == part for part in (lib.CONUS_CLUSTER_WHOLE, lib.CONUS_CLUSTER_MAXIMUM))
-        columns = identity_of(self.atlas.objects, records)
-        kind = np.select([whole, maximum], ["cluster", "maximum"], columns["kind"].astype(object))
-        names = np.array(columns["name"].astype(object))
-        names[whole] = None
-        return pandas.DataFrame({
-            "cluster": records["cluster"],
-            "kind": pandas.Categorical(kind),
-            "index": columns["index"],
-            "name": pandas.Categorical(names),
-            "volume_mm3": records["volume"],
-            "fraction": records["fraction"],
-            "cluster_fraction": records["cluster_fraction"],
-            "peak": records["peak"],
-            **points_of("peak_", records["peak_point"], self.space),
-            "voxels": counts(records["voxels"].astype("i8"), ~whole),
-            **points_of("centre_", records["centre"], self.space),
-        })

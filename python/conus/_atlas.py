@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, NamedTuple, 
 
 import numpy as np
 
-from ._answers import Answers, Array, Clusters, Objects, Overlap, Selection, Track, kind_word
+from ._answers import Answers, Array, Objects, Selection, Track, kind_word
 from ._axis import Clearances, Segments
 from ._callback import Callback, load_progress, receive
 from ._candidates import candidates_stream, depth_of
@@ -1138,7 +1138,7 @@ class Selector(Guarded):
         self._call(lib.conus_connectivity_create, out, self._p, chosen, _ends(radius))
         return Connectivity(self.atlas, out[0])
 
-    def overlap(self, roi: Any, threshold: float = 0, *, max_memory: int = 0) -> Overlap:
+    def overlap(self, roi: Any, threshold: float = 0, *, max_memory: int = 0) -> Table:
         """Which objects a region of interest covers: ``conus overlap``.
 
         Parameters
@@ -1154,26 +1154,25 @@ class Selector(Guarded):
 
         Returns
         -------
-        Overlap
-            The largest volume first.
+        Table
+            The largest volume first; last what is in no object. Unlike the program's, it always has
+            ``volume_error_mm3``, 0 where a volume is exact.
         """
         region = _region(roi, threshold, byte_count("max_memory", max_memory))
-        out = ffi.new("conus_overlap **")
-        self._call(lib.conus_overlap_create, out, self._p, region)
-        overlap: Overlap = self._place(Overlap(self.atlas, out[0]))
-        return overlap
+        out = ffi.new("conus_table **")
+        self._call(lib.conus_overlap, out, self._p, region)
+        return Table(out[0])
 
-    def clusters(self, roi: Any, threshold: float = 0, *, max_memory: int = 0) -> Clusters:
+    def clusters(self, roi: Any, threshold: float = 0, *, max_memory: int = 0) -> Table:
         """The clusters of a region of interest, what each covers, and its local maxima: ``conus overlap --clusters``.
 
         Voxels with a face, an edge or a corner in common are one cluster. Parameters are those of :meth:`overlap`; a
         region of tetrahedra has no clusters.
         """
         region = _region(roi, threshold, byte_count("max_memory", max_memory))
-        out = ffi.new("conus_clusters **")
-        self._call(lib.conus_clusters_create, out, self._p, region)
-        clusters: Clusters = self._place(Clusters(self.atlas, out[0]))
-        return clusters
+        out = ffi.new("conus_table **")
+        self._call(lib.conus_clusters, out, self._p, region)
+        return Table(out[0])
 
     def select_many(
         self,
@@ -1668,12 +1667,12 @@ class Atlas:
         return self._selector(options).connectivity(radius)
 
     def overlap(self, roi: Any, threshold: float = 0, *, max_memory: int = 0,
-                **options: Any) -> Overlap:
+                **options: Any) -> Table:
         """Which objects a region of interest covers: see :meth:`Selector.overlap`."""
         return self._selector(options).overlap(roi, threshold, max_memory=max_memory)
 
     def clusters(self, roi: Any, threshold: float = 0, *, max_memory: int = 0,
-                 **options: Any) -> Clusters:
+                 **options: Any) -> Table:
         """The clusters of a region of interest, with areas and maxima: see :meth:`Selector.clusters`."""
         return self._selector(options).clusters(roi, threshold, max_memory=max_memory)
 

@@ -318,8 +318,6 @@ def array_of(pointer: Any, count: int, dtype: np.dtype[Any]) -> np.ndarray[Any, 
 
 
 RESULT = dtype_of("conus_result")
-COVERAGE = dtype_of("conus_coverage")
-CLUSTER = dtype_of("conus_cluster_row")
 SEGMENT = dtype_of("conus_segment")
 CLEARANCE = dtype_of("conus_clearance")
 STEP = dtype_of("conus_step")

@@ -183,9 +183,6 @@ void report_clear(conus_report *report)
     for (size_t i = 0; i < report->query_count; i++) {
         memory_free(report->queries[i].id);
         memory_free(report->queries[i].error);
-        if (!report->queries[i].table) {
-            memory_free(report->queries[i].asked.region.path);
-        }
         conus_table_destroy(report->queries[i].table);
         free_kept(&report->queries[i], report);
     }
@@ -453,50 +450,6 @@ conus_status conus_report_add_connections(conus_report *report, const char *quer
     for (size_t i = 0; !status && i < connectivity->row_count; i++) {
         const conus_connection *row = &connectivity->rows[i];
         rows[i].connection = (struct report_connection){CONUS_KIND_BUNDLE, row->bundle, *row};
-    }
-    return status;
-}
-
-/* Adds a query about a region, and `count` rows of `kind`, which the caller fills. `what` they are of. */
-static conus_status append_region(struct report_row **rows, conus_report *report, const char *query_id,
-                                  const conus_overlap *overlap, size_t count, conus_rows kind, const char *what)
-{
-    struct report_query query = {.asked.region = {.path = memory_text(overlap->path, strlen(overlap->path)),
-                                                  .volume = overlap->volume,
-                                                  .threshold = overlap->threshold,
-                                                  .volume_mm3 = overlap->volume_mm3,
-                                                  .tetrahedra = overlap->tetrahedra}};
-    memcpy(query.asked.region.sha256, overlap->sha256, sizeof query.asked.region.sha256);
-    conus_status status = report->options.rows != kind ? refuse_rows(what)
-                          : query.asked.region.path    ? CONUS_OK
-                                                       : CONUS_ERROR_MEMORY;
-    status = status ? status : append_query(report, query_id, &query);
-    if (status) {
-        memory_free(query.asked.region.path);
-        return status;
-    }
-    report->queries[report->query_count - 1].first_row = report->row_count;
-    return append_rows(rows, report, count);
-}
-
-conus_status conus_report_add_overlap(conus_report *report, const char *query_id, const conus_overlap *overlap)
-{
-    struct report_row *rows;
-    conus_status status =
-        append_region(&rows, report, query_id, overlap, overlap->count, CONUS_ROWS_COVERAGES, "an overlap");
-    for (size_t i = 0; !status && i < overlap->count; i++) {
-        rows[i].coverage = overlap->rows[i];
-    }
-    return status;
-}
-
-conus_status conus_report_add_clusters(conus_report *report, const char *query_id, const conus_clusters *clusters)
-{
-    struct report_row *rows;
-    conus_status status =
-        append_region(&rows, report, query_id, &clusters->region, clusters->count, CONUS_ROWS_CLUSTERS, "clusters");
-    for (size_t i = 0; !status && i < clusters->count; i++) {
-        rows[i].cluster = clusters->rows[i];
     }
     return status;
 }

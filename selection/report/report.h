@@ -81,8 +81,6 @@ struct report_row {
     union {
         conus_result result;
         struct report_table_row of_table;
-        conus_coverage coverage;
-        conus_cluster_row cluster;
         conus_segment segment;
         conus_clearance clearance;
         struct report_connection connection;
@@ -99,7 +97,7 @@ struct report_query {
     const char *probe;                  /**< The contact's probe, where it is not called as in its file; else NULL. */
     char *error;                        /**< Why there is no answer, likewise; NULL if there is one. */
     conus_table *table;                 /**< Of rows of tables: held; NULL of another. */
-    struct table_question asked;        /**< Its region's path is owned unless the table has it. */
+    struct table_question asked;        /**< Its region's path is the table's. */
     uint32_t cone_pixels;               /**< Pixels of the aperture.                              */
     bool is_point;                      /**< The ball only stands for its centre. */
     conus_step step;                    /**< In a report on a track. */

@@ -7,43 +7,59 @@
 #include <stdio.h>
 #include <string.h>
 
-static void write_place(struct buffer *out, const conus_report *report, const double place[3])
+static bool is_of_kind(const struct report_row *row, const char *kind)
 {
-    int digits = table_digits(report);
-    double at[3];
-    memcpy(at, place, sizeof at);
-    report_point(report, at);
-    buffer_format(out, " %.*f, %.*f, %.*f", digits, at[0], digits, at[1], digits, at[2]);
+    return strcmp(conus_table_texts(row->of_table.table, "kind")[row->of_table.index], kind) == 0;
 }
 
-static void write_whole(struct buffer *out, const conus_report *report, const conus_cluster_row *row)
+static unsigned long long count_of(const struct report_row *row, const char *column)
 {
+    return (unsigned long long)conus_table_counts(row->of_table.table, column)[row->of_table.index];
+}
+
+static void write_place(struct buffer *out, const conus_report *report, const struct report_row *row,
+                        const char *const columns[3])
+{
+    int digits = table_digits(report);
+    buffer_format(out, " %.*f, %.*f, %.*f", digits, report_number(row, columns[0]), digits,
+                  report_number(row, columns[1]), digits, report_number(row, columns[2]));
+}
+
+static const char *const peak[] = {"peak_x", "peak_y", "peak_z"};
+
+static void write_whole(struct buffer *out, const conus_report *report, const struct report_row *row)
+{
+    static const char *const centre[] = {"centre_x", "centre_y", "centre_z"};
     char volume[TABLE_VOLUME_SIZE];
-    buffer_format(out, "cluster %u: %llu voxel%s, %s mm^3, peak %.5g at", row->cluster, (unsigned long long)row->voxels,
-                  row->voxels > 1 ? "s" : "", table_volume(volume, row->volume), row->peak);
-    write_place(out, report, row->peak_point);
+    unsigned long long voxels = count_of(row, "voxels");
+    buffer_format(out, "cluster %llu: %llu voxel%s, %s mm^3, peak %.5g at", count_of(row, "cluster"), voxels,
+                  voxels > 1 ? "s" : "", table_volume(volume, report_number(row, "volume_mm3")),
+                  report_number(row, "peak"));
+    write_place(out, report, row, peak);
     buffer_text(out, ", centre of mass");
-    write_place(out, report, row->centre);
+    write_place(out, report, row, centre);
     table_write_space(out, report);
 }
 
-static void write_part(struct buffer *out, const conus_report *report, const conus_cluster_row *row, int width)
+static void write_part(struct buffer *out, const conus_report *report, const struct report_row *row, int width)
 {
     char volume[TABLE_VOLUME_SIZE] = "";
     char fraction[16] = "";
     char of_cluster[16] = "";
-    bool is_maximum = row->part == CONUS_CLUSTER_MAXIMUM;
-    if (isfinite(row->fraction)) {
-        snprintf(fraction, sizeof fraction, "%.2f", 100 * row->fraction);
+    bool is_maximum = is_of_kind(row, "maximum");
+    uint32_t object = row->of_table.object;
+    double part = report_number(row, "fraction");
+    if (isfinite(part)) {
+        snprintf(fraction, sizeof fraction, "%.2f", 100 * part);
     }
     if (!is_maximum) {
-        snprintf(of_cluster, sizeof of_cluster, "%.2f", 100 * row->cluster_fraction);
-        table_volume(volume, row->volume);
+        snprintf(of_cluster, sizeof of_cluster, "%.2f", 100 * report_number(row, "cluster_fraction"));
+        table_volume(volume, report_number(row, "volume_mm3"));
     }
     buffer_text(out, is_maximum ? "  maximum  " : "           ");
-    table_write_name(out, row->object ? table_name(report, row->object) : "(in no area)", width);
-    buffer_format(out, "  %11s  %9s  %10s  %10.5g ", volume, fraction, of_cluster, row->peak);
-    write_place(out, report, row->peak_point);
+    table_write_name(out, object ? table_name(report, object) : "(in no area)", width);
+    buffer_format(out, "  %11s  %9s  %10s  %10.5g ", volume, fraction, of_cluster, report_number(row, "peak"));
+    write_place(out, report, row, peak);
     buffer_text(out, "\n");
 }
 
@@ -52,8 +68,8 @@ static void write_answers(struct buffer *out, const conus_report *report, size_t
     char axes[TABLE_AXES_SIZE];
     table_write_atlas(out, report);
     for (size_t i = report->queries[query].first_row; i < report_row_end(report, query); i++) {
-        const conus_cluster_row *row = &report->rows[i].cluster;
-        if (row->part == CONUS_CLUSTER_WHOLE) {
+        const struct report_row *row = &report->rows[i];
+        if (is_of_kind(row, "cluster")) {
             write_whole(out, report, row);
             buffer_format(out, "           %-*s  %11s  %9s  %10s  %10s  %s\n", width, "name", "volume, mm^3",
                           "of area, %", "cluster, %", "peak", table_axes(axes, report, "at"));

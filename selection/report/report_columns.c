@@ -174,6 +174,8 @@ static const struct report_column answer_columns[] = {
      OF_ROW(NUMBER, result.contact_value)},
 };
 
+static const struct report_column region_column = {"query", NULL, "the region", NAMED(get_query)};
+
 static struct cell get_radius(const conus_report *report, const struct report_row *row)
 {
     const struct report_query *query = &report->queries[row->query];
@@ -215,84 +217,6 @@ static struct cell get_place(const conus_report *report, const struct report_row
 static const struct report_column share_columns[] = {
     {"angle_deg", "degree", "full opening angle of the cone", OF_QUERY(ANGLE, asked.cone.angle)},
 };
-
-static struct cell get_coverage_rank(const conus_report *report, const struct report_row *row)
-{
-    return row->coverage.object ? get_place(report, row) : no_cell();
-}
-
-static const struct report_column coverage_columns[] = {
-    {"rank", NULL, "1 has the largest volume", .get = get_coverage_rank},
-    {"volume_mm3", "mm^3", "volume of the part of it that is in the region", OF_ROW(NUMBER, coverage.volume)},
-    {"fraction", NULL, "that part of the area or pathway, 0 to 1", OF_ROW(NUMBER, coverage.fraction)},
-    {"region_fraction", NULL, "that part of the region, 0 to 1", OF_ROW(NUMBER, coverage.roi_fraction)},
-    {"peak", NULL, "the region's value farthest from 0 there", OF_ROW(NUMBER, coverage.peak)},
-    {"peak_x", "mm", "centre of the voxel that has it, x", OF_ROW(X, coverage.peak_point)},
-    {"peak_y", "mm", "the same, y", OF_ROW(Y, coverage.peak_point)},
-    {"peak_z", "mm", "the same, z", OF_ROW(Z, coverage.peak_point)},
-};
-
-static struct cell get_cluster_kind(const conus_report *report, const struct report_row *row)
-{
-    static const char *const words[] = {[CONUS_CLUSTER_WHOLE] = "cluster", [CONUS_CLUSTER_MAXIMUM] = "maximum"};
-    conus_cluster_part part = row->cluster.part;
-    return part == CONUS_CLUSTER_COVERAGE ? get_kind(report, row) : text_cell(words[part]);
-}
-
-static struct cell get_cluster_name(const conus_report *report, const struct report_row *row)
-{
-    return row->cluster.part == CONUS_CLUSTER_WHOLE ? no_cell() : get_name(report, row);
-}
-
-static struct cell get_cluster_voxels(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return row->cluster.part == CONUS_CLUSTER_WHOLE ? integer_cell(row->cluster.voxels) : no_cell();
-}
-
-static const struct report_column cluster_columns[] = {
-    {"query", NULL, "the region", NAMED(get_query)},
-    {"cluster", NULL, "number of the cluster, 1 is the largest", OF_ROW(COUNT, cluster.cluster)},
-    {"kind", NULL, "cluster: all of it; area, pathway or unassigned: its part there; maximum: a local maximum",
-     NAMED(get_cluster_kind)},
-    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway", NAMED(get_index)},
-    {"name", NULL, "name of the area or pathway; of a maximum that with most of its voxel", NAMED(get_cluster_name)},
-    {"volume_mm3", "mm^3", "volume of the cluster, or of the part of it that is there", OF_ROW(NUMBER, cluster.volume)},
-    {"fraction", NULL, "that part of the area or pathway, 0 to 1", OF_ROW(NUMBER, cluster.fraction)},
-    {"cluster_fraction", NULL, "that part of the cluster, 0 to 1", OF_ROW(NUMBER, cluster.cluster_fraction)},
-    {"peak", NULL, "the value farthest from 0 there; of a maximum its value", OF_ROW(NUMBER, cluster.peak)},
-    {"peak_x", "mm", "centre of the voxel that has it, x", OF_ROW(X, cluster.peak_point)},
-    {"peak_y", "mm", "the same, y", OF_ROW(Y, cluster.peak_point)},
-    {"peak_z", "mm", "the same, z", OF_ROW(Z, cluster.peak_point)},
-    {"voxels", NULL, "voxels of the cluster", .get = get_cluster_voxels},
-    {"centre_x", "mm", "centre of mass of the cluster, its voxels weighted by value, x", OF_ROW(X, cluster.centre)},
-    {"centre_y", "mm", "the same, y", OF_ROW(Y, cluster.centre)},
-    {"centre_z", "mm", "the same, z", OF_ROW(Z, cluster.centre)},
-};
-
-static const struct report_column cluster_error_columns[] = {
-    {"volume_error_mm3", "mm^3",
-     "an estimate of how far the volume is off, where lines decide what is in several surfaces; 0 where it is exact",
-     OF_ROW(NUMBER, cluster.volume_error)},
-};
-
-static const struct report_column error_columns[] = {
-    {"volume_error_mm3", "mm^3",
-     "an estimate of how far the volume is off, where lines decide what is in several surfaces; 0 where it is exact",
-     OF_ROW(NUMBER, coverage.volume_error)},
-};
-
-/* Whether lines had a part in a volume: rows that are all exact need no column. */
-static bool has_errors(const conus_report *report)
-{
-    bool has = false;
-    for (size_t i = 0; i < report->row_count; i++) {
-        const struct report_row *row = &report->rows[i];
-        bool of_cluster = report->options.rows == CONUS_ROWS_CLUSTERS;
-        has = has || (of_cluster ? row->cluster.volume_error : row->coverage.volume_error) > 0;
-    }
-    return has || (report->next && has_errors(report->next));
-}
 
 static struct cell get_length(const conus_report *report, const struct report_row *row)
 {
@@ -925,8 +849,10 @@ static bool insert_column(struct report_columns *out, size_t place, const struct
 
 const struct table_fields *report_fields(conus_rows rows)
 {
-    static const struct table_fields *const studies[] = {
-        [CONUS_ROWS_ADMISSIONS] = &sweep_fields, [CONUS_ROWS_CHANCES] = &jitter_fields};
+    static const struct table_fields *const studies[] = {[CONUS_ROWS_ADMISSIONS] = &sweep_fields,
+                                                         [CONUS_ROWS_CHANCES] = &jitter_fields,
+                                                         [CONUS_ROWS_COVERAGES] = &overlap_fields,
+                                                         [CONUS_ROWS_CLUSTERS] = &clusters_fields};
     return (size_t)rows < COUNT_OF(studies) ? studies[rows] : NULL;
 }
 
@@ -946,7 +872,7 @@ static bool is_worth_a_column(const conus_report *report, const struct report_co
 /* The columns of tables, behind the question's. */
 static void list_fields(struct report_columns *out, const conus_report *report)
 {
-    list_column(out, &answer_columns[0]);
+    list_column(out, report->options.rows == CONUS_ROWS_CLUSTERS ? &region_column : &answer_columns[0]);
     for (size_t i = 0; i < report->field_count; i++) {
         if (!report->fields[i].unless_zeros || is_worth_a_column(report, &report->fields[i])) {
             list_column(out, &report->fields[i]);
@@ -978,20 +904,9 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
         break;
     case CONUS_ROWS_ADMISSIONS:
     case CONUS_ROWS_CHANCES:
-        list_fields(out, report);
-        break;
     case CONUS_ROWS_COVERAGES:
-        list_named(out, study_common, COUNT_OF(study_common));
-        list_table(out, report, coverage_columns, COUNT_OF(coverage_columns));
-        if (has_errors(report)) {
-            list_table(out, report, error_columns, COUNT_OF(error_columns));
-        }
-        break;
     case CONUS_ROWS_CLUSTERS:
-        list_table(out, report, cluster_columns, COUNT_OF(cluster_columns));
-        if (has_errors(report)) {
-            list_table(out, report, cluster_error_columns, COUNT_OF(cluster_error_columns));
-        }
+        list_fields(out, report);
         break;
     case CONUS_ROWS_SEGMENTS:
         list_table(out, report, segment_columns, COUNT_OF(segment_columns));
@@ -1045,11 +960,10 @@ bool conus_column_is_number(const char *name)
         const struct report_column *columns;
         size_t count;
     } tables[] = {
-        {&row_column, 1},           ALL_OF(answer_columns),    ALL_OF(track_columns),     ALL_OF(share_columns),
-        ALL_OF(coverage_columns),   ALL_OF(segment_columns),   ALL_OF(clearance_columns), ALL_OF(connection_columns),
-        ALL_OF(summary_columns),    ALL_OF(electrode_columns), ALL_OF(voxel_columns),     ALL_OF(plan_columns),
-        ALL_OF(constraint_columns), ALL_OF(profile_columns),   ALL_OF(tolerance_columns), ALL_OF(probe_columns),
-        ALL_OF(bep032_columns),     ALL_OF(error_columns),     ALL_OF(cluster_columns)};
+        ALL_OF(answer_columns),    ALL_OF(track_columns),      ALL_OF(share_columns),      ALL_OF(segment_columns),
+        ALL_OF(clearance_columns), ALL_OF(connection_columns), ALL_OF(summary_columns),    ALL_OF(electrode_columns),
+        ALL_OF(voxel_columns),     ALL_OF(plan_columns),       ALL_OF(constraint_columns), ALL_OF(profile_columns),
+        ALL_OF(tolerance_columns), ALL_OF(probe_columns),      ALL_OF(bep032_columns),     {&row_column, 1}};
     for (size_t i = 0; i < COUNT_OF(tables); i++) {
         for (size_t k = 0; k < tables[i].count; k++) {
             if (strcmp(tables[i].columns[k].name, name) == 0) {

@@ -5,25 +5,24 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 static void write_coverage(struct buffer *out, const conus_report *report, const struct report_row *row, int width)
 {
     char label[TABLE_LABEL_SIZE];
     char volume[TABLE_VOLUME_SIZE];
     char fraction[16] = "";
-    double at[3];
     int digits = table_digits(report);
-    const conus_coverage *coverage = &row->coverage;
-    memcpy(at, coverage->peak_point, sizeof at);
-    report_point(report, at);
-    if (isfinite(coverage->fraction)) {
-        snprintf(fraction, sizeof fraction, "%.2f", 100 * coverage->fraction);
+    uint32_t object = row->of_table.object;
+    double part = report_number(row, "fraction");
+    if (isfinite(part)) {
+        snprintf(fraction, sizeof fraction, "%.2f", 100 * part);
     }
-    table_write_name(out, coverage->object ? table_name(report, coverage->object) : "(in no area)", width);
-    buffer_format(out, "  %10s  %11s  %9s  %9.2f  %10.5g  %8.*f %8.*f %8.*f\n",
-                  table_label(label, report, coverage->object), table_volume(volume, coverage->volume), fraction,
-                  100 * coverage->roi_fraction, coverage->peak, digits, at[0], digits, at[1], digits, at[2]);
+    table_write_name(out, object ? table_name(report, object) : "(in no area)", width);
+    buffer_format(out, "  %10s  %11s  %9s  %9.2f  %10.5g  %8.*f %8.*f %8.*f\n", table_label(label, report, object),
+                  table_volume(volume, report_number(row, "volume_mm3")), fraction,
+                  100 * report_number(row, "region_fraction"), report_number(row, "peak"), digits,
+                  report_number(row, "peak_x"), digits, report_number(row, "peak_y"), digits,
+                  report_number(row, "peak_z"));
 }
 
 void table_write_region(struct buffer *out, const struct report_query *query)

@@ -6,6 +6,8 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
+#include "conus/clusters.h"
+#include "selection/selector.h"
 
 #include <math.h>
 #include <string.h>
@@ -23,6 +25,22 @@ struct cluster {
     double height;       /* of it */
 };
 
+/* What a row is about. */
+enum part {
+    PART_WHOLE,    /* the cluster */
+    PART_COVERAGE, /* its part in one area or pathway, or in none */
+    PART_MAXIMUM   /* a local maximum of it */
+};
+
+/* A row of the table. */
+struct row {
+    struct coverage is; /* of the cluster: its fraction is that of the cluster; of a maximum with what has most of it */
+    enum part part;
+    uint32_t cluster; /* from 1 */
+    uint64_t voxels;  /* of a whole cluster */
+    double centre[3]; /* of a whole cluster: centre of mass, the voxels weighted by the size of their values, world */
+};
+
 /* A local maximum, and how high it is. */
 struct maximum {
     uint64_t voxel;
@@ -32,7 +50,8 @@ struct maximum {
 struct parting {
     const conus_selector *selector;
     const conus_roi *roi;
-    struct conus_clusters *out;
+    struct row *rows;
+    size_t row_count, row_capacity;
     uint8_t *seen;          /* [voxels of the grid] enum seen */
     float *values;          /* [voxels of the grid] of the cluster under way, else 0 */
     uint64_t *members;      /* [voxels of the region] cluster by cluster, ascending in each */
@@ -223,14 +242,13 @@ static void find_maxima(struct parting *parting, const struct cluster *cluster)
     }
 }
 
-static conus_cluster_row *add_row(struct parting *parting, conus_cluster_row row)
+static conus_status add_row(struct parting *parting, struct row row)
 {
-    struct conus_clusters *out = parting->out;
-    if (!memory_reserve(&out->rows, &out->capacity, out->count + 1, sizeof *out->rows)) {
-        return NULL;
+    if (!memory_reserve(&parting->rows, &parting->row_capacity, parting->row_count + 1, sizeof *parting->rows)) {
+        return CONUS_ERROR_MEMORY;
     }
-    out->rows[out->count] = row;
-    return &out->rows[out->count++];
+    parting->rows[parting->row_count++] = row;
+    return CONUS_OK;
 }
 
 /* The region of these voxels, ascending, whose values are in parting->values. */
@@ -271,40 +289,29 @@ static void find_centre(double out[3], const struct parting *parting, const stru
 static conus_status add_whole(struct parting *parting, const struct cluster *cluster, uint32_t number)
 {
     const conus_roi *roi = parting->roi;
-    conus_cluster_row row = {.kind = CONUS_KIND_UNASSIGNED,
-                             .part = CONUS_CLUSTER_WHOLE,
-                             .cluster = number,
-                             .voxels = cluster->count,
+    struct row row = {.is = {.object = {.kind = CONUS_KIND_UNASSIGNED},
                              .volume = roi->mm3 / (double)roi->voxels * (double)cluster->count,
                              .fraction = NAN,
-                             .cluster_fraction = 1,
-                             .peak = (double)roi->volume.values[cluster->peak]};
-    roi_middle(row.peak_point, roi, (size_t)cluster->peak);
+                             .roi_fraction = 1,
+                             .peak = (double)roi->volume.values[cluster->peak]},
+                      .part = PART_WHOLE,
+                      .cluster = number,
+                      .voxels = cluster->count};
+    roi_middle(row.is.peak_point, roi, (size_t)cluster->peak);
     find_centre(row.centre, parting, cluster);
-    return add_row(parting, row) ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return add_row(parting, row);
 }
 
 static conus_status add_coverages(struct parting *parting, const struct cluster *cluster, uint32_t number)
 {
     const conus_roi part = part_of(parting, parting->members + cluster->first, cluster->count);
-    conus_overlap *overlap = NULL;
-    conus_status status = conus_overlap_create(&overlap, parting->selector, &part);
-    for (size_t i = 0; !status && i < overlap->count; i++) {
-        const conus_coverage *coverage = &overlap->rows[i];
-        conus_cluster_row row = {.kind = coverage->kind,
-                                 .object = coverage->object,
-                                 .part = CONUS_CLUSTER_COVERAGE,
-                                 .cluster = number,
-                                 .volume = coverage->volume,
-                                 .fraction = coverage->fraction,
-                                 .cluster_fraction = coverage->roi_fraction,
-                                 .peak = coverage->peak,
-                                 .centre = {NAN, NAN, NAN},
-                                 .volume_error = coverage->volume_error};
-        memcpy(row.peak_point, coverage->peak_point, sizeof row.peak_point);
-        status = add_row(parting, row) ? CONUS_OK : CONUS_ERROR_MEMORY;
+    struct coverage *coverages;
+    size_t count;
+    conus_status status = overlap_find(&coverages, &count, parting->selector, &part);
+    for (size_t i = 0; !status && i < count; i++) {
+        status = add_row(parting, (struct row){coverages[i], PART_COVERAGE, number, .centre = {NAN, NAN, NAN}});
     }
-    conus_overlap_destroy(overlap);
+    memory_free(coverages);
     return status;
 }
 
@@ -312,26 +319,26 @@ static conus_status add_coverages(struct parting *parting, const struct cluster 
 static conus_status add_maximum(struct parting *parting, const struct maximum *maximum, uint32_t number)
 {
     const conus_roi part = part_of(parting, &maximum->voxel, 1);
-    conus_overlap *overlap = NULL;
-    conus_status status = conus_overlap_create(&overlap, parting->selector, &part);
-    const conus_coverage *most = NULL;
-    for (size_t i = 0; !status && i < overlap->count; i++) {
-        most = most && most->volume >= overlap->rows[i].volume ? most : &overlap->rows[i];
+    struct coverage *coverages;
+    size_t count;
+    conus_status status = overlap_find(&coverages, &count, parting->selector, &part);
+    const struct coverage *most = NULL;
+    for (size_t i = 0; !status && i < count; i++) {
+        most = most && most->volume >= coverages[i].volume ? most : &coverages[i];
     }
     if (!status) {
-        conus_cluster_row row = {.kind = most ? most->kind : CONUS_KIND_UNASSIGNED,
-                                 .object = most ? most->object : 0,
-                                 .part = CONUS_CLUSTER_MAXIMUM,
-                                 .cluster = number,
+        struct row row = {.is = {.object = most ? most->object : (struct table_object){CONUS_KIND_UNASSIGNED, 0},
                                  .volume = NAN,
                                  .fraction = NAN,
-                                 .cluster_fraction = NAN,
-                                 .peak = (double)parting->values[maximum->voxel],
-                                 .centre = {NAN, NAN, NAN}};
-        roi_middle(row.peak_point, parting->roi, (size_t)maximum->voxel);
-        status = add_row(parting, row) ? CONUS_OK : CONUS_ERROR_MEMORY;
+                                 .roi_fraction = NAN,
+                                 .peak = (double)parting->values[maximum->voxel]},
+                          .part = PART_MAXIMUM,
+                          .cluster = number,
+                          .centre = {NAN, NAN, NAN}};
+        roi_middle(row.is.peak_point, parting->roi, (size_t)maximum->voxel);
+        status = add_row(parting, row);
     }
-    conus_overlap_destroy(overlap);
+    memory_free(coverages);
     return status;
 }
 
@@ -360,71 +367,87 @@ static conus_status describe(struct parting *parting, uint32_t number)
     return status;
 }
 
-static conus_status build(struct conus_clusters *clusters, const conus_selector *selector, const conus_roi *roi)
+static struct cell kind(const struct table_source *source, const void *of, size_t index)
 {
+    const struct row *row = of;
+    return row->part == PART_COVERAGE ? table_kind(source, row, index)
+                                      : text_cell(row->part == PART_WHOLE ? "cluster" : "maximum");
+}
+
+static struct cell name(const struct table_source *source, const void *of, size_t index)
+{
+    const struct row *row = of;
+    return row->part == PART_WHOLE ? no_cell() : table_object_name(source, row, index);
+}
+
+static struct cell voxels(const struct table_source *source, const void *of, size_t index)
+{
+    const struct row *row = of;
+    (void)source;
+    (void)index;
+    return row->part == PART_WHOLE ? integer_cell(row->voxels) : no_cell();
+}
+
+static const struct table_field columns[] = {
+    {"cluster", NULL, "number of the cluster, 1 is the largest", TABLE_OF(COUNT, struct row, cluster)},
+    {"kind", NULL, "cluster: all of it; area, pathway or unassigned: its part there; maximum: a local maximum",
+     TABLE_NAME_BY(kind)},
+    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway", TABLE_LABEL_BY(table_index)},
+    {"name", NULL, "name of the area or pathway; of a maximum that with most of its voxel", TABLE_NAME_BY(name)},
+    {"volume_mm3", "mm^3", "volume of the cluster, or of the part of it that is there",
+     TABLE_OF(NUMBER, struct row, is.volume)},
+    {"fraction", NULL, "that part of the area or pathway, 0 to 1", TABLE_OF(NUMBER, struct row, is.fraction)},
+    {"cluster_fraction", NULL, "that part of the cluster, 0 to 1", TABLE_OF(NUMBER, struct row, is.roi_fraction)},
+    {"peak", NULL, "the value farthest from 0 there; of a maximum its value", TABLE_OF(NUMBER, struct row, is.peak)},
+    {"peak_x", "mm", "centre of the voxel that has it, x", TABLE_OF(X, struct row, is.peak_point)},
+    {"peak_y", "mm", "the same, y", TABLE_OF(Y, struct row, is.peak_point)},
+    {"peak_z", "mm", "the same, z", TABLE_OF(Z, struct row, is.peak_point)},
+    {"voxels", NULL, "voxels of the cluster", TABLE_COUNT_BY(voxels)},
+    {"centre_x", "mm", "centre of mass of the cluster, its voxels weighted by value, x",
+     TABLE_OF(X, struct row, centre)},
+    {"centre_y", "mm", "the same, y", TABLE_OF(Y, struct row, centre)},
+    {"centre_z", "mm", "the same, z", TABLE_OF(Z, struct row, centre)},
+    {"volume_error_mm3", "mm^3", COVERAGE_ERROR, TABLE_OF(NUMBER, struct row, is.volume_error), .unless_zeros = true},
+};
+
+const struct table_fields clusters_fields = {columns, sizeof columns / sizeof *columns};
+
+conus_status conus_clusters(conus_table **out, const conus_selector *selector, const conus_roi *roi)
+{
+    if (!out || !selector || !roi) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_clusters: a result, a selector and a region are needed");
+    }
+    if (roi->nodes) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: clusters are of voxels, and this region is of tetrahedra",
+                    roi->volume.info.path);
+    }
     const size_t *dim = roi->volume.info.dim;
-    size_t voxels = dim[0] * dim[1] * dim[2];
+    size_t cells = dim[0] * dim[1] * dim[2];
     size_t count = (size_t)roi->voxels;
     struct parting parting = {.selector = selector,
                               .roi = roi,
-                              .out = clusters,
-                              .seen = memory_zeroed(voxels, sizeof *parting.seen),
-                              .values = memory_zeroed(voxels, sizeof *parting.values),
+                              .seen = memory_zeroed(cells, sizeof *parting.seen),
+                              .values = memory_zeroed(cells, sizeof *parting.values),
                               .members = memory_raw(count, sizeof *parting.members),
                               .plateau = memory_raw(count, sizeof *parting.plateau),
                               .maxima = memory_raw(count, sizeof *parting.maxima)};
     bool fits = parting.seen && parting.values && parting.members && parting.plateau && parting.maxima;
-    conus_status status = fits ? overlap_describe(&clusters->region, roi) : CONUS_ERROR_MEMORY;
-    status = status ? status : find_clusters(&parting);
+    conus_status status = fits ? find_clusters(&parting) : CONUS_ERROR_MEMORY;
     if (!status) {
         order_sort(parting.clusters, parting.count, sizeof *parting.clusters, by_size);
     }
     for (uint32_t number = 1; !status && number <= parting.count; number++) {
         status = describe(&parting, number);
     }
+    status = status ? status
+                    : overlap_table(out, selector, &clusters_fields, roi, parting.rows, sizeof *parting.rows,
+                                    parting.row_count);
     memory_free(parting.seen);
     memory_free(parting.values);
     memory_free(parting.members);
     memory_free(parting.plateau);
     memory_free(parting.maxima);
     memory_free(parting.clusters);
+    memory_free(parting.rows);
     return status;
-}
-
-conus_status conus_clusters_create(conus_clusters **out, const conus_selector *selector, const conus_roi *roi)
-{
-    if (!out || !selector || !roi) {
-        return fail(CONUS_ERROR_ARGUMENT, "conus_clusters_create: a result, a selector and a region are needed");
-    }
-    if (roi->nodes) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: clusters are of voxels, and this region is of tetrahedra",
-                    roi->volume.info.path);
-    }
-    conus_clusters *clusters = memory_zeroed(1, sizeof *clusters);
-    conus_status status = clusters ? build(clusters, selector, roi) : CONUS_ERROR_MEMORY;
-    if (status) {
-        conus_clusters_destroy(clusters);
-        return status;
-    }
-    *out = clusters;
-    return CONUS_OK;
-}
-
-void conus_clusters_destroy(conus_clusters *clusters)
-{
-    if (clusters) {
-        memory_free(clusters->region.path);
-        memory_free(clusters->rows);
-        memory_free(clusters);
-    }
-}
-
-size_t conus_clusters_count(const conus_clusters *clusters)
-{
-    return clusters ? clusters->count : 0;
-}
-
-const conus_cluster_row *conus_clusters_row(const conus_clusters *clusters, size_t index)
-{
-    return clusters && index < clusters->count ? &clusters->rows[index] : NULL;
 }

@@ -48,7 +48,6 @@ struct measured {
 struct counting {
     const conus_selector *selector;
     const conus_roi *roi;
-    struct conus_overlap *overlap;
     struct tally_of_pieces *tallies; /* [object_count + 1] */
     struct shares shares;
     struct mesh_lines lines;      /* along k, in voxels of the region times per_voxel, from the first line on */
@@ -443,72 +442,61 @@ static double error_of(const struct counting *counting, uint32_t object, double 
     return fmax(unit * fmax(sqrt(squares / (QUARTERS * (QUARTERS - 1))), off), bar);
 }
 
-static conus_coverage describe(const struct counting *counting, uint32_t object)
+static struct coverage describe(const struct counting *counting, uint32_t object)
 {
     const struct tally_of_pieces *tally = &counting->tallies[object];
     const conus_roi *roi = counting->roi;
     const double all = roi->nodes ? roi->mm3 : (double)roi->voxels;
     double part = tally->volume / all;
-    double whole = object ? counting->selector->whole[object] / counting->overlap->volume_mm3 : 0;
+    double whole = object ? counting->selector->whole[object] / roi->mm3 : 0;
     part = whole > 0 ? fmin(part, whole) : part; /* bars round lines may be wider than a thin surface */
-    conus_coverage row = {.kind = object ? conus_atlas_object(counting->selector->atlas, object)->kind
-                                         : CONUS_KIND_UNASSIGNED,
-                          .object = object,
-                          .volume = part * counting->overlap->volume_mm3,
-                          .fraction = whole > 0 ? part / whole : NAN,
-                          .roi_fraction = part,
-                          .volume_error = error_of(counting, object, counting->overlap->volume_mm3 / all),
-                          .peak = (double)roi_value(roi, tally->peak)};
+    struct coverage row = {
+        .object = {object ? conus_atlas_object(counting->selector->atlas, object)->kind : CONUS_KIND_UNASSIGNED,
+                   object},
+        .volume = part * roi->mm3,
+        .fraction = whole > 0 ? part / whole : NAN,
+        .roi_fraction = part,
+        .volume_error = error_of(counting, object, roi->mm3 / all),
+        .peak = (double)roi_value(roi, tally->peak)};
     roi_middle(row.peak_point, roi, tally->peak);
     return row;
 }
 
 static int compare_rows(const void *a, const void *b)
 {
-    const conus_coverage *x = a;
-    const conus_coverage *y = b;
-    int order = !x->object - !y->object;
+    const struct coverage *x = a;
+    const struct coverage *y = b;
+    int order = !x->object.number - !y->object.number;
     order = order ? order : compare_double(y->volume, x->volume);
-    return order ? order : compare_unsigned(x->object, y->object);
+    return order ? order : compare_unsigned(x->object.number, y->object.number);
 }
 
-conus_status overlap_describe(struct conus_overlap *out, const conus_roi *roi)
+conus_status overlap_find(struct coverage **out, size_t *count, const conus_selector *selector, const conus_roi *roi)
 {
-    const conus_volume_info *info = &roi->volume.info;
-    out->threshold = info->threshold;
-    out->volume = info->volume;
-    out->volume_mm3 = roi->mm3;
-    out->tetrahedra = roi->nodes ? roi->voxels : 0;
-    memcpy(out->sha256, info->sha256, sizeof out->sha256);
-    out->path = memory_text(info->path, strlen(info->path));
-    return out->path ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
-static conus_status build(struct conus_overlap *overlap, const conus_selector *selector, const conus_roi *roi)
-{
-    size_t count = selector->atlas->object_count + 1;
-    struct counting counting = {.selector = selector, .roi = roi, .overlap = overlap};
-    conus_status status = overlap_describe(overlap, roi);
-    overlap->rows = memory_raw(count, sizeof *overlap->rows);
-    counting.tallies = memory_zeroed(count, sizeof *counting.tallies);
-    counting.crossed = memory_raw(count, sizeof *counting.crossed);
-    counting.is_measured = memory_zeroed(count, sizeof *counting.is_measured);
-    bool fits = !status && overlap->rows && counting.tallies && counting.crossed && counting.is_measured;
-    status = fits ? shares_init(&counting.shares, selector->atlas, roi->volume.info.world_from_voxel, count)
-                  : CONUS_ERROR_MEMORY;
+    size_t objects = selector->atlas->object_count + 1;
+    struct counting counting = {.selector = selector, .roi = roi};
+    *count = 0;
+    *out = memory_raw(objects, sizeof **out);
+    counting.tallies = memory_zeroed(objects, sizeof *counting.tallies);
+    counting.crossed = memory_raw(objects, sizeof *counting.crossed);
+    counting.is_measured = memory_zeroed(objects, sizeof *counting.is_measured);
+    bool fits = *out && counting.tallies && counting.crossed && counting.is_measured;
+    conus_status status =
+        fits ? shares_init(&counting.shares, selector->atlas, roi->volume.info.world_from_voxel, objects)
+             : CONUS_ERROR_MEMORY;
     counting.shares.take = count_piece;
     counting.shares.user = &counting;
     find_bounds(&counting);
     status = status || roi->nodes ? status : measure_meshes(&counting);
     status = status ? status : cross_meshes(&counting);
     status = status ? status : roi->nodes ? count_tetrahedra(&counting) : count_lines(&counting);
-    if (!status) {
-        for (uint32_t object = 0; object < count; object++) {
-            if (counting.tallies[object].has_peak && counting.tallies[object].volume > 0) {
-                overlap->rows[overlap->count++] = describe(&counting, object);
-            }
+    for (uint32_t object = 0; !status && object < objects; object++) {
+        if (counting.tallies[object].has_peak && counting.tallies[object].volume > 0) {
+            (*out)[(*count)++] = describe(&counting, object);
         }
-        order_sort(overlap->rows, overlap->count, sizeof *overlap->rows, compare_rows);
+    }
+    if (!status) {
+        order_sort(*out, *count, sizeof **out, compare_rows);
     }
     shares_finish(&counting.shares);
     mesh_lines_finish(&counting.lines);
@@ -518,36 +506,50 @@ static conus_status build(struct conus_overlap *overlap, const conus_selector *s
     return status;
 }
 
-conus_status conus_overlap_create(conus_overlap **out, const conus_selector *selector, const conus_roi *roi)
+static struct cell rank(const struct table_source *source, const void *row, size_t index)
 {
+    return ((const struct table_object *)row)->number ? table_place(source, row, index) : no_cell();
+}
+
+static const struct table_field columns[] = {
+    TABLE_IDENTITY,
+    {"rank", NULL, "1 has the largest volume", TABLE_COUNT_BY(rank)},
+    {"volume_mm3", "mm^3", "volume of the part of it that is in the region", TABLE_OF(NUMBER, struct coverage, volume)},
+    {"fraction", NULL, "that part of the area or pathway, 0 to 1", TABLE_OF(NUMBER, struct coverage, fraction)},
+    {"region_fraction", NULL, "that part of the region, 0 to 1", TABLE_OF(NUMBER, struct coverage, roi_fraction)},
+    {"peak", NULL, "the region's value farthest from 0 there", TABLE_OF(NUMBER, struct coverage, peak)},
+    {"peak_x", "mm", "centre of the voxel that has it, x", TABLE_OF(X, struct coverage, peak_point)},
+    {"peak_y", "mm", "the same, y", TABLE_OF(Y, struct coverage, peak_point)},
+    {"peak_z", "mm", "the same, z", TABLE_OF(Z, struct coverage, peak_point)},
+    {"volume_error_mm3", "mm^3", COVERAGE_ERROR, TABLE_OF(NUMBER, struct coverage, volume_error), .unless_zeros = true},
+};
+
+const struct table_fields overlap_fields = {columns, sizeof columns / sizeof *columns};
+
+conus_status overlap_table(conus_table **out, const conus_selector *selector, const struct table_fields *fields,
+                           const conus_roi *roi, const void *rows, size_t size, size_t count)
+{
+    const conus_volume_info *info = &roi->volume.info;
+    struct table_question asked = {.region = {.path = memory_text(info->path, strlen(info->path)),
+                                              .volume = info->volume,
+                                              .threshold = info->threshold,
+                                              .volume_mm3 = roi->mm3,
+                                              .tetrahedra = roi->nodes ? roi->voxels : 0}};
+    memcpy(asked.region.sha256, info->sha256, sizeof asked.region.sha256);
+    return asked.region.path ? table_create(out, &(struct table_source){selector->atlas, &selector->frame}, fields,
+                                            &asked, rows, size, count)
+                             : CONUS_ERROR_MEMORY;
+}
+
+conus_status conus_overlap(conus_table **out, const conus_selector *selector, const conus_roi *roi)
+{
+    struct coverage *rows;
+    size_t count;
     if (!out || !selector || !roi) {
-        return fail(CONUS_ERROR_ARGUMENT, "conus_overlap_create: a result, a selector and a region are needed");
+        return fail(CONUS_ERROR_ARGUMENT, "conus_overlap: a result, a selector and a region are needed");
     }
-    conus_overlap *overlap = memory_zeroed(1, sizeof *overlap);
-    conus_status status = overlap ? build(overlap, selector, roi) : CONUS_ERROR_MEMORY;
-    if (status) {
-        conus_overlap_destroy(overlap);
-        return status;
-    }
-    *out = overlap;
-    return CONUS_OK;
-}
-
-void conus_overlap_destroy(conus_overlap *overlap)
-{
-    if (overlap) {
-        memory_free(overlap->rows);
-        memory_free(overlap->path);
-        memory_free(overlap);
-    }
-}
-
-size_t conus_overlap_count(const conus_overlap *overlap)
-{
-    return overlap ? overlap->count : 0;
-}
-
-const conus_coverage *conus_overlap_coverage(const conus_overlap *overlap, size_t index)
-{
-    return overlap && index < overlap->count ? &overlap->rows[index] : NULL;
+    conus_status status = overlap_find(&rows, &count, selector, roi);
+    status = status ? status : overlap_table(out, selector, &overlap_fields, roi, rows, sizeof *rows, count);
+    memory_free(rows);
+    return status;
 }

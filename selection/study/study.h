@@ -5,7 +5,6 @@
 
 #include "conus/aims.h"
 #include "conus/clearance.h"
-#include "conus/clusters.h"
 #include "conus/jitter.h"
 #include "conus/overlap.h"
 #include "conus/segments.h"
@@ -14,7 +13,7 @@
 #include "selection/table/table.h"
 
 /* Columns of the tables of studies. */
-extern const struct table_fields sweep_fields, jitter_fields;
+extern const struct table_fields sweep_fields, jitter_fields, overlap_fields, clusters_fields;
 
 /* jitter.c: errors of the pose (Eq. 14). */
 /** Errors have five dimensions; samples are counted in so many sets, one after the other. */
@@ -35,26 +34,28 @@ void jitter_needle(conus_pose *out, double *far, const conus_pose *pose, const c
                    const double errors[JITTER_DIMENSIONS]);
 
 /* overlap.c: what a region of interest covers (Eq. 16). */
-struct conus_overlap {
-    conus_coverage *rows;
-    size_t count;
-    char *path; /**< Path of the region's volume; owned. */
-    char sha256[65];
-    size_t volume;       /**< Index in a 4-D file, from 0.          */
-    double threshold;    /**< 0 of a mask.                    */
-    double volume_mm3;   /**< Volume of the region.                  */
-    uint64_t tetrahedra; /**< How many it has; 0 of voxels. */
+/** How much of an object: a row of the table. Number 0 is for the part of the region in no object. */
+struct coverage {
+    struct table_object object;
+    double volume;       /**< Volume of the part that is in both, mm^3. */
+    double fraction;     /**< That part of the object, up to 1; NaN for that in none, and of an unknown volume. */
+    double roi_fraction; /**< That part of the region. */
+    double peak;         /**< The region's value farthest from 0 there, on the threshold's side; of a mask its value. */
+    double peak_point[3]; /**< Middle of the voxel or tetrahedron that has it, world; of several the first. */
+    double volume_error;  /**< An estimate of how far the volume is off, mm^3, where lines decide; 0 = exact. */
 };
 
-/** Fills in what an overlap says of its region. @p out is the caller's to end also on failure, CONUS_ERROR_MEMORY. */
-conus_status overlap_describe(struct conus_overlap *out, const conus_roi *roi);
+/** Help of the column of errors. */
+#define COVERAGE_ERROR                                                                                                 \
+    "an estimate of how far the volume is off, where lines decide what is in several surfaces; 0 where it is exact"
 
-/* clusters.c: those of a region, and what each covers. */
-struct conus_clusters {
-    struct conus_overlap region; /**< Without rows. */
-    conus_cluster_row *rows;
-    size_t count, capacity;
-};
+/** Finds the coverages of a region, in the order of the table. *out is the caller's to free, also on failure,
+ * CONUS_ERROR_MEMORY. */
+conus_status overlap_find(struct coverage **out, size_t *count, const conus_selector *selector, const conus_roi *roi);
+
+/** Makes a table of rows about a region, as table_create(). */
+conus_status overlap_table(conus_table **out, const conus_selector *selector, const struct table_fields *fields,
+                           const conus_roi *roi, const void *rows, size_t size, size_t count);
 
 /* segments.c: what an axis passes (Eq. 17). */
 struct conus_segments {

@@ -65,8 +65,6 @@ SIZE(conus_step, 16);
 SIZE(conus_place, 88);
 SIZE(conus_named_place, 112);
 SIZE(conus_context_surface, 96);
-SIZE(conus_coverage, 72);
-SIZE(conus_cluster_row, 112);
 SIZE(conus_connection, 40);
 SIZE(conus_connection_matrix, 32);
 SIZE(conus_frame, 160);

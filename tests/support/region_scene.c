@@ -3,6 +3,7 @@
 #include "region_scene.h"
 
 #include "scene.h"
+#include "tables.h"
 #include "test.h"
 
 conus_voxels region_scene_cubes(const float *values, const size_t dim[3], double edge, const double corner[3])
@@ -33,24 +34,29 @@ conus_roi *region_scene_whole(size_t count, double edge, const double corner[3])
     return region_scene_make(&voxels, 0);
 }
 
-conus_overlap *region_scene_overlap(const conus_atlas *atlas, const conus_roi *roi, const char *level)
+conus_table *region_scene_overlap(const conus_atlas *atlas, const conus_roi *roi, const char *level)
 {
     conus_selector *selector = NULL;
-    conus_overlap *overlap = NULL;
+    conus_table *overlap = NULL;
     assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.level = level}));
-    assert_ok(conus_overlap_create(&overlap, selector, roi));
+    assert_ok(conus_overlap(&overlap, selector, roi));
     conus_selector_destroy(selector);
     return overlap;
 }
 
-const conus_coverage *region_scene_find(const conus_overlap *overlap, uint32_t object)
+struct region_scene_row region_scene_find(const conus_table *overlap, uint32_t object)
 {
-    for (size_t i = 0; i < conus_overlap_count(overlap); i++) {
-        if (conus_overlap_coverage(overlap, i)->object == object) {
-            return conus_overlap_coverage(overlap, i);
-        }
+    size_t index = table_row_of(overlap, object);
+    struct region_scene_row row = {.is_there = index < conus_table_rows(overlap)};
+    if (row.is_there) {
+        row.volume = table_number_at(overlap, "volume_mm3", index);
+        row.volume_error = table_number_at(overlap, "volume_error_mm3", index);
+        row.fraction = table_number_at(overlap, "fraction", index);
+        row.roi_fraction = table_number_at(overlap, "region_fraction", index);
+        row.peak = table_number_at(overlap, "peak", index);
+        table_point_at(row.peak_point, overlap, "peak_", index);
     }
-    return NULL;
+    return row;
 }
 
 conus_atlas *region_scene_slabs(void)

@@ -12,6 +12,7 @@
 #include "region_scene.h"
 #include "scene.h"
 #include "selection/study/study.h"
+#include "tables.h"
 #include "test.h"
 
 #include <math.h>
@@ -24,14 +25,15 @@ static void what_is_in_nothing_comes_last(void **state)
     (void)state;
     conus_atlas *atlas = region_scene_slabs();
     conus_roi *roi = region_scene_whole(2, 2, (const double[]){6.5, 0.5, 0.5});
-    conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
-    assert_int_equal(conus_overlap_count(overlap), 2);
-    const conus_coverage *rest = conus_overlap_coverage(overlap, 1);
-    assert_int_equal(rest->kind, CONUS_KIND_UNASSIGNED);
-    assert_near(rest->volume, 32, 1e-12);
-    assert_near(rest->roi_fraction, 0.5, 1e-12);
-    assert_null(conus_overlap_coverage(overlap, 2));
-    conus_overlap_destroy(overlap);
+    conus_table *overlap = region_scene_overlap(atlas, roi, NULL);
+    assert_int_equal(conus_table_rows(overlap), 2);
+    assert_int_equal(conus_table_objects(overlap)[1], 0);
+    assert_int_equal(table_count_at(overlap, "rank", 0), 1);
+    assert_true(conus_table_find(overlap, "rank")->missing[1]);
+    assert_string_equal(table_text_at(overlap, "kind", 1), "unassigned");
+    assert_near(table_number_at(overlap, "volume_mm3", 1), 32, 1e-12);
+    assert_near(table_number_at(overlap, "region_fraction", 1), 0.5, 1e-12);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }
@@ -44,20 +46,20 @@ static void peaks_are_found(void **state)
     const float values[] = {3, 5, -4, 5, -6, -5, NAN, -6};
     const conus_voxels voxels = region_scene_cubes(values, (const size_t[]){8, 1, 1}, 1, (const double[]){0, 0, 0});
     conus_roi *roi = region_scene_make(&voxels, 2);
-    conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
+    conus_table *overlap = region_scene_overlap(atlas, roi, NULL);
     assert_int_equal(conus_roi_voxels(roi), 3);
-    assert_int_equal(conus_overlap_count(overlap), 1);
-    assert_near(region_scene_find(overlap, 1)->peak, 5, 0);
-    assert_near(region_scene_find(overlap, 1)->peak_point[0], 1, 1e-12);
-    conus_overlap_destroy(overlap);
+    assert_int_equal(conus_table_rows(overlap), 1);
+    assert_near(region_scene_find(overlap, 1).peak, 5, 0);
+    assert_near(region_scene_find(overlap, 1).peak_point[0], 1, 1e-12);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     roi = region_scene_make(&voxels, -4);
     overlap = region_scene_overlap(atlas, roi, NULL);
-    assert_near(region_scene_find(overlap, 1)->peak, -4, 0);
-    assert_near(region_scene_find(overlap, 2)->peak, -6, 0);
-    assert_near(region_scene_find(overlap, 2)->peak_point[0], 4, 1e-12);
-    assert_near(region_scene_find(overlap, 2)->volume, 3, 1e-12);
-    conus_overlap_destroy(overlap);
+    assert_near(region_scene_find(overlap, 1).peak, -4, 0);
+    assert_near(region_scene_find(overlap, 2).peak, -6, 0);
+    assert_near(region_scene_find(overlap, 2).peak_point[0], 4, 1e-12);
+    assert_near(region_scene_find(overlap, 2).volume, 3, 1e-12);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }
@@ -71,10 +73,10 @@ static void the_first_of_equal_peaks_counts(void **state)
     const float values[] = {0, 5, 5, 0};
     const conus_voxels voxels = region_scene_cubes(values, (const size_t[]){2, 1, 2}, 1, (const double[]){0, 0, 0});
     conus_roi *roi = region_scene_make(&voxels, 0);
-    conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
-    assert_near(region_scene_find(overlap, 1)->peak_point[0], 1, 1e-12);
-    assert_near(region_scene_find(overlap, 1)->peak_point[2], 0, 1e-12);
-    conus_overlap_destroy(overlap);
+    conus_table *overlap = region_scene_overlap(atlas, roi, NULL);
+    assert_near(region_scene_find(overlap, 1).peak_point[0], 1, 1e-12);
+    assert_near(region_scene_find(overlap, 1).peak_point[2], 0, 1e-12);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }
@@ -86,11 +88,11 @@ static void what_is_hidden_is_not_covered(void **state)
     conus_atlas *atlas = region_scene_slabs();
     assert_ok(conus_atlas_set_hidden(atlas, (const bool[]){false, true, false}));
     conus_roi *roi = region_scene_whole(8, 1, (const double[]){0, 0, 0});
-    conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
-    assert_int_equal(conus_overlap_count(overlap), 2);
-    assert_near(region_scene_find(overlap, 2)->volume, 256, 1e-9);
-    assert_near(region_scene_find(overlap, 0)->volume, 256, 1e-9);
-    conus_overlap_destroy(overlap);
+    conus_table *overlap = region_scene_overlap(atlas, roi, NULL);
+    assert_int_equal(conus_table_rows(overlap), 2);
+    assert_near(region_scene_find(overlap, 2).volume, 256, 1e-9);
+    assert_near(region_scene_find(overlap, 0).volume, 256, 1e-9);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }
@@ -107,10 +109,10 @@ static void hidden_pathways_are_not_covered(void **state)
     assert_true(atlas->object_count < 300);
     assert_ok(conus_atlas_set_hidden(atlas, hidden));
     conus_roi *roi = region_scene_whole(32, 1, (const double[]){-16, -16, -16});
-    conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
-    assert_int_equal(conus_overlap_count(overlap), 1);
-    assert_near(region_scene_find(overlap, 0)->roi_fraction, 1, 0);
-    conus_overlap_destroy(overlap);
+    conus_table *overlap = region_scene_overlap(atlas, roi, NULL);
+    assert_int_equal(conus_table_rows(overlap), 1);
+    assert_near(region_scene_find(overlap, 0).roi_fraction, 1, 0);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }
@@ -128,11 +130,11 @@ static void lines_along_edges_lose_nothing(void **state)
     conus_atlas *atlas = mesh_scene_atlas();
     add_box(atlas, (const double[]){0, 0, 0}, (const double[]){4, 3, 2});
     conus_roi *roi = region_scene_whole(8, 1, (const double[]){-2, -2, -2});
-    conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
-    assert_near(region_scene_find(overlap, 1)->volume, 24, 1e-9);
-    assert_near(region_scene_find(overlap, 1)->fraction, 1, 1e-9);
-    assert_near(region_scene_find(overlap, 0)->volume, 512 - 24, 1e-9);
-    conus_overlap_destroy(overlap);
+    conus_table *overlap = region_scene_overlap(atlas, roi, NULL);
+    assert_near(region_scene_find(overlap, 1).volume, 24, 1e-9);
+    assert_near(region_scene_find(overlap, 1).fraction, 1, 1e-9);
+    assert_near(region_scene_find(overlap, 0).volume, 512 - 24, 1e-9);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }
@@ -144,11 +146,11 @@ static void check_ball(double radius, double edge, double tolerance)
     struct mesh ball = mesh_scene_sphere((const double[]){0.1, 0.2, 0}, radius, 60, 90);
     mesh_scene_add(atlas, &ball);
     conus_roi *roi = region_scene_whole(30, edge, (const double[]){-15 * edge, -15 * edge, -29.5 * edge});
-    conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
-    assert_near(region_scene_find(overlap, 1)->fraction, 0.5, 0.5 * tolerance);
-    assert_near(region_scene_find(overlap, 1)->volume, atlas->objects[0].volume_mm3 / 2,
+    conus_table *overlap = region_scene_overlap(atlas, roi, NULL);
+    assert_near(region_scene_find(overlap, 1).fraction, 0.5, 0.5 * tolerance);
+    assert_near(region_scene_find(overlap, 1).volume, atlas->objects[0].volume_mm3 / 2,
                 tolerance * atlas->objects[0].volume_mm3);
-    conus_overlap_destroy(overlap);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }
@@ -174,12 +176,12 @@ static void thin_surfaces_count_as_they_are(void **state)
     atlas->objects[0].parent = atlas->objects[1].parent = 3;
     conus_roi *roi = region_scene_whole(8, 1, (const double[]){-3, -3, -3});
     for (uint32_t object = 1; object < 4; object++) {
-        conus_overlap *overlap = region_scene_overlap(atlas, roi, object < 3 ? NULL : "1");
+        conus_table *overlap = region_scene_overlap(atlas, roi, object < 3 ? NULL : "1");
         double wanted = object < 3 ? 0.2 : 0.4;
-        assert_near(region_scene_find(overlap, object)->volume, wanted, 1e-6);
-        assert_near(region_scene_find(overlap, object)->fraction, 1, object < 3 ? 1e-6 : 0);
-        assert_near(region_scene_find(overlap, object)->roi_fraction, wanted / 512, 1e-8);
-        conus_overlap_destroy(overlap);
+        assert_near(region_scene_find(overlap, object).volume, wanted, 1e-6);
+        assert_near(region_scene_find(overlap, object).fraction, 1, object < 3 ? 1e-6 : 0);
+        assert_near(region_scene_find(overlap, object).roi_fraction, wanted / 512, 1e-8);
+        conus_table_destroy(overlap);
     }
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
@@ -195,13 +197,13 @@ static void surfaces_count_in_the_region_only(void **state)
     add_box(atlas, (const double[]){-0.5, -0.25, -0.25}, (const double[]){1.75, 0.25, 0.25});
     add_box(atlas, (const double[]){1.75, -0.25, -0.25}, (const double[]){3.5, 0.25, 0.25});
     conus_roi *roi = region_scene_make(&voxels, 3);
-    conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
-    assert_near(region_scene_find(overlap, 1)->volume, 0.25, 1e-7);
-    assert_near(region_scene_find(overlap, 2)->volume, 0.25, 1e-7);
-    assert_near(region_scene_find(overlap, 2)->peak, 9, 0);
-    assert_near(region_scene_find(overlap, 2)->peak_point[0], 3, 0);
-    assert_near(region_scene_find(overlap, 0)->volume, 1.5, 1e-7);
-    conus_overlap_destroy(overlap);
+    conus_table *overlap = region_scene_overlap(atlas, roi, NULL);
+    assert_near(region_scene_find(overlap, 1).volume, 0.25, 1e-7);
+    assert_near(region_scene_find(overlap, 2).volume, 0.25, 1e-7);
+    assert_near(region_scene_find(overlap, 2).peak, 9, 0);
+    assert_near(region_scene_find(overlap, 2).peak_point[0], 3, 0);
+    assert_near(region_scene_find(overlap, 0).volume, 1.5, 1e-7);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }
@@ -213,10 +215,10 @@ static void surfaces_count_between_crossings(void **state)
     conus_atlas *atlas = mesh_scene_atlas();
     add_box(atlas, (const double[]){0.5, 0.5, 0.6}, (const double[]){2.5, 2.5, 0.9});
     conus_roi *roi = region_scene_whole(8, 1, (const double[]){-3, -3, -3});
-    conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
-    assert_near(region_scene_find(overlap, 1)->volume, 1.2, 1e-6);
-    assert_near(region_scene_find(overlap, 0)->volume, 512 - 1.2, 1e-6);
-    conus_overlap_destroy(overlap);
+    conus_table *overlap = region_scene_overlap(atlas, roi, NULL);
+    assert_near(region_scene_find(overlap, 1).volume, 1.2, 1e-6);
+    assert_near(region_scene_find(overlap, 0).volume, 512 - 1.2, 1e-6);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }
@@ -233,10 +235,10 @@ static void facing_does_not_matter_but_holes_do(void **state)
     mesh_scene_add(atlas, &turned);
     mesh_scene_add(atlas, &open);
     conus_roi *roi = region_scene_whole(8, 1, (const double[]){-0.5, -0.5, -0.5});
-    conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
-    assert_near(region_scene_find(overlap, 1)->volume, 8, 1e-9);
-    assert_null(region_scene_find(overlap, 2));
-    conus_overlap_destroy(overlap);
+    conus_table *overlap = region_scene_overlap(atlas, roi, NULL);
+    assert_near(region_scene_find(overlap, 1).volume, 8, 1e-9);
+    assert_false(region_scene_find(overlap, 2).is_there);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }
@@ -252,10 +254,10 @@ static void a_level_counts_what_is_in_two_parts_once(void **state)
         atlas, &(conus_object){.kind = CONUS_KIND_AREA, .label = 9, .name = "both", .abbreviation = ""}));
     atlas->objects[0].parent = atlas->objects[1].parent = 3;
     conus_roi *roi = region_scene_whole(8, 1, (const double[]){-0.5, -0.5, -0.5});
-    conus_overlap *overlap = region_scene_overlap(atlas, roi, "1");
-    assert_int_equal(conus_overlap_count(overlap), 2);
-    assert_near(region_scene_find(overlap, 3)->volume, 15, 1e-9);
-    conus_overlap_destroy(overlap);
+    conus_table *overlap = region_scene_overlap(atlas, roi, "1");
+    assert_int_equal(conus_table_rows(overlap), 2);
+    assert_near(region_scene_find(overlap, 3).volume, 15, 1e-9);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }
@@ -279,18 +281,18 @@ static void what_does_not_overlap_is_exact(void **state)
     atlas->objects[0].parent = atlas->objects[1].parent = 4;
     atlas->objects[2].parent = 1;
     conus_roi *roi = region_scene_whole(15, 3, (const double[]){-21, -21, -43.5}); /* up to z = 0 */
-    conus_overlap *alone = region_scene_overlap(atlas, roi, NULL);
-    conus_overlap *all = region_scene_overlap(atlas, roi, "1");
-    double sum = region_scene_find(alone, 1)->volume + region_scene_find(alone, 2)->volume;
+    conus_table *alone = region_scene_overlap(atlas, roi, NULL);
+    conus_table *all = region_scene_overlap(atlas, roi, "1");
+    double sum = region_scene_find(alone, 1).volume + region_scene_find(alone, 2).volume;
     double region = 15 * 15 * 15 * 27;
     assert_near(sum, (atlas->objects[0].volume_mm3 + atlas->objects[1].volume_mm3) / 2, 1e-6 * sum);
-    assert_near(region_scene_find(all, 4)->volume, sum, 1e-9 * sum);
-    assert_near(region_scene_find(all, 4)->volume_error, 0, 0);
-    assert_near(region_scene_find(all, 0)->volume, region - sum, 1e-9 * region);
-    assert_near(region_scene_find(alone, 0)->volume, region - sum, 1e-9 * region);
-    assert_near(region_scene_find(alone, 0)->volume_error, 0, 0);
-    conus_overlap_destroy(alone);
-    conus_overlap_destroy(all);
+    assert_near(region_scene_find(all, 4).volume, sum, 1e-9 * sum);
+    assert_near(region_scene_find(all, 4).volume_error, 0, 0);
+    assert_near(region_scene_find(all, 0).volume, region - sum, 1e-9 * region);
+    assert_near(region_scene_find(alone, 0).volume, region - sum, 1e-9 * region);
+    assert_near(region_scene_find(alone, 0).volume_error, 0, 0);
+    conus_table_destroy(alone);
+    conus_table_destroy(all);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }
@@ -308,15 +310,15 @@ static void what_overlaps_is_off_by_no_more_than_is_said(void **state)
         atlas, &(conus_object){.kind = CONUS_KIND_AREA, .label = 9, .name = "both", .abbreviation = ""}));
     atlas->objects[0].parent = atlas->objects[1].parent = 3;
     conus_roi *roi = region_scene_whole(8, 1, (const double[]){-1.5, -1.5, -1.5});
-    conus_overlap *overlap = region_scene_overlap(atlas, roi, "1");
+    conus_table *overlap = region_scene_overlap(atlas, roi, "1");
     const double wanted = 2.1 * 2.1 * 2.1 + 2.08 * 2.08 * 2.08 - 1.05 * 1.05 * 1.05;
-    const conus_coverage *both = region_scene_find(overlap, 3);
-    const conus_coverage *none = region_scene_find(overlap, 0);
-    assert_in_range(both->volume_error * 1000, 100, 3000);
-    assert_near(both->volume, wanted, both->volume_error);
-    assert_near(none->volume, 512 - wanted, none->volume_error);
-    assert_near(both->volume + none->volume, 512, 1e-9);
-    conus_overlap_destroy(overlap);
+    const struct region_scene_row both = region_scene_find(overlap, 3);
+    const struct region_scene_row none = region_scene_find(overlap, 0);
+    assert_in_range(both.volume_error * 1000, 100, 3000);
+    assert_near(both.volume, wanted, both.volume_error);
+    assert_near(none.volume, 512 - wanted, none.volume_error);
+    assert_near(both.volume + none.volume, 512, 1e-9);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }
@@ -338,14 +340,14 @@ static void what_lines_pass_by_is_said(void **state)
     atlas->objects[0].parent = atlas->objects[1].parent = 4;
     atlas->objects[2].parent = 5;
     conus_roi *roi = region_scene_whole(20, 1, (const double[]){-9.5, -9.5, -9.5});
-    conus_overlap *overlap = region_scene_overlap(atlas, roi, "1");
-    const conus_coverage *both = region_scene_find(overlap, 4);
-    const conus_coverage *none = region_scene_find(overlap, 0);
-    assert_near(both->volume, 1000, both->volume_error + 1e-6);
-    assert_near(none->volume, 8000 - 1200, none->volume_error + 1e-6);
-    assert_in_range(both->volume_error * 1000, 20 * 999, 40000);
-    assert_near(region_scene_find(overlap, 5)->volume_error, 0, 0);
-    conus_overlap_destroy(overlap);
+    conus_table *overlap = region_scene_overlap(atlas, roi, "1");
+    const struct region_scene_row both = region_scene_find(overlap, 4);
+    const struct region_scene_row none = region_scene_find(overlap, 0);
+    assert_near(both.volume, 1000, both.volume_error + 1e-6);
+    assert_near(none.volume, 8000 - 1200, none.volume_error + 1e-6);
+    assert_in_range(both.volume_error * 1000, 20 * 999, 40000);
+    assert_near(region_scene_find(overlap, 5).volume_error, 0, 0);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }
@@ -408,11 +410,9 @@ static void what_is_no_region_is_refused(void **state)
     assert_fails(conus_roi_load(&roi, "/proc/self/exe,tissue=2", NULL), CONUS_ERROR_ARGUMENT);
     assert_fails(conus_roi_load(NULL, "x", NULL), CONUS_ERROR_ARGUMENT);
     assert_fails(conus_roi_create(NULL, &voxels, NULL), CONUS_ERROR_ARGUMENT);
-    assert_fails(conus_overlap_create(NULL, NULL, NULL), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_overlap(NULL, NULL, NULL), CONUS_ERROR_ARGUMENT);
     conus_roi_destroy(NULL);
-    conus_overlap_destroy(NULL);
     assert_int_equal(conus_roi_voxels(NULL), 0);
-    assert_int_equal(conus_overlap_count(NULL), 0);
 }
 
 /* The region of these tetrahedra, each of value 1 and with four separate nodes. */
@@ -442,17 +442,17 @@ static void tetrahedra_are_cut_by_voxels(void **state)
     for (size_t i = 0; i < 2; i++) {
         conus_atlas *atlas = region_scene_slabs();
         conus_roi *roi = tetrahedra_region(corners[i], 1);
-        conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
-        assert_int_equal(conus_overlap_count(overlap), 2);
+        conus_table *overlap = region_scene_overlap(atlas, roi, NULL);
+        assert_int_equal(conus_table_rows(overlap), 2);
         for (uint32_t object = 1; object <= 2; object++) {
-            const conus_coverage *row = region_scene_find(overlap, object);
+            const struct region_scene_row row = region_scene_find(overlap, object);
             double part = object == (i ? 1 : 2) ? 0.125 : 0.875;
-            assert_near(row->volume, 12.5 * part, 1e-12);
-            assert_near(row->roi_fraction, part, 1e-14);
-            assert_near(row->fraction, 12.5 * part / 256, 1e-14);
-            assert_near(row->peak_point[1], 11 / 4.0, 1e-14);
+            assert_near(row.volume, 12.5 * part, 1e-12);
+            assert_near(row.roi_fraction, part, 1e-14);
+            assert_near(row.fraction, 12.5 * part / 256, 1e-14);
+            assert_near(row.peak_point[1], 11 / 4.0, 1e-14);
         }
-        conus_overlap_destroy(overlap);
+        conus_table_destroy(overlap);
         conus_roi_destroy(roi);
         conus_atlas_destroy(atlas);
     }
@@ -479,17 +479,17 @@ static void tetrahedra_meet_surfaces(void **state)
     struct mesh ball = mesh_scene_sphere((const double[]){0.1, 0.2, 0}, 7, 60, 90);
     mesh_scene_add(atlas, &ball);
     conus_roi *roi = tetrahedra_region((const double(*)[3])corners, 6);
-    conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
+    conus_table *overlap = region_scene_overlap(atlas, roi, NULL);
     assert_int_equal(conus_roi_voxels(roi), 6);
-    assert_near(region_scene_find(overlap, 1)->fraction, 0.5, 0.001);
-    assert_near(region_scene_find(overlap, 1)->volume + region_scene_find(overlap, 0)->volume, 18.0 * 18 * 9, 1e-9);
-    conus_overlap_destroy(overlap);
+    assert_near(region_scene_find(overlap, 1).fraction, 0.5, 0.001);
+    assert_near(region_scene_find(overlap, 1).volume + region_scene_find(overlap, 0).volume, 18.0 * 18 * 9, 1e-9);
+    conus_table_destroy(overlap);
     conus_atlas_destroy(atlas);
     atlas = mesh_scene_atlas();
     add_box(atlas, (const double[]){-20, -20, -20}, (const double[]){20, 20, -4.5});
     overlap = region_scene_overlap(atlas, roi, NULL);
-    assert_near(region_scene_find(overlap, 1)->roi_fraction, 0.5, 1e-9);
-    conus_overlap_destroy(overlap);
+    assert_near(region_scene_find(overlap, 1).roi_fraction, 0.5, 1e-9);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }
@@ -519,18 +519,18 @@ static conus_status make_overlap(void *data)
     conus_voxels voxels = region_scene_cubes(values, (const size_t[]){4, 1, 1}, 1, (const double[]){0, 1, 1});
     voxels.world_from_voxel[1] = 0.3; /* oblique: polyhedra need memory */
     conus_roi *roi = NULL;
-    conus_overlap *overlap = NULL;
+    conus_table *overlap = NULL;
     conus_report *report = NULL;
     const char *text = NULL;
     size_t size = 0;
     conus_status status = conus_roi_create(&roi, &voxels, NULL);
-    status = status ? status : conus_overlap_create(&overlap, data, roi);
+    status = status ? status : conus_overlap(&overlap, data, roi);
     status =
         status ? status : conus_report_create(&report, data, &(conus_report_options){.rows = CONUS_ROWS_COVERAGES});
-    status = status ? status : conus_report_add_overlap(report, "region", overlap);
+    status = status ? status : conus_report_add_table(report, "region", overlap);
     status = status ? status : conus_report_text(&text, &size, report);
     conus_report_destroy(report);
-    conus_overlap_destroy(overlap);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     return status;
 }
@@ -543,9 +543,9 @@ struct asked {
 static conus_status cover_tetrahedra(void *data)
 {
     const struct asked *asked = data;
-    conus_overlap *overlap = NULL;
-    conus_status status = conus_overlap_create(&overlap, asked->selector, asked->roi);
-    conus_overlap_destroy(overlap);
+    conus_table *overlap = NULL;
+    conus_status status = conus_overlap(&overlap, asked->selector, asked->roi);
+    conus_table_destroy(overlap);
     return status;
 }
 
@@ -572,13 +572,13 @@ static void rows_belong_into_a_report_of_theirs(void **state)
     conus_selector *selector = NULL;
     conus_report *report = NULL;
     conus_roi *roi = region_scene_whole(2, 1, (const double[]){0, 0, 0});
-    conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
+    conus_table *overlap = region_scene_overlap(atlas, roi, NULL);
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     assert_ok(conus_report_create(&report, selector, NULL));
-    assert_fails(conus_report_add_overlap(report, "region", overlap), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_report_add_table(report, "region", overlap), CONUS_ERROR_ARGUMENT);
     conus_report_destroy(report);
     conus_selector_destroy(selector);
-    conus_overlap_destroy(overlap);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }

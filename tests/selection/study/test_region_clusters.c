@@ -8,48 +8,65 @@
 #include "mesh_scene.h"
 #include "region_scene.h"
 #include "scene.h"
+#include "tables.h"
 #include "test.h"
 
 #include <math.h>
 #include <string.h>
 
-static conus_clusters *part(const conus_atlas *atlas, const conus_roi *roi)
+static conus_table *part(const conus_atlas *atlas, const conus_roi *roi)
 {
     conus_selector *selector = NULL;
-    conus_clusters *clusters = NULL;
+    conus_table *clusters = NULL;
     assert_ok(conus_selector_create(&selector, atlas, NULL));
-    assert_ok(conus_clusters_create(&clusters, selector, roi));
+    assert_ok(conus_clusters(&clusters, selector, roi));
     conus_selector_destroy(selector);
     return clusters;
 }
 
 /* Clusters of a map in the two slabs, x < 4 and x >= 4, of 1 mm voxels: of voxels of `edge` mm from `corner` on. */
-static conus_clusters *part_map(const float *values, const size_t dim[3], double edge, const double corner[3],
-                                double threshold)
+static conus_table *part_map(const float *values, const size_t dim[3], double edge, const double corner[3],
+                             double threshold)
 {
     conus_atlas *atlas = region_scene_slabs();
     const conus_voxels voxels = region_scene_cubes(values, dim, edge, corner);
     conus_roi *roi = region_scene_make(&voxels, threshold);
-    conus_clusters *clusters = part(atlas, roi);
+    conus_table *clusters = part(atlas, roi);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
     return clusters;
 }
 
-/* Row `index` of this part, from 0; NULL past the last. */
-static const conus_cluster_row *row_at(const conus_clusters *clusters, conus_cluster_part what, size_t index)
+/* Which row is number `index`, from 0, of this kind; as many as there are rows past the last. */
+static size_t row_of(const conus_table *clusters, const char *kind, size_t index)
 {
-    const conus_cluster_row *row;
-    for (size_t i = 0; (row = conus_clusters_row(clusters, i)); i++) {
-        if (row->part == what && index-- == 0) {
-            return row;
-        }
+    size_t row = 0;
+    while (row < conus_table_rows(clusters) &&
+           (strcmp(table_text_at(clusters, "kind", row), kind) != 0 || index-- > 0)) {
+        row++;
     }
-    return NULL;
+    return row;
 }
 
-static void check_place(const double place[3], double x, double y, double z)
+static bool has(const conus_table *clusters, const char *kind, size_t index)
 {
+    return row_of(clusters, kind, index) < conus_table_rows(clusters);
+}
+
+static double number_of(const conus_table *clusters, const char *kind, size_t index, const char *column)
+{
+    return table_number_at(clusters, column, row_of(clusters, kind, index));
+}
+
+static void check_voxels(const conus_table *clusters, size_t index, int64_t wanted)
+{
+    assert_int_equal(table_count_at(clusters, "voxels", row_of(clusters, "cluster", index)), wanted);
+}
+
+static void check_place(const conus_table *clusters, const char *prefix, size_t row, double x, double y, double z)
+{
+    double place[3];
+    table_point_at(place, clusters, prefix, row);
     assert_near(place[0], x, 1e-9);
     assert_near(place[1], y, 1e-9);
     assert_near(place[2], z, 1e-9);
@@ -60,36 +77,33 @@ static void one_voxel_is_a_cluster(void **state)
 {
     (void)state;
     const float values[] = {0, 0, 7, 0};
-    conus_clusters *clusters = part_map(values, (const size_t[]){4, 1, 1}, 2, (const double[]){-0.5, 3, 3}, 3);
-    assert_int_equal(conus_clusters_count(clusters), 4);
-    const conus_cluster_row *whole = conus_clusters_row(clusters, 0);
-    assert_int_equal(whole->part, CONUS_CLUSTER_WHOLE);
-    assert_int_equal(whole->kind, CONUS_KIND_UNASSIGNED);
-    assert_int_equal(whole->cluster, 1);
-    assert_int_equal(whole->voxels, 1);
-    assert_near(whole->volume, 8, 1e-12);
-    assert_true(isnan(whole->fraction));
-    assert_near(whole->cluster_fraction, 1, 0);
-    assert_near(whole->peak, 7, 0);
-    check_place(whole->peak_point, 3.5, 3, 3);
-    check_place(whole->centre, 3.5, 3, 3);
+    conus_table *clusters = part_map(values, (const size_t[]){4, 1, 1}, 2, (const double[]){-0.5, 3, 3}, 3);
+    assert_int_equal(conus_table_rows(clusters), 4);
+    assert_string_equal(table_text_at(clusters, "kind", 0), "cluster");
+    assert_null(table_text_at(clusters, "name", 0));
+    assert_int_equal(conus_table_objects(clusters)[0], 0);
+    assert_int_equal(table_count_at(clusters, "cluster", 0), 1);
+    check_voxels(clusters, 0, 1);
+    assert_near(table_number_at(clusters, "volume_mm3", 0), 8, 1e-12);
+    assert_true(isnan(table_number_at(clusters, "fraction", 0)));
+    assert_near(table_number_at(clusters, "cluster_fraction", 0), 1, 0);
+    assert_near(table_number_at(clusters, "peak", 0), 7, 0);
+    check_place(clusters, "peak_", 0, 3.5, 3, 3);
+    check_place(clusters, "centre_", 0, 3.5, 3, 3);
     for (size_t i = 1; i < 3; i++) {
-        const conus_cluster_row *slab = conus_clusters_row(clusters, i);
-        assert_int_equal(slab->part, CONUS_CLUSTER_COVERAGE);
-        assert_int_equal(slab->kind, CONUS_KIND_AREA);
-        assert_int_equal(slab->object, i);
-        assert_near(slab->volume, 4, 1e-12);
-        assert_near(slab->fraction, 4 / 256.0, 1e-12);
-        assert_near(slab->cluster_fraction, 0.5, 1e-12);
-        assert_true(isnan(slab->centre[0]));
+        assert_string_equal(table_text_at(clusters, "kind", i), "area");
+        assert_int_equal(conus_table_objects(clusters)[i], i);
+        assert_near(table_number_at(clusters, "volume_mm3", i), 4, 1e-12);
+        assert_near(table_number_at(clusters, "fraction", i), 4 / 256.0, 1e-12);
+        assert_near(table_number_at(clusters, "cluster_fraction", i), 0.5, 1e-12);
+        assert_true(isnan(table_number_at(clusters, "centre_x", i)));
+        assert_true(conus_table_find(clusters, "voxels")->missing[i]);
     }
-    const conus_cluster_row *maximum = conus_clusters_row(clusters, 3);
-    assert_int_equal(maximum->part, CONUS_CLUSTER_MAXIMUM);
-    assert_int_equal(maximum->object, 1); /* of equal parts the first */
-    assert_true(isnan(maximum->volume));
-    assert_near(maximum->peak, 7, 0);
-    assert_null(conus_clusters_row(clusters, 4));
-    conus_clusters_destroy(clusters);
+    assert_string_equal(table_text_at(clusters, "kind", 3), "maximum");
+    assert_int_equal(conus_table_objects(clusters)[3], 1); /* of equal parts the first */
+    assert_true(isnan(table_number_at(clusters, "volume_mm3", 3)));
+    assert_near(table_number_at(clusters, "peak", 3), 7, 0);
+    conus_table_destroy(clusters);
 }
 
 /* Corner to corner is one cluster; a voxel between two is none of theirs. */
@@ -97,25 +111,25 @@ static void corners_connect(void **state)
 {
     (void)state;
     const float touching[8] = {[0] = 5, [7] = 4};
-    conus_clusters *clusters = part_map(touching, (const size_t[]){2, 2, 2}, 1, (const double[]){0, 0, 0}, 3);
-    assert_int_equal(row_at(clusters, CONUS_CLUSTER_WHOLE, 0)->voxels, 2);
-    assert_null(row_at(clusters, CONUS_CLUSTER_WHOLE, 1));
-    check_place(row_at(clusters, CONUS_CLUSTER_WHOLE, 0)->centre, 4 / 9.0, 4 / 9.0, 4 / 9.0); /* weighted by 5 and 4 */
-    conus_clusters_destroy(clusters);
+    conus_table *clusters = part_map(touching, (const size_t[]){2, 2, 2}, 1, (const double[]){0, 0, 0}, 3);
+    check_voxels(clusters, 0, 2);
+    assert_false(has(clusters, "cluster", 1));
+    check_place(clusters, "centre_", 0, 4 / 9.0, 4 / 9.0, 4 / 9.0); /* weighted by 5 and 4 */
+    conus_table_destroy(clusters);
     const float apart[3] = {5, 2, 4};
     clusters = part_map(apart, (const size_t[]){3, 1, 1}, 1, (const double[]){0, 0, 0}, 3);
-    assert_int_equal(row_at(clusters, CONUS_CLUSTER_WHOLE, 1)->cluster, 2);
-    conus_clusters_destroy(clusters);
+    assert_int_equal(table_count_at(clusters, "cluster", row_of(clusters, "cluster", 1)), 2);
+    conus_table_destroy(clusters);
     /* Rows and slices do not go on at the other end of the grid. */
     const float rows[4] = {0, 5, 0, 0};
     const float ends[6] = {0, 0, 5, 5, 0, 0};
     clusters = part_map(rows, (const size_t[]){2, 2, 1}, 1, (const double[]){0, 0, 0}, 3);
-    assert_int_equal(row_at(clusters, CONUS_CLUSTER_WHOLE, 0)->voxels, 1);
-    conus_clusters_destroy(clusters);
+    check_voxels(clusters, 0, 1);
+    conus_table_destroy(clusters);
     clusters = part_map(ends, (const size_t[]){3, 2, 1}, 1, (const double[]){0, 0, 0}, 3);
-    assert_int_equal(row_at(clusters, CONUS_CLUSTER_WHOLE, 0)->voxels, 1);
-    assert_int_equal(row_at(clusters, CONUS_CLUSTER_WHOLE, 1)->voxels, 1);
-    conus_clusters_destroy(clusters);
+    check_voxels(clusters, 0, 1);
+    check_voxels(clusters, 1, 1);
+    conus_table_destroy(clusters);
 }
 
 /* Eight voxels round a hole: its middle is their centre of mass, as a mask. A mask has no maxima. */
@@ -123,13 +137,13 @@ static void a_ring_is_one_cluster(void **state)
 {
     (void)state;
     const float values[9] = {2, 2, 2, 2, 0, 2, 2, 2, 2};
-    conus_clusters *clusters = part_map(values, (const size_t[]){3, 3, 1}, 1, (const double[]){0, 0, 0}, 0);
-    assert_int_equal(conus_clusters_count(clusters), 2);
-    assert_int_equal(conus_clusters_row(clusters, 0)->voxels, 8);
-    check_place(conus_clusters_row(clusters, 0)->centre, 1, 1, 0);
-    check_place(conus_clusters_row(clusters, 0)->peak_point, 0, 0, 0);
-    assert_near(conus_clusters_row(clusters, 1)->cluster_fraction, 1, 1e-12);
-    conus_clusters_destroy(clusters);
+    conus_table *clusters = part_map(values, (const size_t[]){3, 3, 1}, 1, (const double[]){0, 0, 0}, 0);
+    assert_int_equal(conus_table_rows(clusters), 2);
+    check_voxels(clusters, 0, 8);
+    check_place(clusters, "centre_", 0, 1, 1, 0);
+    check_place(clusters, "peak_", 0, 0, 0, 0);
+    assert_near(table_number_at(clusters, "cluster_fraction", 1), 1, 1e-12);
+    conus_table_destroy(clusters);
 }
 
 /* Along x: two voxels, then single ones of 5, 7, 7. */
@@ -137,29 +151,26 @@ static void clusters_are_ordered_by_size_peak_and_place(void **state)
 {
     (void)state;
     const float values[] = {5, 0, 7, 0, 7, 0, 4, 4};
-    conus_clusters *clusters = part_map(values, (const size_t[]){8, 1, 1}, 1, (const double[]){0, 0, 0}, 3);
+    conus_table *clusters = part_map(values, (const size_t[]){8, 1, 1}, 1, (const double[]){0, 0, 0}, 3);
     static const double x[] = {6, 2, 4, 0};
     for (size_t i = 0; i < 4; i++) {
-        const conus_cluster_row *whole = row_at(clusters, CONUS_CLUSTER_WHOLE, i);
-        assert_int_equal(whole->cluster, i + 1);
-        assert_near(whole->peak_point[0], x[i], 1e-12);
+        assert_int_equal(table_count_at(clusters, "cluster", row_of(clusters, "cluster", i)), i + 1);
+        assert_near(number_of(clusters, "cluster", i, "peak_x"), x[i], 1e-12);
     }
-    conus_clusters_destroy(clusters);
+    conus_table_destroy(clusters);
 }
 
 /* One row of voxels of 1 mm from x = 0 on; maxima are at these, the highest first. */
 static void check_maxima(const float *values, size_t count, double threshold, const double *x, size_t wanted)
 {
-    conus_clusters *clusters = part_map(values, (const size_t[]){count, 1, 1}, 1, (const double[]){0, 0, 0}, threshold);
+    conus_table *clusters = part_map(values, (const size_t[]){count, 1, 1}, 1, (const double[]){0, 0, 0}, threshold);
     for (size_t i = 0; i < wanted; i++) {
-        const conus_cluster_row *maximum = row_at(clusters, CONUS_CLUSTER_MAXIMUM, i);
-        assert_non_null(maximum);
-        assert_near(maximum->peak_point[0], x[i], 1e-12);
-        assert_near(maximum->peak, values[(size_t)x[i]], 0);
+        assert_near(number_of(clusters, "maximum", i, "peak_x"), x[i], 1e-12);
+        assert_near(number_of(clusters, "maximum", i, "peak"), values[(size_t)x[i]], 0);
     }
-    assert_null(row_at(clusters, CONUS_CLUSTER_MAXIMUM, wanted));
-    assert_null(row_at(clusters, CONUS_CLUSTER_WHOLE, 1));
-    conus_clusters_destroy(clusters);
+    assert_false(has(clusters, "maximum", wanted));
+    assert_false(has(clusters, "cluster", 1));
+    conus_table_destroy(clusters);
 }
 
 static void maxima_are_apart_and_have_no_higher_neighbour(void **state)
@@ -181,16 +192,16 @@ static void a_negative_threshold_has_clusters_below_it(void **state)
 {
     (void)state;
     const float values[] = {-5, -3, 9, -3, -8, NAN, -4, INFINITY};
-    conus_clusters *clusters = part_map(values, (const size_t[]){8, 1, 1}, 1, (const double[]){0, 0, 0}, -3);
+    conus_table *clusters = part_map(values, (const size_t[]){8, 1, 1}, 1, (const double[]){0, 0, 0}, -3);
     static const double peaks[] = {-8, -5, -4};
-    static const uint64_t sizes[] = {2, 2, 1};
+    static const int64_t sizes[] = {2, 2, 1};
     for (size_t i = 0; i < 3; i++) {
-        assert_near(row_at(clusters, CONUS_CLUSTER_WHOLE, i)->peak, peaks[i], 0);
-        assert_int_equal(row_at(clusters, CONUS_CLUSTER_WHOLE, i)->voxels, sizes[i]);
+        assert_near(number_of(clusters, "cluster", i, "peak"), peaks[i], 0);
+        check_voxels(clusters, i, sizes[i]);
     }
-    assert_null(row_at(clusters, CONUS_CLUSTER_WHOLE, 3));
-    assert_near(row_at(clusters, CONUS_CLUSTER_WHOLE, 0)->centre[0], (3 * 3 + 4 * 8) / 11.0, 1e-9);
-    conus_clusters_destroy(clusters);
+    assert_false(has(clusters, "cluster", 3));
+    assert_near(table_number_at(clusters, "centre_x", 0), (3 * 3 + 4 * 8) / 11.0, 1e-9);
+    conus_table_destroy(clusters);
 }
 
 /* Voxels of 1.3 mm, oblique, of random values, in voxels and perhaps in surfaces that lie in one another: then what is
@@ -218,27 +229,30 @@ static void check_sums(bool has_surfaces)
         region_scene_cubes(values, (const size_t[]){EDGE, EDGE, EDGE}, 1.3, (const double[]){-1, -0.7, -0.6});
     voxels.world_from_voxel[1] = 0.4;
     conus_roi *roi = region_scene_make(&voxels, 0.9);
-    conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
-    conus_clusters *clusters = part(atlas, roi);
+    conus_table *overlap = region_scene_overlap(atlas, roi, NULL);
+    conus_table *clusters = part(atlas, roi);
     double sum[OBJECTS + 1] = {0};
-    uint64_t voxels_in = 0;
+    int64_t voxels_in = 0;
     size_t count = 0;
-    const conus_cluster_row *row;
-    for (size_t i = 0; (row = conus_clusters_row(clusters, i)); i++) {
-        sum[row->object] += row->part == CONUS_CLUSTER_COVERAGE ? row->volume : 0;
-        voxels_in += row->voxels;
-        count += row->part == CONUS_CLUSTER_WHOLE;
+    for (size_t i = 0; i < conus_table_rows(clusters); i++) {
+        const char *kind = table_text_at(clusters, "kind", i);
+        bool is_whole = strcmp(kind, "cluster") == 0;
+        bool is_part = !is_whole && strcmp(kind, "maximum") != 0;
+        sum[conus_table_objects(clusters)[i]] += is_part ? table_number_at(clusters, "volume_mm3", i) : 0;
+        voxels_in += table_count_at(clusters, "voxels", i); /* 0 where it is n/a */
+        count += is_whole;
     }
     assert_true(count > 10);
     assert_int_equal(voxels_in, conus_roi_voxels(roi));
-    assert_int_equal(conus_overlap_count(overlap), has_surfaces ? OBJECTS + 1 : 3);
-    for (size_t i = 0; i < conus_overlap_count(overlap); i++) {
-        const conus_coverage *whole = conus_overlap_coverage(overlap, i);
-        assert_near(sum[whole->object], whole->volume, 1e-9 + whole->volume_error);
-        assert_true((whole->volume_error > 0) == (has_surfaces && !whole->object));
+    assert_int_equal(conus_table_rows(overlap), has_surfaces ? OBJECTS + 1 : 3);
+    for (size_t i = 0; i < conus_table_rows(overlap); i++) {
+        uint32_t object = conus_table_objects(overlap)[i];
+        double error = table_number_at(overlap, "volume_error_mm3", i);
+        assert_near(sum[object], table_number_at(overlap, "volume_mm3", i), 1e-9 + error);
+        assert_true((error > 0) == (has_surfaces && !object));
     }
-    conus_clusters_destroy(clusters);
-    conus_overlap_destroy(overlap);
+    conus_table_destroy(clusters);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }
@@ -257,7 +271,7 @@ static void rows_are_written(void **state)
     const float values[] = {0, 0, 7, 0};
     const conus_voxels voxels = region_scene_cubes(values, (const size_t[]){4, 1, 1}, 2, (const double[]){-0.5, 3, 3});
     conus_roi *roi = region_scene_make(&voxels, 3);
-    conus_clusters *clusters = part(atlas, roi);
+    conus_table *clusters = part(atlas, roi);
     conus_selector *selector = NULL;
     conus_report *report = NULL;
     const char *text = NULL;
@@ -265,7 +279,7 @@ static void rows_are_written(void **state)
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     const conus_report_options options = {.rows = CONUS_ROWS_CLUSTERS, .format = CONUS_FORMAT_TSV};
     assert_ok(conus_report_create(&report, selector, &options));
-    assert_ok(conus_report_add_clusters(report, "map", clusters));
+    assert_ok(conus_report_add_table(report, "map", clusters));
     assert_ok(conus_report_text(&text, &size, report));
     assert_string_equal(text,
                         "query\tcluster\tkind\tindex\tname\tvolume_mm3\tfraction\tcluster_fraction\tpeak\tpeak_x\t"
@@ -276,10 +290,10 @@ static void rows_are_written(void **state)
                         "map\t1\tmaximum\t1\t1\tn/a\tn/a\tn/a\t7\t3.5\t3\t3\tn/a\tn/a\tn/a\tn/a\n");
     conus_report_destroy(report);
     assert_ok(conus_report_create(&report, selector, NULL));
-    assert_fails(conus_report_add_clusters(report, "map", clusters), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_report_add_table(report, "map", clusters), CONUS_ERROR_ARGUMENT);
     conus_report_destroy(report);
     conus_selector_destroy(selector);
-    conus_clusters_destroy(clusters);
+    conus_table_destroy(clusters);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }
@@ -289,21 +303,18 @@ static void what_cannot_be_is_refused(void **state)
     (void)state;
     conus_atlas *atlas = region_scene_slabs();
     conus_selector *selector = NULL;
-    conus_clusters *clusters = NULL;
+    conus_table *clusters = NULL;
     double nodes[4][3] = {{0, 0, 0}, {6, 0, 0}, {0, 6, 0}, {0, 0, 6}};
     conus_roi *roi = region_scene_whole(2, 1, (const double[]){0, 0, 0});
     assert_ok(conus_selector_create(&selector, atlas, NULL));
-    assert_fails(conus_clusters_create(NULL, selector, roi), CONUS_ERROR_ARGUMENT);
-    assert_fails(conus_clusters_create(&clusters, NULL, roi), CONUS_ERROR_ARGUMENT);
-    assert_fails(conus_clusters_create(&clusters, selector, NULL), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_clusters(NULL, selector, roi), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_clusters(&clusters, NULL, roi), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_clusters(&clusters, selector, NULL), CONUS_ERROR_ARGUMENT);
     roi->nodes = nodes;
-    assert_fails(conus_clusters_create(&clusters, selector, roi), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_clusters(&clusters, selector, roi), CONUS_ERROR_ARGUMENT);
     assert_non_null(strstr(conus_message(), "clusters are of voxels"));
     roi->nodes = NULL;
     assert_null(clusters);
-    assert_int_equal(conus_clusters_count(NULL), 0);
-    assert_null(conus_clusters_row(NULL, 0));
-    conus_clusters_destroy(NULL);
     conus_roi_destroy(roi);
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
@@ -315,17 +326,17 @@ static conus_status make_clusters(void *data)
     conus_voxels voxels = region_scene_cubes(values, (const size_t[]){8, 1, 1}, 1, (const double[]){0, 1, 1});
     voxels.world_from_voxel[1] = 0.3; /* oblique: polyhedra need memory */
     conus_roi *roi = NULL;
-    conus_clusters *clusters = NULL;
+    conus_table *clusters = NULL;
     conus_report *report = NULL;
     const char *text = NULL;
     size_t size = 0;
     conus_status status = conus_roi_create(&roi, &voxels, &(conus_roi_options){.threshold = 3});
-    status = status ? status : conus_clusters_create(&clusters, data, roi);
+    status = status ? status : conus_clusters(&clusters, data, roi);
     status = status ? status : conus_report_create(&report, data, &(conus_report_options){.rows = CONUS_ROWS_CLUSTERS});
-    status = status ? status : conus_report_add_clusters(report, "region", clusters);
+    status = status ? status : conus_report_add_table(report, "region", clusters);
     status = status ? status : conus_report_text(&text, &size, report);
     conus_report_destroy(report);
-    conus_clusters_destroy(clusters);
+    conus_table_destroy(clusters);
     conus_roi_destroy(roi);
     return status;
 }

@@ -19,17 +19,17 @@ static void larger_voxels_hold_several(void **state)
     (void)state;
     conus_atlas *atlas = region_scene_slabs();
     conus_roi *roi = region_scene_whole(2, 2, (const double[]){0.5, 0.5, 0.5});
-    conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
-    assert_int_equal(conus_overlap_count(overlap), 1);
-    assert_near(region_scene_find(overlap, 1)->volume, 64, 1e-12);
-    assert_near(region_scene_find(overlap, 1)->fraction, 64 / 256.0, 1e-12);
-    conus_overlap_destroy(overlap);
+    conus_table *overlap = region_scene_overlap(atlas, roi, NULL);
+    assert_int_equal(conus_table_rows(overlap), 1);
+    assert_near(region_scene_find(overlap, 1).volume, 64, 1e-12);
+    assert_near(region_scene_find(overlap, 1).fraction, 64 / 256.0, 1e-12);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     roi = region_scene_whole(2, 2, (const double[]){2.5, 0.5, 0.5});
     overlap = region_scene_overlap(atlas, roi, NULL);
-    assert_near(region_scene_find(overlap, 1)->volume, 32, 1e-12);
-    assert_near(region_scene_find(overlap, 2)->volume, 32, 1e-12);
-    conus_overlap_destroy(overlap);
+    assert_near(region_scene_find(overlap, 1).volume, 32, 1e-12);
+    assert_near(region_scene_find(overlap, 2).volume, 32, 1e-12);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }
@@ -39,15 +39,15 @@ static void check_cube(double edge, const double middle[3], double first, double
 {
     conus_atlas *atlas = region_scene_slabs();
     conus_roi *roi = region_scene_whole(1, edge, middle);
-    conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
+    conus_table *overlap = region_scene_overlap(atlas, roi, NULL);
     double rest = edge * edge * edge - first - second;
     const double wanted[3] = {rest, first, second};
     for (uint32_t object = 0; object < 3; object++) {
-        const conus_coverage *row = region_scene_find(overlap, object);
-        assert_int_equal(row != NULL, wanted[object] > 1e-9);
-        assert_near(row ? row->volume : 0, wanted[object], 1e-9);
+        const struct region_scene_row row = region_scene_find(overlap, object);
+        assert_int_equal(row.is_there, wanted[object] > 1e-9);
+        assert_near(row.volume, wanted[object], 1e-9);
     }
-    conus_overlap_destroy(overlap);
+    conus_table_destroy(overlap);
     conus_roi_destroy(roi);
     conus_atlas_destroy(atlas);
 }
@@ -92,11 +92,11 @@ static void thin_slices_along_any_axis_count(void **state)
         const conus_volume_info grid = scene_plain_grid(dim, place);
         conus_atlas *atlas = scene_parcellation(&grid, labels);
         conus_roi *roi = region_scene_whole(1, 1, (const double[]){1.3, 1.4, 1.5});
-        conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
-        assert_int_equal(conus_overlap_count(overlap), 2);
-        assert_near(region_scene_find(overlap, 1)->volume, 0.5, 1e-12);
-        assert_near(region_scene_find(overlap, 2)->volume, 0.5, 1e-12);
-        conus_overlap_destroy(overlap);
+        conus_table *overlap = region_scene_overlap(atlas, roi, NULL);
+        assert_int_equal(conus_table_rows(overlap), 2);
+        assert_near(region_scene_find(overlap, 1).volume, 0.5, 1e-12);
+        assert_near(region_scene_find(overlap, 2).volume, 0.5, 1e-12);
+        conus_table_destroy(overlap);
         conus_roi_destroy(roi);
         conus_atlas_destroy(atlas);
     }
@@ -151,21 +151,21 @@ static void check_products(const conus_atlas *atlas, const conus_roi *roi)
     const conus_volume_info *region = conus_roi_volume(roi);
     double volumes[4] = {0};
     double sum = 0;
-    conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
+    conus_table *overlap = region_scene_overlap(atlas, roi, NULL);
     for (size_t i = 0; i < roi->volume.voxel_count; i++) {
         for (size_t k = 0; roi_has(roi, i) && k < atlas->volumes[0].voxel_count; k++) {
             volumes[volume_object(&atlas->volumes[0], k)] += common_mm3(region, i, grid, k);
         }
     }
     for (uint32_t object = 1; object <= atlas->object_count; object++) {
-        const conus_coverage *row = region_scene_find(overlap, object);
-        assert_near(row ? row->volume : 0, volumes[object], 1e-10);
+        const struct region_scene_row row = region_scene_find(overlap, object);
+        assert_near(row.volume, volumes[object], 1e-10);
         sum += volumes[object];
     }
     double all = (double)conus_roi_voxels(roi) * fabs(mat4_determinant3(region->world_from_voxel));
-    const conus_coverage *rest = region_scene_find(overlap, 0);
-    assert_near(rest ? rest->volume : 0, all - sum, 1e-10);
-    conus_overlap_destroy(overlap);
+    const struct region_scene_row rest = region_scene_find(overlap, 0);
+    assert_near(rest.volume, all - sum, 1e-10);
+    conus_table_destroy(overlap);
 }
 
 static void parallel_grids_have_products_of_lengths_in_common(void **state)
@@ -265,23 +265,23 @@ static void search(struct found *found, const conus_atlas *atlas, const conus_ro
 
 /* On one side of a plane through a voxel a lattice misses the volume by less than one in POINTS, mostly by far less, in
  * either direction: for n voxels by about sqrt(n) times that. On one grid it misses nothing. */
-static void compare(const conus_overlap *overlap, const struct found *found, const conus_atlas *atlas, uint64_t voxels,
+static void compare(const conus_table *overlap, const struct found *found, const conus_atlas *atlas, uint64_t voxels,
                     double voxel_mm3, bool one_grid)
 {
     double tolerance = one_grid ? 1e-9 : 0.1 * sqrt((double)voxels) * voxel_mm3;
     for (uint32_t object = 0; object <= atlas->object_count; object++) {
-        const conus_coverage *row = region_scene_find(overlap, object);
+        const struct region_scene_row row = region_scene_find(overlap, object);
         double volume = (double)found[object].points / (POINTS * POINTS * POINTS) * voxel_mm3;
-        assert_true(row || !found[object].points);
-        assert_near(row ? row->volume : 0, volume, tolerance);
-        if (row && found[object].points) {
-            assert_near(row->roi_fraction, row->volume / (voxel_mm3 * (double)voxels), 1e-12);
-            assert_true(one_grid ? row->peak == found[object].peak : fabs(row->peak) >= fabs(found[object].peak));
+        assert_true(row.is_there || !found[object].points);
+        assert_near(row.volume, volume, tolerance);
+        if (row.is_there && found[object].points) {
+            assert_near(row.roi_fraction, row.volume / (voxel_mm3 * (double)voxels), 1e-12);
+            assert_true(one_grid ? row.peak == found[object].peak : fabs(row.peak) >= fabs(found[object].peak));
         }
-        if (row && object) {
-            assert_near(row->fraction, fmin(1, row->volume / atlas->objects[object - 1].volume_mm3), 1e-9);
-        } else if (row) {
-            assert_true(isnan(row->fraction));
+        if (row.is_there && object) {
+            assert_near(row.fraction, fmin(1, row.volume / atlas->objects[object - 1].volume_mm3), 1e-9);
+        } else if (row.is_there) {
+            assert_true(isnan(row.fraction));
         }
     }
 }
@@ -309,14 +309,14 @@ static void volumes_are_as_a_lattice_finds_them(void **state)
             .data = values, .type = CONUS_SCALAR_FLOAT32, .dim = {grid.dim[0], grid.dim[1], grid.dim[2]}};
         memcpy(voxels.world_from_voxel, grid.world_from_voxel, sizeof voxels.world_from_voxel);
         conus_roi *roi = region_scene_make(&voxels, round % 4 < 2 ? 0.3 : -0.3);
-        conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
+        conus_table *overlap = region_scene_overlap(atlas, roi, NULL);
         struct found *found = calloc(atlas->object_count + 1, sizeof *found);
         search(found, atlas, roi);
         compare(overlap, found, atlas, conus_roi_voxels(roi), fabs(mat4_determinant3(grid.world_from_voxel)),
                 round % 2 && round % 3 == 0);
         free(found);
         free(values);
-        conus_overlap_destroy(overlap);
+        conus_table_destroy(overlap);
         conus_roi_destroy(roi);
         conus_atlas_destroy(atlas);
     }
