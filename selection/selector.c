@@ -273,6 +273,7 @@ void conus_selector_destroy(conus_selector *selector)
         if (selector->owns_clearance_index) {
             clearance_index_destroy(selector->clearance_index);
         }
+        conus_table_destroy(selector->areas);
         tract_census_finish(&selector->tracts);
         if (selector->owns_tract_index) {
             tract_index_destroy(selector->tract_index);

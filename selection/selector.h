@@ -4,6 +4,7 @@
 #define CONUS_SELECTION_SELECTOR_H
 
 #include "atlas/areas/level.h"
+#include "conus/table.h"
 #include "selection/engine/engine.h"
 #include "selection/measure/census.h"
 #include "selection/measure/clearance.h"
@@ -40,6 +41,7 @@ struct conus_selector {
     bool owns_clearance_index;               /**< It is not another selector's. */
     struct solids solids;                    /**< Volumes of surfaces in the cone. */
     double *whole;                           /**< [object_count + 1] Volumes of what is reported, mm^3. */
+    conus_table *areas;                      /**< Those of its last connections; NULL = none yet. */
     bool inside_only;                        /**< Only the pixels in the cone will be traced in its selections. */
     bool rows_only;                          /**< And nobody asks its selections for pixels, if there is a choice. */
     bool is_shared;                          /**< Engine, level and volumes are another selector's. */

@@ -41,16 +41,18 @@ static size_t count_hidden_areas(const conus_atlas *atlas)
 }
 
 /* A warning where most streamlines have no area at either end, as those of another space or unit. */
-static void say_without_areas(const struct connect *connect, const struct named_atlas *named,
-                              const conus_connectivity *connectivity)
+static void say_without_areas(const struct connect *connect, const struct named_atlas *named, const conus_table *table)
 {
     char prefix[ATLAS_PREFIX_SIZE];
     uint64_t all = 0;
     uint64_t without = 0;
-    for (size_t i = 0; i < conus_connectivity_pair_count(connectivity); i++) {
-        const conus_connection *pair = conus_connectivity_pair(connectivity, i);
-        all += pair->streamlines;
-        without += pair->area_a || pair->area_b ? 0 : pair->streamlines;
+    const conus_table *pairs = conus_table_part(table, "pairs");
+    const int64_t *streamlines = conus_table_counts(pairs, "streamlines");
+    const int64_t *area_a = conus_table_counts(pairs, "area_a"); /* where one end has an area, it is this */
+    const uint32_t *areas = conus_table_objects(conus_table_part(table, "areas"));
+    for (size_t i = 0; i < conus_table_rows(pairs); i++) {
+        all += (uint64_t)streamlines[i];
+        without += areas[area_a[i]] ? 0 : (uint64_t)streamlines[i];
     }
     if (2 * without > all && !count_hidden_areas(named->atlas)) {
         say_note(CONUS_SEVERITY_WARNING, connect->settings->request.common.quiet,
@@ -62,17 +64,18 @@ static void say_without_areas(const struct connect *connect, const struct named_
 
 static int add_answer(struct connect *connect, size_t index, const conus_report_options *report)
 {
-    const conus_connectivity_options options = ends_options_of(&connect->settings->ends, connect->request.arguments);
+    const double radius = ends_radius_of(&connect->settings->ends, connect->request.arguments);
     struct answerer *answerer = &connect->request.answerers[index];
-    conus_connectivity *connectivity = NULL;
-    conus_status status = conus_connectivity_create(&connectivity, answerer->selector, NULL, &options);
-    status = status ? status : conus_report_add_connections(answerer->report, "1", connectivity);
-    if (status) {
-        conus_connectivity_destroy(connectivity);
-        return print_status(status);
+    conus_table *table = NULL;
+    conus_status status = conus_connectivity(&table, answerer->selector, NULL, radius);
+    status = status ? status : conus_report_add_table(answerer->report, "1", table);
+    int code = print_status(status);
+    if (!code) {
+        say_without_areas(connect, &connect->request.atlases.items[index], table);
+        code = matrix_file_take(&connect->matrix, answerer->selector, report, "1", table);
     }
-    say_without_areas(connect, &connect->request.atlases.items[index], connectivity);
-    return matrix_file_take(&connect->matrix, answerer->selector, report, "1", connectivity);
+    conus_table_destroy(table);
+    return code;
 }
 
 /* An end near the border of a hidden area may have another area than in the whole atlas. */
@@ -97,8 +100,8 @@ static int answer_connect(struct connect *connect)
     struct provenance provenance = {0};
     conus_report_options report = request_report_options(request);
     report.rows = CONUS_ROWS_CONNECTIONS;
-    report.frame = NULL; /* its rows have no positions */
-    int code = request_load_atlases(request);
+    int code = print_status(conus_frame_find(&request->frame, NULL, CONUS_SPACE_RAS, NULL)); /* of no positions */
+    code = code ? code : request_load_atlases(request);
     code = code ? code : request_start_without_rays(request, &report);
     code = code ? code : request_check_outputs(request);
     code = code || ends_check_atlases(&request->atlases) ? code : EXIT_USAGE;

@@ -55,7 +55,7 @@ typedef enum conus_rows {
                            #CONUS_FORMAT_TABLE. */
     CONUS_ROWS_COVERAGES,   /**< Tables of conus_overlap(). */
     CONUS_ROWS_SEGMENTS,    /**< From conus_report_add_segments(). */
-    CONUS_ROWS_CONNECTIONS, /**< From conus_report_add_connections(). */
+    CONUS_ROWS_CONNECTIONS, /**< Tables of conus_connectivity(). */
     CONUS_ROWS_CLEARANCES,  /**< From conus_report_add_clearances(). */
     CONUS_ROWS_PLAN,        /**< From conus_report_add_plan(), a row for each pose that is listed. */
     CONUS_ROWS_CONSTRAINTS, /**< From the same, a row for each of them and each constraint. */
@@ -163,7 +163,8 @@ CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *qu
                                             const conus_selection *selection);
 
 /**
- * Adds the answer of a study: of conus_sweep(), conus_jitter(), conus_overlap() or conus_clusters().
+ * Adds the answer of a study: of conus_sweep(), conus_jitter(), conus_overlap(), conus_clusters() or
+ * conus_connectivity().
  * @param report The report.
  * @param query_id As for conus_report_add().
  * @param table Of the report's selector, with positions in the frame of the report. It may end afterwards.
@@ -174,30 +175,18 @@ CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *qu
 CONUS_CHECKED conus_status conus_report_add_table(conus_report *report, const char *query_id, conus_table *table);
 
 /**
- * Adds which areas bundles connect.
- * @param report The report.
- * @param query_id As for conus_report_add().
- * @param connectivity The connections; may end afterwards.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows.
- * @threads One at a time for each @p report.
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_report_add_connections(conus_report *report, const char *query_id,
-                                                        const conus_connectivity *connectivity);
-
-/**
  * Gives the table of connected areas: names in the first row and the first column, and the number of streamlines
  * between them; in JSON also their mean lengths, and the sources.
  * @param[out] text Borrowed from the report until the next text is asked for. UTF-8.
  * @param[out] size Bytes.
  * @param report Of #CONUS_ROWS_CONNECTIONS, as #CONUS_FORMAT_TSV, #CONUS_FORMAT_CSV or #CONUS_FORMAT_JSON.
- * @param connectivity Of the report's atlas.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another report; as conus_connectivity_matrix().
- * @threads One at a time for each @p report and @p connectivity.
+ * @param table Of conus_connectivity(), as for conus_report_add_table(): its parts are written.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another report; #CONUS_ERROR_UNSUPPORTED for more than 8192 areas.
+ * @threads One at a time for each @p report.
  * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_matrix(const char **text, size_t *size, conus_report *report,
-                                               conus_connectivity *connectivity);
+                                               const conus_table *table);
 
 /**
  * Adds what an axis passes: to #CONUS_ROWS_SEGMENTS a row for each segment. To #CONUS_FORMAT_SPIKEGLX and

@@ -126,6 +126,16 @@ CONUS_API const char *const *conus_table_texts(const conus_table *table, const c
  */
 CONUS_API const uint32_t *conus_table_objects(const conus_table *table);
 
+/**
+ * Gives a part of an answer that is a table of its own; the study says which it has.
+ * @param table The table; NULL has none.
+ * @param part Its name: "pairs".
+ * @return NULL where there is none of this name. Borrowed from the table: it is not destroyed.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_API const conus_table *conus_table_part(const conus_table *table, const char *part);
+
 #ifdef __cplusplus
 }
 #endif

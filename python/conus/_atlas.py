@@ -14,7 +14,7 @@ from ._answers import Answers, Array, Objects, Selection, Track, kind_word
 from ._axis import Clearances, Segments
 from ._callback import Callback, load_progress, receive
 from ._candidates import candidates_stream, depth_of
-from ._connectivity import Connectivity, options_of as _ends
+from ._connectivity import Connectivity, radius_of
 from ._conus import ffi, lib
 from ._library import (
     RESULT,
@@ -1133,10 +1133,10 @@ class Selector(Guarded):
             raise ArgumentError("there are no streamlines, load(..., streamlines=[FILE]) adds some")
         if all(lib.conus_atlas_is_hidden(atlas, i) for i in bundles):
             raise ArgumentError("all streamlines are hidden: only names the bundles to keep beside areas")
-        out = ffi.new("conus_connectivity **")
+        out = ffi.new("conus_table **")
         chosen = ffi.NULL if selection is None else selection._p
-        self._call(lib.conus_connectivity_create, out, self._p, chosen, _ends(radius))
-        return Connectivity(self.atlas, out[0])
+        self._call(lib.conus_connectivity, out, self._p, chosen, radius_of(radius))
+        return Connectivity(out[0])
 
     def overlap(self, roi: Any, threshold: float = 0, *, max_memory: int = 0) -> Table:
         """Which objects a region of interest covers: ``conus overlap``.

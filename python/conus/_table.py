@@ -33,8 +33,8 @@ class Table(Bound):
 
     columns: tuple[str, ...]
 
-    def __init__(self, pointer: Any) -> None:
-        self._p = owned(pointer, lib.conus_table_destroy)
+    def __init__(self, pointer: Any, whole: Any = None) -> None:
+        self._p = owned(pointer, (lambda _: None) if whole else lib.conus_table_destroy, whole)
         found = [lib.conus_table_column(self._p, i) for i in range(lib.conus_table_columns(self._p))]
         self._columns = {text(column.name): column for column in found}
         self.columns = tuple(self._columns)
@@ -48,6 +48,13 @@ class Table(Bound):
 
     def __repr__(self) -> str:
         return f"<conus.Table: {len(self)} rows of {', '.join(self.columns)}>"
+
+    def part(self, name: str) -> Table:
+        """A part of the answer that is a table of its own."""
+        found = lib.conus_table_part(self._p, name.encode())
+        if not found:
+            raise KeyError(name)
+        return Table(found, self._p)
 
     def unit(self, name: str) -> str:
         """The unit of a column: "mm", "degree", or "" of none."""

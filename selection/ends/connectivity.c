@@ -4,7 +4,6 @@
 
 #include "atlas/bundles.h"
 #include "base/memory.h"
-#include "base/options.h"
 #include "base/order.h"
 #include "base/threads.h"
 #include "selection/ends/area_at.h"
@@ -25,8 +24,25 @@ struct ended {
     uint32_t tractogram;
 };
 
+/* Streamlines whose ends are in the same two areas: a row of the table. Its object is the bundle; of all bundles, none.
+ */
+struct row {
+    struct table_object object;
+    uint32_t a, b;           /* areas as they are reported; 0 = none */
+    uint32_t area_a, area_b; /* their rows in the list of areas */
+    uint64_t streamlines;
+    double fraction; /* they as a part of the bundle's streamlines that were looked at; these sum to 1 */
+    double length;   /* their mean length, mm, in or out of the cone */
+};
+
+struct rows {
+    struct row *at;
+    size_t count;
+};
+
 struct connecting {
-    const conus_selector *selector;
+    conus_selector *selector;
+    const struct table_question *asked;
     const struct region *region; /* NULL = everywhere */
     struct area_search search;
     struct ended *all;
@@ -34,6 +50,7 @@ struct connecting {
     struct ended *sorting; /* [count] */
     size_t bundle_count;   /* of those that have streamlines here */
     size_t pieces;         /* for threads */
+    uint32_t *row_of;      /* [areas of the atlas + 1] among those of the matrix */
 };
 
 static uint32_t area_of_point(const struct connecting *connecting, const struct tractogram *tractogram, uint64_t index)
@@ -178,12 +195,12 @@ static void sort_by(struct connecting *connecting, size_t offset)
 /* The most streamlines first; areas less 1, as in struct ended. */
 static int by_count(const void *a, const void *b)
 {
-    const conus_connection *x = a;
-    const conus_connection *y = b;
-    int order = compare_unsigned(x->bundle, y->bundle);
+    const struct row *x = a;
+    const struct row *y = b;
+    int order = compare_unsigned(x->object.number, y->object.number);
     order = order ? order : compare_unsigned(y->streamlines, x->streamlines);
-    order = order ? order : compare_unsigned(x->area_a - 1, y->area_a - 1);
-    return order ? order : compare_unsigned(x->area_b - 1, y->area_b - 1);
+    order = order ? order : compare_unsigned(x->a - 1, y->a - 1);
+    return order ? order : compare_unsigned(x->b - 1, y->b - 1);
 }
 
 /* Whether two sorted streamlines connect the same areas. */
@@ -193,51 +210,56 @@ static bool are_alike(const struct ended *a, const struct ended *b)
 }
 
 /* Adds the connections of one bundle, which has `whole` streamlines. Returns the end of the rows. */
-static conus_connection *add_kinds(conus_connection *out, const conus_atlas *atlas, const struct ended *all,
-                                   size_t whole)
+static struct row *add_kinds(struct row *out, const struct connecting *connecting, const struct ended *all,
+                             size_t whole)
 {
+    const conus_atlas *atlas = connecting->selector->atlas;
     for (size_t first = 0; first < whole;) {
         size_t end = first;
         double length = 0;
         for (; end < whole && are_alike(&all[end], &all[first]); end++) {
             length += tractogram_length(&atlas->tractograms[all[end].tractogram], all[end].streamline);
         }
-        *out++ = (conus_connection){.bundle = all[first].bundle,
-                                    .area_a = all[first].a < atlas->area_count ? all[first].a + 1 : 0,
-                                    .area_b = all[first].b < atlas->area_count ? all[first].b + 1 : 0,
-                                    .streamlines = end - first,
-                                    .fraction = (double)(end - first) / (double)whole,
-                                    .length = length / (double)(end - first)};
+        uint32_t a = all[first].a < atlas->area_count ? all[first].a + 1 : 0;
+        uint32_t b = all[first].b < atlas->area_count ? all[first].b + 1 : 0;
+        *out++ = (struct row){.object = {CONUS_KIND_BUNDLE, all[first].bundle},
+                              .a = a,
+                              .b = b,
+                              .area_a = connecting->row_of[a],
+                              .area_b = connecting->row_of[b],
+                              .streamlines = end - first,
+                              .fraction = (double)(end - first) / (double)whole,
+                              .length = length / (double)(end - first)};
         first = end;
     }
     return out;
 }
 
 /* Sorts what was gathered, and makes connections of it. */
-static conus_status count_all(conus_connection **out, size_t *count, struct connecting *connecting)
+static conus_status count_all(struct rows *out, struct connecting *connecting)
 {
     sort_by(connecting, offsetof(struct ended, b));
     sort_by(connecting, offsetof(struct ended, a));
     sort_by(connecting, offsetof(struct ended, bundle));
     const struct ended *all = connecting->all;
-    *count = 0;
+    *out = (struct rows){0};
     for (size_t i = 0; i < connecting->count; i++) {
-        *count += i == 0 || !are_alike(&all[i], &all[i - 1]);
+        out->count += i == 0 || !are_alike(&all[i], &all[i - 1]);
     }
-    *out = memory_raw(*count, sizeof **out);
-    if (!*out) {
+    out->at = memory_raw(out->count, sizeof *out->at);
+    if (!out->at) {
         return CONUS_ERROR_MEMORY;
     }
-    conus_connection *next = *out;
+    struct row *next = out->at;
     for (size_t first = 0; first < connecting->count;) {
         size_t end = first;
         while (end < connecting->count && all[end].bundle == all[first].bundle) {
             end++;
         }
-        next = add_kinds(next, connecting->selector->atlas, all + first, end - first);
+        next = add_kinds(next, connecting, all + first, end - first);
         first = end;
     }
-    order_sort(*out, *count, sizeof **out, by_count);
+    order_sort(out->at, out->count, sizeof *out->at, by_count);
     return CONUS_OK;
 }
 
@@ -258,97 +280,179 @@ static void merge_bundles(struct connecting *connecting)
     connecting->count = kept;
 }
 
-/* A single bundle's pairs are its rows. */
-static conus_status copy_rows(conus_connectivity *connectivity)
+static struct cell end_name(const struct table_source *source, uint32_t area)
 {
-    connectivity->pairs = memory_copy(connectivity->rows, connectivity->row_count, sizeof *connectivity->rows);
-    if (!connectivity->pairs) {
-        return CONUS_ERROR_MEMORY;
-    }
-    connectivity->pair_count = connectivity->row_count;
-    for (size_t i = 0; i < connectivity->pair_count; i++) {
-        connectivity->pairs[i].bundle = 0;
-    }
-    return CONUS_OK;
+    return text_cell(area ? conus_atlas_object(source->atlas, area)->name : "unassigned");
 }
 
-static conus_status build(conus_connectivity *connectivity, const conus_selector *selector, const struct region *region)
+static struct cell end_index(const struct table_source *source, uint32_t area)
 {
-    struct connecting connecting = {.selector = selector, .region = region};
-    conus_status status = gather(&connecting);
-    status = status ? status : find_ends(&connecting, connectivity->radius);
-    status = status ? status : count_all(&connectivity->rows, &connectivity->row_count, &connecting);
-    if (!status && connecting.bundle_count == 1) {
-        status = copy_rows(connectivity);
-    } else if (!status) {
-        merge_bundles(&connecting);
-        status = count_all(&connectivity->pairs, &connectivity->pair_count, &connecting);
+    return area ? integer_cell(conus_atlas_object(source->atlas, area)->label) : no_cell();
+}
+
+static struct cell end_a(const struct table_source *source, const void *row, size_t index)
+{
+    (void)index;
+    return end_name(source, ((const struct row *)row)->a);
+}
+
+static struct cell end_b(const struct table_source *source, const void *row, size_t index)
+{
+    (void)index;
+    return end_name(source, ((const struct row *)row)->b);
+}
+
+static struct cell end_a_index(const struct table_source *source, const void *row, size_t index)
+{
+    (void)index;
+    return end_index(source, ((const struct row *)row)->a);
+}
+
+static struct cell end_b_index(const struct table_source *source, const void *row, size_t index)
+{
+    (void)index;
+    return end_index(source, ((const struct row *)row)->b);
+}
+
+static const struct table_field columns[] = {
+    {"kind", NULL, "bundle; error: no answer, and bundle says why", TABLE_NAME_BY(table_kind)},
+    {"bundle", NULL, "name of the bundle", TABLE_NAME_BY(table_object_name)},
+    {"end_a", NULL, "name of the area at one end of the streamlines, or unassigned", TABLE_NAME_BY(end_a)},
+    {"end_b", NULL, "the same of the other end, which is later in the atlas, or the same area", TABLE_NAME_BY(end_b)},
+    {"streamlines", NULL, "how many streamlines of the bundle have these ends",
+     TABLE_OF(LARGE_COUNT, struct row, streamlines)},
+    {"fraction", NULL, "they as a part of the bundle's streamlines that are in the cone, or of all if there is none",
+     TABLE_OF(NUMBER, struct row, fraction)},
+    {"mean_length_mm", "mm", "their mean length from end to end", TABLE_OF(NUMBER, struct row, length)},
+    {"bundle_index", NULL, "ordinal of the bundle", TABLE_LABEL_BY(table_index)},
+    {"end_a_index", NULL, "the atlas's own label of end_a", TABLE_LABEL_BY(end_a_index)},
+    {"end_b_index", NULL, "the same of end_b", TABLE_LABEL_BY(end_b_index)},
+};
+
+static const struct table_field pair_columns[] = {
+    {"end_a", NULL, "name of the area at one end of the streamlines, or unassigned", TABLE_NAME_BY(end_a)},
+    {"end_b", NULL, "the same of the other end, which is later, or the same area", TABLE_NAME_BY(end_b)},
+    {"streamlines", NULL, "how many streamlines of all bundles have these ends, each counted once",
+     TABLE_OF(LARGE_COUNT, struct row, streamlines)},
+    {"fraction", NULL, "they as a part of all streamlines that are in the cone, or of all if there is none",
+     TABLE_OF(NUMBER, struct row, fraction)},
+    {"mean_length_mm", "mm", "their mean length from end to end", TABLE_OF(NUMBER, struct row, length)},
+    {"area_a", NULL, "row of end_a in the part areas, from 0", TABLE_OF(COUNT, struct row, area_a)},
+    {"area_b", NULL, "the same of end_b", TABLE_OF(COUNT, struct row, area_b)},
+};
+
+static const struct table_field area_columns[] = {
+    {"name", NULL, "name of the area, or unassigned", TABLE_NAME_BY(table_object_name)},
+    {"index", NULL, "the atlas's own label of the area", TABLE_LABEL_BY(table_index)},
+};
+
+const struct table_fields connection_fields = {columns, sizeof columns / sizeof *columns};
+static const struct table_fields pair_fields = {pair_columns, sizeof pair_columns / sizeof *pair_columns};
+static const struct table_fields area_fields = {area_columns, sizeof area_columns / sizeof *area_columns};
+
+static conus_status make_table(conus_table **out, const struct connecting *connecting,
+                               const struct table_fields *fields, const void *rows, size_t size, size_t count)
+{
+    const conus_selector *selector = connecting->selector;
+    return table_create(out, &(struct table_source){selector->atlas, &selector->frame}, fields, connecting->asked, rows,
+                        size, count);
+}
+
+/* Whether the table has these areas. */
+static bool lists_areas(const conus_table *table, const struct table_object *areas, size_t count)
+{
+    bool is_same = conus_table_rows(table) == count;
+    for (size_t i = 0; is_same && i < count; i++) {
+        is_same = conus_table_objects(table)[i] == areas[i].number;
     }
-    area_search_finish(&connecting.search);
-    memory_free(connecting.all);
-    memory_free(connecting.sorting);
+    return is_same;
+}
+
+/* Lists the areas, whose table all answers of the selector share, and finds the row of each. */
+static conus_status place_areas(struct connecting *connecting)
+{
+    conus_selector *selector = connecting->selector;
+    struct table_object *areas = NULL;
+    conus_table *table = NULL;
+    size_t count = 0;
+    conus_status status = connection_areas_list(&areas, &count, selector);
+    if (!status && !lists_areas(selector->areas, areas, count)) {
+        status = make_table(&table, connecting, &area_fields, areas, sizeof *areas, count);
+        conus_table_destroy(status ? NULL : selector->areas);
+        selector->areas = status ? selector->areas : table;
+    }
+    connecting->row_of = status ? NULL : memory_raw(selector->atlas->area_count + 1, sizeof *connecting->row_of);
+    for (size_t i = 0; connecting->row_of && i <= selector->atlas->area_count; i++) {
+        connecting->row_of[i] = (uint32_t)count - 1; /* that of none */
+    }
+    for (size_t i = 0; connecting->row_of && i < count; i++) {
+        connecting->row_of[areas[i].number] = (uint32_t)i;
+    }
+    memory_free(areas);
+    return status || connecting->row_of ? status : CONUS_ERROR_MEMORY;
+}
+
+/* Adds the pairs of all bundles together, which are no bundle's; those of a single bundle are its rows. */
+static conus_status add_pairs(conus_table *table, struct connecting *connecting, struct rows *rows)
+{
+    conus_table *pairs = NULL;
+    conus_status status = CONUS_OK;
+    if (connecting->bundle_count != 1) {
+        merge_bundles(connecting);
+        memory_free(rows->at);
+        status = count_all(rows, connecting);
+    }
+    for (size_t i = 0; i < rows->count && !status; i++) {
+        rows->at[i].object = (struct table_object){.kind = CONUS_KIND_UNASSIGNED};
+    }
+    status = status ? status : make_table(&pairs, connecting, &pair_fields, rows->at, sizeof *rows->at, rows->count);
+    if (!status) {
+        table_add_part(table, "pairs", pairs);
+    }
     return status;
 }
 
-conus_status conus_connectivity_create(conus_connectivity **out, conus_selector *selector,
-                                       const conus_selection *selection, const conus_connectivity_options *options)
+static conus_status build(conus_table **out, struct connecting *connecting)
 {
-    double radius = options_of(conus_connectivity_options, options)->radius;
+    struct rows rows = {0};
+    conus_table *table = NULL;
+    conus_status status = place_areas(connecting);
+    status = status ? status : gather(connecting);
+    status = status ? status : find_ends(connecting, connecting->asked->end_radius);
+    status = status ? status : count_all(&rows, connecting);
+    status = status ? status : make_table(&table, connecting, &connection_fields, rows.at, sizeof *rows.at, rows.count);
+    status = status ? status : add_pairs(table, connecting, &rows);
+    area_search_finish(&connecting->search);
+    memory_free(rows.at);
+    memory_free(connecting->all);
+    memory_free(connecting->sorting);
+    memory_free(connecting->row_of);
+    if (status) {
+        conus_table_destroy(table);
+        return status;
+    }
+    table_add_part(table, "areas", table_hold(connecting->selector->areas));
+    *out = table;
+    return CONUS_OK;
+}
+
+conus_status conus_connectivity(conus_table **out, conus_selector *selector, const conus_selection *selection,
+                                double radius)
+{
     if (!(radius <= RADIUS_LIMIT)) {
         return fail(CONUS_ERROR_ARGUMENT, "radius: %g mm round an end, allowed are up to %g", radius, RADIUS_LIMIT);
     }
     if (selection && selection->atlas != selector->atlas) {
         return fail(CONUS_ERROR_ARGUMENT, "connectivity: the selection has another atlas than the selector");
     }
-    conus_connectivity *connectivity = memory_zeroed(1, sizeof *connectivity);
-    if (!connectivity) {
-        return CONUS_ERROR_MEMORY;
-    }
-    connectivity->radius = radius == 0 ? CONUS_ENDPOINT_RADIUS : fmax(radius, 0);
-    connectivity->is_whole = !selection;
+    struct table_question asked = {.end_radius = radius == 0 ? CONUS_ENDPOINT_RADIUS : fmax(radius, 0),
+                                   .is_whole = !selection};
     if (selection) {
         bool is_ball = selection->region.shape == REGION_BALL;
-        connectivity->cone = selection->cone;
-        connectivity->ball = is_ball ? selection->region.radius : 0;
+        asked.cone = selection->cone;
+        asked.ball = is_ball ? selection->region.radius : 0;
     }
-    conus_status status = connection_areas_list(connectivity, selector);
-    status = status ? status : build(connectivity, selector, selection ? &selection->region : NULL);
-    if (status) {
-        conus_connectivity_destroy(connectivity);
-        return status;
-    }
-    *out = connectivity;
-    return CONUS_OK;
-}
-
-void conus_connectivity_destroy(conus_connectivity *connectivity)
-{
-    if (connectivity) {
-        memory_free(connectivity->rows);
-        memory_free(connectivity->pairs);
-        memory_free(connectivity->areas);
-        memory_free(connectivity->streamlines);
-        memory_free(connectivity->length);
-        memory_free(connectivity);
-    }
-}
-
-size_t conus_connectivity_count(const conus_connectivity *connectivity)
-{
-    return connectivity ? connectivity->row_count : 0;
-}
-
-const conus_connection *conus_connectivity_connection(const conus_connectivity *connectivity, size_t index)
-{
-    return connectivity && index < connectivity->row_count ? &connectivity->rows[index] : NULL;
-}
-
-size_t conus_connectivity_pair_count(const conus_connectivity *connectivity)
-{
-    return connectivity ? connectivity->pair_count : 0;
-}
-
-const conus_connection *conus_connectivity_pair(const conus_connectivity *connectivity, size_t index)
-{
-    return connectivity && index < connectivity->pair_count ? &connectivity->pairs[index] : NULL;
+    struct connecting connecting = {
+        .selector = selector, .region = selection ? &selection->region : NULL, .asked = &asked};
+    return build(out, &connecting);
 }

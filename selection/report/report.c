@@ -382,15 +382,18 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
     return status || report->options.no_voxels ? status : report_add_voxels(report, selection);
 }
 
+conus_status report_check_table(const conus_report *report, const conus_table *table)
+{
+    return table_is_of(table, report_fields(report->options.rows), &report->frame)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "report: a table of other rows, or with positions in another space");
+}
+
 conus_status conus_report_add_table(conus_report *report, const char *query_id, conus_table *table)
 {
     struct report_row *rows;
     struct report_query query = {.asked = *table_question(table)};
-    conus_status status =
-        table_is_of(table, report_fields(report->options.rows), &report->frame)
-            ? CONUS_OK
-            : fail(CONUS_ERROR_ARGUMENT, "report: a table of other rows, or with positions in another "
-                                         "space");
+    conus_status status = report_check_table(report, table);
     status = status ? status : report_append(&rows, report, query_id, &query, conus_table_rows(table));
     if (status) {
         return status;
@@ -431,25 +434,6 @@ conus_status conus_report_add_clearances(conus_report *report, const char *query
     conus_status status = report_append(&rows, report, query_id, &query, clearances->count);
     for (size_t i = 0; !status && i < clearances->count; i++) {
         rows[i].clearance = clearances->rows[i];
-    }
-    return status;
-}
-
-conus_status conus_report_add_connections(conus_report *report, const char *query_id,
-                                          const conus_connectivity *connectivity)
-{
-    struct report_row *rows;
-    const struct report_query query = {.asked = {.cone = connectivity->cone,
-                                                 .ball = connectivity->ball,
-                                                 .end_radius = connectivity->radius,
-                                                 .is_whole = connectivity->is_whole}};
-    if (report->options.rows != CONUS_ROWS_CONNECTIONS) {
-        return refuse_rows("connections");
-    }
-    conus_status status = report_append(&rows, report, query_id, &query, connectivity->row_count);
-    for (size_t i = 0; !status && i < connectivity->row_count; i++) {
-        const conus_connection *row = &connectivity->rows[i];
-        rows[i].connection = (struct report_connection){CONUS_KIND_BUNDLE, row->bundle, *row};
     }
     return status;
 }

@@ -13,13 +13,6 @@
 
 #include <string.h>
 
-/** A connection, with what begins all rows. */
-struct report_connection {
-    conus_kind kind;
-    uint32_t bundle;
-    conus_connection is;
-};
-
 /** A listed pose of a plan; in other rows one of its constraints, perhaps at a depth. */
 struct report_planned {
     conus_kind kind; /**< Kind and object begin every row; this one has none. */
@@ -83,7 +76,6 @@ struct report_row {
         struct report_table_row of_table;
         conus_segment segment;
         conus_clearance clearance;
-        struct report_connection connection;
         struct report_planned planned;
     };
 };
@@ -141,6 +133,9 @@ struct conus_report {
 /** Adds a copy of @p query, with the id @p id, and @p count rows, which the caller fills from *rows on. */
 conus_status report_append(struct report_row **rows, conus_report *report, const char *id,
                            const struct report_query *query, size_t count);
+
+/** CONUS_ERROR_ARGUMENT for a table of other rows than the report's, or with positions in another frame. */
+conus_status report_check_table(const conus_report *report, const conus_table *table);
 
 /** Drops all queries and rows, and keeps the memory. */
 void report_clear(conus_report *report);

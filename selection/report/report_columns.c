@@ -268,57 +268,6 @@ static const struct report_column clearance_columns[] = {
     {"near_z", "mm", "the same, z", OF_ROW(Z, clearance.near)},
 };
 
-static struct cell end_name(const conus_report *report, uint32_t area)
-{
-    return text_cell(area ? conus_atlas_object(report->atlas, area)->name : "unassigned");
-}
-
-static struct cell end_index(const conus_report *report, uint32_t area)
-{
-    return area ? integer_cell(conus_atlas_object(report->atlas, area)->label) : no_cell();
-}
-
-static struct cell get_end_a(const conus_report *report, const struct report_row *row)
-{
-    return end_name(report, row->connection.is.area_a);
-}
-
-static struct cell get_end_b(const conus_report *report, const struct report_row *row)
-{
-    return end_name(report, row->connection.is.area_b);
-}
-
-static struct cell get_end_a_index(const conus_report *report, const struct report_row *row)
-{
-    return end_index(report, row->connection.is.area_a);
-}
-
-static struct cell get_end_b_index(const conus_report *report, const struct report_row *row)
-{
-    return end_index(report, row->connection.is.area_b);
-}
-
-static struct cell get_connecting(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return integer_cell(row->connection.is.streamlines);
-}
-
-static const struct report_column connection_columns[] = {
-    {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
-    {"kind", NULL, "bundle; error: no answer, and bundle says why", NAMED(get_kind)},
-    {"bundle", NULL, "name of the bundle", NAMED(get_name)},
-    {"end_a", NULL, "name of the area at one end of the streamlines, or unassigned", NAMED(get_end_a)},
-    {"end_b", NULL, "the same of the other end, which is later in the atlas, or the same area", NAMED(get_end_b)},
-    {"streamlines", NULL, "how many streamlines of the bundle have these ends", .get = get_connecting},
-    {"fraction", NULL, "they as a part of the bundle's streamlines that are in the cone, or of all if there is none",
-     OF_ROW(NUMBER, connection.is.fraction)},
-    {"mean_length_mm", "mm", "their mean length from end to end", OF_ROW(NUMBER, connection.is.length)},
-    {"bundle_index", NULL, "ordinal of the bundle", NAMED(get_index)},
-    {"end_a_index", NULL, "the atlas's own label of end_a", NAMED(get_end_a_index)},
-    {"end_b_index", NULL, "the same of end_b", NAMED(get_end_b_index)},
-};
-
 /* Plans: one row per pose, constraint, or constraint and depth. */
 
 #define OF_POSE(kind, member) .type = COLUMN_##kind, .offset = offsetof(conus_planned, member), .home = HOME_POSE
@@ -851,6 +800,7 @@ const struct table_fields *report_fields(conus_rows rows)
 {
     static const struct table_fields *const studies[] = {[CONUS_ROWS_ADMISSIONS] = &sweep_fields,
                                                          [CONUS_ROWS_CHANCES] = &jitter_fields,
+                                                         [CONUS_ROWS_CONNECTIONS] = &connection_fields,
                                                          [CONUS_ROWS_COVERAGES] = &overlap_fields,
                                                          [CONUS_ROWS_CLUSTERS] = &clusters_fields};
     return (size_t)rows < COUNT_OF(studies) ? studies[rows] : NULL;
@@ -904,6 +854,7 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
         break;
     case CONUS_ROWS_ADMISSIONS:
     case CONUS_ROWS_CHANCES:
+    case CONUS_ROWS_CONNECTIONS:
     case CONUS_ROWS_COVERAGES:
     case CONUS_ROWS_CLUSTERS:
         list_fields(out, report);
@@ -913,9 +864,6 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
         break;
     case CONUS_ROWS_CLEARANCES:
         list_table(out, report, clearance_columns, COUNT_OF(clearance_columns));
-        break;
-    case CONUS_ROWS_CONNECTIONS:
-        list_table(out, report, connection_columns, COUNT_OF(connection_columns));
         break;
     case CONUS_ROWS_PLAN:
         list_table(out, report, plan_columns, COUNT_OF(plan_columns));
@@ -959,11 +907,11 @@ bool conus_column_is_number(const char *name)
     static const struct {
         const struct report_column *columns;
         size_t count;
-    } tables[] = {
-        ALL_OF(answer_columns),    ALL_OF(track_columns),      ALL_OF(share_columns),      ALL_OF(segment_columns),
-        ALL_OF(clearance_columns), ALL_OF(connection_columns), ALL_OF(summary_columns),    ALL_OF(electrode_columns),
-        ALL_OF(voxel_columns),     ALL_OF(plan_columns),       ALL_OF(constraint_columns), ALL_OF(profile_columns),
-        ALL_OF(tolerance_columns), ALL_OF(probe_columns),      ALL_OF(bep032_columns),     {&row_column, 1}};
+    } tables[] = {ALL_OF(answer_columns),     ALL_OF(track_columns),     ALL_OF(share_columns),
+                  ALL_OF(segment_columns),    ALL_OF(clearance_columns), ALL_OF(summary_columns),
+                  ALL_OF(electrode_columns),  ALL_OF(voxel_columns),     ALL_OF(plan_columns),
+                  ALL_OF(constraint_columns), ALL_OF(profile_columns),   ALL_OF(tolerance_columns),
+                  ALL_OF(probe_columns),      ALL_OF(bep032_columns),    {&row_column, 1}};
     for (size_t i = 0; i < COUNT_OF(tables); i++) {
         for (size_t k = 0; k < tables[i].count; k++) {
             if (strcmp(tables[i].columns[k].name, name) == 0) {

@@ -5,9 +5,22 @@
 
 static const char NO_AREA[] = "(in no area)";
 
-static const char *end_name(const conus_report *report, uint32_t area)
+/* The end in this column; its label is n/a where it is in no area. */
+static const char *end_name(const struct report_row *row, const char *end, const char *label)
 {
-    return area ? table_name(report, area) : NO_AREA;
+    const conus_column *index = conus_table_find(row->of_table.table, label);
+    bool is_none = index->missing && index->missing[row->of_table.index];
+    return is_none ? NO_AREA : report_text(row, end);
+}
+
+static const char *name_of_a(const struct report_row *row)
+{
+    return end_name(row, "end_a", "end_a_index");
+}
+
+static const char *name_of_b(const struct report_row *row)
+{
+    return end_name(row, "end_b", "end_b_index");
 }
 
 /* Columns for the longest name of a bundle, and of an area. */
@@ -20,11 +33,12 @@ static struct widths find_widths(const conus_report *report)
     struct widths widths = {.bundle = 6, .end = 12};
     for (; report; report = report->next) {
         for (size_t i = 0; i < report->row_count; i++) {
-            const conus_connection *connection = &report->rows[i].connection.is;
-            const char *bundle = connection->bundle ? table_name(report, connection->bundle) : ""; /* of an error */
-            widths.bundle = table_wider(widths.bundle, bundle);
-            widths.end = table_wider(widths.end, end_name(report, connection->area_a));
-            widths.end = table_wider(widths.end, end_name(report, connection->area_b));
+            const struct report_row *row = &report->rows[i];
+            if (row->of_table.table) { /* no error */
+                widths.bundle = table_wider(widths.bundle, report_text(row, "bundle"));
+                widths.end = table_wider(widths.end, name_of_a(row));
+                widths.end = table_wider(widths.end, name_of_b(row));
+            }
         }
     }
     return widths;
@@ -45,14 +59,15 @@ static void write_answers(struct buffer *out, const conus_report *report, size_t
                   "of bundle", "mean length");
     buffer_format(out, form, widths.bundle, "", widths.end, "", widths.end, "", "", "%", "mm");
     for (size_t i = first; i < end; i++) {
-        const conus_connection *connection = &report->rows[i].connection.is;
-        table_write_name(out, table_name(report, connection->bundle), widths.bundle);
+        const struct report_row *row = &report->rows[i];
+        table_write_name(out, report_text(row, "bundle"), widths.bundle);
         buffer_text(out, "  ");
-        table_write_name(out, end_name(report, connection->area_a), widths.end);
+        table_write_name(out, name_of_a(row), widths.end);
         buffer_text(out, "  ");
-        table_write_name(out, end_name(report, connection->area_b), widths.end);
-        buffer_format(out, "  %11llu  %9.2f  %11.1f\n", (unsigned long long)connection->streamlines,
-                      100 * connection->fraction, connection->length);
+        table_write_name(out, name_of_b(row), widths.end);
+        buffer_format(out, "  %11lld  %9.2f  %11.1f\n",
+                      (long long)conus_table_counts(row->of_table.table, "streamlines")[row->of_table.index],
+                      100 * report_number(row, "fraction"), report_number(row, "mean_length_mm"));
     }
 }
 

@@ -604,28 +604,35 @@ conus_status report_write_json(struct buffer *out, const conus_report *report)
 }
 
 /* Line `row` of a table: counts, or lengths where there are any. */
-static json_t *json_from_line(const conus_connection_matrix *matrix, size_t row, bool lengths)
+static json_t *json_from_line(const struct report_matrix *matrix, size_t row, bool lengths)
 {
+    const int64_t *streamlines = conus_table_counts(matrix->pairs, "streamlines");
+    const double *length = conus_table_numbers(matrix->pairs, "mean_length_mm");
     json_t *line = json_array();
     bool whole = true;
     for (size_t i = row * matrix->count; i < (row + 1) * matrix->count; i++) {
-        json_t *cell = lengths ? json_from_end(matrix->length[i]) : json_integer((json_int_t)matrix->streamlines[i]);
+        size_t pair = matrix->pair[i];
+        json_t *cell =
+            lengths ? json_from_end(pair ? length[pair - 1] : NAN) : json_integer(pair ? streamlines[pair - 1] : 0);
         whole = json_array_append_new(line, cell) == 0 && whole;
     }
     return whole_or_null(line, whole);
 }
 
 conus_status report_write_json_matrix(struct buffer *out, const conus_report *report,
-                                      const conus_connection_matrix *matrix)
+                                      const struct report_matrix *matrix)
 {
     json_t *root = json_object();
     json_t *rows = json_array();
     bool whole = add_provenance(root, report);
     for (size_t i = 0; i < matrix->count; i++) {
-        const conus_object *area = conus_atlas_object(report->atlas, matrix->areas[i]);
-        json_t *row = json_pack("{s: o, s: o, s: o, s: o}", "area", json_from_text(area ? area->name : "unassigned"),
-                                "index", area ? json_integer(area->label) : json_null(), "streamlines",
-                                json_from_line(matrix, i, false), "mean_length_mm", json_from_line(matrix, i, true));
+        const char *name = conus_table_texts(matrix->areas, "name")[i];
+        json_t *label = conus_table_objects(matrix->areas)[i]
+                            ? json_integer(conus_table_counts(matrix->areas, "index")[i])
+                            : json_null();
+        json_t *row = json_pack("{s: o, s: o, s: o, s: o}", "area", json_from_text(name ? name : ""), "index", label,
+                                "streamlines", json_from_line(matrix, i, false), "mean_length_mm",
+                                json_from_line(matrix, i, true));
         whole = json_array_append_new(rows, row) == 0 && whole;
     }
     whole = put_value(root, "Rows", rows) && whole;

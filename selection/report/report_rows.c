@@ -102,26 +102,28 @@ static void write_table_row(struct buffer *out, const conus_report *report, cons
     buffer_text(out, marks.end);
 }
 
-static void write_area(struct buffer *out, const conus_report *report, uint32_t area)
+static void write_area(struct buffer *out, const conus_report *report, const struct report_matrix *matrix, size_t area)
 {
-    const conus_object *object = conus_atlas_object(report->atlas, area);
-    write_table_text(out, report, object ? object->name : "unassigned");
+    const char *name = conus_table_texts(matrix->areas, "name")[area];
+    write_table_text(out, report, name ? name : "");
 }
 
-void report_write_matrix(struct buffer *out, const conus_report *report, const conus_connection_matrix *matrix)
+void report_write_matrix(struct buffer *out, const conus_report *report, const struct report_matrix *matrix)
 {
     const struct table_marks marks = marks_of(report);
+    const int64_t *streamlines = conus_table_counts(matrix->pairs, "streamlines");
+    const uint32_t *pair = matrix->pair;
     buffer_text(out, "area");
     for (size_t i = 0; i < matrix->count; i++) {
         buffer_text(out, marks.separator);
-        write_area(out, report, matrix->areas[i]);
+        write_area(out, report, matrix, i);
     }
     buffer_text(out, marks.end);
     for (size_t i = 0; i < matrix->count; i++) {
-        write_area(out, report, matrix->areas[i]);
-        for (size_t j = 0; j < matrix->count; j++) {
+        write_area(out, report, matrix, i);
+        for (size_t j = 0; j < matrix->count; j++, pair++) {
             buffer_text(out, marks.separator);
-            buffer_whole(out, matrix->streamlines[i * matrix->count + j]);
+            buffer_whole(out, *pair ? (uint64_t)streamlines[*pair - 1] : 0);
         }
         buffer_text(out, marks.end);
     }

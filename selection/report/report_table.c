@@ -50,6 +50,12 @@ double report_number(const struct report_row *row, const char *column)
     return conus_table_numbers(row->of_table.table, column)[row->of_table.index];
 }
 
+const char *report_text(const struct report_row *row, const char *column)
+{
+    const char *text = conus_table_texts(row->of_table.table, column)[row->of_table.index];
+    return text ? text : "";
+}
+
 int table_name_width(const conus_report *report)
 {
     int width = 12;

@@ -29,6 +29,9 @@ const char *table_share(char out[TABLE_SHARE_SIZE], double share, uint32_t resol
 /** A number of a row of a table: NaN where it is n/a. */
 double report_number(const struct report_row *row, const char *column);
 
+/** A text of it: "" where it is n/a. */
+const char *report_text(const struct report_row *row, const char *column);
+
 /** Columns for the longest name in the report and in those joined with it, up to a limit. */
 int table_name_width(const conus_report *report);
 

@@ -2,6 +2,7 @@
 /* Hands out the text of a report: calls the writer of its format, and keeps the text. */
 #include "selection/report/report.h"
 
+#include "base/memory.h"
 #include "selection/report/report_bep032.h"
 #include "selection/report/report_writers.h"
 
@@ -158,30 +159,55 @@ conus_status conus_report_voxels(const char **text, size_t *size, conus_report *
     return hand_out(report, status, text, size);
 }
 
-static conus_status write_matrix(conus_report *report, conus_connectivity *connectivity)
+/* Lays the pairs out, area by area. */
+static conus_status fill_matrix(struct report_matrix *out, const conus_table *table)
 {
-    conus_connection_matrix matrix;
+    enum { AREA_LIMIT = 8192 };
+    *out = (struct report_matrix){.areas = conus_table_part(table, "areas"), .pairs = conus_table_part(table, "pairs")};
+    const int64_t *a = conus_table_counts(out->pairs, "area_a");
+    const int64_t *b = conus_table_counts(out->pairs, "area_b");
+    out->count = conus_table_rows(out->areas);
+    if (out->count - 1 > AREA_LIMIT) {
+        return fail(
+            CONUS_ERROR_UNSUPPORTED,
+            "connectivity: a table of %zu areas, allowed are up to %d; a level has fewer, and so have areas that "
+            "are named",
+            out->count - 1, AREA_LIMIT);
+    }
+    out->pair = memory_zeroed(out->count * out->count, sizeof *out->pair);
+    for (size_t i = 0; i < conus_table_rows(out->pairs) && out->pair; i++) {
+        out->pair[(size_t)a[i] * out->count + (size_t)b[i]] = (uint32_t)i + 1;
+        out->pair[(size_t)b[i] * out->count + (size_t)a[i]] = (uint32_t)i + 1;
+    }
+    return out->pair ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static conus_status write_matrix(conus_report *report, const conus_table *table)
+{
+    struct report_matrix matrix;
     conus_format format = report->options.format;
     if (report->options.rows != CONUS_ROWS_CONNECTIONS ||
         (format != CONUS_FORMAT_TSV && format != CONUS_FORMAT_CSV && format != CONUS_FORMAT_JSON)) {
         return fail(CONUS_ERROR_ARGUMENT, "report: a table of areas is of connections, as TSV, CSV or JSON");
     }
-    conus_status status = conus_connectivity_matrix(&matrix, connectivity);
+    conus_status status = report_check_table(report, table);
+    status = status ? status : fill_matrix(&matrix, table);
     if (status) {
         return status;
     }
     buffer_finish(&report->text);
     if (format == CONUS_FORMAT_JSON) {
-        return report_write_json_matrix(&report->text, report, &matrix);
+        status = report_write_json_matrix(&report->text, report, &matrix);
+    } else {
+        report_write_matrix(&report->text, report, &matrix);
     }
-    report_write_matrix(&report->text, report, &matrix);
-    return CONUS_OK;
+    memory_free(matrix.pair);
+    return status;
 }
 
-conus_status conus_report_matrix(const char **text, size_t *size, conus_report *report,
-                                 conus_connectivity *connectivity)
+conus_status conus_report_matrix(const char **text, size_t *size, conus_report *report, const conus_table *table)
 {
-    return hand_out(report, write_matrix(report, connectivity), text, size);
+    return hand_out(report, write_matrix(report, table), text, size);
 }
 
 conus_status conus_report_probes(const char **text, size_t *size, conus_report *report)

@@ -11,8 +11,14 @@ void report_write_cell(struct buffer *out, struct cell cell);
 /** The header row of TSV and CSV. */
 void report_write_names(struct buffer *out, const conus_report *report);
 void report_write_rows(struct buffer *out, const conus_report *report);
+/** Which pairs connect areas, area by area. */
+struct report_matrix {
+    const conus_table *areas, *pairs;
+    size_t count;   /**< Of areas. */
+    uint32_t *pair; /**< [count count] Its row plus 1; 0: no streamline connects the two. */
+};
 /** A table of areas, TSV or CSV. */
-void report_write_matrix(struct buffer *out, const conus_report *report, const conus_connection_matrix *matrix);
+void report_write_matrix(struct buffer *out, const conus_report *report, const struct report_matrix *matrix);
 /** Takes the rows that the text has, query by query (of shares pose by pose), of all reports that are joined. */
 typedef void report_take_row(void *user, const conus_report *of, const struct report_row *row);
 void report_each_row(const conus_report *report, report_take_row *take, void *user);
@@ -30,7 +36,7 @@ void report_write_sweep(struct buffer *out, const conus_report *report);       /
 
 /* report_json.c */
 conus_status report_write_json_matrix(struct buffer *out, const conus_report *report,
-                                      const conus_connection_matrix *matrix);
+                                      const struct report_matrix *matrix);
 conus_status report_write_json(struct buffer *out, const conus_report *report);
 conus_status report_write_sidecar(struct buffer *out, const conus_report *report);
 conus_status report_write_grid_sidecar(struct buffer *out, const conus_report *report, const conus_grid *grid);

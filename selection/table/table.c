@@ -17,6 +17,11 @@ struct conus_table {
     struct table_question asked;
     const struct table_fields *fields;
     conus_frame frame;
+    struct {
+        const char *name;
+        conus_table *table; /* Held. */
+    } parts[TABLE_PART_LIMIT];
+    size_t part_count;
 };
 
 /* The rows that become a table. */
@@ -235,6 +240,13 @@ conus_status table_create(conus_table **out, const struct table_source *source, 
     return CONUS_OK;
 }
 
+void table_add_part(conus_table *table, const char *name, conus_table *part)
+{
+    table->parts[table->part_count].name = name;
+    table->parts[table->part_count].table = part;
+    table->part_count++;
+}
+
 conus_table *table_hold(conus_table *table)
 {
     atomic_fetch_add_explicit(&table->holders, 1, memory_order_relaxed);
@@ -265,6 +277,9 @@ void conus_table_destroy(conus_table *table)
     memory_free(table->columns);
     memory_free(table->objects);
     memory_free(table->asked.region.path);
+    for (size_t i = 0; i < table->part_count; i++) {
+        conus_table_destroy(table->parts[i].table);
+    }
     memory_free(table);
 }
 
@@ -337,4 +352,14 @@ const char *const *conus_table_texts(const conus_table *table, const char *colum
 const uint32_t *conus_table_objects(const conus_table *table)
 {
     return table ? table->objects : NULL;
+}
+
+const conus_table *conus_table_part(const conus_table *table, const char *part)
+{
+    for (size_t i = 0; table && i < table->part_count; i++) {
+        if (strcmp(table->parts[i].name, part) == 0) {
+            return table->parts[i].table;
+        }
+    }
+    return NULL;
 }

@@ -99,6 +99,11 @@ bool table_has_field(const conus_atlas *atlas, const struct table_field *field);
 conus_status table_create(conus_table **out, const struct table_source *source, const struct table_fields *fields,
                           const struct table_question *asked, const void *rows, size_t size, size_t count);
 
+enum { TABLE_PART_LIMIT = 2 };
+
+/** Adds a part, up to the limit. The hold on it is taken over; @p name is static. */
+void table_add_part(conus_table *table, const char *name, conus_table *part);
+
 /** Another hold on the table: it ends with the last conus_table_destroy(). */
 conus_table *table_hold(conus_table *table);
 

@@ -32,7 +32,6 @@ SIZE(conus_phantom_options, 56);
 SIZE(conus_manifest_options, 32);
 SIZE(conus_catalogue_options, 24);
 SIZE(conus_roi_options, 40);
-SIZE(conus_connectivity_options, 16);
 SIZE(conus_place_options, 32);
 
 SIZE(conus_voxels, 216);
@@ -65,8 +64,6 @@ SIZE(conus_step, 16);
 SIZE(conus_place, 88);
 SIZE(conus_named_place, 112);
 SIZE(conus_context_surface, 96);
-SIZE(conus_connection, 40);
-SIZE(conus_connection_matrix, 32);
 SIZE(conus_frame, 160);
 SIZE(conus_grid_view, 184);
 SIZE(conus_batch_block, 48);

@@ -46,19 +46,33 @@ def test_connections_of_plates(lined):
         (left, right, 3, 0.6, 70), (left, left, 1, 0.2, 5), (left, "unassigned", 1, 0.2, 45)]
     assert list(frame["bundle"]) == 3 * ["lines"] and frame["end_b_index"].isna().tolist() == [False, False, True]
     near = lined.connectivity(radius=5)
-    assert near.records["streamlines"].tolist() == [4, 1] and len(near) == 2
-    assert near.areas.tolist() == [1, 2, 0]
-    assert near.streamlines.tolist() == [[1, 4, 0], [4, 0, 0], [0, 0, 0]]
-    assert near.lengths_mm[0, :2].tolist() == [5, 255 / 4] and np.isnan(near.lengths_mm[1, 1])
+    assert near["streamlines"].tolist() == [4, 1] and len(near) == 2
+    assert near.areas.objects.tolist() == [1, 2, 0] and near.areas["name"].tolist() == [left, right, "unassigned"]
+    assert near.matrix().values.tolist() == [[1, 4, 0], [4, 0, 0], [0, 0, 0]]
+    lengths = near.matrix("mean_length_mm").values
+    assert lengths[0, :2].tolist() == [5, 255 / 4] and np.isnan(lengths[1, 1])
     assert near.matrix().loc[left, right] == 4
+
+
+def test_parts_stay_when_the_table_is_gone(lined):
+    pairs = lined.connectivity(radius=5).pairs
+    streamlines = pairs["streamlines"]
+    assert pairs.columns == ("end_a", "end_b", "streamlines", "fraction", "mean_length_mm", "area_a", "area_b")
+    assert pairs.to_dataframe()["end_b"].tolist() == [NAMES[2], NAMES[1]] and pairs.objects.tolist() == [0, 0]
+    del pairs
+    assert streamlines.tolist() == [4, 1]
+    with pytest.raises(KeyError):
+        lined.connectivity().part("pair")
+    with pytest.raises(conus.ArgumentError, match="allowed is streamlines, mean_length_mm"):
+        lined.connectivity().matrix("fraction")
 
 
 def test_only_streamlines_in_the_cone(lined):
     """A ball round (0, 15, 0) has the detour alone; a cone from above, 12 mm wide at z = 0, all but it and the last."""
-    assert lined.near((0, 15, 0), 3).endpoints().records["streamlines"].tolist() == [1]
+    assert lined.near((0, 15, 0), 3).endpoints()["streamlines"].tolist() == [1]
     cone = lined.select((0, 0, 60), toward=(0, 0, 0), angle=10)
-    assert cone.endpoints().records["streamlines"].tolist() == [2, 1]
-    assert cone.endpoints(radius=5).records["streamlines"].tolist() == [3]
+    assert cone.endpoints()["streamlines"].tolist() == [2, 1]
+    assert cone.endpoints(radius=5)["streamlines"].tolist() == [3]
     assert len(lined.near((0, -19, 0), 1).endpoints()) == 0
     for radius in (-1, 101, np.nan, "1 mm"):
         with pytest.raises((conus.ArgumentError, TypeError)):
@@ -124,7 +138,8 @@ def test_random_streamlines_in_aal_as_in_numpy(radius):
         ends = [nearest_label(labels, voxel_from_world, spacing, end.astype("f8"), radius) for end in line]
         key = tuple(sorted(ends, key=lambda label: label or 1 << 30))
         pairs.setdefault(key, []).append(np.linalg.norm(np.diff(line.astype("f8"), axis=0)))
-    frame = with_lines(conus.load(AAL), lines).connectivity(radius).to_dataframe().fillna(0)
+    frame = with_lines(conus.load(AAL), lines).connectivity(radius).to_dataframe()
+    frame[["end_a_index", "end_b_index"]] = frame[["end_a_index", "end_b_index"]].fillna(0)
     found = {(a, b): (n, length) for a, b, n, length in
              frame[["end_a_index", "end_b_index", "streamlines", "mean_length_mm"]].itertuples(index=False)}
     assert {key: len(lengths) for key, lengths in pairs.items()} == {key: n for key, (n, _) in found.items()}

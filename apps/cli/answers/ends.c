@@ -123,10 +123,10 @@ bool ends_check(const struct ends_settings *settings, const struct arguments *ar
     return true;
 }
 
-conus_connectivity_options ends_options_of(const struct ends_settings *settings, const struct arguments *arguments)
+double ends_radius_of(const struct ends_settings *settings, const struct arguments *arguments)
 {
     bool is_given = option_given(arguments, "endpoint-radius");
-    return (conus_connectivity_options){.radius = !is_given ? 0 : settings->radius > 0 ? settings->radius : -1};
+    return !is_given ? 0 : settings->radius > 0 ? settings->radius : -1;
 }
 
 bool ends_check_atlases(const struct atlases *atlases)
@@ -158,22 +158,20 @@ int matrix_file_init(struct matrix_file *out, const char *path)
 void matrix_file_finish(struct matrix_file *file)
 {
     conus_report_destroy(file->report);
-    conus_connectivity_destroy(file->connectivity);
     *file = (struct matrix_file){0};
 }
 
 int matrix_file_take(struct matrix_file *file, const conus_selector *selector, const conus_report_options *options,
-                     const char *id, conus_connectivity *connectivity)
+                     const char *id, conus_table *table)
 {
     const conus_report_options own = {
         .rows = CONUS_ROWS_CONNECTIONS, .format = file->format, .frame = options->frame, .command = options->command};
     if (!file->path) {
-        conus_connectivity_destroy(connectivity);
         return EXIT_DONE;
     }
-    file->connectivity = connectivity;
     conus_status status = conus_report_create(&file->report, selector, &own);
-    status = status ? status : conus_report_add_connections(file->report, id, connectivity);
+    status = status ? status : conus_report_add_table(file->report, id, table);
+    file->table = status ? NULL : table;
     return print_status(status);
 }
 
@@ -181,10 +179,10 @@ int matrix_file_write(const struct matrix_file *file, const struct provenance *p
 {
     const char *text = NULL;
     size_t size = 0;
-    if (!file->connectivity) {
+    if (!file->table) {
         return EXIT_DONE;
     }
-    conus_status status = conus_report_matrix(&text, &size, file->report, file->connectivity);
+    conus_status status = conus_report_matrix(&text, &size, file->report, file->table);
     if (status) {
         return print_status(status);
     }
@@ -197,7 +195,7 @@ int matrix_file_write(const struct matrix_file *file, const struct provenance *p
 
 int ends_init(struct ends *out, const struct ends_settings *settings, const struct arguments *arguments)
 {
-    *out = (struct ends){.options = ends_options_of(settings, arguments)};
+    *out = (struct ends){.radius = ends_radius_of(settings, arguments)};
     if (option_given(arguments, "endpoint-radius") && !settings->endpoints && !settings->connectivity) {
         return print_usage_error("--endpoint-radius has no effect without --endpoints or --connectivity");
     }
@@ -218,19 +216,17 @@ void ends_finish(struct ends *ends)
 int ends_add(struct ends *ends, size_t index, const char *id, conus_selector *selector,
              const conus_selection *selection, const conus_report_options *options)
 {
-    conus_connectivity *connectivity = NULL;
+    conus_table *table = NULL;
     if (!ends->rows.path && !ends->matrix.path) {
         return EXIT_DONE;
     }
-    conus_status status = conus_connectivity_create(&connectivity, selector, selection, &ends->options);
+    conus_status status = conus_connectivity(&table, selector, selection, ends->radius);
     if (!status && ends->rows.path) {
-        status = conus_report_add_connections(ends->rows.reports[index], id, connectivity);
+        status = conus_report_add_table(ends->rows.reports[index], id, table);
     }
-    if (status) {
-        conus_connectivity_destroy(connectivity);
-        return print_status(status);
-    }
-    return matrix_file_take(&ends->matrix, selector, options, id, connectivity);
+    int code = status ? print_status(status) : matrix_file_take(&ends->matrix, selector, options, id, table);
+    conus_table_destroy(table);
+    return code;
 }
 
 int ends_write(const struct ends *ends, const struct provenance *provenance)

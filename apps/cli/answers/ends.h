@@ -48,25 +48,25 @@ extern const struct option connectivity_options[]; /**< --connectivity and --end
 /** Whether the options fit together; prints an error if not. */
 bool ends_check(const struct ends_settings *settings, const struct arguments *arguments);
 
-/** The library's options that these settings mean. */
-conus_connectivity_options ends_options_of(const struct ends_settings *settings, const struct arguments *arguments);
+/** The library's radius that these settings mean. */
+double ends_radius_of(const struct ends_settings *settings, const struct arguments *arguments);
 
 /** False with a message where no atlas has a bundle to look at. */
 bool ends_check_atlases(const struct atlases *atlases);
 
-/** The file of --connectivity, of one connectivity. */
+/** The file of --connectivity, of one answer. */
 struct matrix_file {
     const char *path; /**< NULL = none. */
     conus_format format;
     conus_report *report;
-    conus_connectivity *connectivity;
+    const conus_table *table; /**< The report has it. */
 };
 
 /** Both files, of a query. */
 struct ends {
     struct rows_file rows;
     struct matrix_file matrix;
-    conus_connectivity_options options;
+    double radius; /**< The library's. */
 };
 
 /* Those that return an int give the exit code and print an error unless it is 0. With no path they do nothing. */
@@ -75,9 +75,9 @@ struct ends {
 int matrix_file_init(struct matrix_file *out, const char *path);
 void matrix_file_finish(struct matrix_file *file);
 
-/** Takes over the connectivity of query @p id. @p options has space and command. */
+/** Takes the connections of query @p id. @p options has space and command. */
 int matrix_file_take(struct matrix_file *file, const conus_selector *selector, const conus_report_options *options,
-                     const char *id, conus_connectivity *connectivity);
+                     const char *id, conus_table *table);
 
 /** Writes it, as JSON with what it rests on. */
 int matrix_file_write(const struct matrix_file *file, const struct provenance *provenance);

@@ -4,8 +4,10 @@
 #include "atlas/labels/labels.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/connectivity.h"
 #include "conus/report.h"
 #include "scene.h"
+#include "tables.h"
 #include "test.h"
 #include "tract_scene.h"
 
@@ -46,26 +48,92 @@ static conus_atlas *with_lines(void)
     return atlas;
 }
 
-static conus_connectivity *connect(const conus_atlas *atlas, double radius, const char *level)
+static conus_table *connect(const conus_atlas *atlas, double radius, const char *level)
 {
     conus_selector *selector = NULL;
-    conus_connectivity *connectivity = NULL;
-    const conus_connectivity_options options = {.radius = radius};
+    conus_table *table = NULL;
     assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.level = level}));
-    assert_ok(conus_connectivity_create(&connectivity, selector, NULL, &options));
+    assert_ok(conus_connectivity(&table, selector, NULL, radius));
     conus_selector_destroy(selector);
-    return connectivity;
+    return table;
 }
 
-static void check(const conus_connection *got, conus_connection wanted)
+static const conus_table *pairs_of(const conus_table *table)
 {
-    assert_non_null(got);
-    assert_int_equal(got->bundle, wanted.bundle);
-    assert_int_equal(got->area_a, wanted.area_a);
-    assert_int_equal(got->area_b, wanted.area_b);
-    assert_int_equal(got->streamlines, wanted.streamlines);
-    assert_near(got->fraction, wanted.fraction, 1e-15);
-    assert_near(got->length, wanted.length, 1e-12);
+    assert_non_null(conus_table_part(table, "pairs"));
+    return conus_table_part(table, "pairs");
+}
+
+static const conus_table *areas_of(const conus_table *table)
+{
+    assert_non_null(conus_table_part(table, "areas"));
+    return conus_table_part(table, "areas");
+}
+
+/* Bundle and areas by number, which is an area's label in these scenes; 0 = none. */
+struct connection {
+    uint32_t bundle, area_a, area_b;
+    uint64_t streamlines;
+    double fraction, length;
+};
+
+static struct connection connection_at(const conus_table *table, size_t row)
+{
+    return (struct connection){.bundle = conus_table_objects(table)[row],
+                               .area_a = (uint32_t)table_count_at(table, "end_a_index", row),
+                               .area_b = (uint32_t)table_count_at(table, "end_b_index", row),
+                               .streamlines = (uint64_t)table_count_at(table, "streamlines", row),
+                               .fraction = table_number_at(table, "fraction", row),
+                               .length = table_number_at(table, "mean_length_mm", row)};
+}
+
+static struct connection pair_at(const conus_table *table, size_t row)
+{
+    const conus_table *pairs = pairs_of(table);
+    const uint32_t *areas = conus_table_objects(areas_of(table));
+    return (struct connection){.bundle = conus_table_objects(pairs)[row],
+                               .area_a = areas[table_count_at(pairs, "area_a", row)],
+                               .area_b = areas[table_count_at(pairs, "area_b", row)],
+                               .streamlines = (uint64_t)table_count_at(pairs, "streamlines", row),
+                               .fraction = table_number_at(pairs, "fraction", row),
+                               .length = table_number_at(pairs, "mean_length_mm", row)};
+}
+
+static void check_same(struct connection got, struct connection wanted)
+{
+    assert_int_equal(got.bundle, wanted.bundle);
+    assert_int_equal(got.area_a, wanted.area_a);
+    assert_int_equal(got.area_b, wanted.area_b);
+    assert_int_equal(got.streamlines, wanted.streamlines);
+    assert_near(got.fraction, wanted.fraction, 1e-15);
+    assert_near(got.length, wanted.length, 1e-12);
+}
+
+static void check(const conus_table *table, size_t row, struct connection wanted)
+{
+    check_same(connection_at(table, row), wanted);
+}
+
+/* The pair of two rows of the areas; as many as there are pairs if nothing connects them. */
+static size_t pair_between(const conus_table *table, size_t a, size_t b)
+{
+    const conus_table *pairs = pairs_of(table);
+    size_t row = 0;
+    for (; row < conus_table_rows(pairs); row++) {
+        size_t x = (size_t)table_count_at(pairs, "area_a", row);
+        size_t y = (size_t)table_count_at(pairs, "area_b", row);
+        if ((x == a && y == b) || (x == b && y == a)) {
+            break;
+        }
+    }
+    return row;
+}
+
+static uint64_t streamlines_between(const conus_table *table, size_t a, size_t b)
+{
+    const conus_table *pairs = pairs_of(table);
+    size_t row = pair_between(table, a, b);
+    return row < conus_table_rows(pairs) ? pair_at(table, row).streamlines : 0;
 }
 
 /* Bundle 4 with a radius below 0: only the cell at an end counts, and streamline 6 has one end in no area, the other
@@ -74,15 +142,16 @@ static void test_lines_between_areas_in_closed_form(void **state)
 {
     (void)state;
     conus_atlas *atlas = with_lines();
-    conus_connectivity *connectivity = connect(atlas, -1, NULL);
-    assert_int_equal(conus_connectivity_count(connectivity), 5);
-    check(conus_connectivity_connection(connectivity, 0), (conus_connection){4, 1, 2, 3, 3 / 8.0, 14});
-    check(conus_connectivity_connection(connectivity, 1), (conus_connection){4, 0, 0, 2, 2 / 8.0, 0});
-    check(conus_connectivity_connection(connectivity, 2), (conus_connection){4, 1, 1, 1, 1 / 8.0, 0});
-    check(conus_connectivity_connection(connectivity, 3), (conus_connection){4, 2, 3, 1, 1 / 8.0, 10});
-    check(conus_connectivity_connection(connectivity, 4), (conus_connection){4, 3, 0, 1, 1 / 8.0, 8});
-    assert_null(conus_connectivity_connection(connectivity, 5));
-    conus_connectivity_destroy(connectivity);
+    conus_table *table = connect(atlas, -1, NULL);
+    assert_int_equal(conus_table_rows(table), 5);
+    check(table, 0, (struct connection){4, 1, 2, 3, 3 / 8.0, 14});
+    check(table, 1, (struct connection){4, 0, 0, 2, 2 / 8.0, 0});
+    check(table, 2, (struct connection){4, 1, 1, 1, 1 / 8.0, 0});
+    check(table, 3, (struct connection){4, 2, 3, 1, 1 / 8.0, 10});
+    check(table, 4, (struct connection){4, 3, 0, 1, 1 / 8.0, 8});
+    assert_null(conus_table_part(table, "pair"));
+    assert_null(conus_table_part(NULL, "pairs"));
+    conus_table_destroy(table);
     conus_atlas_destroy(atlas);
 }
 
@@ -93,12 +162,12 @@ static void test_an_end_near_an_area_has_it(void **state)
     static const double reach[] = {0, 1.5, 1.4};
     conus_atlas *atlas = with_lines();
     for (size_t i = 0; i < 3; i++) {
-        conus_connectivity *connectivity = connect(atlas, reach[i], NULL);
-        assert_int_equal(conus_connectivity_count(connectivity), i < 2 ? 4 : 5);
+        conus_table *table = connect(atlas, reach[i], NULL);
+        assert_int_equal(conus_table_rows(table), i < 2 ? 4 : 5);
         if (i < 2) {
-            check(conus_connectivity_connection(connectivity, 1), (conus_connection){4, 2, 3, 2, 2 / 8.0, 9});
+            check(table, 1, (struct connection){4, 2, 3, 2, 2 / 8.0, 9});
         }
-        conus_connectivity_destroy(connectivity);
+        conus_table_destroy(table);
     }
     conus_atlas_destroy(atlas);
 }
@@ -121,27 +190,27 @@ static void test_a_streamline_of_two_bundles_is_one_in_pairs(void **state)
 {
     (void)state;
     conus_atlas *atlas = with_groups();
-    conus_connectivity *connectivity = connect(atlas, -1, NULL);
+    conus_table *table = connect(atlas, -1, NULL);
     uint64_t streamlines[7] = {0};
     double fractions[7] = {0};
-    for (size_t i = 0; i < conus_connectivity_count(connectivity); i++) {
-        const conus_connection *row = conus_connectivity_connection(connectivity, i);
-        streamlines[row->bundle] += row->streamlines;
-        fractions[row->bundle] += row->fraction;
+    for (size_t i = 0; i < conus_table_rows(table); i++) {
+        struct connection row = connection_at(table, i);
+        streamlines[row.bundle] += row.streamlines;
+        fractions[row.bundle] += row.fraction;
     }
-    for (size_t i = 0; i < conus_connectivity_pair_count(connectivity); i++) {
-        const conus_connection *pair = conus_connectivity_pair(connectivity, i);
-        assert_int_equal(pair->bundle, 0);
-        streamlines[0] += pair->streamlines;
-        fractions[0] += pair->fraction;
+    for (size_t i = 0; i < conus_table_rows(pairs_of(table)); i++) {
+        struct connection pair = pair_at(table, i);
+        assert_int_equal(pair.bundle, 0);
+        streamlines[0] += pair.streamlines;
+        fractions[0] += pair.fraction;
     }
     assert_true(streamlines[4] == 1 && streamlines[5] == 2 && streamlines[6] == 6 && streamlines[0] == LINES);
     for (size_t bundle = 0; bundle < 7; bundle++) {
         assert_near(fractions[bundle], streamlines[bundle] ? 1 : 0, 1e-15);
     }
-    check(conus_connectivity_pair(connectivity, 0), (conus_connection){0, 1, 2, 3, 3 / 8.0, 14});
-    assert_null(conus_connectivity_pair(connectivity, 5));
-    conus_connectivity_destroy(connectivity);
+    check_same(pair_at(table, 0), (struct connection){0, 1, 2, 3, 3 / 8.0, 14});
+    assert_int_equal(conus_table_rows(pairs_of(table)), 5);
+    conus_table_destroy(table);
     conus_atlas_destroy(atlas);
 }
 
@@ -209,22 +278,21 @@ static void test_many_streamlines_are_counted_as_one_by_one(void **state)
     tract_add_group(&lines, "two", members[0], counts[0]);
     tract_add_group(&lines, "three", members[1], counts[1]);
     assert_ok(atlas_add_tractogram(atlas, &lines, "rest"));
-    conus_connectivity *connectivity = connect(atlas, -1, NULL);
-    size_t rows = conus_connectivity_count(connectivity);
-    size_t pairs = conus_connectivity_pair_count(connectivity);
+    conus_table *table = connect(atlas, -1, NULL);
+    size_t rows = conus_table_rows(table);
+    size_t pairs = conus_table_rows(pairs_of(table));
     for (size_t i = 0; i < rows + pairs; i++) {
-        const conus_connection *row =
-            i < rows ? conus_connectivity_connection(connectivity, i) : conus_connectivity_pair(connectivity, i - rows);
-        size_t bundle = i < rows ? row->bundle - 3 : 0;
-        const struct counted *wanted = &counted[bundle][row->area_a][row->area_b];
-        assert_int_equal(row->streamlines, wanted->streamlines);
-        assert_near(row->length, wanted->length / (double)wanted->streamlines, 1e-12);
+        struct connection row = i < rows ? connection_at(table, i) : pair_at(table, i - rows);
+        size_t bundle = i < rows ? row.bundle - 3 : 0;
+        const struct counted *wanted = &counted[bundle][row.area_a][row.area_b];
+        assert_int_equal(row.streamlines, wanted->streamlines);
+        assert_near(row.length, wanted->length / (double)wanted->streamlines, 1e-12);
         pair_counts[bundle]++;
     }
     for (size_t bundle = 0; bundle < 4; bundle++) {
         assert_int_equal(pair_counts[bundle], 10); /* of 4 ends, none included */
     }
-    conus_connectivity_destroy(connectivity);
+    conus_table_destroy(table);
     conus_atlas_destroy(atlas);
 }
 
@@ -235,19 +303,18 @@ static void test_the_matrix_is_symmetric_with_none_last(void **state)
     static const uint64_t streamlines[4][4] = {{1, 3, 0, 0}, {3, 0, 1, 0}, {0, 1, 0, 1}, {0, 0, 1, 2}};
     static const double length[4][4] = {{0, 14, NAN, NAN}, {14, NAN, 10, NAN}, {NAN, 10, NAN, 8}, {NAN, NAN, 8, 0}};
     conus_atlas *atlas = with_groups();
-    conus_connectivity *connectivity = connect(atlas, -1, NULL);
-    conus_connection_matrix matrix;
-    for (int time = 0; time < 2; time++) { /* the second time it is there */
-        assert_ok(conus_connectivity_matrix(&matrix, connectivity));
-        assert_int_equal(matrix.count, 4);
-        for (size_t i = 0; i < 16; i++) {
-            assert_int_equal(matrix.areas[i / 4], areas[i / 4]);
-            assert_int_equal(matrix.streamlines[i], streamlines[i / 4][i % 4]);
-            assert_true(isnan(length[i / 4][i % 4]) ? isnan(matrix.length[i])
-                                                    : matrix.length[i] == length[i / 4][i % 4]);
-        }
+    conus_table *table = connect(atlas, -1, NULL);
+    assert_int_equal(conus_table_rows(areas_of(table)), 4);
+    for (size_t i = 0; i < 16; i++) {
+        size_t row = pair_between(table, i / 4, i % 4);
+        assert_int_equal(conus_table_objects(areas_of(table))[i / 4], areas[i / 4]);
+        assert_int_equal(streamlines_between(table, i / 4, i % 4), streamlines[i / 4][i % 4]);
+        assert_true(isnan(length[i / 4][i % 4]) ? row == conus_table_rows(pairs_of(table))
+                                                : pair_at(table, row).length == length[i / 4][i % 4]);
     }
-    conus_connectivity_destroy(connectivity);
+    assert_string_equal(table_text_at(areas_of(table), "name", 3), "unassigned");
+    assert_true(conus_table_find(areas_of(table), "index")->missing[3]);
+    conus_table_destroy(table);
     conus_atlas_destroy(atlas);
 }
 
@@ -257,12 +324,12 @@ static void test_a_level_joins_areas(void **state)
     (void)state;
     conus_atlas *atlas = with_lines();
     atlas->objects[0].parent = 2;
-    conus_connectivity *connectivity = connect(atlas, 5, "1");
-    assert_int_equal(conus_connectivity_count(connectivity), 3);
-    check(conus_connectivity_connection(connectivity, 0), (conus_connection){4, 2, 2, 5, 5 / 8.0, 42 / 5.0});
-    check(conus_connectivity_connection(connectivity, 1), (conus_connection){4, 2, 3, 2, 2 / 8.0, 9});
-    check(conus_connectivity_connection(connectivity, 2), (conus_connection){4, 0, 0, 1, 1 / 8.0, 0});
-    conus_connectivity_destroy(connectivity);
+    conus_table *table = connect(atlas, 5, "1");
+    assert_int_equal(conus_table_rows(table), 3);
+    check(table, 0, (struct connection){4, 2, 2, 5, 5 / 8.0, 42 / 5.0});
+    check(table, 1, (struct connection){4, 2, 3, 2, 2 / 8.0, 9});
+    check(table, 2, (struct connection){4, 0, 0, 1, 1 / 8.0, 0});
+    conus_table_destroy(table);
     conus_atlas_destroy(atlas);
 }
 
@@ -271,26 +338,26 @@ static char *report_of(const conus_atlas *atlas, conus_format format)
 {
     conus_selector *selector = NULL;
     conus_selection *nothing = NULL;
-    conus_connectivity *connectivity[2] = {NULL, NULL};
+    conus_table *tables[2] = {NULL, NULL};
     conus_report *report = NULL;
     const char *text = NULL;
     size_t size = 0;
     const conus_report_options options = {.rows = CONUS_ROWS_CONNECTIONS, .format = format};
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     assert_ok(conus_select_ball(&nothing, selector, (const double[]){12, 5, 0}, 1));
-    assert_ok(conus_connectivity_create(&connectivity[0], selector, NULL, NULL));
-    assert_ok(conus_connectivity_create(&connectivity[1], selector, nothing, NULL));
+    assert_ok(conus_connectivity(&tables[0], selector, NULL, 0));
+    assert_ok(conus_connectivity(&tables[1], selector, nothing, 0));
     assert_ok(conus_report_create(&report, selector, &options));
-    assert_ok(conus_report_add_connections(report, "all", connectivity[0]));
-    assert_ok(conus_report_add_connections(report, "ball", connectivity[1]));
+    assert_ok(conus_report_add_table(report, "all", tables[0]));
+    assert_ok(conus_report_add_table(report, "ball", tables[1]));
     assert_ok(conus_report_add_error(report, "bad", 7, "no pose"));
     assert_fails(conus_report_add(report, "ball", nothing), CONUS_ERROR_ARGUMENT);
     assert_ok(conus_report_text(&text, &size, report));
     char *copy = memory_text(text, size);
     assert_non_null(copy);
     conus_report_destroy(report);
-    conus_connectivity_destroy(connectivity[0]);
-    conus_connectivity_destroy(connectivity[1]);
+    conus_table_destroy(tables[0]);
+    conus_table_destroy(tables[1]);
     conus_selection_destroy(nothing);
     conus_selector_destroy(selector);
     return copy;
@@ -327,10 +394,10 @@ static void test_hidden_areas_and_bundles_are_not_there(void **state)
     (void)state;
     conus_atlas *atlas = with_groups();
     assert_ok(conus_atlas_show(atlas, NULL, "2,two,rest"));
-    conus_connectivity *connectivity = connect(atlas, -1, NULL);
-    assert_int_equal(conus_connectivity_count(connectivity), 1);
-    check(conus_connectivity_connection(connectivity, 0), (conus_connection){4, 1, 0, 1, 1, 10});
-    conus_connectivity_destroy(connectivity);
+    conus_table *table = connect(atlas, -1, NULL);
+    assert_int_equal(conus_table_rows(table), 1);
+    check(table, 0, (struct connection){4, 1, 0, 1, 1, 10});
+    conus_table_destroy(table);
     conus_atlas_destroy(atlas);
 }
 
@@ -338,17 +405,11 @@ static void test_without_bundles_there_is_nothing(void **state)
 {
     (void)state;
     conus_atlas *atlas = three_areas();
-    conus_connectivity *connectivity = connect(atlas, 0, NULL);
-    conus_connection_matrix matrix;
-    assert_int_equal(conus_connectivity_count(connectivity), 0);
-    assert_int_equal(conus_connectivity_pair_count(connectivity), 0);
-    assert_ok(conus_connectivity_matrix(&matrix, connectivity));
-    assert_int_equal(matrix.count, 4); /* of zeros: the size does not depend on streamlines */
-    for (size_t i = 0; i < 16; i++) {
-        assert_int_equal(matrix.streamlines[i], 0);
-        assert_true(isnan(matrix.length[i]));
-    }
-    conus_connectivity_destroy(connectivity);
+    conus_table *table = connect(atlas, 0, NULL);
+    assert_int_equal(conus_table_rows(table), 0);
+    assert_int_equal(conus_table_rows(pairs_of(table)), 0);
+    assert_int_equal(conus_table_rows(areas_of(table)), 4); /* the size of the matrix does not depend on streamlines */
+    conus_table_destroy(table);
     conus_atlas_destroy(atlas);
 }
 
@@ -356,17 +417,14 @@ static void test_without_bundles_there_is_nothing(void **state)
 static void check_areas(conus_atlas *atlas, const char *only, const char *hide, const char *level,
                         const uint32_t *wanted, size_t count, uint64_t first_pair)
 {
-    conus_connection_matrix matrix;
     assert_ok(conus_atlas_show(atlas, only, hide));
-    conus_connectivity *connectivity = connect(atlas, -1, level);
-    assert_ok(conus_connectivity_matrix(&matrix, connectivity));
-    assert_int_equal(matrix.count, count + 1);
-    for (size_t i = 0; i < count; i++) {
-        assert_int_equal(matrix.areas[i], wanted[i]);
-    }
-    assert_int_equal(matrix.areas[count], 0);
-    assert_int_equal(matrix.streamlines[1], first_pair);
-    conus_connectivity_destroy(connectivity);
+    conus_table *table = connect(atlas, -1, level);
+    const conus_table *areas = areas_of(table);
+    assert_int_equal(conus_table_rows(areas), count + 1);
+    assert_memory_equal(conus_table_objects(areas), wanted, count * sizeof *wanted);
+    assert_int_equal(conus_table_objects(areas)[count], 0);
+    assert_int_equal(streamlines_between(table, 0, 1), first_pair);
+    conus_table_destroy(table);
 }
 
 /* 3 streamlines connect 1 and 2, and one 2 and 3. */
@@ -423,13 +481,13 @@ static void test_only_streamlines_in_the_region(void **state)
     conus_atlas *atlas = with_groups();
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
-    conus_connectivity *connectivity = NULL;
+    conus_table *table = NULL;
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     assert_ok(conus_select_ball(&selection, selector, (const double[]){10, 5, 0}, 1));
-    assert_ok(conus_connectivity_create(&connectivity, selector, selection, NULL));
-    assert_int_equal(conus_connectivity_count(connectivity), 1);
-    check(conus_connectivity_connection(connectivity, 0), (conus_connection){6, 1, 2, 1, 1, 22});
-    conus_connectivity_destroy(connectivity);
+    assert_ok(conus_connectivity(&table, selector, selection, 0));
+    assert_int_equal(conus_table_rows(table), 1);
+    check(table, 0, (struct connection){6, 1, 2, 1, 1, 22});
+    conus_table_destroy(table);
     conus_selection_destroy(selection);
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
@@ -442,17 +500,17 @@ static void test_a_cone_picks_streamlines(void **state)
     conus_atlas *atlas = with_groups();
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
-    conus_connectivity *connectivity = NULL;
+    conus_table *table = NULL;
     conus_pose pose;
     assert_ok(conus_pose_along(&pose, (const double[]){15, 30, 0}, (const double[]){0, -1, 0}, NULL));
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     assert_ok(conus_select(&selection, selector, &pose, 10 * MATH3_PI / 180));
-    assert_ok(conus_connectivity_create(&connectivity, selector, selection, NULL));
-    assert_int_equal(conus_connectivity_count(connectivity), 2);
-    check(conus_connectivity_connection(connectivity, 0), (conus_connection){5, 2, 3, 1, 1, 10});
-    check(conus_connectivity_connection(connectivity, 1), (conus_connection){6, 2, 3, 1, 1, 8});
-    check(conus_connectivity_pair(connectivity, 0), (conus_connection){0, 2, 3, 2, 1, 9});
-    conus_connectivity_destroy(connectivity);
+    assert_ok(conus_connectivity(&table, selector, selection, 0));
+    assert_int_equal(conus_table_rows(table), 2);
+    check(table, 0, (struct connection){5, 2, 3, 1, 1, 10});
+    check(table, 1, (struct connection){6, 2, 3, 1, 1, 8});
+    check_same(pair_at(table, 0), (struct connection){0, 2, 3, 2, 1, 9});
+    conus_table_destroy(table);
     conus_selection_destroy(selection);
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
@@ -464,12 +522,12 @@ static void test_a_selection_of_another_atlas_is_refused(void **state)
     conus_atlas *atlases[2] = {three_areas(), with_lines()};
     conus_selector *selectors[2] = {NULL, NULL};
     conus_selection *selection = NULL;
-    conus_connectivity *connectivity = NULL;
+    conus_table *table = NULL;
     assert_ok(conus_selector_create(&selectors[0], atlases[0], NULL));
     assert_ok(conus_selector_create(&selectors[1], atlases[1], NULL));
     assert_ok(conus_select_ball(&selection, selectors[0], (const double[]){0, 0, 0}, 1));
-    assert_fails(conus_connectivity_create(&connectivity, selectors[1], selection, NULL), CONUS_ERROR_ARGUMENT);
-    assert_null(connectivity);
+    assert_fails(conus_connectivity(&table, selectors[1], selection, 0), CONUS_ERROR_ARGUMENT);
+    assert_null(table);
     conus_selection_destroy(selection);
     for (size_t i = 0; i < 2; i++) {
         conus_selector_destroy(selectors[i]);
@@ -483,12 +541,11 @@ static void test_a_radius_has_limits(void **state)
     static const double bad[] = {100.5, INFINITY, NAN};
     conus_atlas *atlas = with_lines();
     conus_selector *selector = NULL;
-    conus_connectivity *connectivity = NULL;
+    conus_table *table = NULL;
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     for (size_t i = 0; i < 3; i++) {
-        const conus_connectivity_options options = {.radius = bad[i]};
-        assert_fails(conus_connectivity_create(&connectivity, selector, NULL, &options), CONUS_ERROR_ARGUMENT);
-        assert_null(connectivity);
+        assert_fails(conus_connectivity(&table, selector, NULL, bad[i]), CONUS_ERROR_ARGUMENT);
+        assert_null(table);
     }
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
@@ -499,7 +556,7 @@ static void test_the_matrix_as_text(void **state)
 {
     (void)state;
     conus_atlas *atlas = with_groups();
-    conus_connectivity *connectivity = connect(atlas, -1, NULL);
+    conus_table *table = connect(atlas, -1, NULL);
     for (conus_format format = CONUS_FORMAT_TABLE; format <= CONUS_FORMAT_NDJSON; format++) {
         conus_selector *selector = NULL;
         conus_report *report = NULL;
@@ -509,10 +566,10 @@ static void test_the_matrix_as_text(void **state)
         assert_ok(conus_selector_create(&selector, atlas, NULL));
         assert_ok(conus_report_create(&report, selector, &options));
         if (format == CONUS_FORMAT_TABLE || format == CONUS_FORMAT_NDJSON) {
-            assert_fails(conus_report_matrix(&text, &size, report, connectivity), CONUS_ERROR_ARGUMENT);
+            assert_fails(conus_report_matrix(&text, &size, report, table), CONUS_ERROR_ARGUMENT);
             assert_null(text);
         } else {
-            assert_ok(conus_report_matrix(&text, &size, report, connectivity));
+            assert_ok(conus_report_matrix(&text, &size, report, table));
             assert_int_equal(strlen(text), size);
         }
         if (format == CONUS_FORMAT_TSV) {
@@ -522,7 +579,7 @@ static void test_the_matrix_as_text(void **state)
         conus_report_destroy(report);
         conus_selector_destroy(selector);
     }
-    conus_connectivity_destroy(connectivity);
+    conus_table_destroy(table);
     conus_atlas_destroy(atlas);
 }
 
@@ -534,17 +591,15 @@ static conus_status connect_once(void *user)
     size_t size = 0;
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
-    conus_connectivity *connectivity = NULL;
-    conus_connection_matrix matrix;
+    conus_table *table = NULL;
     conus_status status = conus_selector_create(&selector, user, NULL);
     status = status ? status : conus_select_ball(&selection, selector, (const double[]){5, 0, 0}, 9);
-    status = status ? status : conus_connectivity_create(&connectivity, selector, selection, NULL);
-    status = status ? status : conus_connectivity_matrix(&matrix, connectivity);
+    status = status ? status : conus_connectivity(&table, selector, selection, 0);
     status = status ? status : conus_report_create(&report, selector, &options);
-    status = status ? status : conus_report_add_connections(report, "1", connectivity);
-    status = status ? status : conus_report_matrix(&text, &size, report, connectivity);
+    status = status ? status : conus_report_add_table(report, "1", table);
+    status = status ? status : conus_report_matrix(&text, &size, report, table);
     conus_report_destroy(report);
-    conus_connectivity_destroy(connectivity);
+    conus_table_destroy(table);
     conus_selection_destroy(selection);
     conus_selector_destroy(selector);
     return status;
