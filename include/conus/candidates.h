@@ -248,8 +248,8 @@ typedef struct conus_candidates {
     double beyond;         /**< mm; below 0 it ends before the target. */
     double roll_step; /**< Each is also turned about its axis: ceil(2 pi / roll_step) times, equally; from pi/18000 to
                          pi radians; 0 = not turned. */
-    const conus_frame *frame; /**< Needles are turned about their axes as its space has it, as by
-                                 conus_frame_turn_pose(); copied. NULL = #CONUS_SPACE_RAS. */
+    const conus_frame *frame;        /**< Needles are turned about their axes as its space has it, as by
+                                        conus_frame_turn_pose(); copied. NULL = #CONUS_SPACE_RAS. */
     const char *const *entry_names;  /**< [entry_count] What the entries are called in ids, in place of eI, up to 64
                                         bytes each, all different; NULL = they have no names. */
     const char *const *target_names; /**< [target_count] Likewise, in place of tJ. */

@@ -172,7 +172,7 @@ images=,from=nested.nii.gz,to=nested.nii.gz
     fails 2 "--mask coarse.nii would overwrite the input coarse.nii" query nested.nii.gz $aim \
         --atlas-transform itk.nii.gz,grid=coarse.nii --mask coarse.nii
     fails 3 "no.nii" query nested.nii.gz --atlas-transform itk.nii.gz,grid=no.nii $aim
-    fails 2 "names no file" query nested.nii.gz --atlas-transform itk.nii.gz,grid= $aim
+    fails 2 'grid: found "", an image is needed' query nested.nii.gz --atlas-transform itk.nii.gz,grid= $aim
 }
 
 @test "engines agree about a warped atlas" {
