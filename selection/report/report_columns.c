@@ -207,8 +207,6 @@ static const struct report_column track_columns[] = {
     {"confirmed", NULL, "1 if the trigger, pressed at this step, confirms it, else 0", .get = get_confirmed},
 };
 
-static const char *const study_common[] = {"query", "kind", "index", "name", "abbreviation"};
-
 static struct cell get_place(const conus_report *report, const struct report_row *row)
 {
     return integer_cell((size_t)(row - report->rows) - report->queries[row->query].first_row + 1);
