@@ -385,15 +385,26 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
     return status || report->options.no_voxels ? status : report_add_voxels(report, selection);
 }
 
+/* Whether a table may be rows of a report; a probe's shanks have no rows, but are made of segments. */
+static conus_status check_table(const conus_report *report, const conus_table *table)
+{
+    const struct table_fields *fields =
+        report_is_of_probe(report->options.format) ? &segment_fields : report_fields(report->options.rows);
+    if (!table_is_of(table, fields, &report->frame)) {
+        return fail(CONUS_ERROR_ARGUMENT, "report: a table of other rows, or with positions in another space");
+    }
+    double within = table_question(table)->within;
+    return report->options.rows != CONUS_ROWS_CLEARANCES || report->options.within == within
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "within: clearances up to %g mm, but the report is of those up to %g mm",
+                      within, report->options.within);
+}
+
 conus_status conus_report_add_table(conus_report *report, const char *query_id, conus_table *table)
 {
     struct report_row *rows;
     struct report_query query = {.asked = *table_question(table)};
-    conus_status status =
-        table_is_of(table, report_fields(report->options.rows), &report->frame)
-            ? CONUS_OK
-            : fail(CONUS_ERROR_ARGUMENT, "report: a table of other rows, or with positions in another "
-                                         "space");
+    conus_status status = check_table(report, table);
     status = status ? status : report_append(&rows, report, query_id, &query, conus_table_rows(table));
     if (status) {
         return status;
@@ -416,38 +427,6 @@ conus_status conus_report_add_jitter(conus_report *report, const char *query_id,
     conus_status status = report_append(&rows, report, query_id, &query, jitter->count);
     for (size_t i = 0; !status && i < jitter->count; i++) {
         rows[i].chance = jitter->rows[i];
-    }
-    return status;
-}
-
-conus_status conus_report_add_segments(conus_report *report, const char *query_id, const conus_segments *segments)
-{
-    struct report_row *rows;
-    const struct report_query query = {.asked = {.cone = segments->cone, .is_axis = true}};
-    if (report->options.rows != CONUS_ROWS_SEGMENTS && !report_is_of_probe(report->options.format)) {
-        return refuse_rows("segments");
-    }
-    conus_status status = report_append(&rows, report, query_id, &query, segments->count);
-    for (size_t i = 0; !status && i < segments->count; i++) {
-        rows[i].segment = segments->rows[i];
-    }
-    return status;
-}
-
-conus_status conus_report_add_clearances(conus_report *report, const char *query_id, const conus_clearances *clearances)
-{
-    struct report_row *rows;
-    const struct report_query query = {.asked = {.cone = clearances->cone, .is_axis = true}};
-    if (report->options.rows != CONUS_ROWS_CLEARANCES) {
-        return refuse_rows("clearances");
-    }
-    if (report->options.within != clearances->within) {
-        return fail(CONUS_ERROR_ARGUMENT, "within: clearances up to %g mm, but the report is of those up to %g mm",
-                    clearances->within, report->options.within);
-    }
-    conus_status status = report_append(&rows, report, query_id, &query, clearances->count);
-    for (size_t i = 0; !status && i < clearances->count; i++) {
-        rows[i].clearance = clearances->rows[i];
     }
     return status;
 }

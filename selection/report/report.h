@@ -84,8 +84,6 @@ struct report_row {
         conus_chance chance;
         conus_coverage coverage;
         conus_cluster_row cluster;
-        conus_segment segment;
-        conus_clearance clearance;
         struct report_connection connection;
         struct report_planned planned;
     };
