@@ -20,9 +20,9 @@ DEPTHS = np.arange(0.01, 15, 0.02)
 
 atlas = conus.load(FOLDER + "inia19-NeuroMaps.nii.gz")
 whole = atlas.segments(ABOVE, direction=DIRECTION)
-first = whole.records[whole.records["object"] > 0][0]
-entry = first["entry_at"]
-name = atlas.objects.names[first["object"]]
+first = np.flatnonzero(whole.objects)[0]
+entry = np.array([whole[f"entry_{axis}"][first] for axis in "xyz"])
+name = whole["name"][first]
 print("the shank enters the brain at {:.1f}, {:.1f}, {:.1f} mm, in {}".format(*entry, name))
 
 # %% [markdown]
@@ -42,13 +42,13 @@ for row in shank.to_dataframe().itertuples():
 
 
 # %%
-def areas_at(depths, records):
+def areas_at(depths, objects, exits):
     """The number of the object at each depth; 0 outside of the brain."""
-    return records["object"][np.searchsorted(records["exit"], depths, side="right")]
+    return objects[np.searchsorted(exits, depths, side="right")]
 
 
 rows = entry + DEPTHS[:, None] * DIRECTION
-areas = areas_at(DEPTHS, shank.records)
+areas = areas_at(DEPTHS, shank.objects, shank["exit_mm"])
 
 image = nibabel.load(FOLDER + "inia19-NeuroMaps.nii.gz")
 voxels = np.rint(nibabel.affines.apply_affine(np.linalg.inv(image.affine), rows)).astype(int)
@@ -72,14 +72,14 @@ ways = DIRECTION + np.tan(tilt) @ across
 ways /= np.linalg.norm(ways, axis=1, keepdims=True)
 starts = entry + random.normal(scale=MM, size=(INSERTIONS, 3))
 insertions = atlas.segments_many(starts, ways, range=(0, 15))
-parts = np.split(insertions.records, insertions.starts[1:-1])
-found = np.stack([areas_at(coarse, part) for part in parts])
+parts = [np.split(values, insertions.starts[1:-1]) for values in (insertions.objects, insertions["exit_mm"])]
+found = np.stack([areas_at(coarse, *part) for part in zip(*parts)])
 
 numbers, counts = np.unique(found, return_counts=True)
 numbers = numbers[np.argsort(-counts)]
 chance = np.stack([(found == number).mean(axis=0) for number in numbers])
 assert np.allclose(chance.sum(axis=0), 1)
-planned = areas_at(coarse, shank.records)
+planned = areas_at(coarse, shank.objects, shank["exit_mm"])
 right = (found == planned).mean(axis=0)
 print(f"the planned area is right in {100 * right.mean():.0f} % of all contacts; "
       f"at best {100 * right.max():.0f} %, at {coarse[right.argmax()]:.1f} mm")
@@ -105,9 +105,8 @@ likely = chance.max(axis=1) > 0.1
 shown = dict(zip(numbers[likely], chance[likely]))
 palette = dict(zip((number for number in shown if number), pyplot.get_cmap("Set2").colors))
 palette[0] = "lightgrey"
-for part in shank.records:
-    top, bottom = part["entry"], part["exit"]
-    plan.barh((top + bottom) / 2, 1, bottom - top, color=palette[part["object"]])
+for number, top, bottom in zip(shank.objects, shank["entry_mm"], shank["exit_mm"]):
+    plan.barh((top + bottom) / 2, 1, bottom - top, color=palette[number])
 plan.set(title="as planned", xticks=[], ylabel="depth below the entry, mm", ylim=(15, 0), xlim=(0, 1))
 
 below = np.zeros(len(coarse))

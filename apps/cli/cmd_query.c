@@ -211,24 +211,15 @@ struct query {
     double radius; /* of the ball; 0 = what is at the point */
 };
 
-/* Adds what the axis passes in one atlas. */
-static conus_status add_segments(conus_report *report, conus_selector *selector, const struct query *query)
+/* Adds what the axis passes in one atlas, or unless `within` is NULL how far it stays from what is there. */
+static conus_status add_axis(conus_report *report, conus_selector *selector, const struct query *query,
+                             const double *within)
 {
-    conus_segments *segments = NULL;
-    conus_status status = conus_segments_create(&segments, selector, &query->pose);
-    status = status ? status : conus_report_add_segments(report, query->id, segments);
-    conus_segments_destroy(segments);
-    return status;
-}
-
-/* Adds how far the axis stays from what is in one atlas. */
-static conus_status add_clearances(conus_report *report, conus_selector *selector, const struct query *query,
-                                   double within)
-{
-    conus_clearances *clearances = NULL;
-    conus_status status = conus_clearances_create(&clearances, selector, &query->pose, within);
-    status = status ? status : conus_report_add_clearances(report, query->id, clearances);
-    conus_clearances_destroy(clearances);
+    conus_table *table = NULL;
+    conus_status status = within ? conus_clearance(&table, selector, &query->pose, *within)
+                                 : conus_segments(&table, selector, &query->pose);
+    status = status ? status : conus_report_add_table(report, query->id, table);
+    conus_table_destroy(table);
     return status;
 }
 
@@ -239,10 +230,8 @@ static conus_status add_axes(const struct query_run *run, size_t index, const st
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < AXIS_FILES && !status && !query->is_point; i++) {
         const struct rows_file *file = &run->axes[i];
-        status = !file->path ? CONUS_OK
-                 : file->kind->rows == CONUS_ROWS_CLEARANCES
-                     ? add_clearances(file->reports[index], selector, query, file->within)
-                     : add_segments(file->reports[index], selector, query);
+        const double *within = file->kind->rows == CONUS_ROWS_CLEARANCES ? &file->within : NULL;
+        status = file->path ? add_axis(file->reports[index], selector, query, within) : CONUS_OK;
     }
     return status;
 }
@@ -274,7 +263,7 @@ static int add_answer(struct query_run *run, size_t index, const struct query *q
     if (is_shank && settings->voxels) {
         return print_usage_error("--voxels: the shanks of a probe have none, other formats list those of cones");
     }
-    conus_status status = is_shank ? add_segments(answerer->report, answerer->selector, query)
+    conus_status status = is_shank ? add_axis(answerer->report, answerer->selector, query, NULL)
                                    : conus_report_add(answerer->report, query->id, selection);
     if (status) {
         return print_status(status);

@@ -1130,11 +1130,11 @@ static int draw_row(struct picture *picture, const struct drawn_row *drawn)
 }
 
 /* Notes the probe in `found`, and in picture->aims, if it passes nothing. */
-static void note_probe(struct picture *picture, conus_astray *found, const conus_segments *segments,
+static void note_probe(struct picture *picture, conus_astray *found, const conus_table *segments,
                        const conus_pose_row *row)
 {
-    for (size_t i = 0; i < conus_segments_count(segments); i++) {
-        if (conus_segments_segment(segments, i)->object) {
+    for (size_t i = 0; i < conus_table_rows(segments); i++) {
+        if (conus_table_objects(segments)[i]) {
             return;
         }
     }
@@ -1149,14 +1149,14 @@ static int draw_probes(struct picture *picture, const struct drawn_row *rows, si
 {
     conus_astray found = {0};
     conus_drawn_probe *probes = calloc(row_count + 1, sizeof *probes);
-    conus_segments **segments = calloc(row_count + 1, sizeof(void *));
+    conus_table **segments = calloc(row_count + 1, sizeof(void *));
     size_t count = 0;
     int code = probes && segments ? EXIT_DONE : print_no_memory();
     for (size_t i = 0; probes && segments && i < row_count && !code; i++) {
         const conus_pose_row *row = rows[i].row;
         const char *error = pose_settings_row_error(row);
         conus_status status = error ? CONUS_ERROR_DATA : conus_selector_set_range(picture->selector, row->range);
-        status = status ? status : conus_segments_create(&segments[count], picture->selector, &row->pose);
+        status = status ? status : conus_segments(&segments[count], picture->selector, &row->pose);
         if (status) {
             code = refuse_row(picture, row, error ? error : conus_message(), error ? EXIT_DATA : EXIT_USAGE);
         } else {
@@ -1169,7 +1169,7 @@ static int draw_probes(struct picture *picture, const struct drawn_row *rows, si
     code = code || !count ? code : draw_picture(picture, NULL, NULL, picture->settings->output);
     picture->probes = NULL;
     for (size_t i = 0; i < count; i++) {
-        conus_segments_destroy(segments[i]);
+        conus_table_destroy(segments[i]);
     }
     free(segments);
     free(probes);

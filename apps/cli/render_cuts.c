@@ -321,17 +321,17 @@ static int add_mosaic(struct cut_finder *finder, int plane, size_t count)
 /* The middle of what a ray passes of the object; false where that is not known, as of an open surface. */
 static bool find_middle(double out[3], conus_selector *selector, const conus_pose *ray, uint32_t object)
 {
-    conus_segments *segments = NULL;
+    static const char *const ends[2][3] = {{"entry_x", "entry_y", "entry_z"}, {"exit_x", "exit_y", "exit_z"}};
+    conus_table *segments = NULL;
     bool found = false;
-    const size_t count = conus_segments_create(&segments, selector, ray) ? 0 : conus_segments_count(segments);
+    const size_t count = conus_segments(&segments, selector, ray) ? 0 : conus_table_rows(segments);
     for (size_t i = 0; i < count && !found; i++) {
-        const conus_segment *segment = conus_segments_segment(segments, i);
-        found = segment->object == object && isfinite(segment->exit);
+        found = conus_table_objects(segments)[i] == object && isfinite(conus_table_numbers(segments, "exit_mm")[i]);
         for (int a = 0; a < 3 && found; a++) {
-            out[a] = (segment->entry_at[a] + segment->exit_at[a]) / 2;
+            out[a] = (conus_table_numbers(segments, ends[0][a])[i] + conus_table_numbers(segments, ends[1][a])[i]) / 2;
         }
     }
-    conus_segments_destroy(segments);
+    conus_table_destroy(segments);
     return found;
 }
 

@@ -78,7 +78,8 @@ void contacts_ungroup(conus_drawn_point *points, size_t count)
 conus_status contacts_place(conus_drawn_point *out, const conus_pose_row *row, double radius, conus_selector *selector)
 {
     const double *m = row->pose.world_from_device;
-    conus_segments *segments = NULL;
+    static const char *const entry[] = {"entry_x", "entry_y", "entry_z"};
+    conus_table *segments = NULL;
     *out = (conus_drawn_point){.name = row->id,
                                .group = row->kept ? row->kept[0] : NULL,
                                .at = {m[12], m[13], m[14]},
@@ -91,13 +92,12 @@ conus_status contacts_place(conus_drawn_point *out, const conus_pose_row *row, d
         return CONUS_OK;
     }
     conus_status status = conus_selector_set_range(selector, row->range);
-    status = status ? status : conus_segments_create(&segments, selector, &row->pose);
-    for (size_t i = 0; i < conus_segments_count(segments) && isnan(out->end[0]); i++) {
-        const conus_segment *segment = conus_segments_segment(segments, i);
-        if (segment->object) {
-            memcpy(out->end, segment->entry_at, sizeof out->end);
+    status = status ? status : conus_segments(&segments, selector, &row->pose);
+    for (size_t i = 0; i < conus_table_rows(segments) && isnan(out->end[0]); i++) {
+        for (int k = 0; k < 3 && conus_table_objects(segments)[i]; k++) {
+            out->end[k] = conus_table_numbers(segments, entry[k])[i];
         }
     }
-    conus_segments_destroy(segments);
+    conus_table_destroy(segments);
     return status;
 }

@@ -54,9 +54,9 @@ typedef enum conus_rows {
     CONUS_ROWS_SUMMARIES,   /**< From conus_report_add(), one row each: the best, the runner-up, and by how much. Not as
                            #CONUS_FORMAT_TABLE. */
     CONUS_ROWS_COVERAGES,   /**< Tables of conus_overlap(). */
-    CONUS_ROWS_SEGMENTS,    /**< From conus_report_add_segments(). */
+    CONUS_ROWS_SEGMENTS,    /**< Tables of conus_segments(). */
     CONUS_ROWS_CONNECTIONS, /**< Tables of conus_connectivity(). */
-    CONUS_ROWS_CLEARANCES,  /**< From conus_report_add_clearances(). */
+    CONUS_ROWS_CLEARANCES,  /**< Tables of conus_clearance(). */
     CONUS_ROWS_PLAN,        /**< From conus_report_add_plan(), a row for each pose that is listed. */
     CONUS_ROWS_CONSTRAINTS, /**< From the same, a row for each of them and each constraint. */
     CONUS_ROWS_PROFILE,     /**< From conus_report_add_profile(). */
@@ -112,9 +112,9 @@ typedef struct conus_report_options {
     const conus_frame *frame; /**< Frame of the positions written, instead of @p space; copied. NULL = @p space, which
                                  then is #CONUS_SPACE_RAS or #CONUS_SPACE_LPS. */
     conus_order order;        /**< For #CONUS_ROWS_ANSWERS in the formats up to #CONUS_FORMAT_NDJSON, not of a track. */
-    conus_contacts contacts;  /**< For #CONUS_FORMAT_OPEN_EPHYS, of shanks: conus_report_add_segments(). */
-    double within;            /**< For #CONUS_ROWS_CLEARANCES: that of conus_clearances_create(), which a batch calls
-                                 with it; mm, 0 = only what the needle meets, INFINITY = all objects. */
+    conus_contacts contacts;  /**< For #CONUS_FORMAT_OPEN_EPHYS, of shanks: tables of conus_segments(). */
+    double within; /**< For #CONUS_ROWS_CLEARANCES: that of conus_clearance(), which a batch calls with it; mm, 0 = only
+                      what the needle meets, INFINITY = all objects. */
     const conus_probe *probe; /**< For #CONUS_ROWS_ANSWERS and #CONUS_ROWS_SUMMARIES: each query is a contact of these,
                                  in their order, with the columns probe, shank_id and channel; #CONUS_FORMAT_BEP032
                                  needs it. It must outlive the report. NULL = none. */
@@ -163,12 +163,13 @@ CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *qu
                                             const conus_selection *selection);
 
 /**
- * Adds the answer of a study: of conus_sweep(), conus_jitter(), conus_overlap(), conus_clusters() or
- * conus_connectivity().
+ * Adds the answer of a study: of conus_sweep(), conus_jitter(), conus_overlap(), conus_clusters(), conus_segments(),
+ * conus_clearance() or conus_connectivity(). To #CONUS_FORMAT_SPIKEGLX and #CONUS_FORMAT_OPEN_EPHYS segments are a
+ * shank, whose tip is at the far end of the selector's range; then all queries are shanks.
  * @param report The report.
  * @param query_id As for conus_report_add().
  * @param table Of the report's selector, with positions in the frame of the report. It may end afterwards.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows or of another frame.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, of another frame, or within another distance.
  * @threads One at a time for each @p report.
  * @since 0.1
  */
@@ -187,31 +188,6 @@ CONUS_CHECKED conus_status conus_report_add_table(conus_report *report, const ch
  */
 CONUS_CHECKED conus_status conus_report_matrix(const char **text, size_t *size, conus_report *report,
                                                const conus_table *table);
-
-/**
- * Adds what an axis passes: to #CONUS_ROWS_SEGMENTS a row for each segment. To #CONUS_FORMAT_SPIKEGLX and
- * #CONUS_FORMAT_OPEN_EPHYS a shank, whose tip is at the far end of the selector's range; then all queries are shanks.
- * @param report The report.
- * @param query_id As for conus_report_add().
- * @param segments Of the report's selector; may end afterwards.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows.
- * @threads One at a time for each @p report.
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_report_add_segments(conus_report *report, const char *query_id,
-                                                     const conus_segments *segments);
-
-/**
- * Adds how far a needle stays from objects, a row for each.
- * @param report The report.
- * @param query_id As for conus_report_add().
- * @param clearances Of the report's selector, within the report's distance; may end afterwards.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, or of another distance.
- * @threads One at a time for each @p report.
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_report_add_clearances(conus_report *report, const char *query_id,
-                                                       const conus_clearances *clearances);
 
 /**
  * Adds the poses that a plan lists.

@@ -15,7 +15,7 @@ library's own structs.
 """
 from ._answers import Answers, Hit, Selection, Step, Track
 from ._atlas import Atlas, InstalledAtlas, Placement, Selector, atlases, load
-from ._axis import Clearances, Segments
+from ._axis import Tables
 from ._conus import ffi as _ffi, lib as _lib
 from ._connectivity import Connectivity
 from ._library import (
@@ -41,9 +41,9 @@ from ._tracts import Tractogram, is_tractogram
 
 __version__ = _ffi.string(_lib.conus_version()).decode()
 __all__ = [
-    "Answers", "ArgumentError", "Atlas", "CancelledError", "Clearances", "Connectivity", "Contacts", "DataError", "Difference", "Error", "FileError",
+    "Answers", "ArgumentError", "Atlas", "CancelledError", "Connectivity", "Contacts", "DataError", "Difference", "Error", "FileError",
     "GLError", "Hit", "InstalledAtlas", "OutOfMemoryError", "Picture", "Place", "Placement", "Plan", "PoseWarning", "Poses", "Probe", "Renderer",
-    "Segments", "Selection", "Selector", "SourceFile", "Step", "Table", "Track", "Tracker", "Tractogram",
+    "Selection", "Selector", "SourceFile", "Step", "Table", "Tables", "Track", "Tracker", "Tractogram",
     "UnsupportedError", "Verification", "atlases", "cite", "is_tractogram", "load", "page", "pose_formats", "read_poses", "read_probe",
     "transfer_presets", "verify",
 ]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, NamedTuple, 
 import numpy as np
 
 from ._answers import Answers, Array, Objects, Selection, Track, kind_word
-from ._axis import Clearances, Segments
+from ._axis import Tables
 from ._callback import Callback, load_progress, receive
 from ._candidates import candidates_stream, depth_of
 from ._connectivity import Connectivity, radius_of
@@ -693,6 +693,12 @@ class Selector(Guarded):
         answer.space = self.space
         return answer
 
+    def _table(self, ask: Any, *question: Any) -> Table:
+        """The answer of a function of the library."""
+        out = ffi.new("conus_table **")
+        self._call(ask, out, self._p, *question)
+        return Table(out[0])
+
     def _angle(self, angle: Optional[float]) -> float:
         if angle is None:
             return 0.0 if self._is_cylinder else math.radians(10)
@@ -837,7 +843,7 @@ class Selector(Guarded):
 
     def segments(
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
-    ) -> Segments:
+    ) -> Table:
         """Lists what the axis of a device passes, in order of depth: ``conus query --segments``.
 
         Parameters
@@ -847,19 +853,19 @@ class Selector(Guarded):
 
         Returns
         -------
-        Segments
-            A record for each stretch inside an object, occluded or not, and between objects. The selector's range and
+        Table
+            A row for each stretch inside an object, occluded or not, and between objects. The selector's range and
             level hold; its radius, engine and sampling do not matter.
         """
         aim = self._pose(origin, toward, direction, up, pose)
-        segments: Segments = self._place(Segments(self.atlas, Segments.ask(self._call, self._p, aim)))
+        segments = self._table(lib.conus_segments, aim)
         self._warn_of(aim, self._angle(None), may_be_inside=True)
         return segments
 
     def segments_many(
         self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None, near: Any = None,
         far: Any = None,
-    ) -> Segments:
+    ) -> Tables:
         """Lists what the axes of many devices pass: ``conus batch --segments``.
 
         Parameters
@@ -869,19 +875,18 @@ class Selector(Guarded):
 
         Returns
         -------
-        Segments
+        Tables
             Those of all poses. A pose that has no axis is in ``errors``.
         """
 
         array = self._poses(origins, directions, poses, up, None, near, far)
         with self._lock:  # the range is that of one pose after the other
-            segments: Segments = self._place(Segments.ask_many(self.atlas, array, self._call, self._p))
-        return segments
+            return Tables(array, self._p, lambda pose: self._table(lib.conus_segments, pose))
 
     def clearance(
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
         within: float = 10,
-    ) -> Clearances:
+    ) -> Table:
         """How far a needle stays from each object, the nearest first: ``conus query --clearance``.
 
         Parameters
@@ -893,20 +898,19 @@ class Selector(Guarded):
 
         Returns
         -------
-        Clearances
-            A record for each object, occluded or not. The selector's range is that of the needle, its radius the
+        Table
+            A row for each object, occluded or not. The selector's range is that of the needle, its radius the
             needle's, and its level holds.
         """
         aim = self._pose(origin, toward, direction, up, pose)
-        records = Clearances.ask(self._call, self._p, aim, _distance("within", within))
-        clearances: Clearances = self._place(Clearances(self.atlas, records))
+        clearances = self._table(lib.conus_clearance, aim, _distance("within", within))
         self._warn_of(aim, self._angle(None), may_be_inside=True)
         return clearances
 
     def clearance_many(
         self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None, near: Any = None,
         far: Any = None, within: float = 10,
-    ) -> Clearances:
+    ) -> Tables:
         """How far many needles stay from each object: ``conus batch --clearance``.
 
         Parameters
@@ -918,14 +922,13 @@ class Selector(Guarded):
 
         Returns
         -------
-        Clearances
+        Tables
             Those of all poses. A pose that has no axis is in ``errors``.
         """
         array = self._poses(origins, directions, poses, up, None, near, far)
         within = _distance("within", within)
         with self._lock:
-            clearances: Clearances = self._place(Clearances.ask_many(self.atlas, array, self._call, self._p, within))
-        return clearances
+            return Tables(array, self._p, lambda pose: self._table(lib.conus_clearance, pose, within))
 
     def plan(
         self,
@@ -1068,10 +1071,8 @@ class Selector(Guarded):
         Table
             The narrowest first.
         """
-        aim, out = self._pose(origin, toward, direction, up, pose), ffi.new("conus_table **")
-        opening = math.radians(real("angle", angle))
-        self._call(lib.conus_sweep, out, self._p, aim, opening)
-        sweep = Table(out[0])
+        aim, opening = self._pose(origin, toward, direction, up, pose), math.radians(real("angle", angle))
+        sweep = self._table(lib.conus_sweep, aim, opening)
         self._warn_of(aim, opening)
         return sweep
 
@@ -1611,24 +1612,24 @@ class Atlas:
         )
 
     def segments(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None,
-                 pose: Any = None, **options: Any) -> Segments:
+                 pose: Any = None, **options: Any) -> Table:
         """Lists what the axis of a device passes, in order of depth: see :meth:`Selector.segments`."""
         return self._selector(options).segments(origin, toward=toward, direction=direction, up=up, pose=pose)
 
     def segments_many(self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,
-                      near: Any = None, far: Any = None, **options: Any) -> Segments:
+                      near: Any = None, far: Any = None, **options: Any) -> Tables:
         """Lists what the axes of many devices pass: see :meth:`Selector.segments_many`."""
         return self._selector(options).segments_many(origins, directions, poses=poses, up=up, near=near, far=far)
 
     def clearance(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None,
-                  pose: Any = None, within: float = 10, **options: Any) -> Clearances:
+                  pose: Any = None, within: float = 10, **options: Any) -> Table:
         """How far a needle stays from each object, the nearest first: see :meth:`Selector.clearance`."""
         return self._selector(options).clearance(
             origin, toward=toward, direction=direction, up=up, pose=pose, within=within
         )
 
     def clearance_many(self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,
-                       near: Any = None, far: Any = None, within: float = 10, **options: Any) -> Clearances:
+                       near: Any = None, far: Any = None, within: float = 10, **options: Any) -> Tables:
         """How far many needles stay from each object: see :meth:`Selector.clearance_many`."""
         return self._selector(options).clearance_many(
             origins, directions, poses=poses, up=up, near=near, far=far, within=within

@@ -318,6 +318,4 @@ def array_of(pointer: Any, count: int, dtype: np.dtype[Any]) -> np.ndarray[Any, 
 
 
 RESULT = dtype_of("conus_result")
-SEGMENT = dtype_of("conus_segment")
-CLEARANCE = dtype_of("conus_clearance")
 STEP = dtype_of("conus_step")

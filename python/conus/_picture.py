@@ -496,9 +496,9 @@ class Renderer(Bound):
             for name, given in probes.items():
                 is_pair = isinstance(given, (tuple, list)) and len(given) == 2
                 pose = pose_of(given[0], given[1], None, None, None) if is_pair else pose_of(None, None, None, None, given)
-                out = ffi.new("conus_segments **")
-                check(lib.conus_segments_create(out, selector, pose))
-                alive.append((utf8("probes", name), owned(out[0], lib.conus_segments_destroy)))
+                out = ffi.new("conus_table **")
+                check(lib.conus_segments(out, selector, pose))
+                alive.append((utf8("probes", name), owned(out[0], lib.conus_table_destroy)))
         finally:
             lib.conus_selector_set_range(selector, ffi.NULL)
         return ffi.new("conus_drawn_probe[]", alive), alive

@@ -24,6 +24,20 @@ class _Lent:
         self.__array_interface__ = {"version": 3, "data": (address, True), "shape": (count,), "typestr": kind}
 
 
+def frame_of(columns: dict[Any, Array]) -> pandas.DataFrame:
+    """The columns that :meth:`Table.arrays` gives."""
+    import pandas
+
+    def series(name: str, values: Array) -> Any:
+        if values.dtype == object:
+            return pandas.Categorical(values)
+        if values.dtype == np.float64:
+            return np.where(np.isfinite(values), values, np.nan)
+        return pandas.arrays.IntegerArray(values.copy(), columns["missing", name].copy())
+
+    return pandas.DataFrame({key: series(key, values) for key, values in columns.items() if isinstance(key, str)})
+
+
 class Table(Bound):
     """Rows in typed columns: ``table["distance_mm"]``; ``len()`` counts the rows, ``columns`` names the columns.
 
@@ -76,24 +90,18 @@ class Table(Bound):
             return self._view(column.counts, "<i8")
         return np.asarray(self._words(column)[self._view(column.codes, "<u4")])
 
-    def _series(self, name: str) -> Any:
-        import pandas
-
-        column = self._columns[name]
-        if column.type == lib.CONUS_TYPE_TEXT:
-            codes = self._view(column.codes, "<u4").astype(np.int64) - 1
-            return pandas.Categorical.from_codes(codes, self._words(column)[1:])
-        values = self[name]
-        if column.type == lib.CONUS_TYPE_NUMBER:
-            return np.where(np.isfinite(values), values, np.nan)
-        missing = self._view(column.missing, "|b1") if column.missing else np.zeros(len(self), bool)
-        return pandas.arrays.IntegerArray(values.copy(), missing.copy())
+    def arrays(self) -> dict[Any, Array]:
+        """The columns by their names; as "missing" and a name where a count is n/a; and the objects."""
+        out: dict[Any, Array] = {name: self[name] for name in self.columns}
+        for name, column in self._columns.items():
+            if column.type == lib.CONUS_TYPE_COUNT:
+                out["missing", name] = self._view(column.missing, "|b1") if column.missing else np.zeros(len(self), bool)
+        out["objects",] = self.objects
+        return out
 
     def to_dataframe(self) -> pandas.DataFrame:
         """The rows of the program, without the column ``query``; what is "n/a" there is missing."""
-        import pandas
-
-        return pandas.DataFrame({name: self._series(name) for name in self.columns})
+        return frame_of(self.arrays())
 
     def _repr_html_(self) -> str:
         return str(self.to_dataframe()._repr_html_())

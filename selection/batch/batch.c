@@ -94,6 +94,7 @@ static conus_status add_atlas(conus_batch *batch, conus_selector *selector, cons
         status = status ? status : conus_report_create(&atlas.reports[i], atlas.workers[i].selector, &own);
         if (!status) {
             atlas.reports[i]->options.no_voxels = true;
+            atlas.workers[i].selector->frame = atlas.reports[i]->frame;
         }
     }
     for (uint32_t i = 0; i < options->threads && batch->atlas_count && !status; i++) {
@@ -411,14 +412,11 @@ static conus_status add_to_report(void *user, size_t index, const conus_selectio
     return selection ? conus_report_add(writing->report, id_of(writing, index), selection) : add_error(writing, index);
 }
 
-static conus_status add_axis_to_report(void *user, size_t index, const conus_segments *segments,
-                                       const conus_clearances *clearances)
+static conus_status add_axis_to_report(void *user, size_t index, conus_table *table)
 {
     const struct writing *writing = user;
     mark(writing, index);
-    return segments     ? conus_report_add_segments(writing->report, id_of(writing, index), segments)
-           : clearances ? conus_report_add_clearances(writing->report, id_of(writing, index), clearances)
-                        : add_error(writing, index);
+    return table ? conus_report_add_table(writing->report, id_of(writing, index), table) : add_error(writing, index);
 }
 
 /* Whether axes are asked about: of a probe, where its poses have one. */

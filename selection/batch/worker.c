@@ -171,20 +171,18 @@ conus_status batch_worker_answer_axes(struct batch_worker *worker, const struct 
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < count && !status && !atomic_load_explicit(stop, memory_order_relaxed); i++) {
-        conus_segments *segments = NULL;
-        conus_clearances *clearances = NULL;
+        conus_table *table = NULL;
         if (poses[i].is_point) {
             status = fail(CONUS_ERROR_ARGUMENT, "a point, without the direction that an axis needs");
         } else if (!poses[i].is_no_pose) {
             status = conus_selector_set_range(worker->selector, poses[i].range);
             status = status   ? status
-                     : within ? conus_clearances_create(&clearances, worker->selector, &poses[i].pose, *within)
-                              : conus_segments_create(&segments, worker->selector, &poses[i].pose);
+                     : within ? conus_clearance(&table, worker->selector, &poses[i].pose, *within)
+                              : conus_segments(&table, worker->selector, &poses[i].pose);
         }
         status = status == CONUS_ERROR_ARGUMENT ? CONUS_OK : status; /* the pose's own fault */
-        status = status ? status : take(user, i, segments, clearances);
-        conus_segments_destroy(segments);
-        conus_clearances_destroy(clearances);
+        status = status ? status : take(user, i, table);
+        conus_table_destroy(table);
     }
     if (!status) {
         count_aims(worker, poses, count);

@@ -57,10 +57,9 @@ typedef conus_status batch_take(void *user, size_t index, const conus_selection 
 conus_status batch_worker_answer(struct batch_worker *worker, const struct batch_pose *poses, size_t count,
                                  const atomic_bool *stop, batch_take *take, void *user);
 
-/** Takes the answer about the axis of pose @p index, which the caller destroys: one of the two. Both are NULL where the
- * pose is wrong or has no axis; then conus_message() says why, unless the row is no pose at all. */
-typedef conus_status batch_take_axis(void *user, size_t index, const conus_segments *segments,
-                                     const conus_clearances *clearances);
+/** Takes the answer about the axis of pose @p index, which the caller destroys. NULL where the pose is wrong or has no
+ * axis; then conus_message() says why, unless the row is no pose at all. */
+typedef conus_status batch_take_axis(void *user, size_t index, conus_table *table);
 
 /** batch_worker_answer() for the axes of the poses: their segments or, unless @p within is NULL, their clearances up
  * to *within mm. */

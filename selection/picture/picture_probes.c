@@ -4,6 +4,7 @@
 #include "base/look.h"
 #include "base/memory.h"
 #include "selection/picture/picture.h"
+#include "selection/study/study.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -41,44 +42,71 @@ struct picture_probes {
     double letters;       /* of names, pixels per em */
 };
 
+/* What a probe passes: columns of its table. */
+struct passed {
+    size_t count;
+    const uint32_t *objects; /* 0 = none */
+    const double *entry, *exit;
+    const double *entry_at[3], *exit_at[3];
+};
+
+static struct passed passed_by(const struct picture *picture, size_t index)
+{
+    static const char *const ends[2][3] = {{"entry_x", "entry_y", "entry_z"}, {"exit_x", "exit_y", "exit_z"}};
+    const conus_table *table = picture->options.probes[index].segments;
+    struct passed out = {.count = conus_table_rows(table),
+                         .objects = conus_table_objects(table),
+                         .entry = conus_table_numbers(table, "entry_mm"),
+                         .exit = conus_table_numbers(table, "exit_mm")};
+    for (int a = 0; a < 3; a++) {
+        out.entry_at[a] = conus_table_numbers(table, ends[0][a]);
+        out.exit_at[a] = conus_table_numbers(table, ends[1][a]);
+    }
+    return out;
+}
+
 /* From where a probe is in an object, or without one from where it begins, to where it ends, mm. Whether there is one.
  */
-static bool span_of(double out[2], const conus_segments *segments)
+static bool span_of(double out[2], const struct passed *passed)
 {
-    out[0] = out[1] = conus_segments_segment(segments, 0)->entry;
+    out[0] = out[1] = passed->entry[0];
     bool found = false;
-    for (size_t i = 0; i < conus_segments_count(segments); i++) {
-        const conus_segment *row = conus_segments_segment(segments, i);
-        out[0] = row->object && !found ? row->entry : out[0];
-        out[1] = fmax(out[1], isfinite(row->exit) ? row->exit : row->entry);
-        found = found || row->object;
+    for (size_t i = 0; i < passed->count; i++) {
+        out[0] = passed->objects[i] && !found ? passed->entry[i] : out[0];
+        out[1] = fmax(out[1], isfinite(passed->exit[i]) ? passed->exit[i] : passed->entry[i]);
+        found = found || passed->objects[i];
     }
     return found;
 }
 
-/* The point at a depth. */
-static void point_at(double out[3], const conus_segments *segments, double depth)
+static bool has_length(const struct passed *passed, size_t row)
 {
-    const conus_segment *row = conus_segments_segment(segments, 0);
-    for (size_t i = 0; i < conus_segments_count(segments); i++) { /* one with a length says the direction */
-        const conus_segment *other = conus_segments_segment(segments, i);
-        row = isfinite(other->exit) && other->exit > other->entry ? other : row;
+    return isfinite(passed->exit[row]) && passed->exit[row] > passed->entry[row];
+}
+
+/* The point at a depth. */
+static void point_at(double out[3], const struct passed *passed, double depth)
+{
+    size_t row = 0;
+    for (size_t i = 0; i < passed->count; i++) { /* one with a length says the direction */
+        row = has_length(passed, i) ? i : row;
     }
-    double part = isfinite(row->exit) && row->exit > row->entry ? (depth - row->entry) / (row->exit - row->entry) : 0;
+    double entry = passed->entry[row];
+    double part = has_length(passed, row) ? (depth - entry) / (passed->exit[row] - entry) : 0;
     for (int a = 0; a < 3; a++) {
-        out[a] = row->entry_at[a] + (part != 0 ? part * (row->exit_at[a] - row->entry_at[a]) : 0);
+        double from = passed->entry_at[a][row];
+        out[a] = from + (part != 0 ? part * (passed->exit_at[a][row] - from) : 0);
     }
 }
 
 bool picture_probe_ends(double ends[2][3], const struct picture *picture, size_t index)
 {
-    const conus_segments *segments = picture->options.probes[index].segments;
+    const struct passed passed = passed_by(picture, index);
     double span[2], along[3], offset[3];
-    span_of(span, segments);
-    double start = conus_segments_segment(segments, 0)->entry;
-    span[0] = fmax(start, span[0] - BEFORE * picture->radius);
-    point_at(ends[0], segments, span[0]);
-    point_at(ends[1], segments, span[1]);
+    span_of(span, &passed);
+    span[0] = fmax(passed.entry[0], span[0] - BEFORE * picture->radius);
+    point_at(ends[0], &passed, span[0]);
+    point_at(ends[1], &passed, span[1]);
     vec3_sub(along, ends[1], ends[0]);
     vec3_sub(offset, picture->centre, ends[0]);
     const double length = vec3_length(along);
@@ -88,19 +116,22 @@ bool picture_probe_ends(double ends[2][3], const struct picture *picture, size_t
     if (half == 0 || middle + half < 0 || middle - half > length) {
         return false;
     }
-    point_at(ends[0], segments, span[0] + fmax(middle - half, 0));
-    point_at(ends[1], segments, span[0] + fmin(middle + half, length));
+    point_at(ends[0], &passed, span[0] + fmax(middle - half, 0));
+    point_at(ends[1], &passed, span[0] + fmin(middle + half, length));
     return true;
 }
 
 conus_status picture_probes_check(const conus_view *view)
 {
-    for (size_t i = 0; i < view->probe_count; i++) {
-        if (view->selection || !view->probes || !conus_segments_count(view->probes[i].segments)) {
-            return fail(CONUS_ERROR_ARGUMENT, "probe %zu: segments are needed, and no selection", i + 1);
+    conus_frame world;
+    conus_status status = conus_frame_find(&world, NULL, CONUS_SPACE_RAS, NULL);
+    for (size_t i = 0; i < view->probe_count && !status; i++) {
+        const conus_table *segments = view->probes ? view->probes[i].segments : NULL;
+        if (view->selection || !conus_table_rows(segments) || !table_is_of(segments, &segment_fields, &world)) {
+            status = fail(CONUS_ERROR_ARGUMENT, "probe %zu: segments in world mm are needed, and no selection", i + 1);
         }
     }
-    return CONUS_OK;
+    return status;
 }
 
 uint8_t *picture_probe_emphasis(const struct picture *picture)
@@ -108,11 +139,11 @@ uint8_t *picture_probe_emphasis(const struct picture *picture)
     const conus_atlas *atlas = picture->atlas;
     uint8_t *emphasis = memory_zeroed(atlas->object_count + 1, sizeof *emphasis);
     for (size_t i = 0; emphasis && i < picture->options.probe_count; i++) {
-        const conus_segments *segments = picture->options.probes[i].segments;
-        for (size_t k = 0; k < conus_segments_count(segments); k++) {
-            uint32_t passed = conus_segments_segment(segments, k)->object;
-            for (uint32_t number = 1; passed && number <= atlas->object_count; number++) {
-                emphasis[number] = atlas_is_below(atlas, number, passed) ? EMPHASIS_FULL : emphasis[number];
+        const struct passed passed = passed_by(picture, i);
+        for (size_t k = 0; k < passed.count; k++) {
+            uint32_t object = passed.objects[k];
+            for (uint32_t number = 1; object && number <= atlas->object_count; number++) {
+                emphasis[number] = atlas_is_below(atlas, number, object) ? EMPHASIS_FULL : emphasis[number];
             }
         }
     }
@@ -132,10 +163,10 @@ static double measure_names(const struct picture *picture, double limit)
     const struct picture_probes *probes = picture->probes;
     double sum = 0;
     for (size_t n = 0; n < picture->options.probe_count; n++) {
-        const conus_segments *segments = picture->options.probes[n].segments;
+        const struct passed passed = passed_by(picture, n);
         double widest = LEAST_NAMES * probes->letters;
-        for (size_t i = 0; i < conus_segments_count(segments); i++) {
-            uint32_t number = conus_segments_segment(segments, i)->object;
+        for (size_t i = 0; i < passed.count; i++) {
+            uint32_t number = passed.objects[i];
             char text[PICTURE_TEXT];
             const char *name = number ? name_of(text, picture, number) : "";
             widest = fmax(widest, font_width(picture->font, probes->letters, name));
@@ -188,8 +219,9 @@ conus_status picture_probes_init(struct picture *picture)
     out->to = -INFINITY;
     for (int pass = 0; pass < 2 && out->to < out->from; pass++) { /* first those that pass something, else all */
         for (size_t i = 0; i < count; i++) {
+            const struct passed passed = passed_by(picture, i);
             double span[2];
-            if (span_of(span, picture->options.probes[i].segments) || pass) {
+            if (span_of(span, &passed) || pass) {
                 out->from = fmin(out->from, span[0]);
                 out->to = fmax(out->to, span[1]);
             }
@@ -212,6 +244,12 @@ static bool project(double at[2], const struct picture *picture, const double po
 {
     double depth;
     return camera_project(&at[0], &at[1], &depth, &picture->camera, &picture->frame, point);
+}
+
+/* A row's point, of three columns. */
+static bool project_row(double at[2], const struct picture *picture, const double *const columns[3], size_t row)
+{
+    return project(at, picture, (const double[]){columns[0][row], columns[1][row], columns[2][row]});
 }
 
 /* The ends of a probe's line in the picture; whether it is before the camera. */
@@ -240,7 +278,7 @@ static void draw_in_drawing(struct draw_list *list, const struct picture *pictur
 /* Draws a probe in the colours of what it passes, over all that lies before it. */
 static void draw_line_of(struct draw_list *list, const struct picture *picture, size_t index)
 {
-    const conus_segments *segments = picture->options.probes[index].segments;
+    const struct passed passed = passed_by(picture, index);
     const double width = 0.3 * picture->em;
     double from[2], to[2];
     if (!project_ends(from, to, picture, index)) {
@@ -248,12 +286,12 @@ static void draw_line_of(struct draw_list *list, const struct picture *picture, 
     }
     draw_in_drawing(list, picture, from, to, width + fmax(2, 0.14 * picture->em), PICTURE_CASING);
     for (int pass = 0; pass < 2; pass++) { /* first what is in no object, all along */
-        for (size_t i = 0; i < (pass ? conus_segments_count(segments) : 1); i++) {
-            const conus_segment *row = conus_segments_segment(segments, i);
+        for (size_t i = 0; i < (pass ? passed.count : 1); i++) {
             float colour[4];
-            colour_of(colour, picture, pass ? row->object : 0);
-            bool is_seen = pass && row->object && isfinite(row->exit);
-            bool has_ends = is_seen && project(from, picture, row->entry_at) && project(to, picture, row->exit_at);
+            colour_of(colour, picture, pass ? passed.objects[i] : 0);
+            bool is_seen = pass && passed.objects[i] && isfinite(passed.exit[i]);
+            bool has_ends = is_seen && project_row(from, picture, passed.entry_at, i) &&
+                            project_row(to, picture, passed.exit_at, i);
             if (!pass || has_ends) {
                 draw_in_drawing(list, picture, from, to, width, colour);
             }
@@ -348,21 +386,20 @@ static size_t place_labels(struct beside *labels, size_t count, const struct sca
 static conus_status write_labels(struct draw_list *list, const struct picture *picture, const struct scale *scale,
                                  double left, size_t index)
 {
-    const conus_segments *segments = picture->options.probes[index].segments;
+    const struct passed passed = passed_by(picture, index);
     const double em = picture->em;
     const double letters = picture->probes->letters;
     const float faint[4] = {picture->ink[0], picture->ink[1], picture->ink[2], 0.5F};
     size_t count = 0;
-    struct beside *labels = memory_zeroed(conus_segments_count(segments), sizeof *labels);
+    struct beside *labels = memory_zeroed(passed.count, sizeof *labels);
     if (!labels) {
         return CONUS_ERROR_MEMORY;
     }
-    for (size_t i = 0; i < conus_segments_count(segments); i++) {
-        const conus_segment *row = conus_segments_segment(segments, i);
-        if (row->object) {
-            double middle = y_of(scale, picture, (row->entry + row->exit) / 2);
-            labels[count++] =
-                (struct beside){.object = row->object, .length = row->exit - row->entry, .wanted = middle};
+    for (size_t i = 0; i < passed.count; i++) {
+        if (passed.objects[i]) {
+            labels[count++] = (struct beside){.object = passed.objects[i],
+                                              .length = passed.exit[i] - passed.entry[i],
+                                              .wanted = y_of(scale, picture, (passed.entry[i] + passed.exit[i]) / 2)};
         }
     }
     count = place_labels(labels, count, scale, LINE * letters);
@@ -383,22 +420,24 @@ static conus_status draw_strip(struct draw_list *list, const struct picture *pic
                                double left, size_t index)
 {
     const conus_drawn_probe *probe = &picture->options.probes[index];
+    const struct passed passed = passed_by(picture, index);
     const double em = picture->em;
     char head[TEXT_SIZE];
     double span[2];
-    span_of(span, probe->segments);
-    for (size_t i = 0; i <= conus_segments_count(probe->segments); i++) {
-        const conus_segment *row = conus_segments_segment(probe->segments, i); /* NULL after the last: all of it */
-        double entry = fmin(fmax(row ? row->entry : span[0], picture->probes->from), picture->probes->to);
-        double exit = fmin(row ? row->exit : span[1], picture->probes->to);
+    span_of(span, &passed);
+    for (size_t i = 0; i <= passed.count; i++) {
+        const bool is_row = i < passed.count; /* after the last all of it */
+        const uint32_t object = is_row ? passed.objects[i] : 0;
+        double entry = fmin(fmax(is_row ? passed.entry[i] : span[0], picture->probes->from), picture->probes->to);
+        double exit = fmin(is_row ? passed.exit[i] : span[1], picture->probes->to);
         const struct draw_box box = {rint(left), y_of(scale, picture, entry), rint(left + STRIP * em),
                                      y_of(scale, picture, exit)};
-        if (row && row->object) {
+        if (object) {
             float colour[4];
-            colour_of(colour, picture, row->object);
+            colour_of(colour, picture, object);
             draw_box(list, &box, 0, colour);
         }
-        if (exit > entry && (!row || row->object)) {
+        if (exit > entry && (!is_row || object)) {
             draw_frame(list, &box, 0, picture->line, picture->ink);
         }
     }

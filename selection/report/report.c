@@ -382,11 +382,19 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
     return status || report->options.no_voxels ? status : report_add_voxels(report, selection);
 }
 
+/* A probe's shanks have no rows, but are made of segments. */
 conus_status report_check_table(const conus_report *report, const conus_table *table)
 {
-    return table_is_of(table, report_fields(report->options.rows), &report->frame)
+    const struct table_fields *fields =
+        report_is_of_probe(report->options.format) ? &segment_fields : report_fields(report->options.rows);
+    if (!table_is_of(table, fields, &report->frame)) {
+        return fail(CONUS_ERROR_ARGUMENT, "report: a table of other rows, or with positions in another space");
+    }
+    double within = table_question(table)->within;
+    return report->options.rows != CONUS_ROWS_CLEARANCES || report->options.within == within
                ? CONUS_OK
-               : fail(CONUS_ERROR_ARGUMENT, "report: a table of other rows, or with positions in another space");
+               : fail(CONUS_ERROR_ARGUMENT, "within: clearances up to %g mm, but the report is of those up to %g mm",
+                      within, report->options.within);
 }
 
 conus_status conus_report_add_table(conus_report *report, const char *query_id, conus_table *table)
@@ -404,38 +412,6 @@ conus_status conus_report_add_table(conus_report *report, const char *query_id, 
             (struct report_table_row){.object = conus_table_objects(table)[i], .table = table, .index = i};
     }
     return CONUS_OK;
-}
-
-conus_status conus_report_add_segments(conus_report *report, const char *query_id, const conus_segments *segments)
-{
-    struct report_row *rows;
-    const struct report_query query = {.asked = {.cone = segments->cone, .is_axis = true}};
-    if (report->options.rows != CONUS_ROWS_SEGMENTS && !report_is_of_probe(report->options.format)) {
-        return refuse_rows("segments");
-    }
-    conus_status status = report_append(&rows, report, query_id, &query, segments->count);
-    for (size_t i = 0; !status && i < segments->count; i++) {
-        rows[i].segment = segments->rows[i];
-    }
-    return status;
-}
-
-conus_status conus_report_add_clearances(conus_report *report, const char *query_id, const conus_clearances *clearances)
-{
-    struct report_row *rows;
-    const struct report_query query = {.asked = {.cone = clearances->cone, .is_axis = true}};
-    if (report->options.rows != CONUS_ROWS_CLEARANCES) {
-        return refuse_rows("clearances");
-    }
-    if (report->options.within != clearances->within) {
-        return fail(CONUS_ERROR_ARGUMENT, "within: clearances up to %g mm, but the report is of those up to %g mm",
-                    clearances->within, report->options.within);
-    }
-    conus_status status = report_append(&rows, report, query_id, &query, clearances->count);
-    for (size_t i = 0; !status && i < clearances->count; i++) {
-        rows[i].clearance = clearances->rows[i];
-    }
-    return status;
 }
 
 /* NULL without memory. */

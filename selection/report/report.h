@@ -74,8 +74,6 @@ struct report_row {
     union {
         conus_result result;
         struct report_table_row of_table;
-        conus_segment segment;
-        conus_clearance clearance;
         struct report_planned planned;
     };
 };

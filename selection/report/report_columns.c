@@ -207,63 +207,8 @@ static const struct report_column track_columns[] = {
     {"confirmed", NULL, "1 if the trigger, pressed at this step, confirms it, else 0", .get = get_confirmed},
 };
 
-static struct cell get_place(const conus_report *report, const struct report_row *row)
-{
-    return integer_cell((size_t)(row - report->rows) - report->queries[row->query].first_row + 1);
-}
-
 static const struct report_column share_columns[] = {
     {"angle_deg", "degree", "full opening angle of the cone", OF_QUERY(ANGLE, asked.cone.angle)},
-};
-
-static struct cell get_length(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return number_cell(row->segment.exit - row->segment.entry);
-}
-
-static const struct report_column segment_columns[] = {
-    {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
-    {"order", NULL, "1 is nearest to the apex", .get = get_place},
-    {"kind", NULL, "what the axis is in: area, pathway, bundle, or unassigned: none; error: name says why",
-     NAMED(get_kind)},
-    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway or bundle", NAMED(get_index)},
-    {"name", NULL, "name of the area, pathway or bundle", NAMED(get_name)},
-    {"abbreviation", NULL, "abbreviation in the label table", NAMED(get_abbreviation)},
-    {"entry_mm", "mm", "where the axis enters it, from the apex", OF_ROW(NUMBER, segment.entry)},
-    {"exit_mm", "mm", "where the axis leaves it, from the apex", OF_ROW(NUMBER, segment.exit)},
-    {"length_mm", "mm", "what lies between", .get = get_length},
-    {"entry_x", "mm", "where the axis enters it, x", OF_ROW(X, segment.entry_at)},
-    {"entry_y", "mm", "the same, y", OF_ROW(Y, segment.entry_at)},
-    {"entry_z", "mm", "the same, z", OF_ROW(Z, segment.entry_at)},
-    {"exit_x", "mm", "where the axis leaves it, x", OF_ROW(X, segment.exit_at)},
-    {"exit_y", "mm", "the same, y", OF_ROW(Y, segment.exit_at)},
-    {"exit_z", "mm", "the same, z", OF_ROW(Z, segment.exit_at)},
-    {"atlas_entry_x", "mm", "where the entry is in the atlas's own space, x", OF_ROW(OWN_X, segment.entry_at),
-     .moved_only = true},
-    {"atlas_entry_y", "mm", "the same, y", OF_ROW(OWN_Y, segment.entry_at), .moved_only = true},
-    {"atlas_entry_z", "mm", "the same, z", OF_ROW(OWN_Z, segment.entry_at), .moved_only = true},
-    {"atlas_exit_x", "mm", "where the exit is there, x", OF_ROW(OWN_X, segment.exit_at), .moved_only = true},
-    {"atlas_exit_y", "mm", "the same, y", OF_ROW(OWN_Y, segment.exit_at), .moved_only = true},
-    {"atlas_exit_z", "mm", "the same, z", OF_ROW(OWN_Z, segment.exit_at), .moved_only = true},
-};
-
-static const struct report_column clearance_columns[] = {
-    {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
-    {"kind", NULL, "area, pathway or bundle; error: name says why", NAMED(get_kind)},
-    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway or bundle", NAMED(get_index)},
-    {"name", NULL, "name of the area, pathway or bundle", NAMED(get_name)},
-    {"distance_mm", "mm", "from the needle's axis to it, 0 where the axis meets it",
-     OF_ROW(NUMBER, clearance.distance)},
-    {"clearance_mm", "mm", "the same from the needle's surface: less its radius; 0 or less where the needle touches it",
-     OF_ROW(NUMBER, clearance.clearance)},
-    {"depth_mm", "mm", "where the axis is nearest to it, from the apex", OF_ROW(NUMBER, clearance.depth)},
-    {"x", "mm", "that point of the axis, x", OF_ROW(X, clearance.at)},
-    {"y", "mm", "the same, y", OF_ROW(Y, clearance.at)},
-    {"z", "mm", "the same, z", OF_ROW(Z, clearance.at)},
-    {"near_x", "mm", "its nearest point to that, x", OF_ROW(X, clearance.near)},
-    {"near_y", "mm", "the same, y", OF_ROW(Y, clearance.near)},
-    {"near_z", "mm", "the same, z", OF_ROW(Z, clearance.near)},
 };
 
 /* Plans: one row per pose, constraint, or constraint and depth. */
@@ -796,11 +741,11 @@ static bool insert_column(struct report_columns *out, size_t place, const struct
 
 const struct table_fields *report_fields(conus_rows rows)
 {
-    static const struct table_fields *const studies[] = {[CONUS_ROWS_ADMISSIONS] = &sweep_fields,
-                                                         [CONUS_ROWS_CHANCES] = &jitter_fields,
-                                                         [CONUS_ROWS_CONNECTIONS] = &connection_fields,
-                                                         [CONUS_ROWS_COVERAGES] = &overlap_fields,
-                                                         [CONUS_ROWS_CLUSTERS] = &clusters_fields};
+    static const struct table_fields *const studies[] = {
+        [CONUS_ROWS_ADMISSIONS] = &sweep_fields,       [CONUS_ROWS_CHANCES] = &jitter_fields,
+        [CONUS_ROWS_CONNECTIONS] = &connection_fields, [CONUS_ROWS_COVERAGES] = &overlap_fields,
+        [CONUS_ROWS_CLUSTERS] = &clusters_fields,      [CONUS_ROWS_SEGMENTS] = &segment_fields,
+        [CONUS_ROWS_CLEARANCES] = &clearance_fields};
     return (size_t)rows < COUNT_OF(studies) ? studies[rows] : NULL;
 }
 
@@ -853,15 +798,11 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
     case CONUS_ROWS_ADMISSIONS:
     case CONUS_ROWS_CHANCES:
     case CONUS_ROWS_CONNECTIONS:
+    case CONUS_ROWS_SEGMENTS:
+    case CONUS_ROWS_CLEARANCES:
     case CONUS_ROWS_COVERAGES:
     case CONUS_ROWS_CLUSTERS:
         list_fields(out, report);
-        break;
-    case CONUS_ROWS_SEGMENTS:
-        list_table(out, report, segment_columns, COUNT_OF(segment_columns));
-        break;
-    case CONUS_ROWS_CLEARANCES:
-        list_table(out, report, clearance_columns, COUNT_OF(clearance_columns));
         break;
     case CONUS_ROWS_PLAN:
         list_table(out, report, plan_columns, COUNT_OF(plan_columns));
@@ -905,11 +846,11 @@ bool conus_column_is_number(const char *name)
     static const struct {
         const struct report_column *columns;
         size_t count;
-    } tables[] = {ALL_OF(answer_columns),     ALL_OF(track_columns),     ALL_OF(share_columns),
-                  ALL_OF(segment_columns),    ALL_OF(clearance_columns), ALL_OF(summary_columns),
-                  ALL_OF(electrode_columns),  ALL_OF(voxel_columns),     ALL_OF(plan_columns),
-                  ALL_OF(constraint_columns), ALL_OF(profile_columns),   ALL_OF(tolerance_columns),
-                  ALL_OF(probe_columns),      ALL_OF(bep032_columns),    {&row_column, 1}};
+    } tables[] = {ALL_OF(answer_columns),    ALL_OF(track_columns),      ALL_OF(share_columns),
+                  ALL_OF(summary_columns),   ALL_OF(electrode_columns),  ALL_OF(voxel_columns),
+                  ALL_OF(plan_columns),      ALL_OF(constraint_columns), ALL_OF(profile_columns),
+                  ALL_OF(tolerance_columns), ALL_OF(probe_columns),      ALL_OF(bep032_columns),
+                  {&row_column, 1}};
     for (size_t i = 0; i < COUNT_OF(tables); i++) {
         for (size_t k = 0; k < tables[i].count; k++) {
             if (strcmp(tables[i].columns[k].name, name) == 0) {

@@ -319,25 +319,29 @@ static conus_status check_rows(const conus_report *report)
  * there is none. */
 static const conus_object *innermost(const conus_report *report, size_t query, double depth)
 {
-    const conus_segment *found = NULL;
-    for (size_t i = report->queries[query].first_row; i < report_row_end(report, query); i++) {
-        const conus_segment *segment = &report->rows[i].segment;
-        bool holds = segment->object && segment->entry <= depth && depth < segment->exit;
+    const conus_table *segments = report->queries[query].table;
+    const uint32_t *objects = conus_table_objects(segments);
+    const double *entries = conus_table_numbers(segments, "entry_mm");
+    const double *exits = conus_table_numbers(segments, "exit_mm");
+    size_t found = SIZE_MAX;
+    for (size_t i = 0; i < conus_table_rows(segments); i++) {
+        bool holds = objects[i] && entries[i] <= depth && depth < exits[i];
         bool is_deeper =
-            !found || segment->entry > found->entry; /* of equal entries the first row has the least exit */
-        found = holds && is_deeper ? segment : found;
+            found == SIZE_MAX || entries[i] > entries[found]; /* of equal entries the first row has the least exit */
+        found = holds && is_deeper ? i : found;
     }
-    return found ? conus_atlas_object(report->atlas, found->object) : NULL;
+    return found < SIZE_MAX ? conus_atlas_object(report->atlas, objects[found]) : NULL;
 }
 
 /* The deepest end of a segment above a depth; that of the range if there is none. */
 static double next_border(const conus_report *report, size_t query, double depth)
 {
+    const conus_table *segments = report->queries[query].table;
     double border = report->queries[query].asked.cone.range[0];
-    for (size_t i = report->queries[query].first_row; i < report_row_end(report, query); i++) {
-        const double ends[] = {report->rows[i].segment.entry, report->rows[i].segment.exit};
-        for (int k = 0; k < 2; k++) {
-            border = ends[k] < depth && ends[k] > border ? ends[k] : border;
+    for (int k = 0; k < 2; k++) {
+        const double *ends = conus_table_numbers(segments, k ? "exit_mm" : "entry_mm");
+        for (size_t i = 0; i < conus_table_rows(segments); i++) {
+            border = ends[i] < depth && ends[i] > border ? ends[i] : border;
         }
     }
     return border;

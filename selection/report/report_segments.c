@@ -19,13 +19,13 @@ static void write_depth(struct buffer *out, double depth)
     }
 }
 
-static void write_place(struct buffer *out, const conus_report *report, const double place[3])
+/* Writes the point in three columns. */
+static void write_place(struct buffer *out, const conus_report *report, const struct report_row *row,
+                        const char *const columns[3])
 {
     int digits = table_digits(report);
-    double at[3];
-    memcpy(at, place, sizeof at);
-    report_point(report, at);
-    buffer_format(out, "  %8.*f %7.*f %7.*f", digits, at[0], digits, at[1], digits, at[2]);
+    buffer_format(out, "  %8.*f %7.*f %7.*f", digits, report_number(row, columns[0]), digits,
+                  report_number(row, columns[1]), digits, report_number(row, columns[2]));
 }
 
 /* Writes the rows of a query from one atlas, with their heading. */
@@ -40,15 +40,16 @@ static void write_segments(struct buffer *out, const conus_report *report, size_
                   table_axes(axes, report, "enters at"));
     buffer_format(out, form, "", width, "", "", "mm", "mm", "mm", conus_space_unit(report->frame.space));
     for (size_t i = first; i < report_row_end(report, query); i++) {
-        const conus_segment *segment = &report->rows[i].segment;
+        const struct report_row *row = &report->rows[i];
+        uint32_t object = row->of_table.object;
         char label[TABLE_LABEL_SIZE];
         buffer_format(out, "%5zu  ", i - first + 1);
-        table_write_name(out, segment->object ? table_name(report, segment->object) : NO_OBJECT, width);
-        buffer_format(out, "  %10s", table_label(label, report, segment->object));
-        write_depth(out, segment->entry);
-        write_depth(out, segment->exit);
-        write_depth(out, segment->exit - segment->entry);
-        write_place(out, report, segment->entry_at);
+        table_write_name(out, object ? table_name(report, object) : NO_OBJECT, width);
+        buffer_format(out, "  %10s", table_label(label, report, object));
+        write_depth(out, report_number(row, "entry_mm"));
+        write_depth(out, report_number(row, "exit_mm"));
+        write_depth(out, report_number(row, "length_mm"));
+        write_place(out, report, row, (const char *const[]){"entry_x", "entry_y", "entry_z"});
         buffer_text(out, "\n");
     }
 }
@@ -69,19 +70,21 @@ static void write_clearances(struct buffer *out, const conus_report *report, siz
                   table_axes(at, report, "axis at"), table_axes(near, report, "object at"));
     buffer_format(out, form, width, "", "", "mm", "mm", "mm", unit, unit);
     for (size_t i = first; i < end; i++) {
-        const conus_clearance *row = &report->rows[i].clearance;
+        const struct report_row *row = &report->rows[i];
+        double clearance = report_number(row, "clearance_mm");
+        double distance = report_number(row, "distance_mm");
         char label[TABLE_LABEL_SIZE];
-        table_write_name(out, table_name(report, row->object), width);
-        buffer_format(out, "  %10s", table_label(label, report, row->object));
-        if (row->clearance > 0) {
-            buffer_format(out, "  %9.2f", row->clearance);
+        table_write_name(out, table_name(report, row->of_table.object), width);
+        buffer_format(out, "  %10s", table_label(label, report, row->of_table.object));
+        if (clearance > 0) {
+            buffer_format(out, "  %9.2f", clearance);
         } else {
-            buffer_format(out, "  %9s", row->distance > 0 ? "touches" : "pierces");
+            buffer_format(out, "  %9s", distance > 0 ? "touches" : "pierces");
         }
-        write_depth(out, row->distance);
-        write_depth(out, row->depth);
-        write_place(out, report, row->at);
-        write_place(out, report, row->near);
+        write_depth(out, distance);
+        write_depth(out, report_number(row, "depth_mm"));
+        write_place(out, report, row, (const char *const[]){"x", "y", "z"});
+        write_place(out, report, row, (const char *const[]){"near_x", "near_y", "near_z"});
         buffer_text(out, "\n");
     }
 }

@@ -31,22 +31,54 @@ static void end_needle(struct needle *needle, double *limit, const struct cleara
     *limit = fmin(*limit, farthest);
 }
 
+/* How far an object is from a needle (Eq. 21): a row of the table. */
+struct row {
+    struct table_object object;
+    double distance;  /* mm from the needle's axis to the object, 0 where they meet */
+    double clearance; /* the distance less the needle's radius, mm; negative where the needle's body meets it */
+    double depth;     /* mm from the apex to the point of the axis that is nearest; of several the least */
+    double at[3];     /* that point of the axis, world */
+    double near[3];   /* the object's nearest point, world */
+};
+
+static const struct table_field columns[] = {
+    {"kind", NULL, "area, pathway or bundle; error: name says why", TABLE_NAME_BY(table_kind)},
+    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway or bundle",
+     TABLE_LABEL_BY(table_index)},
+    {"name", NULL, "name of the area, pathway or bundle", TABLE_NAME_BY(table_object_name)},
+    {"distance_mm", "mm", "from the needle's axis to it, 0 where the axis meets it",
+     TABLE_OF(NUMBER, struct row, distance)},
+    {"clearance_mm", "mm", "the same from the needle's surface: less its radius; 0 or less where the needle touches it",
+     TABLE_OF(NUMBER, struct row, clearance)},
+    {"depth_mm", "mm", "where the axis is nearest to it, from the apex", TABLE_OF(NUMBER, struct row, depth)},
+    {"x", "mm", "that point of the axis, x", TABLE_OF(X, struct row, at)},
+    {"y", "mm", "the same, y", TABLE_OF(Y, struct row, at)},
+    {"z", "mm", "the same, z", TABLE_OF(Z, struct row, at)},
+    {"near_x", "mm", "its nearest point to that, x", TABLE_OF(X, struct row, near)},
+    {"near_y", "mm", "the same, y", TABLE_OF(Y, struct row, near)},
+    {"near_z", "mm", "the same, z", TABLE_OF(Z, struct row, near)},
+};
+
+const struct table_fields clearance_fields = {columns, sizeof columns / sizeof *columns};
+
 static int compare(const void *a, const void *b)
 {
-    const conus_clearance *x = a;
-    const conus_clearance *y = b;
+    const struct row *x = a;
+    const struct row *y = b;
     int order = compare_double(x->clearance, y->clearance);
     order = order ? order : compare_double(x->depth, y->depth);
-    return order ? order : compare_unsigned(x->object, y->object);
+    return order ? order : compare_unsigned(x->object.number, y->object.number);
 }
 
-static conus_status build(struct conus_clearances *clearances, conus_selector *selector, const conus_pose *pose,
-                          double within)
+/* Makes *rows, which the caller frees; NULL and 0 of them where there is no object at all. */
+static conus_status find_clearances(struct row **rows, size_t *count, conus_selector *selector,
+                                    const struct table_question *asked)
 {
     struct needle needle;
+    const conus_pose *pose = &asked->cone.pose;
     double radius = selector->options.radius;
     struct clearance_question question = {
-        .atlas = selector->atlas, .groups = level_group(selector->level), .limit = within + radius};
+        .atlas = selector->atlas, .groups = level_group(selector->level), .limit = asked->within + radius};
     conus_status status = selector_prepare_clearance(selector);
     question.index = selector->clearance_index;
     if (status || !(question.index->low[0] <= question.index->high[0])) {
@@ -58,65 +90,44 @@ static conus_status build(struct conus_clearances *clearances, conus_selector *s
     question.tracts = selector->tract_index;
     clearance_take(&selector->clearance, &question, &needle);
     const struct clearance *taken = &selector->clearance;
-    clearances->rows = memory_raw(taken->touched_count, sizeof *clearances->rows);
-    if (!clearances->rows) {
+    *count = taken->touched_count;
+    *rows = memory_raw(*count, sizeof **rows);
+    if (!*rows) {
         return CONUS_ERROR_MEMORY;
     }
-    for (size_t i = 0; i < taken->touched_count; i++) {
+    for (size_t i = 0; i < *count; i++) {
         uint32_t object = taken->touched[i];
         const struct clearance_found *found = &taken->found[object];
-        conus_clearance *row = &clearances->rows[clearances->count++];
-        *row = (conus_clearance){.kind = conus_atlas_object(selector->atlas, object)->kind,
-                                 .object = object,
-                                 .distance = found->distance,
-                                 .clearance = found->distance - radius,
-                                 .depth = found->depth};
+        struct row *row = &(*rows)[i];
+        *row = (struct row){.object = {conus_atlas_object(selector->atlas, object)->kind, object},
+                            .distance = found->distance,
+                            .clearance = found->distance - radius,
+                            .depth = found->depth};
         needle_point(row->at, &needle, found->depth);
         memcpy(row->near, found->distance > 0 ? found->point : row->at, sizeof row->near);
     }
-    order_sort(clearances->rows, clearances->count, sizeof *clearances->rows, compare);
+    order_sort(*rows, *count, sizeof **rows, compare);
     return CONUS_OK;
 }
 
-conus_status conus_clearances_create(conus_clearances **out, conus_selector *selector, const conus_pose *pose,
-                                     double within)
+conus_status conus_clearance(conus_table **out, conus_selector *selector, const conus_pose *pose, double within)
 {
-    conus_pose rigid;
+    struct table_question asked = {.cone = {.angle = 1, .resolution = 1}, .is_axis = true, .within = within};
+    struct row *rows = NULL;
+    size_t count = 0;
     char text[TEXT_NUMBER_SIZE];
     if (!(within >= 0)) {
         return fail(CONUS_ERROR_ARGUMENT, "within: %s mm, allowed are 0 and more", text_number(text, within));
     }
-    conus_status status = pose_settle(&rigid, pose->world_from_device);
+    conus_status status = pose_settle(&asked.cone.pose, pose->world_from_device);
     if (status) {
         return status;
     }
-    conus_clearances *clearances = memory_zeroed(1, sizeof *clearances);
-    status = clearances ? build(clearances, selector, &rigid, within) : CONUS_ERROR_MEMORY;
-    if (status) {
-        conus_clearances_destroy(clearances);
-        return status;
-    }
-    clearances->cone = (struct cone){.pose = rigid, .angle = 1, .resolution = 1};
-    memcpy(clearances->cone.range, selector->range, sizeof clearances->cone.range);
-    clearances->within = within;
-    *out = clearances;
-    return CONUS_OK;
-}
-
-void conus_clearances_destroy(conus_clearances *clearances)
-{
-    if (clearances) {
-        memory_free(clearances->rows);
-        memory_free(clearances);
-    }
-}
-
-size_t conus_clearances_count(const conus_clearances *clearances)
-{
-    return clearances ? clearances->count : 0;
-}
-
-const conus_clearance *conus_clearances_clearance(const conus_clearances *clearances, size_t index)
-{
-    return clearances && index < clearances->count ? &clearances->rows[index] : NULL;
+    memcpy(asked.cone.range, selector->range, sizeof asked.cone.range);
+    status = find_clearances(&rows, &count, selector, &asked);
+    status = status ? status
+                    : table_create(out, &(struct table_source){selector->atlas, &selector->frame}, &clearance_fields,
+                                   &asked, rows, sizeof *rows, count);
+    memory_free(rows);
+    return status;
 }

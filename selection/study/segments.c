@@ -41,30 +41,75 @@ bool axis_clip(conus_interval *interval, const conus_atlas *atlas, const double 
     return interval->exit - interval->entry > AXIS_TOUCH;
 }
 
+/* A stretch of the axis, from its entry to before its exit (Eq. 17): a row of the table. */
+struct row {
+    struct table_object object; /* what it is in */
+    double entry;               /* mm from the apex */
+    double exit;        /* likewise; infinity where the axis has no end and meets nothing. Equal to entry where the axis
+                           crosses        a surface that is not closed, and nothing says how far it is inside */
+    double length;      /* what lies between */
+    double entry_at[3]; /* world */
+    double exit_at[3];  /* world; NaN where there is none */
+};
+
+static const struct table_field columns[] = {
+    {"order", NULL, "1 is nearest to the apex", TABLE_COUNT_BY(table_place)},
+    {"kind", NULL, "what the axis is in: area, pathway, bundle, or unassigned: none; error: name says why",
+     TABLE_NAME_BY(table_kind)},
+    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway or bundle",
+     TABLE_LABEL_BY(table_index)},
+    {"name", NULL, "name of the area, pathway or bundle", TABLE_NAME_BY(table_object_name)},
+    {"abbreviation", NULL, "abbreviation in the label table", TABLE_NAME_BY(table_abbreviation)},
+    {"entry_mm", "mm", "where the axis enters it, from the apex", TABLE_OF(NUMBER, struct row, entry)},
+    {"exit_mm", "mm", "where the axis leaves it, from the apex", TABLE_OF(NUMBER, struct row, exit)},
+    {"length_mm", "mm", "what lies between", TABLE_OF(NUMBER, struct row, length)},
+    {"entry_x", "mm", "where the axis enters it, x", TABLE_OF(X, struct row, entry_at)},
+    {"entry_y", "mm", "the same, y", TABLE_OF(Y, struct row, entry_at)},
+    {"entry_z", "mm", "the same, z", TABLE_OF(Z, struct row, entry_at)},
+    {"exit_x", "mm", "where the axis leaves it, x", TABLE_OF(X, struct row, exit_at)},
+    {"exit_y", "mm", "the same, y", TABLE_OF(Y, struct row, exit_at)},
+    {"exit_z", "mm", "the same, z", TABLE_OF(Z, struct row, exit_at)},
+    {"atlas_entry_x", "mm", "where the entry is in the atlas's own space, x", TABLE_OF(OWN_X, struct row, entry_at)},
+    {"atlas_entry_y", "mm", "the same, y", TABLE_OF(OWN_Y, struct row, entry_at)},
+    {"atlas_entry_z", "mm", "the same, z", TABLE_OF(OWN_Z, struct row, entry_at)},
+    {"atlas_exit_x", "mm", "where the exit is there, x", TABLE_OF(OWN_X, struct row, exit_at)},
+    {"atlas_exit_y", "mm", "the same, y", TABLE_OF(OWN_Y, struct row, exit_at)},
+    {"atlas_exit_z", "mm", "the same, z", TABLE_OF(OWN_Z, struct row, exit_at)},
+};
+
+const struct table_fields segment_fields = {columns, sizeof columns / sizeof *columns};
+
+/* The rows of an axis while they are found. */
+struct segments {
+    const struct cone *cone; /* one ray, along the axis; with the selector's range */
+    struct row *rows;
+    size_t count;
+};
+
 /* The last row of an object; NULL = none. */
-static conus_segment *last_of(const conus_segments *segments, uint32_t object)
+static struct row *last_of(const struct segments *segments, uint32_t object)
 {
     for (size_t i = segments->count; i > 0; i--) {
-        if (segments->rows[i - 1].object == object) {
+        if (segments->rows[i - 1].object.number == object) {
             return &segments->rows[i - 1];
         }
     }
     return NULL;
 }
 
-static void add_row(conus_segments *segments, conus_kind kind, uint32_t object, double entry, double exit)
+static void add_row(struct segments *segments, conus_kind kind, uint32_t object, double entry, double exit)
 {
-    segments->rows[segments->count++] = (conus_segment){.kind = kind, .object = object, .entry = entry, .exit = exit};
+    segments->rows[segments->count++] = (struct row){.object = {kind, object}, .entry = entry, .exit = exit};
 }
 
 /* The union of each object's intervals, which are sorted by their entries. */
-static void join_intervals(conus_segments *segments, const struct layers *layers, const conus_selector *selector)
+static void join_intervals(struct segments *segments, const struct layers *layers, const conus_selector *selector)
 {
     const uint32_t *group = level_group(selector->level);
     for (size_t i = 0; i < layers->count; i++) {
         const conus_interval *interval = &layers->intervals[i];
         uint32_t object = group ? group[interval->object] : interval->object;
-        conus_segment *last = last_of(segments, object);
+        struct row *last = last_of(segments, object);
         if (last && interval->entry <= last->exit + AXIS_TOUCH) {
             last->exit = fmax(last->exit, interval->exit);
         } else {
@@ -76,26 +121,26 @@ static void join_intervals(conus_segments *segments, const struct layers *layers
 
 static int compare(const void *a, const void *b)
 {
-    const conus_segment *x = a;
-    const conus_segment *y = b;
+    const struct row *x = a;
+    const struct row *y = b;
     int order = compare_double(x->entry, y->entry);
     order = order ? order : compare_double(x->exit, y->exit);
-    return order ? order : compare_unsigned(x->object, y->object);
+    return order ? order : compare_unsigned(x->object.number, y->object.number);
 }
 
 /* Adds what is in no object, up to the far end of the range; without one up to the last exit, or to infinity where
  * there is nothing. Needs sorted rows. */
-static void add_gaps(conus_segments *segments)
+static void add_gaps(struct segments *segments)
 {
     size_t count = segments->count;
-    double reached = segments->cone.range[0];
+    double reached = segments->cone->range[0];
     for (size_t i = 0; i < count; i++) {
         if (segments->rows[i].entry > reached + AXIS_TOUCH) {
             add_row(segments, CONUS_KIND_UNASSIGNED, 0, reached, segments->rows[i].entry);
         }
         reached = fmax(reached, segments->rows[i].exit);
     }
-    double end = segments->cone.range[1] > 0 ? segments->cone.range[1] : count ? reached : INFINITY;
+    double end = segments->cone->range[1] > 0 ? segments->cone->range[1] : count ? reached : INFINITY;
     if (end > reached + AXIS_TOUCH) {
         add_row(segments, CONUS_KIND_UNASSIGNED, 0, reached, end);
     }
@@ -124,14 +169,14 @@ conus_status axis_follow(struct layers *out, conus_selector *selector, const con
     return layers_sort(out, 1);
 }
 
-static conus_status build(conus_segments *segments, conus_selector *selector)
+static conus_status find_segments(struct segments *segments, conus_selector *selector)
 {
     struct layers layers = {0};
-    conus_status status = axis_follow(&layers, selector, &segments->cone.pose, segments->cone.range[1]);
+    conus_status status = axis_follow(&layers, selector, &segments->cone->pose, segments->cone->range[1]);
     size_t kept = 0;
     for (size_t i = 0; i < layers.count && !status; i++) {
         conus_interval interval = layers.intervals[i];
-        if (axis_clip(&interval, selector->atlas, segments->cone.range)) {
+        if (axis_clip(&interval, selector->atlas, segments->cone->range)) {
             layers.intervals[kept++] = interval;
         }
     }
@@ -143,50 +188,29 @@ static conus_status build(conus_segments *segments, conus_selector *selector)
         add_gaps(segments);
         order_sort(segments->rows, segments->count, sizeof *segments->rows, compare);
         for (size_t i = 0; i < segments->count; i++) {
-            place(segments->rows[i].entry_at, &segments->cone, segments->rows[i].entry);
-            place(segments->rows[i].exit_at, &segments->cone, segments->rows[i].exit);
+            struct row *row = &segments->rows[i];
+            row->length = row->exit - row->entry;
+            place(row->entry_at, segments->cone, row->entry);
+            place(row->exit_at, segments->cone, row->exit);
         }
     }
     layers_finish(&layers);
     return status || segments->rows ? status : CONUS_ERROR_MEMORY;
 }
 
-conus_status conus_segments_create(conus_segments **out, conus_selector *selector, const conus_pose *pose)
+conus_status conus_segments(conus_table **out, conus_selector *selector, const conus_pose *pose)
 {
-    struct cone axis = AXIS;
-    conus_status status = pose_settle(&axis.pose, pose->world_from_device);
+    struct table_question asked = {.cone = AXIS, .is_axis = true};
+    struct segments segments = {.cone = &asked.cone};
+    conus_status status = pose_settle(&asked.cone.pose, pose->world_from_device);
     if (status) {
         return status;
     }
-    memcpy(axis.range, selector->range, sizeof axis.range);
-    conus_segments *segments = memory_zeroed(1, sizeof *segments);
-    if (!segments) {
-        return CONUS_ERROR_MEMORY;
-    }
-    segments->cone = axis;
-    status = build(segments, selector);
-    if (status) {
-        conus_segments_destroy(segments);
-        return status;
-    }
-    *out = segments;
-    return CONUS_OK;
-}
-
-void conus_segments_destroy(conus_segments *segments)
-{
-    if (segments) {
-        memory_free(segments->rows);
-        memory_free(segments);
-    }
-}
-
-size_t conus_segments_count(const conus_segments *segments)
-{
-    return segments ? segments->count : 0;
-}
-
-const conus_segment *conus_segments_segment(const conus_segments *segments, size_t index)
-{
-    return segments && index < segments->count ? &segments->rows[index] : NULL;
+    memcpy(asked.cone.range, selector->range, sizeof asked.cone.range);
+    status = find_segments(&segments, selector);
+    status = status ? status
+                    : table_create(out, &(struct table_source){selector->atlas, &selector->frame}, &segment_fields,
+                                   &asked, segments.rows, sizeof *segments.rows, segments.count);
+    memory_free(segments.rows);
+    return status;
 }

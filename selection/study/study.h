@@ -13,7 +13,8 @@
 #include "selection/table/table.h"
 
 /* Columns of the tables of studies. */
-extern const struct table_fields sweep_fields, jitter_fields, overlap_fields, clusters_fields;
+extern const struct table_fields sweep_fields, jitter_fields, overlap_fields, clusters_fields, segment_fields,
+    clearance_fields;
 
 /* jitter.c: errors of the pose (Eq. 14). */
 /** Errors have five dimensions; samples are counted in so many sets, one after the other. */
@@ -58,12 +59,6 @@ conus_status overlap_table(conus_table **out, const conus_selector *selector, co
                            const conus_roi *roi, const void *rows, size_t size, size_t count);
 
 /* segments.c: what an axis passes (Eq. 17). */
-struct conus_segments {
-    struct cone cone; /**< One ray, along the axis; with the selector's range. */
-    conus_segment *rows;
-    size_t count;
-};
-
 /* mm: what an axis meets for less, rounding makes of a ray that only touches. */
 #define AXIS_TOUCH 1e-9
 
@@ -76,14 +71,6 @@ conus_status axis_follow(struct layers *out, conus_selector *selector, const con
 
 /** Cuts an interval of an axis at the range, whose end is infinite where it is 0; false where nothing is left of it. */
 bool axis_clip(conus_interval *interval, const conus_atlas *atlas, const double range[2]);
-
-/* clearance.c: how far an axis stays from each object (Eq. 21). */
-struct conus_clearances {
-    struct cone cone; /**< As of segments. */
-    double within;    /**< mm: objects with a larger clearance are left out. */
-    conus_clearance *rows;
-    size_t count;
-};
 
 /* aims.c: where cones begin and whether they point at the atlas at all: geometry, before any ray is traced. */
 struct conus_aims {

@@ -9,11 +9,15 @@
 #include <stdatomic.h>
 #include <string.h>
 
+/* So many words of a column are compared one by one before others are looked up. */
+enum { FEW_WORDS = 16 };
+
+/* Batches make a table for each pose: the arrays of all columns lie behind it in one block. */
 struct conus_table {
     atomic_size_t holders;
     size_t row_count, column_count;
-    conus_column *columns; /* [column_count] Their arrays and words are owned. */
-    uint32_t *objects;     /* [row_count] */
+    char *words;             /* The letters of all words; owned. */
+    const uint32_t *objects; /* [row_count] */
     struct table_question asked;
     const struct table_fields *fields;
     conus_frame frame;
@@ -22,14 +26,24 @@ struct conus_table {
         conus_table *table; /* Held. */
     } parts[TABLE_PART_LIMIT];
     size_t part_count;
+    conus_column columns[]; /* [column_count] */
 };
 
-/* The rows that become a table. */
+/* The rows that become a table, and where its next arrays begin: of elements of 8 bytes, of 4 and of 1. */
 struct made_of {
     const struct table_source *source;
     const char *rows;
     size_t size, count;
+    char *eights, *fours, *ones;
 };
+
+/* The next array, with an element more than there are rows. */
+static void *take(char **from, const struct made_of *of, size_t size)
+{
+    char *array = *from;
+    *from += (of->count + 1) * size;
+    return array;
+}
 
 struct cell table_kind(const struct table_source *source, const void *row, size_t index)
 {
@@ -76,6 +90,22 @@ bool table_has_field(const conus_atlas *atlas, const struct table_field *field)
     return field->type < COLUMN_OWN_X || atlas->is_moved;
 }
 
+static conus_type type_of(const struct table_field *field)
+{
+    switch (field->type) {
+    case COLUMN_NAME:
+    case COLUMN_TEXT:
+        return CONUS_TYPE_TEXT;
+    case COLUMN_LABEL:
+    case COLUMN_COUNT:
+    case COLUMN_LARGE_COUNT:
+    case COLUMN_RANK:
+        return CONUS_TYPE_COUNT;
+    default:
+        return CONUS_TYPE_NUMBER;
+    }
+}
+
 static struct cell field_cell(const struct table_field *field, const struct made_of *of, size_t index)
 {
     const char *row = of->rows + index * of->size;
@@ -92,142 +122,156 @@ static double field_number(const struct table_field *field, const struct made_of
     return is_plain ? *at : cell.type == CELL_NUMBER ? cell.number : NAN;
 }
 
-static conus_status fill_numbers(conus_column *column, const struct table_field *field, const struct made_of *of)
+static void fill_numbers(conus_column *column, const struct table_field *field, struct made_of *of)
 {
-    double *numbers = memory_raw(of->count, sizeof *numbers);
+    double *numbers = take(&of->eights, of, sizeof *numbers);
     column->numbers = numbers;
-    for (size_t i = 0; numbers && i < of->count; i++) {
+    for (size_t i = 0; i < of->count; i++) {
         numbers[i] = field_number(field, of, i);
     }
-    return numbers ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-static conus_status fill_counts(conus_column *column, const struct table_field *field, const struct made_of *of)
+static void fill_counts(conus_column *column, const struct table_field *field, struct made_of *of)
 {
-    int64_t *counts = memory_zeroed(of->count, sizeof *counts);
-    bool *missing = memory_zeroed(of->count, sizeof *missing);
-    size_t missing_count = 0;
+    int64_t *counts = take(&of->eights, of, sizeof *counts);
+    bool *missing = take(&of->ones, of, sizeof *missing);
     column->counts = counts;
-    for (size_t i = 0; counts && missing && i < of->count; i++) {
+    for (size_t i = 0; i < of->count; i++) {
         struct cell cell = field_cell(field, of, i);
         missing[i] = cell.type == CELL_NONE;
-        missing_count += missing[i];
+        column->missing = missing[i] ? missing : column->missing;
         counts[i] = (int64_t)cell.integer;
     }
-    bool is_whole = counts && missing;
-    column->missing = missing;
-    if (is_whole && !missing_count) {
-        memory_free(missing);
-        column->missing = NULL;
-    }
-    return is_whole ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 /* The code of a text, which is added to the words of the column if it is a new one. */
 static conus_status find_code(uint32_t *code, const char **words, size_t *count, struct name_set *known,
                               const char *text)
 {
-    const struct known_name *found = name_set_find(known, text);
-    *code = found ? (uint32_t)found->value : (uint32_t)*count;
-    if (found) {
+    size_t few = *count < FEW_WORDS ? *count : FEW_WORDS;
+    size_t place = 1;
+    while (place < few && strcmp(words[place], text) != 0) {
+        place++;
+    }
+    const struct known_name *found = place < few ? NULL : name_set_find(known, text); /* of those behind the few */
+    *code = (uint32_t)(place < few ? place : found ? found->value : *count);
+    if (*code < *count) {
         return CONUS_OK;
     }
     words[(*count)++] = text;
-    return name_set_add(known, text, *code);
+    return *count > FEW_WORDS ? name_set_add(known, text, *code) : CONUS_OK;
 }
 
-/* Copies the words behind the first into one block, which the second points to. */
-static conus_status own_words(const char **words, size_t count)
+static conus_status fill_texts(conus_column *column, const struct table_field *field, struct made_of *of)
 {
-    size_t size = 0;
-    for (size_t i = 1; i < count; i++) {
-        size += strlen(words[i]) + 1;
-    }
-    char *block = memory_raw(size, 1);
-    char *end = block;
-    for (size_t i = 1; i < count && block; i++) {
-        size_t length = strlen(words[i]) + 1;
-        words[i] = memcpy(end, words[i], length);
-        end += length;
-    }
-    if (count == 1) {
-        memory_free(block);
-    }
-    return block ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
-static conus_status fill_texts(conus_column *column, const struct table_field *field, const struct made_of *of)
-{
-    uint32_t *codes = memory_zeroed(of->count, sizeof *codes);
-    const char **words = memory_zeroed(of->count + 1, sizeof *words);
-    const char **texts = memory_zeroed(of->count, sizeof *texts);
-    struct name_set known = {0};
-    size_t count = 1;
-    conus_status status = codes && words && texts ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; i < of->count && !status; i++) {
-        struct cell cell = field_cell(field, of, i);
-        status = cell.text ? find_code(&codes[i], words, &count, &known, cell.text) : CONUS_OK;
-    }
-    name_set_finish(&known);
-    status = status ? status : own_words(words, count);
-    for (size_t i = 0; i < of->count && !status; i++) {
-        texts[i] = words[codes[i]];
-    }
+    uint32_t *codes = take(&of->fours, of, sizeof *codes);
+    const char **words = take(&of->eights, of, sizeof *words);
+    column->texts = take(&of->eights, of, sizeof *column->texts);
     column->codes = codes;
     column->words = words;
-    column->texts = texts;
-    column->word_count = status ? 0 : count; /* until then they are borrowed */
+    column->word_count = 1;
+    words[0] = NULL;
+    struct name_set known = {0};
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < of->count && !status; i++) {
+        struct cell cell = field_cell(field, of, i);
+        codes[i] = 0;
+        status = cell.text ? find_code(&codes[i], words, &column->word_count, &known, cell.text) : CONUS_OK;
+    }
+    name_set_finish(&known);
     return status;
 }
 
-static conus_status fill_column(conus_column *column, const struct table_field *field, const struct made_of *of)
+static conus_status fill_column(conus_column *column, const struct table_field *field, struct made_of *of)
 {
     const char *unit = column_is_place(field->type) ? conus_space_unit(of->source->frame->space) : field->unit;
     *column = (conus_column){.name = field->name, .unit = unit ? unit : "", .help = field->help};
-    switch (field->type) {
-    case COLUMN_NAME:
-    case COLUMN_TEXT:
-        column->type = CONUS_TYPE_TEXT;
+    column->type = type_of(field);
+    if (column->type == CONUS_TYPE_TEXT) {
         return fill_texts(column, field, of);
-    case COLUMN_LABEL:
-    case COLUMN_COUNT:
-    case COLUMN_LARGE_COUNT:
-    case COLUMN_RANK:
-        column->type = CONUS_TYPE_COUNT;
-        return fill_counts(column, field, of);
-    default:
-        column->type = CONUS_TYPE_NUMBER;
-        return fill_numbers(column, field, of);
     }
+    (column->type == CONUS_TYPE_COUNT ? fill_counts : fill_numbers)(column, field, of);
+    return CONUS_OK;
 }
 
-static conus_status fill(conus_table *table, const struct table_fields *fields, const struct made_of *of)
+/* Copies the words of all columns, which were borrowed until now, into one block. */
+static conus_status own_words(conus_table *table)
 {
+    size_t size = 0;
+    for (size_t i = 0; i < table->column_count; i++) {
+        for (size_t k = 1; k < table->columns[i].word_count; k++) {
+            size += strlen(table->columns[i].words[k]) + 1;
+        }
+    }
+    char *end = table->words = memory_raw(size, 1);
+    for (size_t i = 0; i < table->column_count && end; i++) {
+        const conus_column *column = &table->columns[i];
+        const char **words = (const char **)column->words;
+        const char **texts = (const char **)column->texts;
+        for (size_t k = 1; k < column->word_count; k++) {
+            size_t length = strlen(words[k]) + 1;
+            words[k] = memcpy(end, words[k], length);
+            end += length;
+        }
+        for (size_t k = 0; k < table->row_count && texts; k++) {
+            texts[k] = words[column->codes[k]];
+        }
+    }
+    return end ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+/* A table without rows and columns, and with room for the arrays of all. */
+static conus_table *make_table(const struct table_fields *fields, struct made_of *of)
+{
+    const size_t head = sizeof(conus_table) + fields->count * sizeof(conus_column);
+    size_t eights = 0;
+    size_t fours = 1; /* the objects */
+    size_t ones = 0;
+    size_t size;
+    for (size_t i = 0; i < fields->count; i++) {
+        conus_type type = type_of(&fields->at[i]);
+        eights += type == CONUS_TYPE_TEXT ? 2 : 1;
+        fours += type == CONUS_TYPE_TEXT;
+        ones += type == CONUS_TYPE_COUNT;
+    }
+    bool fits = memory_multiply(of->count + 1, 8 * eights + 4 * fours + ones, &size) && size < SIZE_MAX - head;
+    conus_table *table = memory_raw(fits ? head + size : SIZE_MAX, 1);
+    if (table) {
+        memset(table, 0, sizeof *table);
+        atomic_init(&table->holders, 1);
+        of->eights = (char *)table + head;
+        of->fours = of->eights + 8 * eights * (of->count + 1);
+        of->ones = of->fours + 4 * fours * (of->count + 1);
+    }
+    return table;
+}
+
+static conus_status fill(conus_table *table, const struct table_fields *fields, struct made_of *of)
+{
+    conus_status status = CONUS_OK;
     table->row_count = of->count;
-    table->columns = memory_zeroed(fields->count, sizeof *table->columns);
-    table->objects = memory_raw(of->count, sizeof *table->objects);
-    conus_status status = table->columns && table->objects ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < fields->count && !status; i++) {
         if (table_has_field(of->source->atlas, &fields->at[i])) {
             status = fill_column(&table->columns[table->column_count++], &fields->at[i], of);
         }
     }
-    for (size_t i = 0; i < of->count && !status; i++) {
-        table->objects[i] = ((const struct table_object *)(const void *)(of->rows + i * of->size))->number;
+    uint32_t *objects = status ? NULL : take(&of->fours, of, sizeof *objects);
+    for (size_t i = 0; i < of->count && objects; i++) {
+        objects[i] = ((const struct table_object *)(const void *)(of->rows + i * of->size))->number;
     }
-    return status;
+    table->objects = objects;
+    return status ? status : own_words(table);
 }
 
 conus_status table_create(conus_table **out, const struct table_source *source, const struct table_fields *fields,
                           const struct table_question *asked, const void *rows, size_t size, size_t count)
 {
-    const struct made_of of = {source, rows, size, count};
-    conus_table *table = memory_zeroed(1, sizeof *table);
+    struct made_of of = {.source = source, .rows = rows, .size = size, .count = count};
+    conus_table *table = make_table(fields, &of);
     if (!table) {
         memory_free(asked->region.path);
         return CONUS_ERROR_MEMORY;
     }
-    atomic_init(&table->holders, 1);
     table->asked = *asked;
     table->fields = fields;
     table->frame = *source->frame;
@@ -253,29 +297,12 @@ conus_table *table_hold(conus_table *table)
     return table;
 }
 
-static void finish_column(const conus_column *column)
-{
-    memory_free((void *)column->numbers);
-    memory_free((void *)column->counts);
-    memory_free((void *)column->missing);
-    memory_free((void *)column->codes);
-    memory_free((void *)column->texts);
-    if (column->word_count > 1) {
-        memory_free((void *)column->words[1]);
-    }
-    memory_free((void *)column->words);
-}
-
 void conus_table_destroy(conus_table *table)
 {
     if (!table || atomic_fetch_sub_explicit(&table->holders, 1, memory_order_acq_rel) > 1) {
         return;
     }
-    for (size_t i = 0; i < table->column_count; i++) {
-        finish_column(&table->columns[i]);
-    }
-    memory_free(table->columns);
-    memory_free(table->objects);
+    memory_free(table->words);
     memory_free(table->asked.region.path);
     for (size_t i = 0; i < table->part_count; i++) {
         conus_table_destroy(table->parts[i].table);

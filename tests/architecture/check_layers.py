@@ -123,7 +123,8 @@ LIBRARY = {
     "selection/plan": "base base/geometry atlas/surface atlas/tracts atlas atlas/areas poses poses/rows selection/evidence"
     " selection/measure selection selection/study selection/report selection/batch",
     "selection/ends": "base base/geometry atlas/surface atlas selection/measure selection/engine/voxels selection/table selection",
-    "selection/picture": "base base/geometry render/draw render/image render/colour render/flat selection/measure selection",
+    "selection/picture": "base base/geometry render/draw render/image render/colour render/flat selection/measure selection"
+    " selection/study",
     "selection/report": "base base/geometry atlas poses/programs selection selection/ends selection/study selection/table",
     "pack": "base base/files base/geometry base/system atlas atlas/tracts loaders/maps loaders/scene selection/engine/voxels sources",
     "selection/batch": "base base/geometry base/system poses poses/rows selection selection/study selection/report",

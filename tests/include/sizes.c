@@ -58,8 +58,6 @@ SIZE(conus_evidence, 40);
 SIZE(conus_interval, 32);
 SIZE(conus_score_info, 24);
 SIZE(conus_contacts, 24);
-SIZE(conus_segment, 72);
-SIZE(conus_clearance, 80);
 SIZE(conus_step, 16);
 SIZE(conus_place, 88);
 SIZE(conus_named_place, 112);

@@ -281,14 +281,20 @@ def test_segments_are_those_of_the_program(options, tmp_path):
 def test_segments_of_plates(atlas):
     """Plates from x = -40 to -20 and 20 to 40; a pose that is none keeps its place; an axis may meet nothing."""
     segments = atlas.segments((-50, 0, 0), direction=(1, 0, 0))
-    assert [tuple(r) for r in segments.records[["object", "entry", "exit"]]] == [
+    assert list(zip(segments.objects, segments["entry_mm"], segments["exit_mm"])) == [
         (0, 0, 10), (1, 10, 30), (0, 30, 70), (2, 70, 90)]
     many = atlas.segments_many([(-50, 0, 0), (np.nan, 0, 0), (0, 0, 0)], [(1, 0, 0), (1, 0, 0), (0, 0, 1)])
     assert many.starts.tolist() == [0, 4, 4, 5] and list(many.errors) == [1] and "nan" in many.errors[1]
     frame = many.to_dataframe()
     assert list(frame["kind"]) == ["unassigned", "area", "unassigned", "area", "error", "unassigned"]
-    assert math.isnan(frame["exit_mm"].iloc[-1])
-    assert len(atlas.segments_many(np.empty((0, 3)), np.empty((0, 3)))) == 0
+    assert math.isnan(frame["exit_mm"].iloc[-1]) and many["exit_mm"][-1] == math.inf
+    assert many.objects.tolist() == [0, 1, 0, 2, 0] and repr(many).startswith("<conus.Tables: 5 rows about 3 poses of order, ")
+    none = atlas.segments_many(np.empty((0, 3)), np.empty((0, 3)))
+    assert len(none) == 0 and list(none.to_dataframe().columns) == list(frame.columns)
+    lost = atlas.segments_many([(np.nan, 0, 0)], [(1, 0, 0)]).to_dataframe()
+    assert list(lost.columns) == list(frame.columns) and list(lost["kind"]) == ["error"]
+    with pytest.raises(KeyError):
+        many["objects"]
     with pytest.raises(conus.ArgumentError, match="pose"):
         atlas.segments((0, 0, 0))
     with warnings.catch_warnings():
@@ -313,14 +319,15 @@ def test_clearances_of_plates(atlas):
     """Plates from x = -40 to -20 and 20 to 40: a needle at x = 5 and 35 lies 15 mm beside the second, and in it."""
     needle = {"range": (0, 10), "radius": 2}
     beside = atlas.clearance((5, 0, 0), direction=(0, 0, 1), within=13, **needle)
-    assert [tuple(row) for row in beside.records[["object", "distance", "clearance", "depth"]]] == [(2, 15, 13, 0)]
-    assert beside.records["at"].tolist() == [[5, 0, 0]] and beside.records["near"].tolist() == [[20, 0, 0]]
+    wanted = {"distance_mm": 15, "clearance_mm": 13, "depth_mm": 0, "x": 5, "y": 0, "z": 0, "near_x": 20, "near_y": 0, "near_z": 0}
+    assert {name: beside[name].tolist() for name in wanted} == {name: [value] for name, value in wanted.items()}
+    assert beside.objects.tolist() == [2] and beside["kind"].tolist() == ["area"]
     assert len(atlas.clearance((5, 0, 0), direction=(0, 0, 1), within=12.9, **needle)) == 0
     all_of_them = atlas.clearance((5, 0, 0), direction=(0, 0, 1), within=math.inf)
-    assert all_of_them.records["clearance"].tolist() == [15, 25]
+    assert all_of_them["clearance_mm"].tolist() == [15, 25]
     many = atlas.clearance_many([(5, 0, 0), (np.nan, 0, 0), (35, 0, 0)], [(0, 0, 1)] * 3, **needle, within=20)
     assert many.starts.tolist() == [0, 1, 1, 2] and list(many.errors) == [1] and "nan" in many.errors[1]
-    assert repr(many) == "<conus.Clearances: 2 clearances of 3 poses>"
+    assert len(many) == 2 and many["clearance_mm"].tolist() == [13, -2]
     frame = many.to_dataframe()
     assert list(frame["kind"]) == ["area", "error", "area"]
     assert frame["clearance_mm"].tolist()[::2] == [13, -2]

@@ -127,7 +127,8 @@ def test_each_pose_may_have_its_range(tmp_path):
             alone = {"origin": (9, 0, 0), "direction": (1, 0, 0), "range": own}
             assert same(many[i], atlas.select(**alone).results)
             for rows, one in ((segments, atlas.segments(**alone)), (clearances, atlas.clearance(**alone, within=50))):
-                assert same(rows.records[rows.starts[i]:rows.starts[i + 1]], one.records)
+                for name in one.columns:
+                    np.testing.assert_array_equal(rows[name][rows.starts[i]:rows.starts[i + 1]], one[name])
         for rows in (many, segments, clearances):
             assert list(rows.errors) == [4] and "range: " in rows.errors[4]
     assert [len(many[i]) for i in range(4)] == [2, 1, 2, 2]  # the plate begins at 11 mm

@@ -517,13 +517,23 @@ static void without_free_corners_scale_and_directions_have_patches(void **state)
 }
 
 /* Segments of an axis from the left, which passes the left ball, then the right one. */
-static conus_segments *follow(const struct scene *scene)
+static conus_table *follow_in(const struct scene *scene, conus_space space)
 {
-    conus_segments *segments = NULL;
+    conus_selector *selector = NULL;
+    conus_table *segments = NULL;
+    conus_frame frame;
     conus_pose pose;
     assert_ok(conus_pose_toward(&pose, (double[]){-60, 0, 0}, (double[]){0, 0, 0}, NULL));
-    assert_ok(conus_segments_create(&segments, scene->selector, &pose));
+    assert_ok(conus_frame_find(&frame, NULL, space, NULL));
+    assert_ok(conus_selector_create(&selector, scene->atlas, &(conus_selector_options){.frame = &frame}));
+    assert_ok(conus_segments(&segments, selector, &pose));
+    conus_selector_destroy(selector);
     return segments;
+}
+
+static conus_table *follow(const struct scene *scene)
+{
+    return follow_in(scene, CONUS_SPACE_RAS);
 }
 
 /* First and last column of a row with the object's colour. */
@@ -543,7 +553,7 @@ static void columns_of(double out[2], const struct scene *scene, const conus_ima
 static void a_probe_is_a_line_in_the_colours_of_what_it_passes(void **state)
 {
     struct scene scene = need_scene(state);
-    conus_segments *segments = follow(&scene);
+    conus_table *segments = follow(&scene);
     const conus_drawn_probe probe = {"P", segments};
     conus_image *image = render_shapes(&scene, (conus_view){.width = 600,
                                                             .height = 300,
@@ -565,17 +575,19 @@ static void a_probe_is_a_line_in_the_colours_of_what_it_passes(void **state)
     }
     assert_int_equal(object_at(&scene, image, 300, 150), 0); /* the ball at the front would be here */
     conus_image_destroy(image);
-    conus_segments_destroy(segments);
+    conus_table_destroy(segments);
 }
 
 static void probes_that_cannot_be_drawn_are_refused(void **state)
 {
     struct scene scene = need_scene(state);
-    conus_segments *segments = follow(&scene);
+    conus_table *segments = follow(&scene);
     const conus_drawn_probe probes[3] = {{"P", segments}, {"Q", segments}, {"R", segments}};
     const conus_drawn_probe empty = {"P", NULL};
+    const conus_drawn_probe turned = {"P", follow_in(&scene, CONUS_SPACE_LPS)};
     const conus_view views[] = {{.probes = probes, .probe_count = 1, .selection = scene.selection},
                                 {.probes = &empty, .probe_count = 1},
+                                {.probes = &turned, .probe_count = 1},
                                 {.probe_count = 1},
                                 {.probes = probes, .probe_count = 3, .width = 200, .height = 400}};
     for (size_t i = 0; i < sizeof views / sizeof *views; i++) {
@@ -583,13 +595,14 @@ static void probes_that_cannot_be_drawn_are_refused(void **state)
         assert_fails(conus_render(&image, scene.renderer, &views[i]), CONUS_ERROR_ARGUMENT);
         assert_null(image);
     }
-    conus_segments_destroy(segments);
+    conus_table_destroy((conus_table *)turned.segments);
+    conus_table_destroy(segments);
 }
 
 static void points_that_cannot_be_drawn_are_refused(void **state)
 {
     struct scene scene = need_scene(state);
-    conus_segments *segments = follow(&scene);
+    conus_table *segments = follow(&scene);
     const conus_drawn_probe probe = {"P", segments};
     const conus_drawn_point points[] = {
         {.at = {0, 0, 0}}, {.at = {NAN, 0, 0}}, {.at = {0, INFINITY, 0}}, {.radius = -1}, {.radius = NAN}};
@@ -606,7 +619,7 @@ static void points_that_cannot_be_drawn_are_refused(void **state)
         assert_fails(conus_cuts_image(&image, scene.atlas, &plane, 1, NULL, NULL, &views[i]), CONUS_ERROR_ARGUMENT);
         assert_null(image);
     }
-    conus_segments_destroy(segments);
+    conus_table_destroy(segments);
 }
 
 /* The camera looks from the left at balls of 2 mm: that at 0 is in the middle, the other 90 pixels to its right. A
@@ -1060,10 +1073,10 @@ static void allocations_may_fail(void **state)
     test_every_allocation(attempt_points_alone, &scene);
     test_every_allocation(attempt_points, &scene);
     test_every_allocation(attempt, &scene);
-    conus_segments *segments = follow(&scene);
+    conus_table *segments = follow(&scene);
     struct probe_scene of = {&scene, {"P", segments}};
     test_every_allocation(attempt_probe, &of);
-    conus_segments_destroy(segments);
+    conus_table_destroy(segments);
 }
 
 /* In a column of 85 mm at 300 dpi each letter is beside two of three cuts, and at the cross of the view in space. */

@@ -9,6 +9,7 @@
 #include "conus/plan.h"
 #include "mesh_scene.h"
 #include "scene.h"
+#include "tables.h"
 #include "test.h"
 #include "tract_scene.h"
 
@@ -231,19 +232,18 @@ static void check_deviations(const conus_atlas *atlas, const conus_constraint *c
         assert_int_equal(conus_plan_left(deviations, count), around.count);
         conus_plan_destroy(deviations);
         if (avoided < count) {
-            conus_clearances *clearances = NULL;
+            conus_table *clearances = NULL;
             conus_selector *ranged = NULL;
             assert_ok(conus_selector_create(
                 &ranged, atlas, &(conus_selector_options){.radius = radius, .range = {planned->near, planned->far}}));
-            assert_ok(conus_clearances_create(&clearances, ranged, &planned->pose, 1000));
-            const conus_clearance *nearest = NULL;
-            for (size_t k = 0; !nearest || nearest->object != planned->verdicts[avoided].object; k++) {
-                nearest = conus_clearances_clearance(clearances, k);
-                assert_non_null(nearest);
-            }
-            assert_near(nearest->distance, planned->verdicts[avoided].value, 1e-12);
+            assert_ok(conus_clearance(&clearances, ranged, &planned->pose, 1000));
+            size_t nearest = table_row_of(clearances, planned->verdicts[avoided].object);
+            assert_near(table_number_at(clearances, "distance_mm", nearest), planned->verdicts[avoided].value, 1e-12);
             double toward[3];
-            vec3_sub(toward, nearest->near, nearest->at);
+            double at[3];
+            table_point_at(toward, clearances, "near_", nearest);
+            table_point_at(at, clearances, "", nearest);
+            vec3_sub(toward, toward, at);
             vec3_scale(toward, toward, 1.05 * planned->verdicts[avoided].leeway / vec3_length(toward));
             for (int end = 0; end < 2; end++) {
                 vec3_add_scaled(around.ends[0][end], ends[end], 1, toward);
@@ -252,7 +252,7 @@ static void check_deviations(const conus_atlas *atlas, const conus_constraint *c
                 run(selector, constraints + avoided, 1, write_ends("beyond.tsv", &(struct needles){around.ends, 1}), 1);
             assert_int_equal(conus_plan_left(beyond, 1), 0);
             conus_plan_destroy(beyond);
-            conus_clearances_destroy(clearances);
+            conus_table_destroy(clearances);
             conus_selector_destroy(ranged);
         }
     }

@@ -18,13 +18,13 @@ static void add_box(conus_atlas *atlas, const double low[3], const double high[3
 struct made {
     conus_atlas *atlas;
     conus_selector *selector;
-    conus_clearances *clearances;
+    conus_table *clearances;
 };
 
 /* A needle of 2 mm along x from 0 to 20 mm. The boxes, from the farthest to the nearest: one 30 mm below; one 3 mm
  * behind the tip and 4 mm above it, so 5 mm away; one beside it from x = 4 on, 1.5 mm away; and one that it enters
  * at 10. */
-static struct made make(double within)
+static struct made make(double within, conus_space space)
 {
     struct made made = {.atlas = mesh_scene_atlas()};
     conus_pose pose;
@@ -33,15 +33,17 @@ static struct made make(double within)
     add_box(made.atlas, (const double[]){4, 1.5, -1}, (const double[]){6, 3, 1});
     add_box(made.atlas, (const double[]){10, -1, -1}, (const double[]){12, 1, 1});
     assert_ok(conus_pose_along(&pose, (const double[]){0, 0, 0}, (const double[]){1, 0, 0}, NULL));
-    assert_ok(
-        conus_selector_create(&made.selector, made.atlas, &(conus_selector_options){.range = {0, 20}, .radius = 2}));
-    assert_ok(conus_clearances_create(&made.clearances, made.selector, &pose, within));
+    conus_frame frame;
+    assert_ok(conus_frame_find(&frame, NULL, space, NULL));
+    assert_ok(conus_selector_create(&made.selector, made.atlas,
+                                    &(conus_selector_options){.range = {0, 20}, .radius = 2, .frame = &frame}));
+    assert_ok(conus_clearance(&made.clearances, made.selector, &pose, within));
     return made;
 }
 
 static void destroy(struct made *made)
 {
-    conus_clearances_destroy(made->clearances);
+    conus_table_destroy(made->clearances);
     conus_selector_destroy(made->selector);
     conus_atlas_destroy(made->atlas);
 }
@@ -52,7 +54,7 @@ static const char *text_of(conus_report **out, const struct made *made, const co
     const char *text = NULL;
     size_t size = 0;
     assert_ok(conus_report_create(out, made->selector, options));
-    assert_ok(conus_report_add_clearances(*out, "a", made->clearances));
+    assert_ok(conus_report_add_table(*out, "a", made->clearances));
     assert_ok(conus_report_text(&text, &size, *out));
     assert_int_equal(strlen(text), size);
     return text;
@@ -61,7 +63,7 @@ static const char *text_of(conus_report **out, const struct made *made, const co
 static void rows_are_ordered_by_clearance(void **state)
 {
     (void)state;
-    struct made made = make(10);
+    struct made made = make(10, CONUS_SPACE_LPS);
     conus_report *report = NULL;
     const conus_object *objects = made.atlas->objects;
     char wanted[1024];
@@ -81,7 +83,7 @@ static void rows_are_ordered_by_clearance(void **state)
 static void people_are_told_what_touches(void **state)
 {
     (void)state;
-    struct made made = make(10);
+    struct made made = make(10, CONUS_SPACE_RAS);
     conus_report *report = NULL;
     const conus_report_options options = {.rows = CONUS_ROWS_CLEARANCES, .within = 10};
     const char *text = text_of(&report, &made, &options);
@@ -105,18 +107,18 @@ static void people_are_told_what_touches(void **state)
 static void people_are_told_what_is_not_there(void **state)
 {
     (void)state;
-    struct made made = make(10);
+    struct made made = make(10, CONUS_SPACE_RAS);
     conus_selector *plain = NULL;
-    conus_clearances *none = NULL;
+    conus_table *none = NULL;
     conus_report *report = NULL;
     conus_pose pose;
     const char *text = NULL;
     size_t size = 0;
     assert_ok(conus_pose_along(&pose, (const double[]){0, 0, 100}, (const double[]){0, 0, 1}, NULL));
     assert_ok(conus_selector_create(&plain, made.atlas, NULL));
-    assert_ok(conus_clearances_create(&none, plain, &pose, 2)); /* the boxes are 95 mm below, and farther */
+    assert_ok(conus_clearance(&none, plain, &pose, 2)); /* the boxes are 95 mm below, and farther */
     assert_ok(conus_report_create(&report, plain, &(conus_report_options){.rows = CONUS_ROWS_CLEARANCES, .within = 2}));
-    assert_ok(conus_report_add_clearances(report, "a", none));
+    assert_ok(conus_report_add_table(report, "a", none));
     assert_ok(conus_report_add_error(report, "b", 3, "is no pose"));
     assert_ok(conus_report_text(&text, &size, report));
     static const char wanted[] =
@@ -126,7 +128,7 @@ static void people_are_told_what_is_not_there(void **state)
         "up to 2 mm away, the nearest first; without a radius the clearance is the distance of the axis\n";
     assert_memory_equal(text, wanted, sizeof wanted - 1);
     conus_report_destroy(report);
-    conus_clearances_destroy(none);
+    conus_table_destroy(none);
     conus_selector_destroy(plain);
     destroy(&made);
 }
@@ -134,7 +136,7 @@ static void people_are_told_what_is_not_there(void **state)
 static void all_that_there_is_may_be_asked_for(void **state)
 {
     (void)state;
-    struct made made = make(INFINITY);
+    struct made made = make(INFINITY, CONUS_SPACE_RAS);
     conus_report *report = NULL;
     const conus_report_options options = {
         .rows = CONUS_ROWS_CLEARANCES, .format = CONUS_FORMAT_JSON, .within = INFINITY};
@@ -150,7 +152,7 @@ static void what_does_not_go_together_is_refused(void **state)
 {
     (void)state;
     static const double wrong[] = {-1, NAN, -INFINITY};
-    struct made made = make(10);
+    struct made made = make(10, CONUS_SPACE_RAS);
     conus_report *report = NULL;
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         const conus_report_options options = {.rows = CONUS_ROWS_CLEARANCES, .within = wrong[i]};
@@ -162,7 +164,7 @@ static void what_does_not_go_together_is_refused(void **state)
                                                   {.rows = CONUS_ROWS_CLEARANCES, .within = 11}};
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
         assert_ok(conus_report_create(&report, made.selector, &others[i]));
-        assert_fails(conus_report_add_clearances(report, "a", made.clearances), CONUS_ERROR_ARGUMENT);
+        assert_fails(conus_report_add_table(report, "a", made.clearances), CONUS_ERROR_ARGUMENT);
         conus_report_destroy(report);
     }
     destroy(&made);
@@ -176,7 +178,7 @@ static conus_status report_on(void *data)
     size_t size = 0;
     conus_status status = conus_report_create(&report, made->selector,
                                               &(conus_report_options){.rows = CONUS_ROWS_CLEARANCES, .within = 10});
-    status = status ? status : conus_report_add_clearances(report, "a", made->clearances);
+    status = status ? status : conus_report_add_table(report, "a", made->clearances);
     status = status ? status : conus_report_text(&text, &size, report);
     status = status ? status : conus_report_sidecar(&text, &size, report);
     conus_report_destroy(report);
@@ -186,7 +188,7 @@ static conus_status report_on(void *data)
 static void every_failing_allocation_is_survived(void **state)
 {
     (void)state;
-    struct made made = make(10);
+    struct made made = make(10, CONUS_SPACE_RAS);
     test_every_allocation(report_on, &made);
     destroy(&made);
 }

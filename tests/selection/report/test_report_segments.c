@@ -22,7 +22,7 @@ static void add_box(conus_atlas *atlas, double low, double high)
 struct made {
     conus_atlas *atlas;
     conus_selector *selector;
-    conus_segments *segments;
+    conus_table *segments;
     conus_report *report;
 };
 
@@ -37,17 +37,20 @@ static struct made make(const conus_report_options *options, double far)
     add_box(made.atlas, 20, 25);
     add_box(made.atlas, 38, 44);
     assert_ok(conus_pose_along(&pose, (const double[]){0, 0.1, 0.2}, (const double[]){1, 0, 0}, NULL));
-    assert_ok(conus_selector_create(&made.selector, made.atlas, &(conus_selector_options){.range = {0, far}}));
-    assert_ok(conus_segments_create(&made.segments, made.selector, &pose));
+    conus_frame frame;
+    assert_ok(conus_frame_find(&frame, NULL, options->space, NULL));
+    assert_ok(conus_selector_create(&made.selector, made.atlas,
+                                    &(conus_selector_options){.range = {0, far}, .frame = &frame}));
+    assert_ok(conus_segments(&made.segments, made.selector, &pose));
     assert_ok(conus_report_create(&made.report, made.selector, options));
-    assert_ok(conus_report_add_segments(made.report, "a", made.segments));
+    assert_ok(conus_report_add_table(made.report, "a", made.segments));
     return made;
 }
 
 static void destroy(struct made *made)
 {
     conus_report_destroy(made->report);
-    conus_segments_destroy(made->segments);
+    conus_table_destroy(made->segments);
     conus_selector_destroy(made->selector);
     conus_atlas_destroy(made->atlas);
 }
@@ -90,7 +93,7 @@ static void channels_go_on_from_shank_to_shank(void **state)
     struct made made = make(&options, 50);
     char wanted[256];
     assert_ok(conus_report_add_error(made.report, "b", 3, "is no pose"));
-    assert_ok(conus_report_add_segments(made.report, "c", made.segments));
+    assert_ok(conus_report_add_table(made.report, "c", made.segments));
     const char *first = made.atlas->objects[0].name;
     const char *second = made.atlas->objects[1].name;
     snprintf(wanted, sizeof wanted, "2-3,%s,141414;4-5,%s,0A0A0A;14-15,%s,141414;16-17,%s,0A0A0A\n", second, first,
@@ -151,7 +154,12 @@ static void what_does_not_go_together_is_refused(void **state)
     }
     conus_report *answers = NULL;
     assert_ok(conus_report_create(&answers, made.selector, NULL));
-    assert_fails(conus_report_add_segments(answers, "a", made.segments), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_report_add_table(answers, "a", made.segments), CONUS_ERROR_ARGUMENT);
+    conus_report_destroy(answers);
+    assert_ok(conus_report_create(
+        &answers, made.selector,
+        &(conus_report_options){.format = CONUS_FORMAT_SPIKEGLX, .space = CONUS_SPACE_LPS})); /* of RAS are the rows */
+    assert_fails(conus_report_add_table(answers, "a", made.segments), CONUS_ERROR_ARGUMENT);
     conus_report_destroy(answers);
     destroy(&made);
 }
@@ -161,11 +169,11 @@ static void people_get_a_table(void **state)
 {
     (void)state;
     struct made made = make(&(conus_report_options){.rows = CONUS_ROWS_SEGMENTS, .space = CONUS_SPACE_LPS}, 0);
-    conus_segments *none = NULL;
+    conus_table *none = NULL;
     conus_pose pose;
     assert_ok(conus_pose_along(&pose, (const double[]){0, 0, 0}, (const double[]){-1, 0, 0}, NULL));
-    assert_ok(conus_segments_create(&none, made.selector, &pose));
-    assert_ok(conus_report_add_segments(made.report, "b", none));
+    assert_ok(conus_segments(&none, made.selector, &pose));
+    assert_ok(conus_report_add_table(made.report, "b", none));
     assert_ok(conus_report_add_error(made.report, "c", 4, "is no pose"));
     static const char *const lines[] = {
         "query a: axis from (0.00, -0.10, 0.20) along (-1.0000, 0.0000, 0.0000), LPS mm\n",
@@ -179,7 +187,7 @@ static void people_get_a_table(void **state)
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
         assert_non_null(strstr(text, lines[i]));
     }
-    conus_segments_destroy(none);
+    conus_table_destroy(none);
     destroy(&made);
 }
 

@@ -10,6 +10,7 @@
 #include "scene.h"
 #include "selection/selector.h"
 #include "selection/study/study.h"
+#include "tables.h"
 #include "test.h"
 #include "tract_scene.h"
 
@@ -17,13 +18,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static conus_clearances *measure(const conus_atlas *atlas, const conus_selector_options *options,
-                                 const conus_pose *pose, double within)
+static conus_table *measure(const conus_atlas *atlas, const conus_selector_options *options, const conus_pose *pose,
+                            double within)
 {
     conus_selector *selector = NULL;
-    conus_clearances *clearances = NULL;
+    conus_table *clearances = NULL;
     assert_ok(conus_selector_create(&selector, atlas, options));
-    assert_ok(conus_clearances_create(&clearances, selector, pose, within));
+    assert_ok(conus_clearance(&clearances, selector, pose, within));
     conus_selector_destroy(selector);
     return clearances;
 }
@@ -42,7 +43,16 @@ struct wanted {
     double near[3];
 };
 
-static void check_row(const conus_clearance *row, const struct wanted *wanted, double tolerance)
+static struct wanted row_at(const conus_table *clearances, size_t i)
+{
+    struct wanted row = {.object = conus_table_objects(clearances)[i],
+                         .distance = table_number_at(clearances, "distance_mm", i),
+                         .depth = table_number_at(clearances, "depth_mm", i)};
+    table_point_at(row.near, clearances, "near_", i);
+    return row;
+}
+
+static void check_row(const struct wanted *row, const struct wanted *wanted, double tolerance)
 {
     assert_int_equal(row->object, wanted->object);
     assert_near(row->distance, wanted->distance, tolerance);
@@ -97,10 +107,11 @@ static void a_box_is_as_far_as_its_nearest_part(void **state)
         const double *to = cases[i].along;
         const conus_pose pose = along(at[0], at[1], at[2], to[0], to[1], to[2]);
         const conus_selector_options options = {.range = {cases[i].range[0], cases[i].range[1]}};
-        conus_clearances *clearances = measure(atlas, &options, &pose, 100);
-        assert_int_equal(conus_clearances_count(clearances), 1);
-        check_row(conus_clearances_clearance(clearances, 0), &cases[i].wanted, 1e-12);
-        conus_clearances_destroy(clearances);
+        conus_table *clearances = measure(atlas, &options, &pose, 100);
+        assert_int_equal(conus_table_rows(clearances), 1);
+        const struct wanted row = row_at(clearances, 0);
+        check_row(&row, &cases[i].wanted, 1e-12);
+        conus_table_destroy(clearances);
     }
     conus_atlas_destroy(atlas);
 }
@@ -220,26 +231,28 @@ static void volumes_are_as_far_as_their_nearest_cell(void **state)
         double near = test_random(&seed, 0, 10);
         double far = near + test_random(&seed, 0, 15);
         const struct needle needle = needle_of(&pose, near, far);
-        conus_clearances *clearances = measure(atlas, &(conus_selector_options){.range = {near, far}}, &pose, INFINITY);
+        conus_table *clearances = measure(atlas, &(conus_selector_options){.range = {near, far}}, &pose, INFINITY);
         size_t shown = 0;
         for (size_t i = 0; i < atlas->object_count; i++) {
             shown += atlas->objects[i].voxels > 0;
         }
-        assert_int_equal(conus_clearances_count(clearances), shown);
-        for (size_t i = 0; i < conus_clearances_count(clearances); i++) {
-            const conus_clearance *row = conus_clearances_clearance(clearances, i);
+        assert_int_equal(conus_table_rows(clearances), shown);
+        for (size_t i = 0; i < conus_table_rows(clearances); i++) {
+            const struct wanted row = row_at(clearances, i);
+            double at[3];
             double offset[3];
+            table_point_at(at, clearances, "", i);
             double slack = 1e-9 + 1e-13 * vec3_length(needle.origin);
-            assert_near(row->distance, least_of_object(atlas, row->object, &needle, row->distance), slack);
-            vec3_sub(offset, row->at, row->near);
-            assert_near(vec3_length(offset), row->distance, slack);
-            needle_point(offset, &needle, row->depth);
-            vec3_sub(offset, offset, row->at);
+            assert_near(row.distance, least_of_object(atlas, row.object, &needle, row.distance), slack);
+            vec3_sub(offset, at, row.near);
+            assert_near(vec3_length(offset), row.distance, slack);
+            needle_point(offset, &needle, row.depth);
+            vec3_sub(offset, offset, at);
             assert_near(vec3_length(offset), 0, 1e-12);
-            assert_true(row->depth >= near && row->depth <= far);
-            apart += row->distance > 0;
+            assert_true(row.depth >= near && row.depth <= far);
+            apart += row.distance > 0;
         }
-        conus_clearances_destroy(clearances);
+        conus_table_destroy(clearances);
         conus_atlas_destroy(atlas);
     }
     assert_true(apart > 200);
@@ -398,18 +411,15 @@ static void motion_changes_nothing(void **state)
         const conus_volume_info other = scene_plain_grid(dim, moved);
         conus_atlas *turned = scene_parcellation(&other, labels);
         const conus_selector_options options = {.range = {1, 12}};
-        conus_clearances *here = measure(atlas, &options, &pose, INFINITY);
-        conus_clearances *there = measure(turned, &options, &moved_pose, INFINITY);
-        assert_int_equal(here->count, there->count);
-        for (size_t i = 0; i < here->count; i++) {
-            for (size_t k = 0; k < there->count; k++) {
-                if (here->rows[i].object == there->rows[k].object) {
-                    assert_near(here->rows[i].distance, there->rows[k].distance, 1e-9);
-                }
-            }
+        conus_table *here = measure(atlas, &options, &pose, INFINITY);
+        conus_table *there = measure(turned, &options, &moved_pose, INFINITY);
+        assert_int_equal(conus_table_rows(here), conus_table_rows(there));
+        for (size_t i = 0; i < conus_table_rows(here); i++) {
+            size_t k = table_row_of(there, conus_table_objects(here)[i]);
+            assert_near(row_at(here, i).distance, row_at(there, k).distance, 1e-9);
         }
-        conus_clearances_destroy(here);
-        conus_clearances_destroy(there);
+        conus_table_destroy(here);
+        conus_table_destroy(there);
         conus_atlas_destroy(atlas);
         conus_atlas_destroy(turned);
     }
@@ -583,12 +593,13 @@ static void a_surface_is_entered_or_begun_in(void **state)
         const double *to = cases[i].along;
         const conus_pose pose = along(at[0], at[1], at[2], to[0], to[1], to[2]);
         const conus_selector_options options = {.range = {cases[i].range[0], cases[i].range[1]}};
-        conus_clearances *clearances = measure(atlas, &options, &pose, 100);
-        assert_int_equal(conus_clearances_count(clearances), 2);
+        conus_table *clearances = measure(atlas, &options, &pose, 100);
+        assert_int_equal(conus_table_rows(clearances), 2);
         for (size_t k = 0; k < 2; k++) {
-            check_row(conus_clearances_clearance(clearances, k), &cases[i].wanted[k], 1e-12);
+            const struct wanted row = row_at(clearances, k);
+            check_row(&row, &cases[i].wanted[k], 1e-12);
         }
-        conus_clearances_destroy(clearances);
+        conus_table_destroy(clearances);
     }
     conus_atlas_destroy(atlas);
 }
@@ -606,9 +617,10 @@ static void a_surface_with_holes_has_no_inside(void **state)
     const struct wanted without = {1, sqrt(1 + 0.75 * 0.75), 0, {3, 0, 1}};
     for (int i = 0; i < 2; i++) {
         const conus_pose pose = along(i ? 4 : -2, 0, 0.25, 1, 0, 0);
-        conus_clearances *clearances = measure(atlas, &options, &pose, 100);
-        check_row(conus_clearances_clearance(clearances, 0), i ? &without : &within, 1e-12);
-        conus_clearances_destroy(clearances);
+        conus_table *clearances = measure(atlas, &options, &pose, 100);
+        const struct wanted row = row_at(clearances, 0);
+        check_row(&row, i ? &without : &within, 1e-12);
+        conus_table_destroy(clearances);
     }
     conus_atlas_destroy(atlas);
 }
@@ -621,10 +633,10 @@ static void what_rounding_may_make_of_touching_is_touching(void **state)
     const double beside[2] = {0.5e-9, 2e-9};
     for (int i = 0; i < 2; i++) {
         const conus_pose pose = along(11 + beside[i], 0, 30, 0, 1, 0);
-        conus_clearances *clearances = measure(atlas, &(conus_selector_options){.range = {0, 50}}, &pose, 1);
-        double distance = conus_clearances_clearance(clearances, 0)->distance;
+        conus_table *clearances = measure(atlas, &(conus_selector_options){.range = {0, 50}}, &pose, 1);
+        double distance = table_number_at(clearances, "distance_mm", 0);
         assert_near(distance, i ? beside[i] : 0, i ? 1e-14 : 0);
-        conus_clearances_destroy(clearances);
+        conus_table_destroy(clearances);
     }
     conus_atlas_destroy(atlas);
 }
@@ -642,19 +654,19 @@ static void balls_are_as_far_as_their_radius_says(void **state)
     mesh_scene_add(atlas, &inwards);
     double slack = 10 * (1 - cos(MATH3_PI / 256));
     const conus_pose pose = along(-30, 16, 1, 1, 0, 0);
-    conus_clearances *clearances = measure(atlas, &(conus_selector_options){.range = {0, 60}}, &pose, 20);
-    assert_int_equal(conus_clearances_count(clearances), 2);
-    assert_near(conus_clearances_clearance(clearances, 0)->distance, sqrt(257) - 10, slack);
-    assert_near(conus_clearances_clearance(clearances, 0)->depth, 30, 0.3);
-    assert_near(conus_clearances_clearance(clearances, 1)->distance, sqrt(577) - 10, slack);
-    conus_clearances_destroy(clearances);
+    conus_table *clearances = measure(atlas, &(conus_selector_options){.range = {0, 60}}, &pose, 20);
+    assert_int_equal(conus_table_rows(clearances), 2);
+    assert_near(table_number_at(clearances, "distance_mm", 0), sqrt(257) - 10, slack);
+    assert_near(table_number_at(clearances, "depth_mm", 0), 30, 0.3);
+    assert_near(table_number_at(clearances, "distance_mm", 1), sqrt(577) - 10, slack);
+    conus_table_destroy(clearances);
     const conus_pose inside = along(1, 42, 3, 0, -1, 0);
     clearances = measure(atlas, &(conus_selector_options){.range = {1, 100}}, &inside, 20);
-    assert_int_equal(conus_clearances_clearance(clearances, 0)->object, 2);
-    assert_near(conus_clearances_clearance(clearances, 0)->depth, 1, 0);
-    assert_near(conus_clearances_clearance(clearances, 1)->distance, 0, 0);
-    assert_near(conus_clearances_clearance(clearances, 1)->depth, 42 - sqrt(90), 2 * slack);
-    conus_clearances_destroy(clearances);
+    assert_int_equal(conus_table_objects(clearances)[0], 2);
+    assert_near(table_number_at(clearances, "depth_mm", 0), 1, 0);
+    assert_near(table_number_at(clearances, "distance_mm", 1), 0, 0);
+    assert_near(table_number_at(clearances, "depth_mm", 1), 42 - sqrt(90), 2 * slack);
+    conus_table_destroy(clearances);
     conus_atlas_destroy(atlas);
 }
 
@@ -680,17 +692,17 @@ static void tubes_are_as_far_as_their_lines_less_the_radius(void **state)
         const double *to = cases[i].along;
         const conus_pose pose = along(at[0], at[1], at[2], to[0], to[1], to[2]);
         const conus_selector_options options = {.range = {cases[i].range[0], cases[i].range[1]}};
-        conus_clearances *clearances = measure(atlas, &options, &pose, INFINITY);
-        assert_int_equal(conus_clearances_count(clearances), 2);
+        conus_table *clearances = measure(atlas, &options, &pose, INFINITY);
+        assert_int_equal(conus_table_rows(clearances), 2);
         for (size_t k = 0; k < 2; k++) {
-            const conus_clearance *row = conus_clearances_clearance(clearances, k);
+            const struct wanted row = row_at(clearances, k);
             struct wanted wanted = cases[i].wanted[k];
             if (wanted.near[2] == 0) { /* its distance and depth say enough */
-                memcpy(wanted.near, row->near, sizeof wanted.near);
+                memcpy(wanted.near, row.near, sizeof wanted.near);
             }
-            check_row(row, &wanted, 1e-12);
+            check_row(&row, &wanted, 1e-12);
         }
-        conus_clearances_destroy(clearances);
+        conus_table_destroy(clearances);
     }
     conus_atlas_destroy(atlas);
 }
@@ -749,7 +761,7 @@ static void bundles_are_as_far_as_their_nearest_tube(void **state)
         const conus_pose pose =
             along(test_random(&seed, -20, 20), test_random(&seed, -20, 20), -20, test_random(&seed, -1, 1), 0.3, 1);
         const struct needle needle = needle_of(&pose, 3, 33);
-        conus_clearances *clearances =
+        conus_table *clearances =
             measure(atlas, &(conus_selector_options){.range = {3, 33}}, &pose, round % 3 ? INFINITY : 5);
         for (uint32_t object = 1; object <= atlas->object_count; object++) {
             const struct tract_group *group = atlas_bundle_group(atlas, object);
@@ -767,19 +779,18 @@ static void bundles_are_as_far_as_their_nearest_tube(void **state)
                     }
                 }
             }
-            const conus_clearance *row = NULL;
-            for (size_t i = 0; i < clearances->count; i++) {
-                row = clearances->rows[i].object == object ? &clearances->rows[i] : row;
-            }
-            assert_int_equal(row != NULL, round % 3 || least <= 5);
-            if (row) {
+            size_t found = table_row_of(clearances, object);
+            assert_int_equal(found < conus_table_rows(clearances), round % 3 || least <= 5);
+            if (found < conus_table_rows(clearances)) {
+                const struct wanted row = row_at(clearances, found);
                 double offset[3];
-                assert_near(row->distance, fmax(least, 0), 1e-9);
-                vec3_sub(offset, row->at, row->near);
-                assert_near(vec3_length(offset), row->distance, 1e-9);
+                assert_near(row.distance, fmax(least, 0), 1e-9);
+                table_point_at(offset, clearances, "", found);
+                vec3_sub(offset, offset, row.near);
+                assert_near(vec3_length(offset), row.distance, 1e-9);
             }
         }
-        conus_clearances_destroy(clearances);
+        conus_table_destroy(clearances);
         conus_atlas_destroy(atlas);
     }
 }
@@ -794,25 +805,25 @@ static void the_radius_is_taken_off(void **state)
     conus_atlas *atlas = scene_parcellation(&grid, (const uint32_t[]){1, 2});
     const conus_pose pose = along(-1, 0, 2, 1, 0, 0);
     const conus_selector_options thick = {.range = {0, 9}, .radius = 0.75};
-    conus_clearances *clearances = measure(atlas, &thick, &pose, 0.75);
-    assert_int_equal(conus_clearances_count(clearances), 2);
-    assert_near(conus_clearances_clearance(clearances, 0)->clearance, 0.75, 0);
-    assert_near(conus_clearances_clearance(clearances, 0)->depth, 1.5, 0);
-    assert_int_equal(conus_clearances_clearance(clearances, 0)->kind, CONUS_KIND_AREA);
-    assert_int_equal(conus_clearances_clearance(clearances, 1)->object, 2);
-    assert_near(conus_clearances_clearance(clearances, 1)->depth, 2.5, 0);
-    conus_clearances_destroy(clearances);
+    conus_table *clearances = measure(atlas, &thick, &pose, 0.75);
+    assert_int_equal(conus_table_rows(clearances), 2);
+    assert_near(table_number_at(clearances, "clearance_mm", 0), 0.75, 0);
+    assert_near(table_number_at(clearances, "depth_mm", 0), 1.5, 0);
+    assert_string_equal(table_text_at(clearances, "kind", 0), "area");
+    assert_int_equal(conus_table_objects(clearances)[1], 2);
+    assert_near(table_number_at(clearances, "depth_mm", 1), 2.5, 0);
+    conus_table_destroy(clearances);
     clearances = measure(atlas, &thick, &pose, 0.7499);
-    assert_int_equal(conus_clearances_count(clearances), 0);
-    conus_clearances_destroy(clearances);
+    assert_int_equal(conus_table_rows(clearances), 0);
+    conus_table_destroy(clearances);
     /* hidden objects and a context are left out */
     uint64_t seed = 1;
     scene_add_blockers(atlas, &seed, (const size_t[]){5, 5, 5}, 0.9);
     assert_ok(conus_atlas_set_hidden(atlas, (const bool[]){false, true, false}));
     clearances = measure(atlas, &thick, &pose, INFINITY);
-    assert_int_equal(conus_clearances_count(clearances), 1);
-    assert_int_equal(conus_clearances_clearance(clearances, 0)->object, 2);
-    conus_clearances_destroy(clearances);
+    assert_int_equal(conus_table_rows(clearances), 1);
+    assert_int_equal(conus_table_objects(clearances)[0], 2);
+    conus_table_destroy(clearances);
     conus_atlas_destroy(atlas);
 }
 
@@ -824,23 +835,22 @@ static void a_shared_selector_measures_as_well(void **state)
     conus_atlas *atlas = scene_atlas(&seed, 10, 0);
     mesh_scene_add_soups(atlas, &seed);
     const conus_pose pose = scene_generic_pose(&seed, atlas);
-    conus_clearances *exact = measure(atlas, NULL, &pose, INFINITY);
-    assert_true(exact->count >= 3);
+    conus_table *exact = measure(atlas, NULL, &pose, INFINITY);
+    assert_true(conus_table_rows(exact) >= 3);
     for (int made_before = 0; made_before < 2; made_before++) {
         conus_selector *selector = NULL;
         conus_selector *shared = NULL;
-        conus_clearances *clearances = NULL;
+        conus_table *clearances = NULL;
         assert_ok(conus_selector_create(&selector, atlas, NULL));
         assert_ok(made_before ? selector_prepare_clearance(selector) : CONUS_OK);
         assert_ok(conus_selector_share(&shared, selector));
-        assert_ok(conus_clearances_create(&clearances, shared, &pose, INFINITY));
-        assert_int_equal(clearances->count, exact->count);
-        assert_memory_equal(clearances->rows, exact->rows, exact->count * sizeof *exact->rows);
-        conus_clearances_destroy(clearances);
+        assert_ok(conus_clearance(&clearances, shared, &pose, INFINITY));
+        assert_same_tables(clearances, exact);
+        conus_table_destroy(clearances);
         conus_selector_destroy(shared);
         conus_selector_destroy(selector);
     }
-    conus_clearances_destroy(exact);
+    conus_table_destroy(exact);
     conus_atlas_destroy(atlas);
 }
 
@@ -850,27 +860,23 @@ static void what_cannot_be_measured_is_refused(void **state)
     conus_atlas *atlas = one_cell();
     conus_atlas *empty = mesh_scene_atlas();
     conus_selector *selector = NULL;
-    conus_clearances *clearances = NULL;
+    conus_table *clearances = NULL;
     conus_pose pose = along(0, 0, 0, 1, 0, 0);
     assert_ok(conus_selector_create(&selector, atlas, NULL));
-    assert_fails(conus_clearances_create(&clearances, selector, &pose, -1), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_clearance(&clearances, selector, &pose, -1), CONUS_ERROR_ARGUMENT);
     assert_string_equal(conus_message(), "within: -1 mm, allowed are 0 and more");
-    assert_fails(conus_clearances_create(&clearances, selector, &pose, NAN), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_clearance(&clearances, selector, &pose, NAN), CONUS_ERROR_ARGUMENT);
     pose.world_from_device[0] = NAN;
-    assert_fails(conus_clearances_create(&clearances, selector, &pose, 1), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_clearance(&clearances, selector, &pose, 1), CONUS_ERROR_ARGUMENT);
     assert_null(clearances);
-    conus_clearances_destroy(NULL);
-    assert_int_equal(conus_clearances_count(NULL), 0);
-    assert_null(conus_clearances_clearance(NULL, 0));
     conus_selector_destroy(selector);
     pose = along(0, 0, 0, 1, 0, 0);
     clearances = measure(empty, NULL, &pose, INFINITY); /* nothing is near */
-    assert_int_equal(conus_clearances_count(clearances), 0);
-    conus_clearances_destroy(clearances);
+    assert_int_equal(conus_table_rows(clearances), 0);
+    conus_table_destroy(clearances);
     clearances = measure(atlas, NULL, &pose, 0); /* nothing is so near */
-    assert_int_equal(conus_clearances_count(clearances), 0);
-    assert_null(conus_clearances_clearance(clearances, 0));
-    conus_clearances_destroy(clearances);
+    assert_int_equal(conus_table_rows(clearances), 0);
+    conus_table_destroy(clearances);
     conus_atlas_destroy(atlas);
     conus_atlas_destroy(empty);
 }
@@ -879,10 +885,10 @@ static conus_status make_clearances(void *data)
 {
     const conus_pose pose = along(-10, 0.1, 0.2, 1, 0, 0);
     conus_selector *selector = NULL;
-    conus_clearances *clearances = NULL;
+    conus_table *clearances = NULL;
     conus_status status = conus_selector_create(&selector, data, NULL);
-    status = status ? status : conus_clearances_create(&clearances, selector, &pose, INFINITY);
-    conus_clearances_destroy(clearances);
+    status = status ? status : conus_clearance(&clearances, selector, &pose, INFINITY);
+    conus_table_destroy(clearances);
     conus_selector_destroy(selector);
     return status;
 }

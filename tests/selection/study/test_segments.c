@@ -7,6 +7,7 @@
 #include "scene.h"
 #include "selection/selector.h"
 #include "selection/study/study.h"
+#include "tables.h"
 #include "test.h"
 #include "test_gl.h"
 
@@ -16,12 +17,12 @@
 
 enum { ROW_LIMIT = 4096 };
 
-static conus_segments *follow(const conus_atlas *atlas, const conus_selector_options *options, const conus_pose *pose)
+static conus_table *follow(const conus_atlas *atlas, const conus_selector_options *options, const conus_pose *pose)
 {
     conus_selector *selector = NULL;
-    conus_segments *segments = NULL;
+    conus_table *segments = NULL;
     assert_ok(conus_selector_create(&selector, atlas, options));
-    assert_ok(conus_segments_create(&segments, selector, pose));
+    assert_ok(conus_segments(&segments, selector, pose));
     conus_selector_destroy(selector);
     return segments;
 }
@@ -38,23 +39,30 @@ struct wanted {
     double entry, exit;
 };
 
-/* Asserts the rows, all of them and in this order. Ends the segments. */
-static void check_rows(conus_segments *segments, const struct wanted *wanted, size_t count, double tolerance)
+static struct wanted row_at(const conus_table *segments, size_t i)
 {
-    assert_int_equal(conus_segments_count(segments), count);
+    return (struct wanted){conus_table_objects(segments)[i], table_number_at(segments, "entry_mm", i),
+                           table_number_at(segments, "exit_mm", i)};
+}
+
+/* Asserts the rows, all of them and in this order. Ends the segments. */
+static void check_rows(conus_table *segments, const struct wanted *wanted, size_t count, double tolerance)
+{
+    assert_int_equal(conus_table_rows(segments), count);
     for (size_t i = 0; i < count; i++) {
-        const conus_segment *segment = conus_segments_segment(segments, i);
-        assert_int_equal(segment->object, wanted[i].object);
-        assert_int_equal(segment->kind == CONUS_KIND_UNASSIGNED, wanted[i].object == 0);
-        assert_near(segment->entry, wanted[i].entry, tolerance);
+        const struct wanted row = row_at(segments, i);
+        assert_int_equal(row.object, wanted[i].object);
+        assert_int_equal(strcmp(table_text_at(segments, "kind", i), "unassigned") == 0, wanted[i].object == 0);
+        assert_int_equal(table_count_at(segments, "order", i), i + 1);
+        assert_near(row.entry, wanted[i].entry, tolerance);
         if (isfinite(wanted[i].exit)) {
-            assert_near(segment->exit, wanted[i].exit, tolerance);
+            assert_near(row.exit, wanted[i].exit, tolerance);
+            assert_true(table_number_at(segments, "length_mm", i) == row.exit - row.entry);
         } else {
-            assert_true(segment->exit == INFINITY);
+            assert_true(row.exit == INFINITY);
         }
     }
-    assert_null(conus_segments_segment(segments, count));
-    conus_segments_destroy(segments);
+    conus_table_destroy(segments);
 }
 
 #define CHECK_ROWS(segments, wanted, tolerance)                                                                        \
@@ -123,12 +131,12 @@ static size_t walk(struct wanted *out, const struct volume *volume, const conus_
 }
 
 /* Whether the segments have this row, to 1e-9 mm. */
-static bool is_among(const struct wanted *row, const conus_segments *segments)
+static bool is_among(const struct wanted *row, const conus_table *segments)
 {
-    for (size_t i = 0; i < segments->count; i++) {
-        const conus_segment *found = &segments->rows[i];
-        if (found->object == row->object && fabs(found->entry - row->entry) < 1e-9 &&
-            fabs(found->exit - row->exit) < 1e-9) {
+    for (size_t i = 0; i < conus_table_rows(segments); i++) {
+        const struct wanted found = row_at(segments, i);
+        if (found.object == row->object && fabs(found.entry - row->entry) < 1e-9 &&
+            fabs(found.exit - row->exit) < 1e-9) {
             return true;
         }
     }
@@ -136,16 +144,16 @@ static bool is_among(const struct wanted *row, const conus_segments *segments)
 }
 
 /* Rows of an object do not overlap with others of it, gaps with none, and all are in order. */
-static void check_order(const conus_segments *segments)
+static void check_order(const conus_table *segments)
 {
-    for (size_t i = 0; i < segments->count; i++) {
-        const conus_segment *segment = &segments->rows[i];
-        assert_true(segment->entry <= segment->exit);
-        assert_true(i == 0 || segments->rows[i - 1].entry <= segment->entry);
+    for (size_t i = 0; i < conus_table_rows(segments); i++) {
+        const struct wanted segment = row_at(segments, i);
+        assert_true(segment.entry <= segment.exit);
+        assert_true(i == 0 || row_at(segments, i - 1).entry <= segment.entry);
         for (size_t j = 0; j < i; j++) {
-            const conus_segment *before = &segments->rows[j];
-            bool may_overlap = before->object && segment->object && before->object != segment->object;
-            assert_true(may_overlap || before->exit <= segment->entry + 1e-9);
+            const struct wanted before = row_at(segments, j);
+            bool may_overlap = before.object && segment.object && before.object != segment.object;
+            assert_true(may_overlap || before.exit <= segment.entry + 1e-9);
         }
     }
 }
@@ -159,7 +167,7 @@ static void volumes_are_walked_cell_by_cell(void **state)
     for (int round = 0; round < 600; round++) {
         conus_atlas *atlas = scene_atlas(&seed, 14, 2);
         const conus_pose pose = scene_generic_pose(&seed, atlas);
-        conus_segments *segments = follow(atlas, NULL, &pose);
+        conus_table *segments = follow(atlas, NULL, &pose);
         size_t found = 0;
         size_t expected = 0;
         for (size_t v = 0; v < atlas->volume_count; v++) {
@@ -170,13 +178,13 @@ static void volumes_are_walked_cell_by_cell(void **state)
             }
             expected += count;
         }
-        for (size_t i = 0; i < segments->count; i++) {
-            found += segments->rows[i].object != 0;
+        for (size_t i = 0; i < conus_table_rows(segments); i++) {
+            found += conus_table_objects(segments)[i] != 0;
         }
         assert_int_equal(found, expected);
         check_order(segments);
         rows += found;
-        conus_segments_destroy(segments);
+        conus_table_destroy(segments);
         conus_atlas_destroy(atlas);
     }
     assert_true(rows > 1000);
@@ -199,17 +207,17 @@ static void lengths_sum_to_the_path_of_a_ray(void **state)
         conus_selection *selection = NULL;
         assert_ok(conus_selector_create(&selector, atlas, &options));
         assert_ok(conus_select(&selection, selector, &pose, 0));
-        conus_segments *segments = follow(atlas, &options, &pose);
+        conus_table *segments = follow(atlas, &options, &pose);
         for (size_t r = 0; r < conus_selection_count(selection); r++) {
             const conus_result *result = conus_selection_result(selection, r);
             double length = 0;
-            for (size_t i = 0; i < segments->count; i++) {
-                bool is_its = result->object && segments->rows[i].object == result->object;
-                length += is_its ? segments->rows[i].exit - segments->rows[i].entry : 0;
+            for (size_t i = 0; i < conus_table_rows(segments); i++) {
+                bool is_its = result->object && conus_table_objects(segments)[i] == result->object;
+                length += is_its ? table_number_at(segments, "length_mm", i) : 0;
             }
             assert_near(length, result->object && result->pierced ? result->path : 0, 1e-9);
         }
-        conus_segments_destroy(segments);
+        conus_table_destroy(segments);
         conus_selection_destroy(selection);
         conus_selector_destroy(selector);
         conus_atlas_destroy(atlas);
@@ -219,16 +227,15 @@ static void lengths_sum_to_the_path_of_a_ray(void **state)
 static void check_same(const conus_atlas *atlas, const conus_pose *pose, const conus_selector_options *options)
 {
     conus_selector *selector = NULL;
-    conus_segments *other = NULL;
-    conus_segments *exact = follow(atlas, NULL, pose);
+    conus_table *other = NULL;
+    conus_table *exact = follow(atlas, NULL, pose);
     assert_gl(conus_selector_create(&selector, atlas, options));
     for (int time = 0; time < 2; time++) { /* the second time it uses the tables that the first one made */
-        assert_ok(conus_segments_create(&other, selector, pose));
-        assert_int_equal(other->count, exact->count);
-        assert_memory_equal(other->rows, exact->rows, exact->count * sizeof *exact->rows);
-        conus_segments_destroy(other);
+        assert_ok(conus_segments(&other, selector, pose));
+        assert_same_tables(other, exact);
+        conus_table_destroy(other);
     }
-    conus_segments_destroy(exact);
+    conus_table_destroy(exact);
     conus_selector_destroy(selector);
 }
 
@@ -256,17 +263,16 @@ static void a_shared_selector_follows_as_well(void **state)
     for (int made_before = 0; made_before < 2; made_before++) {
         conus_selector *selector = NULL;
         conus_selector *shared = NULL;
-        conus_segments *segments = NULL;
-        conus_segments *exact = follow(atlas, NULL, &pose);
+        conus_table *segments = NULL;
+        conus_table *exact = follow(atlas, NULL, &pose);
         assert_ok(
             conus_selector_create(&selector, atlas, &(conus_selector_options){.sampling = CONUS_SAMPLING_SLICES}));
         assert_ok(made_before ? selector_prepare_axis(selector) : CONUS_OK);
         assert_ok(conus_selector_share(&shared, selector));
-        assert_ok(conus_segments_create(&segments, shared, &pose));
-        assert_int_equal(segments->count, exact->count);
-        assert_memory_equal(segments->rows, exact->rows, exact->count * sizeof *exact->rows);
-        conus_segments_destroy(segments);
-        conus_segments_destroy(exact);
+        assert_ok(conus_segments(&segments, shared, &pose));
+        assert_same_tables(segments, exact);
+        conus_table_destroy(segments);
+        conus_table_destroy(exact);
         conus_selector_destroy(shared);
         conus_selector_destroy(selector);
     }
@@ -349,17 +355,17 @@ static void a_query_may_have_its_range(void **state)
     static const double bad[][2] = {{9, NAN}, {NAN, 1}, {-1, 2}, {2, INFINITY}, {NAN, -1}, {3, 2}};
     assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.range = {1, 9}}));
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        conus_segments *segments = NULL;
+        conus_table *segments = NULL;
         assert_ok(conus_selector_set_range(selector, cases[i].range));
         for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) { /* refused ranges leave the last one */
             assert_fails(conus_selector_set_range(selector, bad[k]), CONUS_ERROR_ARGUMENT);
         }
-        assert_ok(conus_segments_create(&segments, selector, &pose));
+        assert_ok(conus_segments(&segments, selector, &pose));
         check_rows(segments, cases[i].rows, cases[i].count, 1e-12);
     }
-    conus_segments *segments = NULL;
+    conus_table *segments = NULL;
     assert_ok(conus_selector_set_range(selector, NULL));
-    assert_ok(conus_segments_create(&segments, selector, &pose));
+    assert_ok(conus_segments(&segments, selector, &pose));
     CHECK_ROWS(segments, filled, 1e-12);
     conus_selector_destroy(selector);
     assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.sampling = CONUS_SAMPLING_SLICES}));
@@ -375,9 +381,9 @@ static void an_axis_that_meets_nothing_has_one_row(void **state)
     conus_atlas *atlas = diagonal();
     const conus_pose pose = along(-2.5, 0.5, 0, -1, 0, 0);
     const struct wanted wanted[] = {{0, 0, INFINITY}};
-    conus_segments *segments = follow(atlas, NULL, &pose);
-    assert_true(isnan(segments->rows[0].exit_at[0]));
-    assert_near(segments->rows[0].entry_at[0], -2.5, 1e-12);
+    conus_table *segments = follow(atlas, NULL, &pose);
+    assert_true(isnan(table_number_at(segments, "exit_x", 0)));
+    assert_near(table_number_at(segments, "entry_x", 0), -2.5, 1e-12);
     CHECK_ROWS(segments, wanted, 1e-12);
     conus_atlas_destroy(atlas);
 }
@@ -387,14 +393,24 @@ static void ends_are_where_the_depths_say(void **state)
     (void)state;
     conus_atlas *atlas = diagonal();
     const conus_pose pose = along(-2, -1, 0.25, 3, 2, 0);
-    conus_segments *segments = follow(atlas, NULL, &pose);
-    for (size_t i = 0; i < segments->count; i++) {
-        const conus_segment *segment = &segments->rows[i];
-        assert_near(segment->entry_at[0], -2 + segment->entry * 3 / sqrt(13), 1e-12);
-        assert_near(segment->exit_at[1], -1 + segment->exit * 2 / sqrt(13), 1e-12);
-        assert_near(segment->exit_at[2], 0.25, 1e-12);
+    conus_frame lps;
+    assert_ok(conus_frame_find(&lps, NULL, CONUS_SPACE_LPS, NULL));
+    conus_table *segments = follow(atlas, NULL, &pose);
+    conus_table *turned = follow(atlas, &(conus_selector_options){.frame = &lps}, &pose);
+    assert_int_equal(conus_table_rows(segments), conus_table_rows(turned));
+    for (size_t i = 0; i < conus_table_rows(segments); i++) {
+        const struct wanted row = row_at(segments, i);
+        double at[3];
+        assert_near(table_number_at(segments, "entry_x", i), -2 + row.entry * 3 / sqrt(13), 1e-12);
+        assert_near(table_number_at(segments, "exit_y", i), -1 + row.exit * 2 / sqrt(13), 1e-12);
+        assert_near(table_number_at(segments, "exit_z", i), 0.25, 1e-12);
+        table_point_at(at, turned, "exit_", i);
+        assert_near(at[0], 2 - row.exit * 3 / sqrt(13), 1e-12);
+        assert_near(at[1], 1 - row.exit * 2 / sqrt(13), 1e-12);
+        assert_near(at[2], 0.25, 1e-12);
     }
-    conus_segments_destroy(segments);
+    conus_table_destroy(turned);
+    conus_table_destroy(segments);
     conus_atlas_destroy(atlas);
 }
 
@@ -405,13 +421,12 @@ static void a_context_blocks_nothing(void **state)
     uint64_t seed = 31;
     conus_atlas *atlas = scene_atlas(&seed, 10, 0);
     const conus_pose pose = scene_generic_pose(&seed, atlas);
-    conus_segments *before = follow(atlas, NULL, &pose);
+    conus_table *before = follow(atlas, NULL, &pose);
     scene_add_blockers(atlas, &seed, (const size_t[]){20, 20, 20}, 0.9);
-    conus_segments *behind = follow(atlas, NULL, &pose);
-    assert_int_equal(before->count, behind->count);
-    assert_memory_equal(before->rows, behind->rows, before->count * sizeof *before->rows);
-    conus_segments_destroy(before);
-    conus_segments_destroy(behind);
+    conus_table *behind = follow(atlas, NULL, &pose);
+    assert_same_tables(before, behind);
+    conus_table_destroy(before);
+    conus_table_destroy(behind);
     conus_atlas_destroy(atlas);
 }
 
@@ -515,11 +530,11 @@ static void a_closed_surface_that_is_grazed_has_no_point(void **state)
                                   along(-10, 1.5, 0.2, 1, 0, 0),  along(-10, 1.5, 1.25, 1, 0, 0),
                                   along(0, 0.1, -10, 0, 0, 1),    along(-7, 11.5, 0.2, 1, -1, 0)};
     for (size_t i = 0; i < sizeof grazing / sizeof grazing[0]; i++) {
-        conus_segments *segments = follow(atlas, NULL, &grazing[i]);
-        for (size_t k = 0; k < segments->count; k++) {
-            assert_true(segments->rows[k].exit > segments->rows[k].entry);
+        conus_table *segments = follow(atlas, NULL, &grazing[i]);
+        for (size_t k = 0; k < conus_table_rows(segments); k++) {
+            assert_true(table_number_at(segments, "length_mm", k) > 0);
         }
-        conus_segments_destroy(segments);
+        conus_table_destroy(segments);
     }
     conus_atlas_destroy(atlas);
 }
@@ -560,15 +575,12 @@ static void what_is_no_pose_is_refused(void **state)
     (void)state;
     conus_atlas *atlas = diagonal();
     conus_selector *selector = NULL;
-    conus_segments *segments = NULL;
+    conus_table *segments = NULL;
     conus_pose pose = along(0, 0, 0, 1, 0, 0);
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     pose.world_from_device[0] = NAN;
-    assert_fails(conus_segments_create(&segments, selector, &pose), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_segments(&segments, selector, &pose), CONUS_ERROR_ARGUMENT);
     assert_null(segments);
-    conus_segments_destroy(NULL);
-    assert_int_equal(conus_segments_count(NULL), 0);
-    assert_null(conus_segments_segment(NULL, 0));
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
 }
@@ -577,19 +589,19 @@ static conus_status make_segments(void *data)
 {
     const conus_pose pose = along(-10, 0.1, 0.2, 1, 0, 0);
     conus_selector *selector = NULL;
-    conus_segments *segments = NULL;
+    conus_table *segments = NULL;
     conus_report *report = NULL;
     const char *text = NULL;
     size_t size = 0;
     conus_status status =
         conus_selector_create(&selector, data, &(conus_selector_options){.sampling = CONUS_SAMPLING_SLICES});
-    status = status ? status : conus_segments_create(&segments, selector, &pose);
+    status = status ? status : conus_segments(&segments, selector, &pose);
     status =
         status ? status : conus_report_create(&report, selector, &(conus_report_options){.rows = CONUS_ROWS_SEGMENTS});
-    status = status ? status : conus_report_add_segments(report, "probe", segments);
+    status = status ? status : conus_report_add_table(report, "probe", segments);
     status = status ? status : conus_report_text(&text, &size, report);
     conus_report_destroy(report);
-    conus_segments_destroy(segments);
+    conus_table_destroy(segments);
     conus_selector_destroy(selector);
     return status;
 }
