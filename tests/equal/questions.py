@@ -738,7 +738,7 @@ READERS = {
 # Corpora that no command reads as a file: of the window, which needs a display; streams of conus-hdf5, conus-mesh and
 # the network; damage to packed atlases; pieces of files.
 UNREAD = ("place", "recent", "script", "session", "thumbnail", "hdf5_stream", "minc", "nwb", "simnibs", "transform_chain",
-          "mesh_request", "mesh_stream", "igtl", "atlas_pack", "pack", "gzip", "text")
+          "mesh_request", "mesh_stream", "igtl", "atlas_pack", "pack", "gzip", "text", "keys")
 # Files beside that which is asked about.
 BESIDE = {"batch_record": "rows.tsv", "sidecar": "rows.tsv", "coordsystem": "sub-01_electrodes.tsv"}
 
