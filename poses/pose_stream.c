@@ -897,7 +897,7 @@ static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, boo
         status = pose_list_keep(&stream->block, name.kept, stream->columns.kept_count);
         row.kept = stream->block.rows[stream->block.count - 1].kept;
     }
-    if (row.is_point) { /* for cones conus_aims_found() tells more */
+    if (row.is_point) { /* for cones conus_pose_check_found() tells more */
         extent_add(&stream->extent, &row);
     }
     *out = row;

@@ -571,7 +571,7 @@ struct picture {
     conus_selector *selector;
     conus_renderer *renderer;
     conus_frame frame; /* of positions */
-    conus_aims *aims;
+    conus_pose_check *aims;
     conus_pose_list *poses;
     struct drawn_rows rows; /* of them */
     struct translucent translucent;
@@ -595,7 +595,7 @@ struct picture {
 static void picture_finish(struct picture *picture)
 {
     conus_renderer_destroy(picture->renderer);
-    conus_aims_destroy(picture->aims);
+    conus_pose_check_destroy(picture->aims);
     conus_selector_destroy(picture->selector);
     conus_atlas_destroy(picture->atlas);
     free(picture->translucent.opacity);
@@ -872,7 +872,7 @@ static conus_status make_selector(struct picture *picture)
     engine.slices = engine.sampling == CONUS_SAMPLING_SLICES ? settings->slices : 0;
     const conus_selector_options options = settings_engine(&engine, &settings->aim, &settings->common);
     conus_status status = conus_selector_create(&picture->selector, picture->atlas, &options);
-    return status ? status : conus_aims_create(&picture->aims, picture->selector);
+    return status ? status : conus_pose_check_create(&picture->aims, picture->selector);
 }
 
 /* Cuts need none. */
@@ -1124,13 +1124,13 @@ static int draw_row(struct picture *picture, const struct drawn_row *drawn)
         return refuse_row(picture, row, conus_message(), EXIT_USAGE);
     }
     if (settings->aim.aperture == 0) { /* a beam begins inside */
-        conus_aims_add(picture->aims, row->line, &row->pose, angle);
+        conus_pose_check_add(picture->aims, row->line, &row->pose, angle);
     }
     return code;
 }
 
 /* Notes the probe in `found`, and in picture->aims, if it passes nothing. */
-static void note_probe(struct picture *picture, conus_astray *found, const conus_table *segments,
+static void note_probe(struct picture *picture, conus_pose_findings *found, const conus_table *segments,
                        const conus_pose_row *row)
 {
     for (size_t i = 0; i < conus_table_rows(segments); i++) {
@@ -1138,16 +1138,16 @@ static void note_probe(struct picture *picture, conus_astray *found, const conus
             return;
         }
     }
-    conus_aims_add(picture->aims, row->line, &row->pose, NARROW);
+    conus_pose_check_add(picture->aims, row->line, &row->pose, NARROW);
     if (!found->away.count++) {
-        found->away = (conus_oddity){.count = 1, .first = row->line, .pose = row->pose, .angle = NARROW};
+        found->away = (conus_pose_finding){.count = 1, .first = row->line, .pose = row->pose, .angle = NARROW};
     }
 }
 
 /* In one picture; those that cannot be drawn are named, and those that pass nothing noted. */
 static int draw_probes(struct picture *picture, const struct drawn_row *rows, size_t row_count)
 {
-    conus_astray found = {0};
+    conus_pose_findings found = {0};
     conus_drawn_probe *probes = calloc(row_count + 1, sizeof *probes);
     conus_table **segments = calloc(row_count + 1, sizeof(void *));
     size_t count = 0;
@@ -1174,8 +1174,8 @@ static int draw_probes(struct picture *picture, const struct drawn_row *rows, si
     free(segments);
     free(probes);
     if (!code && found.away.count) {
-        const conus_oddity away = found.away;
-        found = *conus_aims_found(picture->aims);
+        const conus_pose_finding away = found.away;
+        found = *conus_pose_check_found(picture->aims);
         found.away = away;
         found.poses = count;
         const struct aimed aimed = {found, picture->selector, picture->atlas, NULL, &picture->frame, true, 0};
@@ -1322,7 +1322,7 @@ static int draw_origin(struct picture *picture)
         return print_status(CONUS_ERROR_ARGUMENT);
     }
     if (settings->aim.aperture == 0) {
-        conus_aims_add(picture->aims, 1, &pose, angle);
+        conus_pose_check_add(picture->aims, 1, &pose, angle);
     }
     return code;
 }
@@ -1366,7 +1366,7 @@ static int run_render(const void *given, const struct arguments *arguments)
     }
     if (!code && picture.selector && !settings->strips && !picture.has_points) {
         const struct aimed aimed = {
-            *conus_aims_found(picture.aims), picture.selector, picture.atlas, NULL, &picture.frame, false, 0};
+            *conus_pose_check_found(picture.aims), picture.selector, picture.atlas, NULL, &picture.frame, false, 0};
         aim_notes_say(&aimed, 1, picture.rows.count > 1 ? picture.rows.file : NULL, &settings->common);
     }
     if (!code) {

@@ -318,13 +318,13 @@ static int answer_track(struct track *track)
     conus_status status = start_track(track);
     code = status ? print_status(status) : track->station ? answer_station(track) : answer_all(track);
     /* A hand points here and there: only where the whole track lies or points astray may it be in another space. */
-    bool is_astray = false;
-    for (size_t i = 0; i < request->atlases.count && !code && !is_astray; i++) {
-        const conus_astray *found = conus_aims_found(request->answerers[i].aims);
+    bool is_off = false;
+    for (size_t i = 0; i < request->atlases.count && !code && !is_off; i++) {
+        const conus_pose_findings *found = conus_pose_check_found(request->answerers[i].aims);
         uint64_t poses = found->poses;
-        is_astray = poses && (found->away.count == poses || found->inside.count == poses || found->tiny.count == poses);
+        is_off = poses && (found->away.count == poses || found->inside.count == poses || found->tiny.count == poses);
     }
-    if (!code && is_astray) {
+    if (!code && is_off) {
         request_say_aims(request);
     }
     return request_code(request, code ? code : write_rest(track));

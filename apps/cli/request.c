@@ -51,7 +51,7 @@ void request_finish(struct request *request)
 {
     for (size_t i = 0; request->answerers && i < request->atlases.count; i++) {
         conus_report_destroy(request->answerers[i].report);
-        conus_aims_destroy(request->answerers[i].aims);
+        conus_pose_check_destroy(request->answerers[i].aims);
         conus_selector_destroy(request->answerers[i].selector);
     }
     free(request->answerers);
@@ -174,7 +174,7 @@ conus_status request_start(struct request *request, const conus_selector_options
         own.level = i ? NULL : options->level;
         own.frame = &request->frame;
         status = conus_selector_create(&answerer->selector, request->atlases.items[i].atlas, &own);
-        status = status ? status : conus_aims_create(&answerer->aims, answerer->selector);
+        status = status ? status : conus_pose_check_create(&answerer->aims, answerer->selector);
     }
     if (!status && request->settings->common.verbose) {
         print_error_line("engine: %s", conus_selector_engine(request->answerers[0].selector));
@@ -226,14 +226,14 @@ void request_count_pose(struct request *request, size_t line, const conus_pose *
 {
     for (size_t i = 0; i < request->atlases.count && request->settings->aim.aperture == 0;
          i++) { /* beams begin inside */
-        conus_aims_add(request->answerers[i].aims, line, pose, angle);
+        conus_pose_check_add(request->answerers[i].aims, line, pose, angle);
     }
 }
 
 void request_count_point(struct request *request, size_t line, const double point[3], double radius)
 {
     for (size_t i = 0; i < request->atlases.count; i++) {
-        conus_aims_add_point(request->answerers[i].aims, line, point, radius);
+        conus_pose_check_add_point(request->answerers[i].aims, line, point, radius);
     }
 }
 
@@ -314,7 +314,7 @@ void request_say_aims(const struct request *request)
     for (size_t i = 0; aimed && i < count; i++) {
         const struct named_atlas *at = &request->atlases.items[i];
         const struct answerer *answerer = &request->answerers[i];
-        aimed[i] = (struct aimed){*conus_aims_found(answerer->aims),
+        aimed[i] = (struct aimed){*conus_pose_check_found(answerer->aims),
                                   answerer->selector,
                                   at->atlas,
                                   at->name,

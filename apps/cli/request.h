@@ -7,7 +7,7 @@
 #define CONUS_CLI_REQUEST_H
 
 #include "cli/answers/answer_format.h"
-#include "conus/aims.h"
+#include "conus/pose_check.h"
 #include "options/output.h"
 #include "options/outputs.h"
 #include "options/progress.h"
@@ -62,7 +62,7 @@ extern const struct option request_level_options[];
 /** The selector and the report of one atlas. */
 struct answerer {
     conus_selector *selector;
-    conus_aims *aims;
+    conus_pose_check *aims;
     conus_report *report; /**< That of the first atlas has the answers of all. */
 };
 

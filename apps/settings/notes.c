@@ -171,7 +171,7 @@ struct lines {
 
 /* Says that so many of `all` in a file are `many`, and the first of them, or without a file what the one is. What holds
  * for more than half of them is no slip of some, and may warn. */
-static void add_line(struct lines *lines, const char *file, const conus_oddity *odd, uint64_t all, bool may_warn,
+static void add_line(struct lines *lines, const char *file, const conus_pose_finding *odd, uint64_t all, bool may_warn,
                      const char *many, const char *one, const char *behind)
 {
     char *line = lines->at[lines->count];
@@ -186,7 +186,7 @@ static void add_line(struct lines *lines, const char *file, const conus_oddity *
 
 static void add_inside(struct lines *out, const struct aimed *aimed, const char *file)
 {
-    const conus_oddity *inside = &aimed->found.inside;
+    const conus_pose_finding *inside = &aimed->found.inside;
     char where[LINE_SIZE];
     snprintf(where, sizeof where, "%s inside %s", file ? "," : "",
              conus_atlas_object(aimed->atlas, inside->object)->name);
@@ -195,7 +195,7 @@ static void add_inside(struct lines *out, const struct aimed *aimed, const char 
 
 static void add_away(struct lines *out, const struct aimed *aimed, const char *file, const char *remedy)
 {
-    const conus_oddity *away = &aimed->found.away;
+    const conus_pose_finding *away = &aimed->found.away;
     bool is_cone = away->angle > 0;
     add_line(out, file, away, aimed->found.poses, true,
              aimed->is_of_probes ? "probes pass nothing of the atlas"
@@ -211,7 +211,7 @@ static void add_away(struct lines *out, const struct aimed *aimed, const char *f
 static void add_apart(struct lines *out, const struct aimed *aimed, const char *file)
 {
     static const char ask[] = "; are they in its space?";
-    const conus_astray *found = &aimed->found;
+    const conus_pose_findings *found = &aimed->found;
     if (file && 2 * found->far.count > found->points) {
         add_line(out, file, &found->far, found->points, true,
                  "points lie farther from the atlas than a quarter of its length", "", ask);
@@ -257,8 +257,8 @@ static void find_lines(struct lines *out, const struct aimed *aimed, const char 
                      conus_atlas_object(aimed->atlas, object)->name);
         }
     } else {
-        conus_reading reading = {0};
-        if (conus_aims_reading(&reading, &aimed->found, aimed->selector)) {
+        conus_pose_suggestion reading = {0};
+        if (conus_pose_check_suggest(&reading, &aimed->found, aimed->selector)) {
             return;
         }
         if (reading.object) {

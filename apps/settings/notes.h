@@ -3,14 +3,14 @@
 #ifndef CONUS_SETTINGS_NOTES_H
 #define CONUS_SETTINGS_NOTES_H
 
-#include "conus/aims.h"
+#include "conus/pose_check.h"
 #include "conus/space.h"
 #include "settings/atlases.h"
 #include "settings/settings.h"
 
 /** How poses aim at an atlas. */
 struct aimed {
-    conus_astray found;
+    conus_pose_findings found;
     conus_selector *selector;
     const conus_atlas *atlas;
     const char *name;         /**< NULL where there is one only. */

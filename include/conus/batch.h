@@ -6,7 +6,7 @@
 #ifndef CONUS_PUBLIC_BATCH_H
 #define CONUS_PUBLIC_BATCH_H
 
-#include <conus/aims.h>
+#include <conus/pose_check.h>
 #include <conus/report.h>
 
 #include <stdbool.h>
@@ -128,7 +128,7 @@ CONUS_CHECKED conus_status conus_batch_run(conus_batch *batch, conus_pose_stream
  * @threads One at a time for each @p batch.
  * @since 0.1
  */
-CONUS_API conus_astray conus_batch_astray(const conus_batch *batch);
+CONUS_API conus_pose_findings conus_batch_findings(const conus_batch *batch);
 
 /**
  * Gives the findings for one of several atlases.
@@ -138,7 +138,7 @@ CONUS_API conus_astray conus_batch_astray(const conus_batch *batch);
  * @threads One at a time for each @p batch.
  * @since 0.1
  */
-CONUS_API conus_astray conus_batch_astray_at(const conus_batch *batch, size_t index);
+CONUS_API conus_pose_findings conus_batch_findings_at(const conus_batch *batch, size_t index);
 
 /**
  * Gives the header row that belongs above the rows, with its end of line.
@@ -227,7 +227,8 @@ typedef bool (*conus_answer_sink)(void *user, const conus_answers *answers);
  * Answers poses that are in memory, with threads. The answers are the same, bit for bit, for any number of threads and
  * any size of blocks, and those of conus_select(). A pose that cannot be answered has a status and no results. After a
  * failure, @p sink has received what comes before it.
- * @param[out] astray Findings about the poses, with their indices as numbers, once all are answered; NULL = not wanted.
+ * @param[out] findings Findings about the poses, with their indices as numbers, once all are answered; NULL = not
+ * wanted.
  * @param selector Its score needs no history.
  * @param poses The arrays are only read, and not copied.
  * @param options NULL = defaults.
@@ -238,7 +239,7 @@ typedef bool (*conus_answer_sink)(void *user, const conus_answers *answers);
  * @threads One at a time for each @p selector.
  * @since 0.1
  */
-CONUS_CHECKED conus_status conus_select_many(conus_astray *astray, conus_selector *selector,
+CONUS_CHECKED conus_status conus_select_many(conus_pose_findings *findings, conus_selector *selector,
                                              const conus_pose_array *poses, const conus_many_options *options,
                                              conus_answer_sink sink, void *user);
 /** @} */

@@ -33,7 +33,6 @@
 #ifndef CONUS_PUBLIC_CONUS_H
 #define CONUS_PUBLIC_CONUS_H
 
-#include <conus/aims.h>
 #include <conus/arrays.h>
 #include <conus/atlas.h>
 #include <conus/atlas_info.h>
@@ -57,6 +56,7 @@
 #include <conus/place.h>
 #include <conus/plan.h>
 #include <conus/pose.h>
+#include <conus/pose_check.h>
 #include <conus/pose_file.h>
 #include <conus/probe.h>
 #include <conus/report.h>

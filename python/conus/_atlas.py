@@ -778,14 +778,14 @@ class Selector(Guarded):
         at = points.origins if isinstance(points, Poses) else points
         at = rows_of("points", self.space.to_world("points", at) if self.space and names is None else at, (3,))
         array = ffi.new("conus_pose_array *", {"count": len(at), "origin": ffi.cast("double *", at.ctypes.data)})
-        options, astray = ffi.new("conus_many_options *"), ffi.new("conus_astray *")
+        options, findings = ffi.new("conus_many_options *"), ffi.new("conus_pose_findings *")
         options.threads = 0 if threads is None else whole("threads", threads)
         options.radius = real("radius", radius)
         with telling(progress, "point", len(at)) as tell:
             collector = _Collector(len(at), tell)
             state = Callback(collector.take)
             handle, select = ffi.new_handle(state), lib.conus_select_many
-            self._call(select, astray, self._p, array, options, receive, handle, state=state)
+            self._call(select, findings, self._p, array, options, receive, handle, state=state)
         collector.finish()
         errors = {int(i): "position: finite numbers are needed" for i in np.flatnonzero(collector.status)}
         answers: Answers = self._place(
@@ -1217,17 +1217,17 @@ class Selector(Guarded):
             For arrays that do not fit together, and for one angle out of its range.
         """
         array = self._poses(origins, directions, poses, up, angle, near, far)
-        options, astray = ffi.new("conus_many_options *"), ffi.new("conus_astray *")
+        options, findings = ffi.new("conus_many_options *"), ffi.new("conus_pose_findings *")
         options.threads = 0 if threads is None else whole("threads", threads)
         options.angle = self._angle(None if np.ndim(angle) else angle)
         with telling(progress, "pose", len(array)) as tell:
             collector = _Collector(len(array), tell)
             state = Callback(collector.take)
             handle, select = ffi.new_handle(state), lib.conus_select_many
-            self._call(select, astray, self._p, array.struct, options, receive, handle, state=state)
+            self._call(select, findings, self._p, array.struct, options, receive, handle, state=state)
         collector.finish()
         errors = {i: self._reason(array, i, options.angle) for i in map(int, np.flatnonzero(collector.status))}
-        self._warn(astray, many=True)
+        self._warn(findings, many=True)
         answers: Answers = self._place(
             Answers(self.atlas, collector.results, collector.starts, errors, self._layers, array.names))
         return answers

@@ -114,41 +114,41 @@ class Aims:
     """Says of one pose after the other what is odd. The atlas's box, which takes milliseconds, is found once."""
 
     def __init__(self, selector: Any) -> None:
-        out = ffi.new("conus_aims **")
-        check(lib.conus_aims_create(out, selector))
-        self._p = owned(out[0], lib.conus_aims_destroy, selector)
+        out = ffi.new("conus_pose_check **")
+        check(lib.conus_pose_check_create(out, selector))
+        self._p = owned(out[0], lib.conus_pose_check_destroy, selector)
         self._number = 2**63
 
     @property
     def found(self) -> Any:
-        """The conus_astray of all poses so far."""
-        return lib.conus_aims_found(self._p)
+        """The conus_pose_findings of all poses so far."""
+        return lib.conus_pose_check_found(self._p)
 
     def add(self, number: int, pose: Any, angle: float) -> None:
-        lib.conus_aims_add(self._p, number, pose, angle)
+        lib.conus_pose_check_add(self._p, number, pose, angle)
 
     def of(self, pose: Any, angle: float) -> Any:
-        """A conus_astray of this pose alone."""
+        """A conus_pose_findings of this pose alone."""
         before = {kind: getattr(self.found, kind).count for kind in ("inside", "away", "tiny")}
-        self._number -= 1  # the lowest so far: an oddity is that of the last pose
+        self._number -= 1  # the lowest so far: an finding is that of the last pose
         self.add(self._number, pose, angle)
-        alone = ffi.new("conus_astray *", self.found[0])
+        alone = ffi.new("conus_pose_findings *", self.found[0])
         for kind, count in before.items():
             getattr(alone, kind).count -= count
         return alone
 
 
 def notes_of(found: Any, selector: Any, atlas: Any, many: bool) -> list[str]:
-    """The program's notes about the poses of a conus_astray; for many by their indices."""
+    """The program's notes about the poses of a conus_pose_findings; for many by their indices."""
 
-    def say(oddity: Any, one: str, several: str, end: str) -> str:
-        return f"{oddity.count} of {found.poses} {several}, the first is pose {oddity.first}{end}" if many else one
+    def say(finding: Any, one: str, several: str, end: str) -> str:
+        return f"{finding.count} of {found.poses} {several}, the first is pose {finding.first}{end}" if many else one
 
     def name_of(number: int) -> str:
         return text(lib.conus_atlas_object(atlas, number).name)
 
-    reading = ffi.new("conus_reading *")
-    check(lib.conus_aims_reading(reading, found, selector))
+    reading = ffi.new("conus_pose_suggestion *")
+    check(lib.conus_pose_check_suggest(reading, found, selector))
     remedy = f"; {text(reading.words)} it would hit {name_of(reading.object)} first" if reading.object else ""
     if reading.of_tiny:  # in metres, all else is otherwise, too
         near = "within 1 mm of the world's origin"

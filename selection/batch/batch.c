@@ -213,16 +213,16 @@ uint32_t conus_batch_threads(const conus_batch *batch)
     return batch ? batch->options.threads : 0;
 }
 
-conus_astray conus_batch_astray(const conus_batch *batch)
+conus_pose_findings conus_batch_findings(const conus_batch *batch)
 {
-    return conus_batch_astray_at(batch, 0);
+    return conus_batch_findings_at(batch, 0);
 }
 
-conus_astray conus_batch_astray_at(const conus_batch *batch, size_t index)
+conus_pose_findings conus_batch_findings_at(const conus_batch *batch, size_t index)
 {
-    conus_astray sum = {0};
+    conus_pose_findings sum = {0};
     for (size_t i = 0; index < batch->atlas_count && i < batch->options.threads; i++) {
-        aims_merge(&sum, &batch->atlases[index].workers[i].aims.found);
+        pose_check_merge(&sum, &batch->atlases[index].workers[i].aims.found);
     }
     return sum;
 }

@@ -134,7 +134,7 @@ static void finish(struct run *run)
     memory_free(run->blocks);
 }
 
-conus_status conus_select_many(conus_astray *astray, conus_selector *selector, const conus_pose_array *poses,
+conus_status conus_select_many(conus_pose_findings *findings, conus_selector *selector, const conus_pose_array *poses,
                                const conus_many_options *options, conus_answer_sink sink, void *user)
 {
     struct run run = {.poses = *options_of(conus_pose_array, poses),
@@ -165,10 +165,10 @@ conus_status conus_select_many(conus_astray *astray, conus_selector *selector, c
                                                .answer = answer_block,
                                                .deliver = deliver_block});
     }
-    if (!status && astray) {
-        *astray = (conus_astray){0};
+    if (!status && findings) {
+        *findings = (conus_pose_findings){0};
         for (uint32_t i = 0; i < run.options.threads; i++) {
-            aims_merge(astray, &run.workers[i].aims.found);
+            pose_check_merge(findings, &run.workers[i].aims.found);
         }
     }
     finish(&run);

@@ -47,7 +47,7 @@ conus_status batch_worker_init(struct batch_worker *out, conus_selector *selecto
     }
     out->selector->inside_only = true;
     out->selector->rows_only = true;
-    aims_init(&out->aims, out->selector);
+    pose_check_init(&out->aims, out->selector);
     return CONUS_OK;
 }
 
@@ -142,10 +142,10 @@ static void count_aims(struct batch_worker *worker, const struct batch_pose *pos
 {
     for (size_t i = 0; i < count; i++) {
         if (!poses[i].is_no_pose && !poses[i].is_point) {
-            conus_aims_add(&worker->aims, poses[i].line, &poses[i].pose, angle_of(worker, &poses[i]));
+            conus_pose_check_add(&worker->aims, poses[i].line, &poses[i].pose, angle_of(worker, &poses[i]));
         } else if (!poses[i].is_no_pose && !worker->points.error) {
-            conus_aims_add_point(&worker->aims, poses[i].line, poses[i].pose.world_from_device + 12,
-                                 radius_of(worker, &poses[i]));
+            conus_pose_check_add_point(&worker->aims, poses[i].line, poses[i].pose.world_from_device + 12,
+                                       radius_of(worker, &poses[i]));
         }
     }
 }
@@ -186,7 +186,7 @@ conus_status batch_worker_answer_axes(struct batch_worker *worker, const struct 
     }
     if (!status) {
         count_aims(worker, poses, count);
-        worker->aims.found.inside = (conus_oddity){0}; /* a shank may begin inside */
+        worker->aims.found.inside = (conus_pose_finding){0}; /* a shank may begin inside */
     }
     return status;
 }

@@ -3,8 +3,8 @@
 #ifndef CONUS_SELECTION_BATCH_WORKER_H
 #define CONUS_SELECTION_BATCH_WORKER_H
 
-#include "conus/aims.h"
 #include "conus/clearance.h"
+#include "conus/pose_check.h"
 #include "conus/segments.h"
 #include "selection/study/study.h"
 
@@ -38,9 +38,9 @@ struct batch_worker {
     conus_selector *selector; /**< Shares its engine with the other workers'. */
     double angle;
     struct batch_points points;
-    conus_selection **begun; /**< [at_once] Those that are traced together; NULL between blocks. */
-    size_t at_once;          /**< 1 = poses are answered one by one. */
-    struct conus_aims aims;  /**< Findings about the poses answered. */
+    conus_selection **begun;      /**< [at_once] Those that are traced together; NULL between blocks. */
+    size_t at_once;               /**< 1 = poses are answered one by one. */
+    struct conus_pose_check aims; /**< Findings about the poses answered. */
 };
 
 /** Zeroed, for poses by blocks of up to @p block; @p angle is for poses without one. */

@@ -3,10 +3,10 @@
 #ifndef CONUS_SELECTION_STUDY_STUDY_H
 #define CONUS_SELECTION_STUDY_STUDY_H
 
-#include "conus/aims.h"
 #include "conus/clearance.h"
 #include "conus/jitter.h"
 #include "conus/overlap.h"
+#include "conus/pose_check.h"
 #include "conus/segments.h"
 #include "conus/sweep.h"
 #include "selection/selection.h"
@@ -72,23 +72,23 @@ conus_status axis_follow(struct layers *out, conus_selector *selector, const con
 /** Cuts an interval of an axis at the range, whose end is infinite where it is 0; false where nothing is left of it. */
 bool axis_clip(conus_interval *interval, const conus_atlas *atlas, const double range[2]);
 
-/* aims.c: where cones begin and whether they point at the atlas at all: geometry, before any ray is traced. */
-struct conus_aims {
+/* pose_check.c: where cones begin and whether they point at the atlas at all: geometry, before any ray is traced. */
+struct conus_pose_check {
     const conus_selector *selector;
     double low[3], high[3]; /**< Around all areas and pathways. */
     bool has_box;
-    conus_astray found;
+    conus_pose_findings found;
 };
 
 /** Sets up a zeroed one for the atlas and options of @p selector, which must outlive it. */
-void aims_init(struct conus_aims *out, const conus_selector *selector);
+void pose_check_init(struct conus_pose_check *out, const conus_selector *selector);
 
 /** Adds what @p from has found to @p aims. */
-void aims_merge(conus_astray *aims, const conus_astray *from);
+void pose_check_merge(conus_pose_findings *aims, const conus_pose_findings *from);
 
 /** Whether the cone or cylinder surely hits nothing of the box from @p low to @p high. A pyramid or prism counts as
  * the cone or cylinder around it. */
-bool aims_past(const struct cone *cone, const double low[3], const double high[3]);
+bool pose_check_past(const struct cone *cone, const double low[3], const double high[3]);
 
 /* tracker.c */
 /** The tracker's options with defaults filled in. */

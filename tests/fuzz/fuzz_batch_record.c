@@ -13,7 +13,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct batch_record record;
     FILE *kept = be_quiet();
-    conus_astray found[1] = {{0}};
+    conus_pose_findings found[1] = {{0}};
     int code = batch_record_parse(&record, found, 1, "fuzz", (const char *)data, size);
     stderr = kept;
     if (!code && (record.shard.index >= record.shard.count || record.header_size > record.bytes ||

@@ -296,7 +296,7 @@ static void a_moved_atlas_is_the_patients(void **state)
 
 /* Contacts in metres, 0.05 to 0.1 from the origin; and the same where the scanner's origin is 1.2 m away. In every
  * format three such positions give a note. Two positions, as of a microelectrode, give one only near the origin; equal
- * positions and rows with an error never do. Cones of a pose table are left to conus_aims_found(). */
+ * positions and rows with an error never do. Cones of a pose table are left to conus_pose_check_found(). */
 static void positions_in_metres_are_noted(void **state)
 {
     (void)state;

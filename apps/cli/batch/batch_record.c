@@ -88,26 +88,26 @@ int batch_fingerprint(char out[65], const char *sidecar, const struct atlases *a
 enum { ODDITIES = 5, ODDITY_NUMBERS = 20, FOUND_NUMBERS = 2 + ODDITIES * ODDITY_NUMBERS };
 static const double COUNT_LIMIT = 9e15; /* up to which each whole number is a double */
 
-static conus_oddity *oddity_at(conus_astray *found, size_t index)
+static conus_pose_finding *finding_at(conus_pose_findings *found, size_t index)
 {
-    conus_oddity *const all[ODDITIES] = {&found->inside, &found->away, &found->tiny, &found->far, &found->apart};
+    conus_pose_finding *const all[ODDITIES] = {&found->inside, &found->away, &found->tiny, &found->far, &found->apart};
     return all[index];
 }
 
 /* What was found as a line of numbers with all their digits. */
-static json_t *json_from_found(conus_astray found)
+static json_t *json_from_found(conus_pose_findings found)
 {
     double numbers[FOUND_NUMBERS] = {(double)found.poses, (double)found.points};
     char line[FOUND_NUMBERS * 26];
     int length = 0;
     for (size_t i = 0; i < ODDITIES; i++) {
-        const conus_oddity *oddity = oddity_at(&found, i);
+        const conus_pose_finding *finding = finding_at(&found, i);
         double *out = numbers + 2 + i * ODDITY_NUMBERS;
-        out[0] = (double)oddity->count;
-        out[1] = (double)oddity->first;
-        out[2] = oddity->object;
-        out[3] = oddity->angle;
-        memcpy(out + 4, oddity->pose.world_from_device, sizeof oddity->pose.world_from_device);
+        out[0] = (double)finding->count;
+        out[1] = (double)finding->first;
+        out[2] = finding->object;
+        out[3] = finding->angle;
+        memcpy(out + 4, finding->pose.world_from_device, sizeof finding->pose.world_from_device);
     }
     for (size_t i = 0; i < FOUND_NUMBERS; i++) {
         length += snprintf(line + length, sizeof line - (size_t)length, "%s%.17g", i ? " " : "", numbers[i]);
@@ -115,7 +115,7 @@ static json_t *json_from_found(conus_astray found)
     return json_string(line);
 }
 
-static bool found_from_json(conus_astray *out, const json_t *value)
+static bool found_from_json(conus_pose_findings *out, const json_t *value)
 {
     double numbers[FOUND_NUMBERS];
     const char *text = json_string_value(value);
@@ -130,13 +130,13 @@ static bool found_from_json(conus_astray *out, const json_t *value)
         }
         text = end + 1;
     }
-    *out = (conus_astray){.poses = (uint64_t)numbers[0], .points = (uint64_t)numbers[1]};
+    *out = (conus_pose_findings){.poses = (uint64_t)numbers[0], .points = (uint64_t)numbers[1]};
     for (size_t i = 0; i < ODDITIES; i++) {
-        conus_oddity *oddity = oddity_at(out, i);
+        conus_pose_finding *finding = finding_at(out, i);
         const double *in = numbers + 2 + i * ODDITY_NUMBERS;
-        *oddity =
-            (conus_oddity){(uint64_t)in[0], (uint64_t)in[1], in[2] <= UINT32_MAX ? (uint32_t)in[2] : 0, .angle = in[3]};
-        memcpy(oddity->pose.world_from_device, in + 4, sizeof oddity->pose.world_from_device);
+        *finding = (conus_pose_finding){(uint64_t)in[0], (uint64_t)in[1], in[2] <= UINT32_MAX ? (uint32_t)in[2] : 0,
+                                        .angle = in[3]};
+        memcpy(finding->pose.world_from_device, in + 4, sizeof finding->pose.world_from_device);
     }
     return true;
 }
@@ -242,7 +242,7 @@ static bool is_sealed(json_t *root)
     return given && provenance_checksum(sum, root) && strcmp(given, sum) == 0;
 }
 
-int batch_record_read(struct batch_record *out, conus_astray *found, size_t atlases, const char *path)
+int batch_record_read(struct batch_record *out, conus_pose_findings *found, size_t atlases, const char *path)
 {
     char *text = NULL;
     size_t size = 0;
@@ -252,7 +252,7 @@ int batch_record_read(struct batch_record *out, conus_astray *found, size_t atla
     return code;
 }
 
-int batch_record_parse(struct batch_record *out, conus_astray *found, size_t atlases, const char *path,
+int batch_record_parse(struct batch_record *out, conus_pose_findings *found, size_t atlases, const char *path,
                        const char *text, size_t size)
 {
     json_error_t error;

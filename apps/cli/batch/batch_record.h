@@ -40,9 +40,9 @@ int batch_record_write(const char *path, const char *text, const struct batch_re
 
 /** Reads it back: fingerprint, shard and counts; and, unless @p found is NULL, what was found by each of @p atlases,
  * whose objects the caller checks. */
-int batch_record_read(struct batch_record *out, conus_astray *found, size_t atlases, const char *path);
+int batch_record_read(struct batch_record *out, conus_pose_findings *found, size_t atlases, const char *path);
 /** The same from bytes; @p path is for messages. */
-int batch_record_parse(struct batch_record *out, conus_astray *found, size_t atlases, const char *path,
+int batch_record_parse(struct batch_record *out, conus_pose_findings *found, size_t atlases, const char *path,
                        const char *text, size_t size);
 
 #endif

@@ -534,17 +534,17 @@ static void say_errors(const struct task *task)
     }
 }
 
-static void find_astray(struct task *task)
+static void gather_findings(struct task *task)
 {
     for (size_t i = 0; i < task->atlases.count; i++) {
-        task->aimed[i].found = conus_batch_astray_at(task->batch, i);
+        task->aimed[i].found = conus_batch_findings_at(task->batch, i);
         if (task->settings->aim.aperture > 0) { /* a beam begins inside */
-            task->aimed[i].found.inside = (conus_oddity){0};
+            task->aimed[i].found.inside = (conus_pose_finding){0};
         }
     }
 }
 
-static void say_astray(const struct task *task)
+static void say_each_finding(const struct task *task)
 {
     pose_settings_say_late(task->poses, task->settings->poses, task->notes_said, &task->settings->common);
     aim_notes_say(task->aimed, task->atlases.count, pose_settings_file_name(task->settings->poses),
@@ -670,8 +670,8 @@ static int begin_file(struct task *task)
 static void say_findings(struct task *task)
 {
     say_errors(task);
-    find_astray(task);
-    say_astray(task);
+    gather_findings(task);
+    say_each_finding(task);
 }
 
 static void say_there(const struct task *task)
@@ -730,9 +730,9 @@ static int answer_part(struct task *task, size_t warnings)
     code = code ? code : answer_poses(task);
     code = code ? code : check_poses(task);
     if (!code) {
-        find_astray(task);
+        gather_findings(task);
         messages_hold(true);
-        say_astray(task);
+        say_each_finding(task);
         messages_hold(false);
         code = finish_file(task);
         warnings_forget(warnings);
@@ -747,22 +747,22 @@ static int answer_part(struct task *task, size_t warnings)
 }
 
 /* Of poses that come behind those of the sum. */
-static void add_oddity(conus_oddity *sum, const conus_oddity *more)
+static void add_finding(conus_pose_finding *sum, const conus_pose_finding *more)
 {
     uint64_t count = sum->count + more->count;
     *sum = sum->count ? *sum : *more;
     sum->count = count;
 }
 
-static void add_found(conus_astray *sum, const conus_astray *more)
+static void add_found(conus_pose_findings *sum, const conus_pose_findings *more)
 {
     sum->poses += more->poses;
     sum->points += more->points;
-    add_oddity(&sum->inside, &more->inside);
-    add_oddity(&sum->away, &more->away);
-    add_oddity(&sum->tiny, &more->tiny);
-    add_oddity(&sum->far, &more->far);
-    add_oddity(&sum->apart, &more->apart);
+    add_finding(&sum->inside, &more->inside);
+    add_finding(&sum->away, &more->away);
+    add_finding(&sum->tiny, &more->tiny);
+    add_finding(&sum->far, &more->far);
+    add_finding(&sum->apart, &more->apart);
 }
 
 /* Whether the record is that of the part at hand of this question; prints an error if it is not. */
@@ -776,12 +776,12 @@ static bool is_own_part(const struct task *task, const struct batch_record *reco
 }
 
 /* Appends the rows of the part at hand to the whole file, and adds up what is known of its poses. */
-static int add_part(struct task *task, struct batch_file *whole, struct counts *sum, conus_astray *found)
+static int add_part(struct task *task, struct batch_file *whole, struct counts *sum, conus_pose_findings *found)
 {
     struct batch_record record;
     uint32_t crc;
     uint64_t size;
-    conus_astray *own = calloc(task->atlases.count, sizeof *own);
+    conus_pose_findings *own = calloc(task->atlases.count, sizeof *own);
     if (!own) {
         return print_no_memory();
     }
@@ -842,7 +842,7 @@ static int join_parts(struct task *task)
     struct shard part = {0, task->settings->part.count, false};
     struct batch_file whole = {.rows.file = -1};
     struct counts sum = {0};
-    conus_astray *found = calloc(task->atlases.count, sizeof *found);
+    conus_pose_findings *found = calloc(task->atlases.count, sizeof *found);
     if (!found) {
         return print_no_memory();
     }
@@ -870,7 +870,7 @@ static int join_parts(struct task *task)
     free(found);
     if (!code) {
         say_errors(task);
-        say_astray(task);
+        say_each_finding(task);
         code = check_poses(task);
     }
     code = code ? code : finish_file(task);

@@ -118,11 +118,11 @@ static void answers_do_not_depend_on_threads_or_blocks(void **state)
 {
     struct fixture *fixture = *state;
     static const uint32_t settings[][2] = {{1, 1}, {1, 0}, {2, 1}, {2, 16}, {3, 100}, {8, 7}, {5, 65536}};
-    const conus_pose_array aims = {.count = POSES,
-                                   .origin = fixture->origin[0],
-                                   .direction = fixture->direction[0],
-                                   .up = fixture->up[0],
-                                   .angle = fixture->angle};
+    const conus_pose_array check = {.count = POSES,
+                                    .origin = fixture->origin[0],
+                                    .direction = fixture->direction[0],
+                                    .up = fixture->up[0],
+                                    .angle = fixture->angle};
     const conus_pose_array matrices = matrices_of(fixture);
     for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
         conus_many_options options = twenty_degrees;
@@ -131,7 +131,7 @@ static void answers_do_not_depend_on_threads_or_blocks(void **state)
         for (int along = 0; along < 2; along++) {
             struct received received = {.as_expected = true};
             assert_ok(
-                conus_select_many(NULL, fixture->selector, along ? &aims : &matrices, &options, receive, &received));
+                conus_select_many(NULL, fixture->selector, along ? &check : &matrices, &options, receive, &received));
             check_answers(fixture, &received, along);
             free(received.results);
         }
@@ -185,31 +185,32 @@ static void no_poses_are_no_answers(void **state)
 {
     struct fixture *fixture = *state;
     struct received received = {.as_expected = true};
-    conus_astray astray = {.poses = 9};
-    assert_ok(conus_select_many(&astray, fixture->selector, &(conus_pose_array){.count = 0}, NULL, receive, &received));
+    conus_pose_findings findings = {.poses = 9};
+    assert_ok(
+        conus_select_many(&findings, fixture->selector, &(conus_pose_array){.count = 0}, NULL, receive, &received));
     assert_int_equal(received.poses, 0);
-    assert_int_equal(astray.poses, 0);
+    assert_int_equal(findings.poses, 0);
     free(received.results);
 }
 
-/* The oracle calls conus_aims_add() for each pose. */
+/* The oracle calls conus_pose_check_add() for each pose. */
 static void findings_are_those_of_the_poses(void **state)
 {
     struct fixture *fixture = *state;
     const conus_pose_array poses = matrices_of(fixture);
-    conus_aims *aims = NULL;
-    assert_ok(conus_aims_create(&aims, fixture->selector));
+    conus_pose_check *check = NULL;
+    assert_ok(conus_pose_check_create(&check, fixture->selector));
     for (size_t i = 0; i < POSES; i++) {
         conus_pose pose;
         if (conus_pose_from_matrix(&pose, fixture->matrix[i]) == CONUS_OK) {
-            conus_aims_add(aims, i, &pose, fixture->angle[i] != 0 ? fixture->angle[i] : twenty_degrees.angle);
+            conus_pose_check_add(check, i, &pose, fixture->angle[i] != 0 ? fixture->angle[i] : twenty_degrees.angle);
         }
     }
-    const conus_astray *wanted = conus_aims_found(aims);
+    const conus_pose_findings *wanted = conus_pose_check_found(check);
     for (uint32_t threads = 1; threads < 4; threads++) {
         conus_many_options options = twenty_degrees;
         struct received received = {.as_expected = true};
-        conus_astray found;
+        conus_pose_findings found;
         options.threads = threads;
         options.block = 32;
         assert_ok(conus_select_many(&found, fixture->selector, &poses, &options, receive, &received));
@@ -220,7 +221,7 @@ static void findings_are_those_of_the_poses(void **state)
         assert_int_equal(found.away.first, wanted->away.first);
         free(received.results);
     }
-    conus_aims_destroy(aims);
+    conus_pose_check_destroy(check);
 }
 
 static void a_sink_ends_the_run(void **state)
@@ -230,11 +231,11 @@ static void a_sink_ends_the_run(void **state)
     for (uint32_t threads = 1; threads <= 4; threads++) {
         struct received received = {.stop_after = 40, .as_expected = true};
         const conus_many_options options = {.threads = threads, .block = 20};
-        conus_astray astray = {.poses = 9};
-        assert_fails(conus_select_many(&astray, fixture->selector, &poses, &options, receive, &received),
+        conus_pose_findings findings = {.poses = 9};
+        assert_fails(conus_select_many(&findings, fixture->selector, &poses, &options, receive, &received),
                      CONUS_ERROR_CANCELLED);
         assert_int_equal(received.poses, 40);
-        assert_int_equal(astray.poses, 9); /* untouched */
+        assert_int_equal(findings.poses, 9); /* untouched */
         free(received.results);
     }
 }

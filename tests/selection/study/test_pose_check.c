@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Poses that lie or point where they hardly should (conus_aims): cones and boxes against many rays, counts by hand. */
+/* Poses that lie or point where they hardly should (conus_pose_check): cones and boxes against many rays, counts by
+ * hand. */
 #include "base/geometry/math3.h"
 #include "mesh_scene.h"
 #include "scene.h"
@@ -57,13 +58,13 @@ static void a_cone_misses_a_box_that_it_holds_no_point_of(void **state)
         bool before = least < INFINITY;
         if (before && least > 0.02) {
             cone.angle = 2 * atan(least * 1.001);
-            assert_false(aims_past(&cone, low, high));
+            assert_false(pose_check_past(&cone, low, high));
             cone.angle = 2 * atan(least * 0.9 - 0.02);
-            missed += cone.angle > 0 && aims_past(&cone, low, high);
+            missed += cone.angle > 0 && pose_check_past(&cone, low, high);
         }
         if (!before) {
             cone.angle = radians_from_degrees(170 * random_part(&random) + 1);
-            assert_true(aims_past(&cone, low, high));
+            assert_true(pose_check_past(&cone, low, high));
         }
     }
     assert_true(missed > 100);
@@ -80,20 +81,20 @@ static void the_border_is_sharp(void **state)
     double off = edge + radians_from_degrees(20);
     assert_ok(conus_pose_along(&cone.pose, (double[]){0, 0, 10}, (double[]){sin(off), 0, -cos(off)}, NULL));
     cone.angle = 2 * radians_from_degrees(20.0001);
-    assert_false(aims_past(&cone, low, high));
+    assert_false(pose_check_past(&cone, low, high));
     cone.angle = 2 * radians_from_degrees(19.9999);
-    assert_true(aims_past(&cone, low, high));
+    assert_true(pose_check_past(&cone, low, high));
     cone.aperture = CONUS_APERTURE_SQUARE; /* the cone around the pyramid reaches sqrt(2) tan 20 degrees */
-    assert_false(aims_past(&cone, low, high));
+    assert_false(pose_check_past(&cone, low, high));
     assert_ok(conus_pose_along(&cone.pose, (double[]){3, 0, 10}, (double[]){0, 0, -1}, NULL));
     cone.aperture = CONUS_APERTURE_CIRCLE;
     cone.angle = 0;
     cone.radius = 2.001;
-    assert_false(aims_past(&cone, low, high));
+    assert_false(pose_check_past(&cone, low, high));
     cone.radius = 1.999;
-    assert_true(aims_past(&cone, low, high));
+    assert_true(pose_check_past(&cone, low, high));
     assert_ok(conus_pose_along(&cone.pose, (double[]){0, 0, 0}, (double[]){0, 0, -1}, NULL)); /* inside, looking out */
-    assert_false(aims_past(&cone, low, high));
+    assert_false(pose_check_past(&cone, low, high));
 }
 
 /* A pose that hits something by conus_select() never counts as missing. */
@@ -107,15 +108,15 @@ static void what_is_hit_is_not_missed(void **state)
         const struct cone cone = scene_cone(&random, atlas);
         conus_selector *selector = NULL;
         conus_selection *selection = NULL;
-        conus_aims *aims = NULL;
+        conus_pose_check *check = NULL;
         double low[3];
         double high[3];
         const conus_selector_options options = {.aperture = i % 2 ? CONUS_APERTURE_SQUARE : CONUS_APERTURE_CIRCLE};
         assert_ok(conus_selector_create(&selector, atlas, &options));
         assert_ok(conus_select(&selection, selector, &cone.pose, cone.angle));
-        assert_ok(conus_aims_create(&aims, selector));
-        conus_aims_add(aims, 1, &cone.pose, cone.angle);
-        const conus_astray *found = conus_aims_found(aims);
+        assert_ok(conus_pose_check_create(&check, selector));
+        conus_pose_check_add(check, 1, &cone.pose, cone.angle);
+        const conus_pose_findings *found = conus_pose_check_found(check);
         const conus_result *first = conus_selection_result(selection, 0);
         assert_int_equal(found->poses, conus_atlas_bounds(low, high, atlas) == CONUS_OK);
         assert_true(!first->object || found->away.count == 0);
@@ -123,7 +124,7 @@ static void what_is_hit_is_not_missed(void **state)
         if (found->inside.count) {
             assert_near(first->distance, 0, 0);
         }
-        conus_aims_destroy(aims);
+        conus_pose_check_destroy(check);
         conus_selection_destroy(selection);
         conus_selector_destroy(selector);
         conus_atlas_destroy(atlas);
@@ -158,16 +159,16 @@ static void poses_are_counted_by_kind(void **state)
     static const double places[][3] = {{1, 1, -50}, {0.5, 0.5, 50}, {3, 3, 5}, {3, 3, -5}, {0.5, 0, -0.5}, {40, 0, 0}};
     conus_atlas *atlas = block();
     conus_selector *selector = NULL;
-    conus_aims *aims = NULL;
+    conus_pose_check *check = NULL;
     assert_ok(conus_selector_create(&selector, atlas, NULL));
-    assert_ok(conus_aims_create(&aims, selector));
+    assert_ok(conus_pose_check_create(&check, selector));
     for (size_t i = 6; i > 0; i--) { /* the lowest number counts, not the first call */
         const conus_pose pose = looking_up_from(places[i - 1][0], places[i - 1][1], places[i - 1][2]);
-        conus_aims_add(aims, i + 1, &pose, 0.2);
+        conus_pose_check_add(check, i + 1, &pose, 0.2);
     }
     const conus_pose pose = looking_up_from(0, 0, 0);
-    conus_aims_add(aims, 20, &pose, 4); /* not an angle */
-    const conus_astray *found = conus_aims_found(aims);
+    conus_pose_check_add(check, 20, &pose, 4); /* not an angle */
+    const conus_pose_findings *found = conus_pose_check_found(check);
     assert_int_equal(found->poses, 6);
     assert_int_equal(found->inside.count, 3);
     assert_int_equal(found->inside.first, 4);
@@ -178,19 +179,19 @@ static void poses_are_counted_by_kind(void **state)
     assert_near(found->away.pose.world_from_device[14], 50, 0);
     assert_int_equal(found->tiny.count, 1);
     assert_int_equal(found->tiny.first, 6);
-    conus_astray sum = *found;
-    conus_astray more = *found;
+    conus_pose_findings sum = *found;
+    conus_pose_findings more = *found;
     more.inside.first = 2;
     more.inside.object = 1;
-    aims_merge(&sum, &more);
-    aims_merge(&sum, &(conus_astray){.poses = 1});
+    pose_check_merge(&sum, &more);
+    pose_check_merge(&sum, &(conus_pose_findings){.poses = 1});
     assert_int_equal(sum.poses, 13);
     assert_int_equal(sum.inside.count, 6);
     assert_int_equal(sum.inside.first, 2);
     assert_int_equal(sum.inside.object, 1);
     assert_int_equal(sum.away.count, 4);
     assert_int_equal(sum.away.first, 3);
-    conus_aims_destroy(aims);
+    conus_pose_check_destroy(check);
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
 }
@@ -201,18 +202,18 @@ static void a_cylinder_may_begin_inside(void **state)
     (void)state;
     conus_atlas *atlas = block();
     conus_selector *selector = NULL;
-    conus_aims *aims = NULL;
+    conus_pose_check *check = NULL;
     const conus_pose inside = looking_up_from(3, 3, 5);
     const conus_pose beyond = looking_up_from(3, 3, 50);
     assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.radius = 1}));
-    assert_ok(conus_aims_create(&aims, selector));
-    conus_aims_add(aims, 1, &inside, 0);
-    conus_aims_add(aims, 2, &beyond, 0);
-    assert_int_equal(conus_aims_found(aims)->poses, 2);
-    assert_int_equal(conus_aims_found(aims)->inside.count, 0);
-    assert_int_equal(conus_aims_found(aims)->away.count, 1);
-    conus_aims_destroy(aims);
-    conus_aims_destroy(NULL);
+    assert_ok(conus_pose_check_create(&check, selector));
+    conus_pose_check_add(check, 1, &inside, 0);
+    conus_pose_check_add(check, 2, &beyond, 0);
+    assert_int_equal(conus_pose_check_found(check)->poses, 2);
+    assert_int_equal(conus_pose_check_found(check)->inside.count, 0);
+    assert_int_equal(conus_pose_check_found(check)->away.count, 1);
+    conus_pose_check_destroy(check);
+    conus_pose_check_destroy(NULL);
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
 }
@@ -223,31 +224,31 @@ static void points_may_lie_apart(void **state)
     (void)state;
     conus_atlas *atlas = block();
     conus_selector *selector = NULL;
-    conus_aims *aims = NULL;
+    conus_pose_check *check = NULL;
     double low[3];
     double high[3];
     assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.radius = 5}));
-    assert_ok(conus_aims_create(&aims, selector));
+    assert_ok(conus_pose_check_create(&check, selector));
     assert_ok(conus_atlas_bounds(low, high, atlas));
     const double corner[3] = {high[0] + 3, high[1] + 4, high[2]};
     const double under[3] = {low[0], low[1], low[2] - 6};
-    conus_aims_add_point(aims, 1, low, 5);
-    conus_aims_add_point(aims, 2, corner, 5);
-    conus_aims_add_point(aims, 3, (const double[]){NAN, 0, 0}, 5);
-    assert_int_equal(conus_aims_found(aims)->apart.count, 0);
-    conus_aims_add_point(aims, 7, corner, 4.99);
-    conus_aims_add_point(aims, 5, under, 5);
-    const conus_astray *found = conus_aims_found(aims);
+    conus_pose_check_add_point(check, 1, low, 5);
+    conus_pose_check_add_point(check, 2, corner, 5);
+    conus_pose_check_add_point(check, 3, (const double[]){NAN, 0, 0}, 5);
+    assert_int_equal(conus_pose_check_found(check)->apart.count, 0);
+    conus_pose_check_add_point(check, 7, corner, 4.99);
+    conus_pose_check_add_point(check, 5, under, 5);
+    const conus_pose_findings *found = conus_pose_check_found(check);
     assert_int_equal(found->points, 4);
     assert_int_equal(found->poses, 0);
     assert_int_equal(found->apart.count, 2);
     assert_int_equal(found->apart.first, 5);
     assert_near(found->apart.pose.world_from_device[14], low[2] - 6, 0);
-    conus_astray sum = *found;
-    aims_merge(&sum, found);
+    conus_pose_findings sum = *found;
+    pose_check_merge(&sum, found);
     assert_int_equal(sum.points, 8);
     assert_int_equal(sum.apart.count, 4);
-    conus_aims_destroy(aims);
+    conus_pose_check_destroy(check);
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
 }
@@ -256,17 +257,17 @@ static uint64_t inside_first(const conus_atlas *atlas, const conus_selector_opti
                              size_t count, uint32_t *object)
 {
     conus_selector *selector = NULL;
-    conus_aims *aims = NULL;
+    conus_pose_check *check = NULL;
     assert_ok(conus_selector_create(&selector, atlas, options));
-    assert_ok(conus_aims_create(&aims, selector));
+    assert_ok(conus_pose_check_create(&check, selector));
     for (size_t i = 0; i < count; i++) {
         const conus_pose pose = looking_up_from(places[i][0], places[i][1], places[i][2]);
-        conus_aims_add(aims, i + 1, &pose, options->radius > 0 ? 0 : 0.2);
+        conus_pose_check_add(check, i + 1, &pose, options->radius > 0 ? 0 : 0.2);
     }
-    const conus_oddity inside = conus_aims_found(aims)->inside;
+    const conus_pose_finding inside = conus_pose_check_found(check)->inside;
     assert_true(inside.count <= 1);
     *object = inside.object;
-    conus_aims_destroy(aims);
+    conus_pose_check_destroy(check);
     conus_selector_destroy(selector);
     return inside.count ? inside.first : 0;
 }
@@ -338,16 +339,16 @@ static void the_box_of_a_surface_is_not_its_inside(void **state)
 }
 
 /* Counts a pose that looks along `forward`, and reads it. */
-static conus_reading reading_of(conus_selector *selector, const double from[3], const double forward[3])
+static conus_pose_suggestion reading_of(conus_selector *selector, const double from[3], const double forward[3])
 {
-    conus_aims *aims = NULL;
+    conus_pose_check *check = NULL;
     conus_pose pose;
-    conus_reading reading = {.object = 99};
-    assert_ok(conus_aims_create(&aims, selector));
+    conus_pose_suggestion reading = {.object = 99};
+    assert_ok(conus_pose_check_create(&check, selector));
     assert_ok(conus_pose_along(&pose, from, forward, NULL));
-    conus_aims_add(aims, 1, &pose, 0.2);
-    assert_ok(conus_aims_reading(&reading, conus_aims_found(aims), selector));
-    conus_aims_destroy(aims);
+    conus_pose_check_add(check, 1, &pose, 0.2);
+    assert_ok(conus_pose_check_suggest(&reading, conus_pose_check_found(check), selector));
+    conus_pose_check_destroy(check);
     return reading;
 }
 
@@ -373,7 +374,7 @@ static void a_pose_is_read_in_other_ways(void **state)
     conus_selector *selector = NULL;
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        const conus_reading reading = reading_of(selector, cases[i].from, cases[i].forward);
+        const conus_pose_suggestion reading = reading_of(selector, cases[i].from, cases[i].forward);
         const double *m = reading.pose.world_from_device;
         assert_int_equal(reading.object, 1);
         assert_int_equal(reading.of_tiny, cases[i].of_tiny);
@@ -399,7 +400,7 @@ static void a_pose_may_have_no_other_reading(void **state)
     conus_selector *selector = NULL;
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     for (size_t i = 0; i < 4; i++) {
-        const conus_reading reading = reading_of(selector, places[i], ways[i]);
+        const conus_pose_suggestion reading = reading_of(selector, places[i], ways[i]);
         assert_int_equal(reading.object, 0);
         assert_false(reading.of_tiny);
         assert_null(reading.words);
@@ -414,13 +415,13 @@ static void a_reading_without_memory_is_an_error(void **state)
     conus_atlas *atlas = block();
     conus_selector *selector = NULL;
     assert_ok(conus_selector_create(&selector, atlas, NULL));
-    conus_astray found = {.away = {.count = 1, .angle = 0.2, .pose = looking_up_from(1, 1, 50)}};
-    conus_reading reading = {.object = 99};
+    conus_pose_findings found = {.away = {.count = 1, .angle = 0.2, .pose = looking_up_from(1, 1, 50)}};
+    conus_pose_suggestion reading = {.object = 99};
     long failures = 0;
     conus_status status = CONUS_ERROR_MEMORY;
     while (status) {
         test_fail_allocation(failures++);
-        status = conus_aims_reading(&reading, &found, selector);
+        status = conus_pose_check_suggest(&reading, &found, selector);
         test_fail_allocation(-1);
         assert_true(status == CONUS_OK || status == CONUS_ERROR_MEMORY);
         assert_int_equal(reading.object, status ? 99 : 2);
@@ -430,7 +431,7 @@ static void a_reading_without_memory_is_an_error(void **state)
     conus_atlas_destroy(atlas);
 }
 
-TEST_GROUP(aims)
+TEST_GROUP(pose_check)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_cone_misses_a_box_that_it_holds_no_point_of),

@@ -86,7 +86,7 @@ static double least_square_slope(const double m[16], const double low[3], const 
     return least;
 }
 
-bool aims_past(const struct cone *cone, const double low[3], const double high[3])
+bool pose_check_past(const struct cone *cone, const double low[3], const double high[3])
 {
     const double *m = cone->pose.world_from_device;
     double around = cone->aperture == CONUS_APERTURE_SQUARE ? sqrt(2) : 1;
@@ -158,101 +158,101 @@ static uint32_t object_around(const conus_selector *selector, const struct cone 
     return found;
 }
 
-void aims_init(struct conus_aims *out, const conus_selector *selector)
+void pose_check_init(struct conus_pose_check *out, const conus_selector *selector)
 {
-    *out = (struct conus_aims){.selector = selector};
+    *out = (struct conus_pose_check){.selector = selector};
     out->has_box = conus_atlas_bounds(out->low, out->high, selector->atlas) == CONUS_OK;
 }
 
-conus_status conus_aims_create(conus_aims **out, const conus_selector *selector)
+conus_status conus_pose_check_create(conus_pose_check **out, const conus_selector *selector)
 {
-    conus_aims *aims = memory_zeroed(1, sizeof *aims);
-    if (!aims) {
+    conus_pose_check *check = memory_zeroed(1, sizeof *check);
+    if (!check) {
         return CONUS_ERROR_MEMORY;
     }
-    aims_init(aims, selector);
-    *out = aims;
+    pose_check_init(check, selector);
+    *out = check;
     return CONUS_OK;
 }
 
-void conus_aims_destroy(conus_aims *aims)
+void conus_pose_check_destroy(conus_pose_check *check)
 {
-    memory_free(aims);
+    memory_free(check);
 }
 
-static void count(conus_oddity *oddity, uint64_t number, const struct cone *cone, uint32_t object)
+static void count(conus_pose_finding *finding, uint64_t number, const struct cone *cone, uint32_t object)
 {
-    if (!oddity->count || number < oddity->first) {
-        *oddity = (conus_oddity){oddity->count, number, object, cone->pose, cone->angle};
+    if (!finding->count || number < finding->first) {
+        *finding = (conus_pose_finding){finding->count, number, object, cone->pose, cone->angle};
     }
-    oddity->count++;
+    finding->count++;
 }
 
-void conus_aims_add(conus_aims *aims, uint64_t number, const conus_pose *pose, double angle)
+void conus_pose_check_add(conus_pose_check *check, uint64_t number, const conus_pose *pose, double angle)
 {
-    const conus_selector_options *options = &aims->selector->options;
+    const conus_selector_options *options = &check->selector->options;
     struct cone cone = {.angle = angle, .resolution = 1, .aperture = options->aperture, .radius = options->radius};
     const double *apex = cone.pose.world_from_device + 12;
-    if (!aims->has_box || pose_settle(&cone.pose, pose->world_from_device) || cone_check(&cone)) {
+    if (!check->has_box || pose_settle(&cone.pose, pose->world_from_device) || cone_check(&cone)) {
         return;
     }
-    aims->found.poses++;
-    uint32_t object = cone.radius > 0 ? 0 : object_at(aims->selector->atlas, apex); /* a needle begins inside */
-    object = object || cone.radius > 0 ? object : object_around(aims->selector, &cone);
+    check->found.poses++;
+    uint32_t object = cone.radius > 0 ? 0 : object_at(check->selector->atlas, apex); /* a needle begins inside */
+    object = object || cone.radius > 0 ? object : object_around(check->selector, &cone);
     if (object) {
-        count(&aims->found.inside, number, &cone, object);
-    } else if (aims_past(&cone, aims->low, aims->high)) {
-        count(&aims->found.away, number, &cone, 0);
+        count(&check->found.inside, number, &cone, object);
+    } else if (pose_check_past(&cone, check->low, check->high)) {
+        count(&check->found.away, number, &cone, 0);
     }
     if (fabs(apex[0]) < tiny_mm && fabs(apex[1]) < tiny_mm && fabs(apex[2]) < tiny_mm && vec3_length(apex) > 0) {
-        count(&aims->found.tiny, number, &cone, 0);
+        count(&check->found.tiny, number, &cone, 0);
     }
 }
 
-void conus_aims_add_point(conus_aims *aims, uint64_t number, const double point[3], double radius)
+void conus_pose_check_add_point(conus_pose_check *check, uint64_t number, const double point[3], double radius)
 {
     struct cone ball = {0};
     double gap[3];
-    if (!aims->has_box || !vec3_is_finite(point)) {
+    if (!check->has_box || !vec3_is_finite(point)) {
         return;
     }
     mat4_identity(ball.pose.world_from_device);
     for (int i = 0; i < 3; i++) {
         ball.pose.world_from_device[12 + i] = point[i];
-        gap[i] = fmax(0, fmax(aims->low[i] - point[i], point[i] - aims->high[i]));
+        gap[i] = fmax(0, fmax(check->low[i] - point[i], point[i] - check->high[i]));
     }
-    aims->found.points++;
+    check->found.points++;
     double longest =
-        fmax(aims->high[0] - aims->low[0], fmax(aims->high[1] - aims->low[1], aims->high[2] - aims->low[2]));
+        fmax(check->high[0] - check->low[0], fmax(check->high[1] - check->low[1], check->high[2] - check->low[2]));
     if (vec3_length(gap) > longest / 4) {
-        count(&aims->found.far, number, &ball, 0);
+        count(&check->found.far, number, &ball, 0);
     }
     if (radius > 0 && vec3_length(gap) > radius * (1 + margin)) {
-        count(&aims->found.apart, number, &ball, 0);
+        count(&check->found.apart, number, &ball, 0);
     }
 }
 
-const conus_astray *conus_aims_found(const conus_aims *aims)
+const conus_pose_findings *conus_pose_check_found(const conus_pose_check *check)
 {
-    return &aims->found;
+    return &check->found;
 }
 
-static void merge(conus_oddity *oddity, const conus_oddity *from)
+static void merge(conus_pose_finding *finding, const conus_pose_finding *from)
 {
-    uint64_t sum = oddity->count + from->count;
-    if (from->count && (!oddity->count || from->first < oddity->first)) {
-        *oddity = *from;
+    uint64_t sum = finding->count + from->count;
+    if (from->count && (!finding->count || from->first < finding->first)) {
+        *finding = *from;
     }
-    oddity->count = sum;
+    finding->count = sum;
 }
 
-void aims_merge(conus_astray *aims, const conus_astray *from)
+void pose_check_merge(conus_pose_findings *check, const conus_pose_findings *from)
 {
-    aims->poses += from->poses;
-    merge(&aims->inside, &from->inside);
-    merge(&aims->away, &from->away);
-    merge(&aims->tiny, &from->tiny);
-    aims->points += from->points;
-    merge(&aims->far, &from->far);
-    merge(&aims->apart, &from->apart);
+    check->poses += from->poses;
+    merge(&check->inside, &from->inside);
+    merge(&check->away, &from->away);
+    merge(&check->tiny, &from->tiny);
+    check->points += from->points;
+    merge(&check->far, &from->far);
+    merge(&check->apart, &from->apart);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tries other readings of odd poses: another space, another unit, the other end of the device. */
 #include "base/status.h"
-#include "conus/aims.h"
+#include "conus/pose_check.h"
 #include "selection/selection.h"
 #include "selection/selector.h"
 
@@ -67,26 +67,28 @@ static conus_status first_hit(uint32_t *object, conus_selector *selector, const 
 }
 
 /* The first way by which the pose hits something. */
-static conus_status find_way(conus_reading *out, const conus_oddity *oddity, bool tiny, conus_selector *selector)
+static conus_status find_way(conus_pose_suggestion *out, const conus_pose_finding *finding, bool tiny,
+                             conus_selector *selector)
 {
-    conus_reading found = {.of_tiny = tiny};
+    conus_pose_suggestion found = {.of_tiny = tiny};
     conus_status status = CONUS_OK;
-    for (int i = 0; oddity->count && i < WAYS && !status && !found.object; i++) {
-        if (is_likely(&oddity->pose, ways[i].scale, tiny)) {
+    for (int i = 0; finding->count && i < WAYS && !status && !found.object; i++) {
+        if (is_likely(&finding->pose, ways[i].scale, tiny)) {
             found.words = ways[i].words;
-            found.pose = read_as(&oddity->pose, &ways[i]);
-            status = first_hit(&found.object, selector, &found.pose, oddity->angle);
+            found.pose = read_as(&finding->pose, &ways[i]);
+            status = first_hit(&found.object, selector, &found.pose, finding->angle);
         }
     }
     if (!status) {
-        *out = found.object ? found : (conus_reading){0};
+        *out = found.object ? found : (conus_pose_suggestion){0};
     }
     return status;
 }
 
-conus_status conus_aims_reading(conus_reading *out, const conus_astray *found, conus_selector *selector)
+conus_status conus_pose_check_suggest(conus_pose_suggestion *out, const conus_pose_findings *found,
+                                      conus_selector *selector)
 {
-    conus_reading reading = {0};
+    conus_pose_suggestion reading = {0};
     conus_status status = find_way(&reading, &found->tiny, true, selector);
     if (!status && !reading.object) {
         status = find_way(&reading, &found->away, false, selector);
