@@ -273,6 +273,16 @@ static int find_names(struct place *place)
     return place->list && !names ? print_no_memory() : EXIT_DONE;
 }
 
+/* Whether some name has the sign that stands between entry and target: where both have, "a-b-c" is of two needles. */
+static bool has_dash(const struct place *place)
+{
+    bool has = false;
+    for (size_t i = 0; place->names && i < conus_sites_count(place->sites) && !has; i++) {
+        has = strchr(place->names[i], '-');
+    }
+    return has;
+}
+
 static int thin_out(struct place *place, const char *option, const struct request *request)
 {
     if (!conus_sites_count(place->sites)) {
@@ -387,8 +397,9 @@ int candidates_open(struct candidates *candidates, struct request *request, cons
     }
     asked.targets = is_normal ? NULL : conus_sites_points(candidates->toward.sites);
     asked.target_count = conus_sites_count(candidates->toward.sites);
-    asked.entry_names = candidates->from.names;
-    asked.target_names = candidates->toward.names;
+    const bool are_clear = !has_dash(&candidates->from) || !has_dash(&candidates->toward);
+    asked.entry_names = are_clear ? candidates->from.names : NULL;
+    asked.target_names = are_clear ? candidates->toward.names : NULL;
     return print_status(conus_candidates_open(&request->stream, &asked));
 }
 

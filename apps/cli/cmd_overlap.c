@@ -108,15 +108,19 @@ static int print_failure(const struct overlap *overlap, const char *path, int co
     bool has_atlas = overlap->request.atlases.count && overlap->request.atlases.items[0].atlas;
     bool is_atlas = (changed || has_atlas) && (is_name || region_is_atlas(overlap, path));
     messages_hold(false);
-    if (is_atlas) {
-        print_error_line("%s; %s is an atlas%s%s", why, path,
-                         changed
-                             ? ": ATLAS comes first, then ROI"
-                             : ", and no region: ROI is a mask or a map, whose parts in that atlas are listed, too, "
-                               "by --atlas ",
-                         changed ? "" : path);
+    const char *option = strstr(why, "a threshold is needed") ? ": --threshold T" : "";
+    if (is_atlas && changed) {
+        print_error_line("%s; %s is an atlas: ATLAS comes first, then ROI", why, path);
+    } else if (is_atlas && *option) { /* it may be a map of whole numbers as well */
+        print_error_line("%s%s; or, if it is an atlas: ROI is a mask or a map, and --atlas %s lists its parts in that "
+                         "atlas, too",
+                         why, option, path);
+    } else if (is_atlas) {
+        print_error_line("%s; %s is an atlas, and no region: ROI is a mask or a map, whose parts in that atlas are "
+                         "listed, too, by --atlas %s",
+                         why, path, path);
     } else {
-        print_error_line("%s%s", why, strstr(why, "a threshold is needed") ? ": --threshold T" : "");
+        print_error_line("%s%s", why, option);
     }
     atlas_name_finish(&named);
     return code;

@@ -251,7 +251,8 @@ typedef struct conus_candidates {
     const conus_frame *frame;        /**< Needles are turned about their axes as its space has it, as by
                                         conus_frame_turn_pose(); copied. NULL = #CONUS_SPACE_RAS. */
     const char *const *entry_names;  /**< [entry_count] What the entries are called in ids, in place of eI, up to 64
-                                        bytes each, all different; NULL = they have no names. */
+                                        bytes each, all different; NULL = they have no names. Only entries
+                                        or only targets have names with a "-", which ids have between them. */
     const char *const *target_names; /**< [target_count] Likewise, in place of tJ. */
 } conus_candidates;
 

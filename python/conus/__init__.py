@@ -10,8 +10,8 @@
 >>> hits[0].name, round(hits[0].distance_mm)
 ('left', 59)
 
-All positions are RAS mm and all angles degrees, but in ``results`` and ``records``, which are the
-library's own structs.
+Positions are RAS mm, or in the space that a selector was given, and angles degrees; but ``results``
+are the library's own structs, with world positions and radians.
 """
 from ._answers import Answers, Hit, Selection, Step, Track
 from ._atlas import Atlas, InstalledAtlas, Placement, Selector, atlases, load

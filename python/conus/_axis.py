@@ -29,9 +29,9 @@ class Tables:
     """
 
     def __init__(self, array: Any, selector: Any, ask: Callable[[Any], Table]) -> None:
-        pose = ffi.new("conus_pose *", {"world_from_device": np.eye(4).ravel().tolist()})
-        none = {key: values[:0] for key, values in ask(pose).arrays().items()}
-        counts, chunks = np.zeros(len(array) + 1, np.int64), [none]
+        pose = ffi.new("conus_pose *")
+        counts = np.zeros(len(array) + 1, np.int64)
+        chunks: list[dict[Any, Array]] = []
         parts: list[dict[Any, Array]] = []
         self.errors: dict[int, str] = {}
         try:
@@ -49,8 +49,10 @@ class Tables:
         finally:
             lib.conus_selector_set_range(selector, ffi.NULL)
         self._names = array.names
+        if not chunks and not parts:  # a table says which columns there are
+            parts = [{key: values[:0] for key, values in ask(ffi.new("conus_pose *", {"world_from_device": np.eye(4).ravel().tolist()})).arrays().items()}]
         self._arrays = _joined([*chunks, *parts])
-        self.columns = tuple(key for key in none if isinstance(key, str))
+        self.columns = tuple(key for key in self._arrays if isinstance(key, str))
         self.starts = np.cumsum(counts)
         self.objects = self._arrays["objects",]  #: numbers in the atlas; 0 = none
 

@@ -6,11 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._library import ArgumentError, choice, real
+from ._library import ArgumentError, UnsupportedError, choice, real
 from ._table import Table
 
 if TYPE_CHECKING:
     import pandas
+
+
+_MOST = 8192  # as of conus_report_matrix()
 
 
 def radius_of(radius: float) -> float:
@@ -47,6 +50,8 @@ class Connectivity(Table):
 
         choice("of", of, ("streamlines", "mean_length_mm"))
         values, names = self.pairs[of], self.areas["name"]
+        if len(names) > _MOST:
+            raise UnsupportedError(f"areas: {len(names)} of them, a matrix has up to {_MOST}; pairs has all")
         out = np.full(2 * (len(names),), np.nan if values.dtype.kind == "f" else 0, values.dtype)
         a, b = self.pairs["area_a"], self.pairs["area_b"]
         out[a, b] = out[b, a] = values

@@ -29,8 +29,8 @@ def frame_of(columns: dict[Any, Array]) -> pandas.DataFrame:
     import pandas
 
     def series(name: str, values: Array) -> Any:
-        if values.dtype == object:
-            return pandas.Categorical(values)
+        if values.dtype == object:  # no categories: those of two answers could not be compared
+            return values
         if values.dtype == np.float64:
             return np.where(np.isfinite(values), values, np.nan)
         return pandas.arrays.IntegerArray(values.copy(), columns["missing", name].copy())

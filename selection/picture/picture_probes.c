@@ -127,8 +127,11 @@ conus_status picture_probes_check(const conus_view *view)
     conus_status status = conus_frame_find(&world, NULL, CONUS_SPACE_RAS, NULL);
     for (size_t i = 0; i < view->probe_count && !status; i++) {
         const conus_table *segments = view->probes ? view->probes[i].segments : NULL;
-        if (view->selection || !conus_table_rows(segments) || !table_is_of(segments, &segment_fields, &world)) {
-            status = fail(CONUS_ERROR_ARGUMENT, "probe %zu: segments in world mm are needed, and no selection", i + 1);
+        if (view->selection || !conus_table_rows(segments) || !table_is_of(segments, &segment_fields)) {
+            status = fail(CONUS_ERROR_ARGUMENT, "probe %zu: segments are needed, and no selection", i + 1);
+        } else if (!table_fits(segments, &world)) {
+            status = fail(CONUS_ERROR_ARGUMENT, "probe %zu: its segments are not in world mm, of a selector of that frame",
+                          i + 1);
         }
     }
     return status;

@@ -301,17 +301,21 @@ static conus_status append_query(conus_report *report, const char *id, const str
     return CONUS_OK;
 }
 
-static conus_status append_rows(struct report_row **out, conus_report *report, size_t count)
+static conus_status reserve_rows(conus_report *report, size_t count)
 {
-    if (!memory_reserve(&report->rows, &report->row_capacity, report->row_count + count, sizeof *report->rows)) {
-        return CONUS_ERROR_MEMORY;
-    }
+    return memory_reserve(&report->rows, &report->row_capacity, report->row_count + count, sizeof *report->rows)
+               ? CONUS_OK
+               : CONUS_ERROR_MEMORY;
+}
+
+/* Of the last query; after reserve_rows(). */
+static void append_rows(struct report_row **out, conus_report *report, size_t count)
+{
     *out = report->rows + report->row_count;
     for (size_t i = 0; i < count; i++) {
         (*out)[i] = (struct report_row){.query = report->query_count - 1};
     }
     report->row_count += count;
-    return CONUS_OK;
 }
 
 conus_status report_append(struct report_row **rows, conus_report *report, const char *id,
@@ -319,8 +323,12 @@ conus_status report_append(struct report_row **rows, conus_report *report, const
 {
     struct report_query placed = *query;
     placed.first_row = report->row_count;
-    conus_status status = append_query(report, id, &placed);
-    return status ? status : append_rows(rows, report, count);
+    conus_status status = reserve_rows(report, count);
+    status = status ? status : append_query(report, id, &placed);
+    if (!status) {
+        append_rows(rows, report, count);
+    }
+    return status;
 }
 
 /* Where a row begins, mm; infinite where it is not known. */
@@ -344,11 +352,6 @@ static void sort_by_depth(struct report_row *rows, size_t count, const conus_rep
     }
 }
 
-static conus_status refuse_rows(const char *what)
-{
-    return fail(CONUS_ERROR_ARGUMENT, "report: %s, but its rows are of something else", what);
-}
-
 conus_status conus_report_add(conus_report *report, const char *query_id, const conus_selection *selection)
 {
     const struct statistics *statistics = &selection->statistics;
@@ -358,7 +361,7 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
                                  .is_point = selection->is_point};
     if (report->options.rows != CONUS_ROWS_ANSWERS && report->options.rows != CONUS_ROWS_SHARES &&
         report->options.rows != CONUS_ROWS_SUMMARIES) {
-        return refuse_rows("an answer");
+        return fail(CONUS_ERROR_ARGUMENT, "report: an answer, but its rows are of something else");
     }
     for (size_t i = 0; i < statistics->count; i++) {
         query.cone_pixels += statistics->results[i].pixels;
@@ -387,8 +390,11 @@ conus_status report_check_table(const conus_report *report, const conus_table *t
 {
     const struct table_fields *fields =
         report_is_of_probe(report->options.format) ? &segment_fields : report_fields(report->options.rows);
-    if (!table_is_of(table, fields, &report->frame)) {
-        return fail(CONUS_ERROR_ARGUMENT, "report: a table of other rows, or with positions in another space");
+    if (!table_is_of(table, fields)) {
+        return fail(CONUS_ERROR_ARGUMENT, "report: a table of other rows");
+    }
+    if (!table_fits(table, &report->frame)) {
+        return fail(CONUS_ERROR_ARGUMENT, "report: a table with positions in another space");
     }
     double within = table_question(table)->within;
     return report->options.rows != CONUS_ROWS_CLEARANCES || report->options.within == within
@@ -429,16 +435,13 @@ static char *error_text(size_t line, const char *reason)
 
 conus_status conus_report_add_error(conus_report *report, const char *query_id, size_t line, const char *reason)
 {
-    struct report_query query = {.error = error_text(line, reason), .first_row = report->row_count};
+    struct report_query query = {.error = error_text(line, reason)};
     struct report_row *row;
-    conus_status status = query.error ? append_query(report, query_id, &query) : CONUS_ERROR_MEMORY;
+    conus_status status = query.error ? report_append(&row, report, query_id, &query, 1) : CONUS_ERROR_MEMORY;
     if (status) {
         memory_free(query.error);
         return status;
     }
-    status = append_rows(&row, report, 1);
-    if (!status) {
-        row->result.kind = CONUS_KIND_UNASSIGNED;
-    }
-    return status;
+    row->result.kind = CONUS_KIND_UNASSIGNED;
+    return CONUS_OK;
 }

@@ -3,7 +3,6 @@
 #include "selection/report/report_columns.h"
 
 #include "atlas/bundles.h"
-#include "atlas/placement.h"
 #include "base/geometry/math3.h"
 #include "selection/report/report_bep032.h"
 

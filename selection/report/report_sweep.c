@@ -6,7 +6,6 @@
 #include "selection/report/report_writers.h"
 
 #include <stdio.h>
-#include <string.h>
 
 static void write_admission(struct buffer *out, const conus_report *report, const struct report_row *row, int width)
 {

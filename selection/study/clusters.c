@@ -10,7 +10,6 @@
 #include "selection/selector.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { NEIGHBOURS = 26 };
 

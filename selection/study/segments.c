@@ -46,7 +46,7 @@ struct row {
     struct table_object object; /* what it is in */
     double entry;               /* mm from the apex */
     double exit;        /* likewise; infinity where the axis has no end and meets nothing. Equal to entry where the axis
-                           crosses        a surface that is not closed, and nothing says how far it is inside */
+                           crosses a surface that is not closed, and nothing says how far it is inside */
     double length;      /* what lies between */
     double entry_at[3]; /* world */
     double exit_at[3];  /* world; NaN where there is none */

@@ -310,10 +310,19 @@ void conus_table_destroy(conus_table *table)
     memory_free(table);
 }
 
-bool table_is_of(const conus_table *table, const struct table_fields *fields, const conus_frame *frame)
+bool table_is_of(const conus_table *table, const struct table_fields *fields)
 {
-    return table->fields == fields && table->frame.space == frame->space &&
-           mat4_is_same(table->frame.world_from_space, frame->world_from_space);
+    return table->fields == fields;
+}
+
+bool table_fits(const conus_table *table, const conus_frame *frame)
+{
+    bool has_places = false;
+    for (size_t i = 0; i < table->fields->count && !has_places; i++) {
+        has_places = column_is_place(table->fields->at[i].type);
+    }
+    return !has_places || (table->frame.space == frame->space &&
+                           mat4_is_same(table->frame.world_from_space, frame->world_from_space));
 }
 
 const struct table_question *table_question(const conus_table *table)

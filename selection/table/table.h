@@ -107,8 +107,11 @@ void table_add_part(conus_table *table, const char *name, conus_table *part);
 /** Another hold on the table: it ends with the last conus_table_destroy(). */
 conus_table *table_hold(conus_table *table);
 
-/** Whether it has these columns, and positions in this frame. */
-bool table_is_of(const conus_table *table, const struct table_fields *fields, const conus_frame *frame);
+/** Whether it has these columns. */
+bool table_is_of(const conus_table *table, const struct table_fields *fields);
+
+/** Whether its positions, if it has some, are in this frame. */
+bool table_fits(const conus_table *table, const conus_frame *frame);
 
 const struct table_question *table_question(const conus_table *table);
 

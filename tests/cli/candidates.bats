@@ -58,6 +58,19 @@ cells() {
     done
 }
 
+# "a-b" to "c" and "a" to "b-c" would have one name.
+@test "names that could be of two needles are numbers" {
+    needles
+    printf '%s\n' '40 0 5 a-b' '40 10 5 a' >entries.txt
+    printf '%s\n' '10 0 5 c' '10 5 5 b-c' >targets.txt
+    answers $P --depth target+4 --infeasible --format tsv -q --top all
+    [ "$(cells query | tr ';' '\n' | sort -u | grep -c .)" = 4 ]
+    [[ "$(cells query)" == *'e2-t2'* ]]
+    sed -i s/b-c/b_c/ targets.txt
+    answers $P --depth target+4 --infeasible --format tsv -q --top all
+    [ "$(cells query | tr ';' '\n' | sort | tr '\n' ';')" = "a-b-b_c;a-b-c;a-b_c;a-c;" ]
+}
+
 # Asked again, the listed poses are the same text, but for the numbers of entry and target; their lengths are those of
 # the segments, and their distances those of the clearances.
 @test "a pose that is written is the same pose again" {

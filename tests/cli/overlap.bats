@@ -129,7 +129,7 @@ nested.nii.gz is an atlas: ATLAS comes first, then ROI" overlap map.nrrd nested.
     [[ "$stderr" != *"comes first"* ]]
     fails 3 "found 0.5" overlap map.nrrd cone.nii.gz
     [[ "$stderr" != *"comes first"* ]]
-    fails 2 "nested.nii.gz is an atlas, and no region: ROI is a mask or a map" overlap nested.nii.gz nested.nii.gz
+    fails 2 ": --threshold T; or, if it is an atlas: ROI is a mask or a map, and --atlas nested.nii.gz lists" overlap nested.nii.gz nested.nii.gz
     fails 3 "cannot open" overlap cone.nii.gz nothing.nii.gz
     [[ "$stderr" != *"comes first"* ]]
 }

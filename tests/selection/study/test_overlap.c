@@ -346,6 +346,7 @@ static void what_lines_pass_by_is_said(void **state)
     assert_near(both.volume, 1000, both.volume_error + 1e-6);
     assert_near(none.volume, 8000 - 1200, none.volume_error + 1e-6);
     assert_in_range(both.volume_error * 1000, 20 * 999, 40000);
+    assert_true(region_scene_find(overlap, 5).is_there);
     assert_near(region_scene_find(overlap, 5).volume_error, 0, 0);
     conus_table_destroy(overlap);
     conus_roi_destroy(roi);
@@ -549,6 +550,32 @@ static conus_status cover_tetrahedra(void *data)
     return status;
 }
 
+/* What a report could not take is not in it, also once the table has ended. */
+static conus_status report_cover(void *data)
+{
+    const struct asked *asked = data;
+    conus_table *overlap = NULL;
+    conus_report *report = NULL;
+    const char *text = NULL;
+    size_t size = 0;
+    conus_status status = conus_overlap(&overlap, asked->selector, asked->roi);
+    status =
+        status ? status
+               : conus_report_create(&report, asked->selector,
+                                     &(conus_report_options){.rows = CONUS_ROWS_COVERAGES, .format = CONUS_FORMAT_TSV});
+    conus_status added = status ? status : conus_report_add_table(report, "taken", overlap);
+    conus_table_destroy(overlap);
+    if (!status && !conus_report_text(&text, &size, report)) {
+        assert_int_equal(strstr(text, "\ntaken\t") != NULL, !added);
+    }
+    if (!status && !conus_report_sidecar(&text, &size, report)) {
+        assert_int_equal(strstr(text, "\"taken\"") != NULL, !added);
+    }
+    status = status ? status : added ? added : conus_report_sidecar(&text, &size, report);
+    conus_report_destroy(report);
+    return status;
+}
+
 static void every_failing_allocation_is_survived(void **state)
 {
     (void)state;
@@ -560,6 +587,7 @@ static void every_failing_allocation_is_survived(void **state)
     static const double corners[4][3] = {{2, 1, 1}, {2, 6, 1}, {2, 1, 6}, {5, 3, 3}};
     struct asked asked = {selector, tetrahedra_region(corners, 1)};
     test_every_allocation(cover_tetrahedra, &asked);
+    test_every_allocation(report_cover, &asked);
     conus_roi_destroy(asked.roi);
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
