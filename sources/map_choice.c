@@ -4,7 +4,6 @@
 
 #include "base/buffer.h"
 
-#include <string.h>
 
 enum { SHOWN = 8, WIDTH = 60 };
 

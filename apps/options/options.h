@@ -225,8 +225,7 @@ size_t numbers_parse(double *out, size_t limit, const char *text, char separator
 bool count_parse(const char *text, uint64_t limit, uint64_t *out);
 
 /** Cuts the @p text FILE,key=value of an option, which then is FILE. Prints an error and returns false where it is
- * none;
- * @p text NULL: there is no memory. */
+ * none; @p text NULL: there is no memory. */
 bool option_cut_keys(struct source_keys *out, const char *option, char *text, enum key_kind kind);
 
 /** --help of one command. */

@@ -40,7 +40,6 @@ struct schema_field {
     const char *wanted;              /**< What a message calls the value that it needs, if not as usual. */
     const struct schema_type *each;  /**< schema_list: its entries, */
     size_t size;                     /**< which have this size. */
-    const struct schema_field *keys; /**< Of objects in it. */
     unsigned items;                  /**< Lists of a scene's items: their kinds. */
 };
 

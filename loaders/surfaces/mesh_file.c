@@ -14,7 +14,6 @@
 #include "loaders/surfaces/freesurfer_surface.h"
 #include "loaders/surfaces/gifti.h"
 #include "loaders/surfaces/surface_find.h"
-#include "sources/map_choice.h"
 #include "sources/source.h"
 
 #include <stdio.h>
