@@ -70,7 +70,7 @@ _ARGUMENTS = {
     "--pathway": "pathways", "--point": "point",
     "--poses-format table": 'format="table"', "--poses-format": "format", "--probability": "probability", "--probe": "probe", "--probe-tip": "tip", "--radius": "radius", "--sidecar": "sidecar",
     "--sides": "sides", "--sides exchanged": 'sides="exchanged"', "--streamlines": "streamlines",
-    "as ATLAS": "as source", "is ATLAS": "is source",
+    "'conus overlap ATLAS MAP'": "atlas.overlap(map)", "as ATLAS": "as source", "is ATLAS": "is source",
     "--pathway FILE,name=NAME": "pathways=[(map, {name: (low, high)})]",
 }  # fmt: skip
 _OPTION = re.compile(rf"(?<![\w/.-])({'|'.join(sorted(_ARGUMENTS, key=len, reverse=True))})(?![\w/-])(:?)")

@@ -51,7 +51,7 @@ shifts() {
     { cat right.tfm; echo "$spline"; } >list.tfm
     fails 3 'list.tfm: Transform: a list of 2' query nested.nii.gz $aim --atlas-transform list.tfm
     fails 2 'list.tfm: transform=2: there are fewer' query nested.nii.gz $aim --atlas-transform list.tfm,transform=2
-    fails 3 'right.tfm,transform=x' query nested.nii.gz $aim --atlas-transform right.tfm,transform=x
+    fails 2 'transform: found "x", allowed are whole numbers from 0' query nested.nii.gz $aim --atlas-transform right.tfm,transform=x
     fails 2 'transform is for lists' query nested.nii.gz $aim --atlas-transform right.txt,transform=0
     fails 3 'ffd.tfm: a B-spline is not inverted' query nested.nii.gz $aim --atlas-transform ffd.tfm,inverse
     answers query nested.nii.gz $aim --atlas-transform list.tfm,transform=0 --format tsv --quiet
