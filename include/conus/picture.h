@@ -165,8 +165,8 @@ typedef enum conus_background {
 /** A probe in a picture: a line along the axis, with what it passes. */
 typedef struct conus_drawn_probe {
     const char *name;            /**< UTF-8; NULL = none. */
-    const conus_table *segments; /**< Of conus_segments(), of a selector whose frame is the world. The line ends where they end,
-                                    and begins where they begin, or not far before the first object. */
+    const conus_table *segments; /**< Of conus_segments(), of a selector whose frame is the world. The line ends where
+                                    they end, and begins where they begin, or not far before the first object. */
 } conus_drawn_probe;
 
 /** A point in a picture: a ball, perhaps with a line to where it points. Or a mark over a picture in space, whatever

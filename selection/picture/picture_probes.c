@@ -130,8 +130,8 @@ conus_status picture_probes_check(const conus_view *view)
         if (view->selection || !conus_table_rows(segments) || !table_is_of(segments, &segment_fields)) {
             status = fail(CONUS_ERROR_ARGUMENT, "probe %zu: segments are needed, and no selection", i + 1);
         } else if (!table_fits(segments, &world)) {
-            status = fail(CONUS_ERROR_ARGUMENT, "probe %zu: its segments are not in world mm, of a selector of that frame",
-                          i + 1);
+            status = fail(CONUS_ERROR_ARGUMENT,
+                          "probe %zu: its segments are not in world mm, of a selector of that frame", i + 1);
         }
     }
     return status;

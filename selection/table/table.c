@@ -321,8 +321,8 @@ bool table_fits(const conus_table *table, const conus_frame *frame)
     for (size_t i = 0; i < table->fields->count && !has_places; i++) {
         has_places = column_is_place(table->fields->at[i].type);
     }
-    return !has_places || (table->frame.space == frame->space &&
-                           mat4_is_same(table->frame.world_from_space, frame->world_from_space));
+    return !has_places ||
+           (table->frame.space == frame->space && mat4_is_same(table->frame.world_from_space, frame->world_from_space));
 }
 
 const struct table_question *table_question(const conus_table *table)
