@@ -620,13 +620,16 @@ static void open_text(struct job *job, conus_pose_stream *stream)
     const bool is_whole = is_read_whole(stream);
     const char *format = conus_pose_format_name(stream->format);
     if (stream->options.along_shafts && stream->format != CONUS_POSE_FORMAT_ELECTRODES) {
-        job_bad(job, "shafts are for electrodes (BIDS), not for %s", format);
+        job_bad(job, "shafts are for electrodes (BIDS), not for %s%s", format,
+                pose_electrodes_have_two(first_row(&(size_t){0}, at_hand(&stream->lines), true))
+                    ? "; --poses-format electrodes reads it as these"
+                    : "");
     }
     if (stream->options.keep_count && (is_whole || !stream->columns.has_header)) {
         job_bad(job, "only a table with a header has columns to be kept, and not %s", format);
     }
     const struct columns_words *words = &stream->words;
-    bool of_columns = words->at[0].size || words->name.size;
+    bool of_columns = words->at[0].size || words->name.size || columns_word_of_axes(words).size;
     bool has_columns = !is_whole || stream->columns.pairs || stream->format == CONUS_POSE_FORMAT_ELECTRODES ||
                        (stream->format == CONUS_POSE_FORMAT_LIST &&
                         pose_brackets_are_rows((struct text){stream->lines.data, stream->lines.size}));

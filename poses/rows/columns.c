@@ -125,6 +125,12 @@ conus_status columns_words_parse(struct columns_words *out, const char *text)
                                               : fail(CONUS_ERROR_ARGUMENT, "only some of x=, y= and z= are given");
 }
 
+struct text columns_word_of_axes(const struct columns_words *words)
+{
+    const struct text unit = text_from(words->length[0] > 0 ? "depth" : words->length[1] > 0 ? "radius" : "");
+    return words->tilt[0].size ? words->tilt[0] : words->tilt[1].size ? words->tilt[1] : unit;
+}
+
 /* The name in small letters, with one blank for what stands between words, and without a unit in brackets or behind:
  * "MNI_X (mm)" is "mni x". Other brackets are words. */
 static double normalise(char out[COLUMN_NAME_SIZE], struct text cell)
@@ -653,18 +659,22 @@ static const struct family *find_named(struct head *head)
     return is_whole(&head->named) && are_three ? &head->named : NULL;
 }
 
-/* Roles and units that the user names. */
-static void take_words(struct head *head)
+/* Roles and units that the user names; columns of tilts, or COLUMN_NONE, to `tilted`. */
+static void take_words(struct head *head, size_t tilted[2])
 {
     struct columns *out = head->out;
     for (size_t k = 0; k < 2; k++) {
+        const enum column_role role = ROLE_TILT_ML + (enum column_role)k;
         const struct text word = head->words.tilt[k];
         const size_t column = word.size ? find_word(head, word) : COLUMN_NONE;
-        const enum column_role before = column == COLUMN_NONE ? ROLES : out->role_of[column];
         const double unit = head->words.length[k];
-        if (column != COLUMN_NONE) {
-            set_role(head, column, ROLE_TILT_ML + (enum column_role)k);
-            out->factor[ROLE_TILT_ML + k] = before == ROLE_ANGLE ? out->factor[before] : out->factor[ROLE_TILT_ML + k];
+        tilted[k] = column;
+        if (column != COLUMN_NONE && out->role_of[column] >= ROLE_ANGLE) {
+            const char *behind = strrchr(head->names[column], ' ');
+            double factor = 0;
+            drop_role(head, role); /* of a column that is called so */
+            set_role(head, column, role);
+            out->factor[role] = behind && find_unit(&factor, text_from(behind + 1)) == ANGLE ? factor : 0;
         }
         FAULT_IF(unit > 0 && !out->has[ROLE_DEPTH + k], head, "a unit of %s, and no such column",
                  k ? "radius" : "depth");
@@ -1117,6 +1127,27 @@ static void find_spaces(struct head *head)
     }
 }
 
+/* Whether it has AP, ML and DV, called so, in no space of theirs, where nothing else may say what rows are: then these
+ * are a family, for a refusal that asks for the space. */
+static bool lacks_space(struct head *head)
+{
+    static const char *const names[3] = {"ap", "ml", "dv"};
+    size_t at[3];
+    size_t count = 0;
+    for (size_t k = 0; k < 3; k++) {
+        at[k] = find_name(head, names[k], 0);
+        count += at[k] != COLUMN_NONE;
+    }
+    bool is_said = head->out->place || head->words.place.size || head->words.at[0].size || head->family_count;
+    bool is_one =
+        count > 1 && !is_said && head->options->space < CONUS_SPACE_CCF && find_name(head, "m00", 0) == COLUMN_NONE;
+    if (is_one) {
+        settle_twice(head, at, names);
+        add_family(head, at, names[0], 0, strlen(names[0]));
+    }
+    return is_one;
+}
+
 /* Roles of a line that may be a header. Faults say what is wrong with it. */
 static void find_columns(struct head *head)
 {
@@ -1156,26 +1187,25 @@ static void find_columns(struct head *head)
     if (find_name(head, "x", 0) == COLUMN_NONE) {
         find_letters(head);
     }
-    const size_t others = head->family_count;
-    if (out->space < CONUS_SPACE_CCF && !others) {
-        find_families(head, (const char *const[]){"ap", "ml", "dv"});
-    }
-    head->lacks_space = head->family_count > others;
+    head->lacks_space = lacks_space(head);
     size_t column = head->words.name.size ? find_word(head, head->words.name) : COLUMN_NONE;
     if (column != COLUMN_NONE) {
         set_role(head, column, ROLE_NAME);
     }
+    size_t tilted[2] = {COLUMN_NONE, COLUMN_NONE};
     take_named(head);
     if (out->is_bids) { /* other columns are of others, unless they say that rows are more than points */
         out->is_of_points = true;
         if (!head->is_named) {
             refuse_turned(head, &head->named);
         }
+        FAULT_IF(columns_word_of_axes(&head->words).size, head,
+                 "tilt_ml=, tilt_ap=, depth= and radius= are for tables, as --poses-format table reads them");
         find_spaces(head);
         find_pairs(head);
     } else {
         find_roles(head);
-        take_words(head);
+        take_words(head, tilted);
         if (out->place && !out->has[ROLE_NAME]) {
             set_role(head, out->place - 1, ROLE_NAME);
         }
@@ -1187,6 +1217,11 @@ static void find_columns(struct head *head)
     FAULT_IF(column != COLUMN_NONE && out->role_of[column] != ROLE_NAME, head,
              "column \"%.*s\" is called a name, but it is one of a position or direction",
              POSE_QUOTE(head->line.cells[column]));
+    for (size_t k = 0; k < 2; k++) {
+        FAULT_IF(tilted[k] != COLUMN_NONE && out->role_of[tilted[k]] != ROLE_TILT_ML + k, head,
+                 "column \"%.*s\" is called a tilt, but it is one of a position or direction, or the other tilt",
+                 POSE_QUOTE(head->line.cells[tilted[k]]));
+    }
 }
 
 /* Whether some of the columns of a line belong together as coordinates, so that it is a header. */
@@ -1585,11 +1620,14 @@ static void plan_bare(struct head *head)
     const conus_pose_options *options = head->options;
     struct columns *out = head->out;
     bool is_table = options->format == CONUS_POSE_FORMAT_TABLE;
+    const struct text of_axes = columns_word_of_axes(&head->words);
     out->has_header = false;
     out->count = 0;
     out->is_of_points = true;
     if (head->is_on_its_side) {
         job_bad(job, "%s", on_its_side);
+    } else if (of_axes.size) {
+        job_bad(job, "no header, so that no column is called \"%.*s\"", POSE_QUOTE(of_axes));
     } else if (out->place) {
         note_places(head);
     } else if (is_table || (!has_points(head) && !out->table.cells)) {
@@ -1658,7 +1696,7 @@ static void plan(struct head *head, bool *is_short)
     }
     find_rows(head);
     out->has_header = options->format != CONUS_POSE_FORMAT_POINTS && find_header(head);
-    bool has_none = !head->family_count && !out->has[ROLE_M00] && !head->is_named;
+    bool has_none = (!head->family_count || head->lacks_space) && !out->has[ROLE_M00] && !head->is_named;
     if (options->atlas && !out->is_bids && (has_none || head->words.place.size) &&
         options->format <= CONUS_POSE_FORMAT_POINTS) {
         columns_find_places(head, roles[sizeof roles / sizeof roles[0] - 1].names);

@@ -53,6 +53,9 @@ struct columns_words {
 /** Reads them; CONUS_ERROR_ARGUMENT for a word that is none, or only some of x, y and z. @p text NULL: none. */
 conus_status columns_words_parse(struct columns_words *out, const char *text);
 
+/** The first column that is called a tilt, "depth" or "radius" where their unit is given; empty: none of these. */
+struct text columns_word_of_axes(const struct columns_words *words);
+
 /** What is known of a table when its head was read. */
 struct columns {
     struct table table;

@@ -337,6 +337,29 @@ static void columns_are_named_by_the_user(void **state)
         assert_true(pose_list_parse(&list, text_from(text), &(conus_pose_options){.columns = bad[i][0]}) != CONUS_OK);
         assert_non_null(strstr(conus_message(), bad[i][1]));
     }
+    static const char *const lost[][3] = {
+        /* words that no column takes */
+        {"1 2 3\n2 3 4\n", "tilt_ap=z", "no header, so that no column is called \"z\""},
+        {"1 2 3\n2 3 4\n", "depth=um", "no header, so that no column is called \"depth\""},
+        {"name\tx\ty\tz\nA1\t1\t2\t3\n", "depth=um", "depth= and radius= are for tables, as --poses-format table"},
+        {"name\tx\ty\tz\nA1\t1\t2\t3\n", "tilt_ml=x", "tilt_ml=, tilt_ap=, depth= and radius= are for tables"},
+        {"# Markups fiducial file version = 5.2\n# CoordinateSystem = LPS\n# columns = id,x,y,z\n1,1,2,3\n", "depth=um",
+         "\"depth=um\" is for tables, points and electrodes (BIDS), and not for markups"},
+        {"# Markups fiducial file version = 5.2\n# CoordinateSystem = LPS\n# columns = id,x,y,z\n1,1,2,3\n",
+         "tilt_ap=x", "\"tilt_ap=x\" is for tables, points and electrodes (BIDS), and not for markups"},
+        {"x,y,z\n1,2,3\n", "tilt_ap=x", "column \"x\" is called a tilt, but it is one of a position or direction"},
+        {"x,y,z,tilt_ap\n1,2,3,4\n", "tilt_ap=x", "column \"x\" is called a tilt, but it is one of a position"},
+        {"x,y,z,a,b,c\n1,2,3,4,5,6\n", "x=a,y=b,z=c,tilt_ap=a", "column \"a\" is called a tilt, but it is one of"},
+        {"x,y,z,a\n1,2,3,4\n", "tilt_ml=a,tilt_ap=a", "column \"a\" is called a tilt, but it is one of"}};
+    for (size_t i = 0; i < sizeof lost / sizeof lost[0]; i++) {
+        assert_true(pose_list_parse(&list, text_from(lost[i][0]), &(conus_pose_options){.columns = lost[i][1]}) !=
+                    CONUS_OK);
+        assert_non_null(strstr(conus_message(), lost[i][2]));
+    }
+    static const char leaning[] = "x,y,z,tilt_ap,lean (rad)\n30,-20,50,0,0.7853981633974483\n";
+    list = pose_text_parse(text_from(leaning), &(conus_pose_options){.columns = "tilt_ap=lean (rad)"});
+    assert_near(pose_row_of(list, 0, "1")->pose.world_from_device[9], -sqrt(0.5), 1e-12);
+    conus_pose_list_destroy(list);
     assert_true(pose_list_parse(&list, text_from("who,x,y,z\nM1,4,2,-5\n"),
                                 &(conus_pose_options){.columns = "place=who"}) == CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "names of places are read from tables and lists where an atlas is"));
