@@ -31,16 +31,16 @@ struct schema_type {
 struct schema_field {
     const char *key;
     const struct schema_type *type;
-    size_t offset;                   /**< Offset of the field in what the object is read into. */
-    unsigned kinds;                  /**< Of the objects that may have the key, a bit each. */
-    unsigned needed;                 /**< Of those that must. */
-    const char *const *words;        /**< schema_index(): NULL at the end. */
-    unsigned first;                  /**< schema_word: the enum's value for the first word; schema_uint: the least. */
-    size_t most;                     /**< Lists: the most entries, schema_positive: the largest; 0 = any. */
-    const char *wanted;              /**< What a message calls the value that it needs, if not as usual. */
-    const struct schema_type *each;  /**< schema_list: its entries, */
-    size_t size;                     /**< which have this size. */
-    unsigned items;                  /**< Lists of a scene's items: their kinds. */
+    size_t offset;                  /**< Offset of the field in what the object is read into. */
+    unsigned kinds;                 /**< Of the objects that may have the key, a bit each. */
+    unsigned needed;                /**< Of those that must. */
+    const char *const *words;       /**< schema_index(): NULL at the end. */
+    unsigned first;                 /**< schema_word: the enum's value for the first word; schema_uint: the least. */
+    size_t most;                    /**< Lists: the most entries, schema_positive: the largest; 0 = any. */
+    const char *wanted;             /**< What a message calls the value that it needs, if not as usual. */
+    const struct schema_type *each; /**< schema_list: its entries, */
+    size_t size;                    /**< which have this size. */
+    unsigned items;                 /**< Lists of a scene's items: their kinds. */
 };
 
 /** "KEY: found ..., WANTED is needed". */
