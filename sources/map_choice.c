@@ -4,7 +4,6 @@
 
 #include "base/buffer.h"
 
-
 enum { SHOWN = 8, WIDTH = 60 };
 
 /* "0 "aparc", 1 "yeo"", of the first maps. */
