@@ -19,7 +19,7 @@ struct source_key {
                             the second is larger */
     double low, high;    /* of each */
     bool is_above;       /* it is not `low` itself */
-    const char *words;   /* '/' between them */
+    const char *words;   /* '/' between them; of IS_TEXT: any other is an image, whose keys stand behind it */
     const char *allowed; /* in a message */
     const char *refusal; /* of a file that does not take it */
     bool goes_on;        /* the value may have commas, up to the next key */
@@ -35,10 +35,11 @@ struct source_key {
 #define A_PART "labels of vertices, a mask or a structure of the atlas is needed"
 #define WHOLE "allowed are whole numbers from 0"
 #define ABOVE_0 "allowed is a number above 0"
-#define MOST 0x1p53
+#define MOST (UINT32_MAX - 1.0) /* its successor is the number of a label */
 
 static const struct source_key rows[] = {
-    {KEY_VOLUME, "volume", FILES | KEYS_PATHWAY, IS_WHOLE, .least = 1, .most = 1, .high = MOST, .allowed = WHOLE},
+    {KEY_VOLUME, "volume", FILES | KEYS_PATHWAY, IS_WHOLE, .least = 1, .most = 1, .high = MOST,
+     .allowed = WHOLE " to 4294967294"},
     {KEY_RESOLUTION, "resolution", FILES | KEYS_PATHWAY, IS_NUMBERS, .least = 1, .most = 3, .high = INFINITY,
      .is_above = true, .allowed = "allowed are one or three (page:row:column) numbers above 0, in micrometres",
      .refusal = PLACED},
@@ -53,7 +54,7 @@ static const struct source_key rows[] = {
      .refusal = "is for labels of CIFTI and GIFTI, this file has none", .goes_on = true},
     {KEY_TEMPLATE, "template", KEYS_ATLAS, IS_WORD, .words = "mni152/colin27/mni305/none",
      .allowed = "allowed are mni152, colin27, mni305, and none for one person's own brain"},
-    {KEY_SPACE, "space", KEYS_SCENE | KEYS_ATLAS, .allowed = "allowed are ras, lps and an image",
+    {KEY_SPACE, "space", KEYS_SCENE | KEYS_ATLAS, .words = "ras/lps", .allowed = "allowed are ras, lps and an image",
      .refusal = "is for surfaces, and this is none", .goes_on = true},
     {KEY_SPACE, "space", KEYS_STREAMLINES | KEYS_TRANSFORM, IS_WORD, .words = "ras/lps",
      .allowed = "allowed are ras and lps"},
@@ -149,23 +150,63 @@ static const char *next_key(const char *at, enum key_kind kind)
     return at;
 }
 
-static bool is_there(const char *text, size_t length, enum key_kind kind)
+/* The text of the value of `row`, which ends at `end`, or with the text. */
+static struct text value_of(const struct source_key *row, const char *at, const char *end)
+{
+    const size_t length = strlen(row->name) + (row->type != IS_FLAG);
+    return (struct text){at + length, (end ? (size_t)(end - at) : strlen(at)) - length};
+}
+
+/* Where the key at `at` ends: at the comma before the next one, but not before one of the image that is its value. */
+static const char *end_of_key(const char *at, enum key_kind kind)
+{
+    const struct source_key *row = find_row(at, kind);
+    const char *end = next_key(at, kind);
+    const struct text value = value_of(row, at, end);
+    const bool is_image = row->type == IS_TEXT && row->words && value.size && !text_is_one_of(value, row->words, true);
+    while (is_image && end && (find_row(end + 1, kind)->kinds & KEYS_VOLUME)) {
+        end = next_key(end + 1, kind);
+    }
+    return end;
+}
+
+static bool find_part(struct system_stat *out, const char *text, size_t length)
 {
     char path[SYSTEM_PATH];
-    struct system_stat info;
-    if (!length || length >= sizeof path || kind >= KEYS_CLEARANCE) {
+    if (!length || length >= sizeof path) {
         return false;
     }
     memcpy(path, text, length);
     path[length] = '\0';
-    return system_stat(&info, path);
+    return system_stat(out, path);
+}
+
+static bool is_there(const char *text, size_t length, enum key_kind kind)
+{
+    struct system_stat info;
+    return kind < KEYS_CLEARANCE && find_part(&info, text, length);
+}
+
+/* Behind the folders that are there: they may be called anything, and keys begin behind them. A value may have a '/',
+ * too, which ends no such folder. */
+static const char *behind_folders(const char *text)
+{
+    struct system_stat info;
+    const char *begin = text;
+    const char *slash = strchr(text, ',');
+    slash = slash ? strchr(slash, '/') : NULL;
+    while (slash && find_part(&info, text, (size_t)(slash - text)) && info.kind == SYSTEM_FOLDER) {
+        begin = slash + 1;
+        slash = strchr(begin, '/');
+    }
+    return begin;
 }
 
 /* Length of the file: the longest that is there, and *other the next one; else all before the first key. */
 static size_t find_file(size_t *other, const char *text, enum key_kind kind)
 {
     size_t found = 0;
-    const char *first = next_key(text, kind);
+    const char *first = next_key(behind_folders(text), kind);
     *other = 0;
     for (const char *at = first; at; at = next_key(at + 1, kind)) {
         const size_t length = (size_t)(at - text);
@@ -181,10 +222,15 @@ static size_t find_file(size_t *other, const char *text, enum key_kind kind)
     return found ? found : first ? (size_t)(first - text) : strlen(text);
 }
 
-size_t keys_file_length(const char *text, enum key_kind kind)
+/* Of one number; any minus is one. */
+static bool read_number(struct text text, double *out)
 {
-    size_t other;
-    return find_file(&other, text, kind);
+    const size_t minus = text_minus(text);
+    const bool is_odd = minus > 1; /* not of ASCII */
+    const struct text rest = {text.data + (is_odd ? minus : 0), text.size - (is_odd ? minus : 0)};
+    const bool is_fine = (!is_odd || (rest.size && strchr("0123456789.", rest.data[0]))) && text_to_double(rest, out);
+    *out = is_fine && is_odd ? -*out : *out;
+    return is_fine && isfinite(*out);
 }
 
 static bool read_numbers(struct key_value *value)
@@ -200,7 +246,7 @@ static bool read_numbers(struct key_value *value)
             is_fine = text_to_uint(part, (uint64_t)row->high, &whole);
             number = (double)whole;
         } else {
-            is_fine = text_to_double(part, &number) && isfinite(number);
+            is_fine = read_number(part, &number);
         }
         is_fine = is_fine && value->count < row->most && number >= row->low && number <= row->high &&
                   !(row->is_above && number == row->low);
@@ -217,7 +263,7 @@ static bool has_value(struct key_value *value)
     case IS_WHOLE:
         return read_numbers(value);
     case IS_WORD:
-        return text_is_one_of(value->text, value->row->words, true);
+        return text_is_one_of(text_trim(value->text), value->row->words, true);
     default:
         return value->row->type == IS_FLAG || value->text.size;
     }
@@ -239,7 +285,7 @@ static void list_keys(char out[LISTED], enum key_kind kind)
 /* The key of the kind that was perhaps meant; "" if none is near. */
 static const char *find_near(struct text found, enum key_kind kind)
 {
-    const struct text word = {found.data, strcspn(found.data, "=")};
+    const struct text word = {found.data, strcspn(found.data, "=,")};
     const char *near = "";
     size_t least = (word.size + 2) / 3 + 1;
     for (const struct source_key *row = rows; row < rows + ROWS; row++) {
@@ -259,7 +305,7 @@ static bool refuse_unknown(struct source_keys *out, struct text found, struct te
                     TEXT_SHOW(before, 80U), TEXT_SHOW(found, 80U));
     }
     const char *near = find_near(found, kind);
-    if (text_equal((struct text){found.data, strcspn(found.data, "=,")}, near)) {
+    if (*near && text_equal((struct text){found.data, strcspn(found.data, "=,")}, near)) {
         return FAIL(out, "%s: %s", near,
                     memchr(found.data, '=', found.size) ? "no value is allowed" : "a value is needed");
     }
@@ -272,8 +318,7 @@ static bool refuse_unknown(struct source_keys *out, struct text found, struct te
 static bool read_key(struct source_keys *out, const char *at, const char *end, enum key_kind kind)
 {
     const struct source_key *row = find_row(at, kind);
-    const size_t length = strlen(row->name) + (row->type != IS_FLAG);
-    struct key_value value = {.row = row, .id = row->id, .text = {at + length, (size_t)(end - at) - length}};
+    struct key_value value = {.row = row, .id = row->id, .text = value_of(row, at, end)};
     const char *comma = row->goes_on ? NULL : memchr(at, ',', (size_t)(end - at));
     if (comma) {
         return refuse_unknown(out, (struct text){comma + 1, strcspn(comma + 1, ",")},
@@ -303,19 +348,30 @@ static bool is_name(const char *word, size_t length, enum key_kind kind)
     return is && (word[length] == '\0' || word[length] == ',');
 }
 
-/* A word behind a file that is there, or is written, where the whole is not: a key with another name, or without a
- * value. */
+/* What stands behind a file that is there, where the whole is not: a key with another name, or without a value. Behind
+ * a folder, and behind what is written, it looks like a key. */
 static struct text find_unknown(const char *text, size_t length, enum key_kind kind)
 {
-    for (const char *at = text; (at = memchr(at, ',', (size_t)(text + length - at))); at++) {
-        const size_t word = strspn(at + 1, "abcdefghijklmnopqrstuvwxyz");
-        const bool is_key = word && (at[1 + word] == '=' || is_name(at + 1, word, kind));
-        const bool is_file = kind >= KEYS_CLEARANCE || is_there(text, (size_t)(at - text), kind);
-        if (is_key && is_file && kind != KEYS_APART && !is_there(text, length, kind)) { /* poses have their own */
+    struct system_stat info;
+    for (const char *at = behind_folders(text); (at = memchr(at, ',', (size_t)(text + length - at))); at++) {
+        const size_t word = strspn(at + 1, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-");
+        const bool is_key = at[1 + word] == '=' || is_name(at + 1, word, kind);
+        const bool is_unknown = kind >= KEYS_CLEARANCE ? is_key
+                                                       : find_part(&info, text, (size_t)(at - text)) &&
+                                                             (is_key || info.kind != SYSTEM_FOLDER);
+        if (is_unknown && kind != KEYS_APART && !is_there(text, length, kind)) { /* poses have their own */
             return (struct text){at + 1, (size_t)(text + length - at) - 1};
         }
     }
     return (struct text){0};
+}
+
+size_t keys_file_length(const char *text, enum key_kind kind)
+{
+    size_t other;
+    const size_t length = find_file(&other, text, kind);
+    const struct text unknown = find_unknown(text, length, kind);
+    return unknown.size ? (size_t)(unknown.data - text) - 1 : length;
 }
 
 /* Takes the keys of a text that begins with one. */
@@ -323,7 +379,7 @@ static bool read_all(struct source_keys *out, const char *at, enum key_kind kind
 {
     bool is_fine = true;
     while (is_fine && at) {
-        const char *next = next_key(at, kind);
+        const char *next = end_of_key(at, kind);
         is_fine = read_key(out, at, next ? next : at + strlen(at), kind);
         at = next ? next + 1 : NULL;
     }
@@ -336,8 +392,8 @@ bool keys_read(struct source_keys *out, const char *text, enum key_kind kind)
     *out = (struct source_keys){.length = find_file(&other, text, kind)};
     struct source_keys part = {0};
     if (other && read_all(&part, text + other + 1, kind)) {
-        return FAIL(out, "\"%s\" is there, and so is \"%.*s\", of which it would be a part: rename one of them", text,
-                    (int)other, text);
+        return FAIL(out, "\"%.*s\" is there, and so is \"%.*s\", of which it would be a part: rename one of them",
+                    (int)out->length, text, (int)other, text);
     }
     if (!out->length && *text) {
         return FAIL(out, "\"%.80s\" names no %s", text, kind >= KEYS_REACH ? "structure" : "file");

@@ -2,7 +2,8 @@
 /** @file FILE,key=value,...: the table of keys, and what takes such a text apart. Programs have it beside the library.
  *
  * A file of that very name has no keys. Else known keys are cut off from the end; what is no key and stands behind one
- * is refused. Where FILE and "FILE,key=value" are both there, the text is refused, since it may mean either. */
+ * is refused. Where FILE and "FILE,key=value" are both there, the text is refused, since it may mean either. Folders
+ * that are there may be called anything: keys begin behind them. Behind space=IMAGE stand the keys of the image. */
 #ifndef CONUS_SOURCES_KEYS_H
 #define CONUS_SOURCES_KEYS_H
 
@@ -88,7 +89,7 @@ enum source_key_id {
 
 #define KEY_BIT(id) (UINT64_C(1) << (id))
 
-enum { KEY_NUMBERS = 16, KEYS_MOST = 32, KEYS_WHY = 1024 };
+enum { KEY_NUMBERS = 16, KEYS_MOST = 128, KEYS_WHY = 1024 };
 
 struct source_key;
 
@@ -123,7 +124,7 @@ const char *keys_string(const struct source_keys *keys, enum source_key_id id);
 /** The same of @p words without a file: "key=value,key=value". */
 bool keys_read_alone(struct source_keys *out, const char *words, enum key_kind kind);
 
-/** Length of the file in @p text, whatever its keys say. */
+/** Length of the file in @p text, whatever its keys say, and where they are none. */
 size_t keys_file_length(const char *text, enum key_kind kind);
 
 /** The first value of a key; where it is not given, one whose text is empty. */

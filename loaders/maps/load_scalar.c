@@ -377,6 +377,7 @@ static void roi_of_mesh(struct job *job, conus_roi **out, const struct hdf5 *hdf
                               .slope = 1,
                               .threshold = threshold};
     const size_t place = job_in(job, keys->path, JOB_ALONE);
+    source_keys_refuse(job, keys, KEY_BIT(KEY_FIELD) | KEY_BIT(KEY_TISSUE));
     struct roi_mesh mesh = simnibs_find(job, hdf5, keys);
     job_out(job, place);
     mesh.nodes = job_give(job, mesh.nodes, mesh.node_count * sizeof *mesh.nodes);

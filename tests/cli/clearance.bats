@@ -25,6 +25,9 @@ poses() {
     [ "$(jq -c .Settings rows.json)" = '{"range_mm":[0,40],"radius_mm":1,"within_mm":10}' ]
     [ "$(jq -r '.Queries[0] | keys | join(" ")' rows.json)" = "query world_from_device_ras" ]
     # The tip is at y = -9, and the limit just includes the distance.
+    mkdir sub=1,within=2
+    conus query $NEEDLE -q --clearance sub=1,within=2/x,y.tsv -o again.tsv # folders may be called anything
+    cmp rows.tsv sub=1,within=2/x,y.tsv
     answers query ${NEEDLE/0,40/0,11} -q --clearance -,within=4 --format tsv
     [ "$(sed 1d <<<"$output" | tr '\t' ' ')" = "1 area 1 U 5 4 11 8 -9 5 12 -6 5" ]
     printf 'x\ty\tz\tdx\tdy\tdz\tfar\n8\t-20\t5\t0\t1\t0\t11\n' >own.tsv # the same tip, from the row's own range

@@ -172,6 +172,10 @@ nested.nii.gz is an atlas: ATLAS comes first, then ROI" overlap map.nrrd nested.
         overlap nested.nii.gz field.hdf5,tissue=5 --threshold 1
     fails 2 'tissue: found "GM", allowed are up to 16 whole numbers from 0, as in 1:2' \
         overlap nested.nii.gz field.hdf5,tissue=GM --threshold 1
+    local key
+    for key in map=x orientation=asr volume=7 level=3 resolution=3; do
+        fails 2 "field.hdf5: ${key%=*} is " overlap nested.nii.gz "field.hdf5,$key" --threshold 1
+    done
     fails 2 'field.hdf5: has values from 1 to 2 and is no mask: a threshold is needed, from which on a tetrahedron' \
         overlap nested.nii.gz field.hdf5 -q
     fails 2 'cone.nii.gz: tissue is for results of SimNIBS (.hdf5) as a region of interest, this file has none' \

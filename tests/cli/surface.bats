@@ -309,6 +309,9 @@ numbers() {
     at() { "$CONUS" query "$1" --origin "$2,3,50" --direction 0,0,-1 --angle 1 --format tsv --quiet | cut -f 4 | sed -n 2p; }
     [ "$(at t.off 12)" = t ]
     [ "$(at t.off,space=i.nrrd -12)" = t ]
+    [ "$(at t.off,space=i.nrrd,volume=0 -12)" = t ] # which is the image's
+    run -2 "$CONUS" info t.off,space=i.nrrd,resolution=25
+    [[ "$output" == *"i.nrrd: resolution is for TIFF stacks and OME-Zarr"* ]]
     "$CONUS" query t.off,space=lps --origin=-12,-3,50 --direction 0,0,-1 --angle 1 --format tsv 2>notes | grep -q t
     [ ! -s notes ] || ! grep -q "RAS was taken" notes
     run -2 "$CONUS" info i.nrrd,space=lps

@@ -369,6 +369,11 @@ static void columns_are_named_by_the_user(void **state)
     snprintf(path, sizeof path, "%s", test_scratch("a,x=1.csv"));
     assert_ok(file_write(path, text, sizeof text - 1));
     assert_int_equal(conus_pose_path_length(path), strlen(path)); /* a file is called so */
+    snprintf(path, sizeof path, "%s", test_scratch("a.csv"));
+    assert_ok(file_write(path, text, sizeof text - 1));
+    const size_t length = strlen(path);
+    strcat(path, ",colour=3"); /* which is no key */
+    assert_int_equal(conus_pose_path_length(path), length);
 }
 
 /* A word that changes nothing is refused. */

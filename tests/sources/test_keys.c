@@ -3,8 +3,10 @@
 #include "sources/keys.h"
 
 #include "base/files/file.h"
+#include "base/system/system.h"
 #include "test.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -14,6 +16,11 @@
 static void put(const char *name)
 {
     assert_ok(file_write_soon(test_scratch(name), "x", 1));
+}
+
+static void make_folder(const char *name)
+{
+    assert_true(system_make_folder(test_scratch(name), false) || errno == EEXIST);
 }
 
 static void what_is_cut_off(void **state)
@@ -43,7 +50,18 @@ static void what_is_cut_off(void **state)
         {"a.nii,within=4", KEYS_CLEARANCE, "a.nii", 1},
         {"poses.csv,x=a,y=b,z=c,5,shank=all", KEYS_APART, "poses.csv,x=a,y=b,z=c,5", 1},
         {"A,\"B, left\",length=5,part=1:2", KEYS_REACH, "A,\"B, left\"", 2},
+        {"s.gii,space=t.tif,resolution=1000,orientation=asr", KEYS_SCENE, "s.gii", 1},
+        {"s.gii,volume=1,space=t.nii,volume=0,map=a,template=none", KEYS_ATLAS, "s.gii", 3},
+        {"s.gii,space=ras,map=1", KEYS_SCENE, "s.gii", 2},
+        {"m,level=1/a.nii", KEYS_VOLUME, "m,level=1/a.nii", 0},
+        {"m,level=1/a.nii,volume=2", KEYS_VOLUME, "m,level=1/a.nii", 1},
+        {"m,level=1/gone.nii", KEYS_VOLUME, "m,level=1/gone.nii", 0},
+        {"m,level=1/x,y.tsv,within=4", KEYS_CLEARANCE, "m,level=1/x,y.tsv", 1},
+        {"m,within=../y.nii", KEYS_ENTRIES, "m", 1},
     };
+    make_folder("m");
+    make_folder("m,level=1");
+    put("m,level=1/a.nii");
     put("a.nii");
     put("b,volume=1.nii");
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -89,6 +107,15 @@ static void what_keys_say(void **state)
     assert_true(keys_fit(why, &keys, ~UINT64_C(0)));
     assert_true(keys_read(&keys, "f,range=-1:2.5", KEYS_MAP));
     assert_near(keys_value(&keys, KEY_RANGE)->numbers[0], -1, 0);
+    assert_true(keys_read(&keys,
+                          "f,range=\xe2\x88\x92"
+                          "2:2",
+                          KEYS_MAP)); /* as texts have a minus */
+    assert_near(keys_value(&keys, KEY_RANGE)->numbers[0], -2, 0);
+    assert_true(keys_read(&keys, "f,sides= anyway ", KEYS_POSES));
+    const char *image = "f,space=a.nii,volume=3,orientation=asr";
+    assert_true(keys_read(&keys, image, KEYS_SCENE));
+    assert_true(text_equal(keys_value(&keys, KEY_SPACE)->text, image + strlen("f,space=")));
 }
 
 static void what_is_refused(void **state)
@@ -104,6 +131,14 @@ static void what_is_refused(void **state)
         {"f,volume=1:2", KEYS_VOLUME, "volume: found \"1:2\""},
         {"f,volume=-1", KEYS_VOLUME, "volume: found \"-1\""},
         {"f,volume=99999999999999999999", KEYS_VOLUME, "volume: found"},
+        {"f,volume=4294967295", KEYS_VOLUME, "volume: found \"4294967295\", allowed are whole numbers from 0 to 42949"},
+        {"f,volume=0,=3", KEYS_VOLUME, "found \"=3\", allowed are volume"},
+        {"f,space=,volume=0", KEYS_SCENE, "space: found \"\", allowed are ras, lps and an image"},
+        {"f,range=\xe2\x88\x92-2:2", KEYS_MAP, "range: found"},
+        {"f,range=\xe2\x88\x92:2", KEYS_MAP, "range: found"},
+        {"A,Tip=3", KEYS_REACH, "allowed are length, tip, "},
+        {"A,Tip=3", KEYS_REACH, "; did you mean tip?"},
+        {"A,=3", KEYS_REACH, "found \"=3\", allowed are length"},
         {"f,level=2147483648", KEYS_VOLUME, "level: found"},
         {"f,tissue=1:2:3:4:5:6:7:8:9:1:2:3:4:5:6:7:8", KEYS_VOLUME, "tissue: found"},
         {"f,resolution=1:2", KEYS_VOLUME, "resolution: found \"1:2\""},
@@ -135,12 +170,14 @@ static void what_is_refused(void **state)
             fail_msg("%s: \"%s\" does not say \"%s\"", cases[i].text, keys.why, cases[i].why);
         }
     }
-    char many[40 * 12] = "f";
-    for (size_t i = 0; i <= KEYS_MOST; i++) {
-        snprintf(many + strlen(many), 12, ",band=::x");
+    char many[(KEYS_MOST + 1) * 9 + 2] = "f";
+    for (size_t i = 0; i < KEYS_MOST; i++) {
+        strcat(many, ",band=::x");
     }
+    assert_true(keys_read(&keys, many, KEYS_PATHWAY));
+    strcat(many, ",band=::x");
     assert_false(keys_read(&keys, many, KEYS_PATHWAY));
-    assert_non_null(strstr(keys.why, "there are 32 keys"));
+    assert_non_null(strstr(keys.why, "there are 128 keys"));
     assert_true(keys_read_alone(&keys, "x=a, mm,unit=cm", KEYS_POSES));
     assert_int_equal(keys.count, 2);
     assert_false(keys_read_alone(&keys, "w=a", KEYS_POSES));
@@ -162,13 +199,24 @@ static void files_decide(void **state)
     assert_true(keys_read(&keys, path, KEYS_STREAMLINES)); /* which have no such key */
     snprintf(path, sizeof path, "%s", test_scratch("c.nii,volume=1,level=0"));
     assert_false(keys_read(&keys, path, KEYS_VOLUME));
+    assert_non_null(strstr(keys.why, "c.nii,volume=1\" is there, and so is \"")); /* without what is not */
     snprintf(path, sizeof path, "%s", test_scratch("c.nii,volume=2"));
     assert_true(keys_read(&keys, path, KEYS_VOLUME));
     snprintf(path, sizeof path, "%s", test_scratch("c.nii,treshold=2"));
     assert_false(keys_read(&keys, path, KEYS_PATHWAY));
     assert_non_null(strstr(keys.why, "found \"treshold=2\", allowed are "));
-    snprintf(path, sizeof path, "%s", test_scratch("c.nii,Treshold=2"));
-    assert_true(keys_read(&keys, path, KEYS_PATHWAY));
+    static const char *const unknown[] = {"c.nii,Treshold=2", "c.nii,trehsold", "c.nii,=", "c.nii,x,threshold=2"};
+    for (size_t i = 0; i < sizeof unknown / sizeof unknown[0]; i++) {
+        snprintf(path, sizeof path, "%s", test_scratch(unknown[i]));
+        assert_false(keys_read(&keys, path, KEYS_PATHWAY));
+        assert_non_null(strstr(keys.why, "found \""));
+        assert_string_equal(path + keys_file_length(path, KEYS_PATHWAY), unknown[i] + strlen("c.nii"));
+    }
+    make_folder("n");
+    snprintf(path, sizeof path, "%s", test_scratch("n,o.nii"));
+    assert_true(keys_read(&keys, path, KEYS_PATHWAY)); /* beside a folder */
+    snprintf(path, sizeof path, "%s", test_scratch("n,o=1"));
+    assert_false(keys_read(&keys, path, KEYS_PATHWAY));
 }
 
 TEST_GROUP(keys)
