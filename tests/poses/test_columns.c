@@ -372,7 +372,7 @@ static void columns_are_named_by_the_user(void **state)
     snprintf(path, sizeof path, "%s", test_scratch("a.csv"));
     assert_ok(file_write(path, text, sizeof text - 1));
     const size_t length = strlen(path);
-    strcat(path, ",colour=3"); /* which is no key */
+    snprintf(path + length, sizeof path - length, ",colour=3"); /* which is no key */
     assert_int_equal(conus_pose_path_length(path), length);
 }
 

@@ -170,12 +170,14 @@ static void what_is_refused(void **state)
             fail_msg("%s: \"%s\" does not say \"%s\"", cases[i].text, keys.why, cases[i].why);
         }
     }
-    char many[(KEYS_MOST + 1) * 9 + 2] = "f";
-    for (size_t i = 0; i < KEYS_MOST; i++) {
-        strcat(many, ",band=::x");
+    enum { BAND = 9 };
+    char many[(KEYS_MOST + 1) * BAND + 2] = "f";
+    for (size_t i = 0; i <= KEYS_MOST; i++) {
+        memcpy(many + 1 + i * BAND, ",band=::x", BAND + 1);
     }
+    many[1 + KEYS_MOST * BAND] = '\0'; /* one less */
     assert_true(keys_read(&keys, many, KEYS_PATHWAY));
-    strcat(many, ",band=::x");
+    many[1 + KEYS_MOST * BAND] = ',';
     assert_false(keys_read(&keys, many, KEYS_PATHWAY));
     assert_non_null(strstr(keys.why, "there are 128 keys"));
     assert_true(keys_read_alone(&keys, "x=a, mm,unit=cm", KEYS_POSES));
