@@ -645,6 +645,7 @@ stop() {
 # and then is silent.
 pipe_in() {
     [ -p silent ] || mkfifo silent
+    : >piped.tsv # of the one before, which would be counted until this one begins
     env --default-signal=INT "$CONUS" batch sphere.nii.gz --poses - --angle 12 --block 100 -q "$@" <silent >piped.tsv 2>said 3>&- &
     pid=$!
     exec 5>silent
