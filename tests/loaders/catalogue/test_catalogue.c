@@ -113,7 +113,7 @@ static void paths_are_no_names(void **state)
     assert_true(conus_atlas_is_path("a.nii,map=a, b"));
     assert_true(conus_atlas_is_path("a.nii,resolution=25,orientation=asr"));
     assert_true(conus_atlas_is_path("a.nii,orientation=asr,resolution=25"));
-    assert_false(conus_atlas_is_path("a.nii,other=3"));
+    assert_true(conus_atlas_is_path("a.nii,other=3")); /* the file is meant, and its reader refuses the key */
     assert_false(conus_atlas_is_path("b.nii,volume=3"));
     assert_int_equal(chdir(before), 0);
 }
