@@ -9,6 +9,7 @@
 #include "base/memory.h"
 #include "base/order.h"
 #include "base/text.h"
+#include "conus/own.h"
 
 #include <math.h>
 #include <string.h>

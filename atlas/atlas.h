@@ -12,8 +12,7 @@
 #include "base/buffer.h"
 #include "base/files/file_sums.h"
 #include "base/notes.h"
-#include "conus/atlas_info.h"
-#include "conus/pack.h"
+#include "conus/own.h"
 
 /** An object's place: which mesh, tractogram or volume of the atlas. An index beyond these means no shape. */
 struct object_place {

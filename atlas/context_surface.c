@@ -3,6 +3,7 @@
 #include "atlas/atlas.h"
 
 #include "base/memory.h"
+#include "conus/own.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -5,6 +5,7 @@
 #include "atlas/bundles.h"
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
+#include "conus/own.h"
 
 #include <string.h>
 

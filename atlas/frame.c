@@ -4,7 +4,7 @@
 
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
-#include "conus/space.h"
+#include "conus/own.h"
 
 #include <string.h>
 

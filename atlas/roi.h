@@ -5,7 +5,7 @@
 
 #include "atlas/volume.h"
 #include "base/tolerance.h"
-#include "conus/overlap.h"
+#include "conus/study.h"
 
 struct tetrahedron {
     uint32_t nodes[4]; /**< From 0. */

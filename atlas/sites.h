@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Points where needles may enter, or to which they may point (conus/candidates.h). */
+/** @file Points where needles may enter, or to which they may point (conus/plan.h). */
 #ifndef CONUS_ATLAS_SITES_H
 #define CONUS_ATLAS_SITES_H
 
 #include "base/notes.h"
-#include "conus/candidates.h"
-#include "conus/mask.h"
+#include "conus/image.h"
+#include "conus/plan.h"
 
 struct conus_sites {
     double (*points)[3];

@@ -5,6 +5,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/tolerance.h"
+#include "conus/own.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -5,8 +5,8 @@
 
 #include "base/status.h"
 #include "base/text.h"
-#include "conus/atlas_info.h"
-#include "conus/mask.h"
+#include "conus/atlas.h"
+#include "conus/image.h"
 
 /** NIfTI's codes of a scanner's own space, of one that is aligned to something, and of templates. */
 enum { SPACE_SCANNER = 1, SPACE_ALIGNED = 2, SPACE_TALAIRACH = 3, SPACE_MNI = 4, SPACE_TEMPLATE = 5 };

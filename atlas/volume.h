@@ -5,7 +5,7 @@
 
 #include "atlas/value_map.h"
 #include "base/tolerance.h"
-#include "conus/atlas_info.h"
+#include "conus/atlas.h"
 
 /** The number of voxels that stop rays and belong to no object. Above every object's number, so that an object that is
  * equally near comes first. */

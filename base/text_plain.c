@@ -2,7 +2,7 @@
 /* UTF-8: checks it, and replaces what would steer a terminal. Below memory.c and status.c, whose messages pass here. */
 #include "base/text.h"
 
-#include "conus/file.h"
+#include "conus/own.h"
 
 #include <string.h>
 

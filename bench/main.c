@@ -4,7 +4,7 @@
 #include "bench/all.h"
 #include "bench/report.h"
 #include "bench/support/bench.h"
-#include "conus/phantom.h"
+#include "conus/own.h"
 
 #include <ftw.h>
 #include <getopt.h>

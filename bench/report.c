@@ -4,8 +4,7 @@
 
 #include "base/buffer.h"
 #include "base/files/file.h"
-#include "conus/file.h"
-#include "conus/version.h"
+#include "conus/own.h"
 #include "render/gl/context.h"
 
 #include <jansson.h>

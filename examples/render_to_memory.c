@@ -22,9 +22,14 @@ int main(int argc, char **argv)
     status = status ? status : conus_renderer_create(&renderer, atlas, NULL);
     status = status ? status : conus_render(&image, renderer, &view);
     status = status ? status : conus_image_encode(&bytes, &size, image, "png");
-    status = status ? status : conus_write_file(output, bytes, size);
+    FILE *file = status ? NULL : fopen(output, "wb");
+    const bool written = file && fwrite(bytes, 1, size, file) == size;
+    const bool closed = file && !fclose(file);
     if (status) {
         fprintf(stderr, "%s\n", conus_message());
+    } else if (!written || !closed) {
+        fprintf(stderr, "%s cannot be written\n", output);
+        status = CONUS_ERROR_IO;
     } else {
         printf("%lu x %lu pixels, %lu bytes, drawn by %s\n", (unsigned long)conus_image_width(image),
                (unsigned long)conus_image_height(image), (unsigned long)size, conus_renderer_device(renderer));

@@ -7,6 +7,7 @@
 #include "atlas/tracts/tract_node.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "conus/own.h"
 #include "pack/pack_layout.h"
 #include "selection/engine/voxels/distance_map.h"
 

@@ -4,6 +4,7 @@
 #include "atlas/space.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "conus/own.h"
 #include "loaders/maps/atlas_on_job.h"
 #include "loaders/scene/load_streamlines.h"
 #include "pack/pack_file.h"

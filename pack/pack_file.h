@@ -3,7 +3,7 @@
 #ifndef CONUS_PACK_PACK_FILE_H
 #define CONUS_PACK_PACK_FILE_H
 
-#include "conus/pack.h"
+#include "conus/atlas.h"
 
 #include <stdbool.h>
 

@@ -5,6 +5,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "conus/own.h"
 #include "poses/rows/pose_row.h"
 
 #include <stdio.h>

@@ -6,8 +6,8 @@
 #include "base/notes.h"
 #include "base/status.h"
 #include "base/text.h"
-#include "conus/candidates.h"
-#include "conus/pose_file.h"
+#include "conus/plan.h"
+#include "conus/pose.h"
 #include "poses/rows/pose_row.h"
 
 /** As conus_pose_stream_open(), from a text that outlives the stream. Errors name no file. */

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """build_conus.py FILE.py [FOLDER...]: writes the module conus._declarations, by cffi.
 
-The declarations are the public headers, without what only a compiler needs. So a function that is in
+The declarations are the headers, public ones and own.h, without what only a compiler needs. So a function that is in
 the headers is in the module, with the types that the headers say. Beside them stand the headers' version
 and the folders in which the package looks for the library, from its own, which is the first.
 """
@@ -17,7 +17,7 @@ HEADERS = HERE.parent / "include" / "conus"
 
 def read_header(name, seen):
     """The header's text, with those that it includes before it, each once."""
-    if name in seen or name == "export.h":
+    if name in seen:
         return ""
     seen.add(name)
     text = (HEADERS / name).read_text()
@@ -26,7 +26,7 @@ def read_header(name, seen):
 
 
 def declarations():
-    text = read_header("conus.h", set())
+    text = read_header("own.h", set())
     text = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
     text = re.sub(r"#ifdef __cplusplus.*?#endif", "", text, flags=re.S)
     text = re.sub(r"^#(?:.*\\\n)*.*$", "", text, flags=re.M)

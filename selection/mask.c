@@ -3,7 +3,7 @@
 #include "atlas/space.h"
 #include "base/memory.h"
 #include "base/options.h"
-#include "conus/version.h"
+#include "conus/own.h"
 #include "selection/selection.h"
 
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Says how a place was understood. */
-#include "conus/place.h"
+#include "conus/pose.h"
 
 #include <math.h>
 #include <stdio.h>

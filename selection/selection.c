@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/geometry/tangent.h"
 #include "base/memory.h"
+#include "conus/own.h"
 #include "poses/rows/pose_row.h"
 #include "selection/rank.h"
 #include "selection/selector.h"

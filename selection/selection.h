@@ -4,7 +4,7 @@
 #define CONUS_SELECTION_SELECTION_H
 
 #include "atlas/areas/level.h"
-#include "conus/track.h"
+#include "conus/selection.h"
 #include "selection/evidence/layers.h"
 #include "selection/measure/statistics.h"
 #include "selection/region/region.h"

@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/text.h"
+#include "conus/own.h"
 #include "selection/rank.h"
 
 #include <string.h>

@@ -2,7 +2,7 @@
 /* Lists of streamlines: those that come into a selection's region. */
 #include "atlas/bundles.h"
 #include "base/memory.h"
-#include "conus/streamline_list.h"
+#include "conus/own.h"
 #include "selection/measure/tract_census.h"
 #include "selection/selection.h"
 

@@ -5,6 +5,7 @@
 #include "base/order.h"
 #include "base/path.h"
 #include "base/system/system.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "settings/notes.h"

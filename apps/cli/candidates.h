@@ -5,7 +5,7 @@
 #define CONUS_CLI_CANDIDATES_H
 
 #include "cli/request.h"
-#include "conus/candidates.h"
+#include "conus/plan.h"
 #include "settings/constraints.h"
 
 struct candidate_settings {

@@ -3,7 +3,7 @@
 #include "cli/answers/aligned.h"
 #include "cli/answers/info_json.h"
 #include "cli/commands.h"
-#include "conus/version.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "settings/settings.h"

@@ -11,8 +11,7 @@
 #include "settings/notes.h"
 #include "settings/settings.h"
 
-#include "conus/pack.h"
-#include "conus/streamlines.h"
+#include "conus/own.h"
 
 #include <inttypes.h>
 #include <math.h>

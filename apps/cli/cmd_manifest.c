@@ -3,8 +3,7 @@
 #include "base/path.h"
 #include "base/system/system.h"
 #include "cli/commands.h"
-#include "conus/file.h"
-#include "conus/manifest.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "settings/settings.h"
 

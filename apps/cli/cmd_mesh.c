@@ -2,7 +2,7 @@
 /* conus mesh: writes a surface mesh of each area. */
 #include "base/system/system.h"
 #include "cli/commands.h"
-#include "conus/mesh.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "settings/atlas_input.h"
 #include "settings/notes.h"

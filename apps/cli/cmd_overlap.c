@@ -3,6 +3,7 @@
 #include "cli/answers/ends.h"
 #include "cli/commands.h"
 #include "cli/request.h"
+#include "conus/own.h"
 #include "options/messages.h"
 
 #include <stdio.h>

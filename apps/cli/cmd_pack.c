@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus pack: writes an atlas as it is loaded to one file, which opens at once. */
 #include "cli/commands.h"
-#include "conus/file.h"
-#include "conus/pack.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/outputs.h"
 #include "settings/atlas_input.h"

@@ -15,11 +15,7 @@
 #include "settings/notes.h"
 #include "settings/settings.h"
 
-#include "conus/file.h"
-#include "conus/pack.h"
-#include "conus/pose.h"
-#include "conus/report.h"
-#include "conus/version.h"
+#include "conus/own.h"
 
 #include <errno.h>
 #include <jansson.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus phantom: writes synthetic atlases. */
 #include "cli/commands.h"
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "settings/settings.h"
 

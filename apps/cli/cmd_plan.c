@@ -7,6 +7,7 @@
 #include "cli/candidates.h"
 #include "cli/commands.h"
 #include "cli/request.h"
+#include "conus/own.h"
 #include "options/clock.h"
 #include "options/interrupt.h"
 #include "options/messages.h"

@@ -4,6 +4,7 @@
 #include "cli/answers/selection_files.h"
 #include "cli/commands.h"
 #include "cli/request.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/options.h"
 #include "options/output.h"

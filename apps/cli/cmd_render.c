@@ -8,7 +8,7 @@
 #include "cli/render_caption.h"
 #include "cli/render_cuts.h"
 #include "cli/render_turn.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "figures/contacts.h"
 #include "figures/figure.h"
 #include "options/messages.h"

@@ -3,6 +3,7 @@
 #include "base/system/system.h"
 #include "cli/commands.h"
 #include "cli/request.h"
+#include "conus/own.h"
 #include "link/send_selection.h"
 #include "options/clock.h"
 #include "options/interrupt.h"

@@ -8,9 +8,7 @@
 #include "options/output.h"
 #include "settings/atlas_input.h"
 
-#include "conus/file.h"
-#include "conus/report.h"
-#include "conus/version.h"
+#include "conus/own.h"
 
 #include <stdlib.h>
 #include <string.h>

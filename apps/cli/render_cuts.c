@@ -5,9 +5,7 @@
 #include "options/messages.h"
 #include "settings/settings.h"
 
-#include "conus/atlas_info.h"
-#include "conus/segments.h"
-#include "conus/space.h"
+#include "conus/own.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 #include "base/system/system.h"
 #include "options/messages.h"
 
-#include "conus/atlas_info.h"
+#include "conus/atlas.h"
 
 #include <inttypes.h>
 #include <math.h>

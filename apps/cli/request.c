@@ -2,6 +2,7 @@
 /* The steps that commands that answer share: checks, loading, matching, rows without an answer, notes. */
 #include "cli/request.h"
 
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "settings/notes.h"

@@ -7,7 +7,7 @@
 #define CONUS_CLI_REQUEST_H
 
 #include "cli/answers/answer_format.h"
-#include "conus/pose_check.h"
+#include "conus/selection.h"
 #include "options/output.h"
 #include "options/outputs.h"
 #include "options/progress.h"

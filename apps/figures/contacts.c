@@ -4,7 +4,7 @@
 
 #include "base/order.h"
 #include "base/text.h"
-#include "conus/segments.h"
+#include "conus/study.h"
 
 #include <math.h>
 #include <stdlib.h>

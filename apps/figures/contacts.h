@@ -5,7 +5,7 @@
 #define CONUS_FIGURES_CONTACTS_H
 
 #include "conus/picture.h"
-#include "conus/pose_file.h"
+#include "conus/pose.h"
 
 /** Gives contacts their electrodes as groups, "LA" to "LA12", "LA-12" and "LA 12", if all names, which are not NULL,
  * are those of contacts: a word and a number behind it, three or more for each word on average. Then @p grouped is

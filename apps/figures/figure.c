@@ -2,8 +2,7 @@
 /* The sheet of a picture: its size in pixels or millimetres, side, background and text. */
 #include "figures/figure.h"
 
-#include "conus/catalogue.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "options/input_file.h"
 #include "options/messages.h"
 

@@ -7,7 +7,7 @@
 
 #include "link/igtl.h"
 
-#include "conus/pose_file.h"
+#include "conus/pose.h"
 
 enum { STATION_PORT = 18944 };
 

@@ -4,7 +4,7 @@
 
 #include "base/system/system.h"
 #include "base/text.h"
-#include "conus/pose_file.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
 

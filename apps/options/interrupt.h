@@ -3,7 +3,7 @@
 #ifndef CONUS_OPTIONS_INTERRUPT_H
 #define CONUS_OPTIONS_INTERRUPT_H
 
-#include "conus/pose_file.h"
+#include "conus/pose.h"
 
 /** From here on the first of each is kept, and stops @p poses, so that nothing waits for a silent pipe; the second one
  * ends the program. One that is ignored stays so. */

@@ -4,7 +4,7 @@
 
 #include "base/system/system.h"
 #include "base/text.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "options/table_fit.h"
 
 #include <errno.h>

@@ -5,8 +5,7 @@
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
-#include "conus/streamlines.h"
-#include "conus/version.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
 

@@ -5,7 +5,7 @@
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/table_fit.h"
 

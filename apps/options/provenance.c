@@ -2,8 +2,7 @@
 /* Completes sidecars with what was read and written, seals them, and writes reports with them. */
 #include "options/provenance.h"
 
-#include "conus/pack.h"
-#include "conus/pose_file.h"
+#include "conus/own.h"
 
 #include "base/path.h"
 #include "base/system/system.h"

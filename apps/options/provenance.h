@@ -5,7 +5,7 @@
 #ifndef CONUS_OPTIONS_PROVENANCE_H
 #define CONUS_OPTIONS_PROVENANCE_H
 
-#include "conus/pose_file.h"
+#include "conus/pose.h"
 #include "conus/report.h"
 #include "options/options.h"
 

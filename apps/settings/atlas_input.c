@@ -10,7 +10,7 @@
 #include "settings/settings.h"
 #include "settings/tract_shelf.h"
 
-#include "conus/streamlines.h"
+#include "conus/own.h"
 
 #include <math.h>
 #include <stdint.h>

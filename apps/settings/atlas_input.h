@@ -4,7 +4,6 @@
 #define CONUS_SETTINGS_ATLAS_INPUT_H
 
 #include "conus/atlas.h"
-#include "conus/catalogue.h"
 #include "settings/settings.h"
 
 /** An atlas, or an image, as it was given. */

@@ -3,7 +3,7 @@
 #ifndef CONUS_SETTINGS_ATLASES_H
 #define CONUS_SETTINGS_ATLASES_H
 
-#include "conus/atlas_info.h"
+#include "conus/atlas.h"
 #include "settings/atlas_input.h"
 #include "settings/settings.h"
 #include "settings/tract_shelf.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Options that take a place: numbers, an area, a position of a cap (conus/place.h). */
+/** @file Options that take a place: numbers, an area, a position of a cap (conus/pose.h). */
 #ifndef CONUS_SETTINGS_NAMED_PLACES_H
 #define CONUS_SETTINGS_NAMED_PLACES_H
 

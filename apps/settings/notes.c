@@ -3,7 +3,7 @@
 #include "settings/notes.h"
 
 #include "base/system/system.h"
-#include "conus/pack.h"
+#include "conus/own.h"
 #include "options/messages.h"
 
 #include <inttypes.h>

@@ -3,7 +3,7 @@
 #ifndef CONUS_SETTINGS_NOTES_H
 #define CONUS_SETTINGS_NOTES_H
 
-#include "conus/pose_check.h"
+#include "conus/selection.h"
 #include "conus/space.h"
 #include "settings/atlases.h"
 #include "settings/settings.h"

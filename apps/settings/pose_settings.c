@@ -3,8 +3,7 @@
 #include "settings/pose_settings.h"
 
 #include "base/path.h"
-#include "conus/place.h"
-#include "conus/streamlines.h"
+#include "conus/own.h"
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"

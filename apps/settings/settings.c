@@ -2,7 +2,7 @@
 /* The tables of options that several commands share, and what they mean for the library. */
 #include "settings/settings.h"
 
-#include "conus/score.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/options.h"
 #include "settings/named_places.h"

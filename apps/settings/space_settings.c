@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The options --space and --bregma, and what they mean for atlases. */
+#include "conus/own.h"
 #include "options/messages.h"
 #include "settings/atlases.h"
 #include "settings/settings.h"

@@ -3,6 +3,7 @@
 #include "settings/tract_shelf.h"
 
 #include "base/system/system.h"
+#include "conus/own.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #ifndef CONUS_SETTINGS_TRACT_SHELF_H
 #define CONUS_SETTINGS_TRACT_SHELF_H
 
-#include "conus/streamlines.h"
+#include "conus/own.h"
 
 #include <stdbool.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus-view: the window. Its options are read and explained by the same tables as those of conus. */
 #include "base/system/system.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "pages/pages.h"
 #include "settings/atlases.h"

@@ -6,7 +6,7 @@
  */
 #include "base/look.h"
 
-#include <conus/conus.h>
+#include <conus/own.h>
 #include <emscripten.h>
 
 #include <math.h>

@@ -5,6 +5,7 @@
 #include "atlas/areas/area_list.h"
 #include "atlas/atlas.h"
 #include "base/memory.h"
+#include "conus/own.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
 #include "atlas/fit/head.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "conus/atlas_info.h"
+#include "conus/atlas.h"
 
 #include <math.h>
 #include <string.h>

@@ -5,7 +5,7 @@
 
 #include "base/notes.h"
 #include "base/text.h"
-#include "conus/atlas_info.h"
+#include "conus/atlas.h"
 
 #include <stddef.h>
 #include <stdint.h>

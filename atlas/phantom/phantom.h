@@ -6,7 +6,7 @@
 #define CONUS_ATLAS_PHANTOM_PHANTOM_H
 
 #include "atlas/atlas.h"
-#include "conus/phantom.h"
+#include "conus/own.h"
 
 enum { PHANTOM_SHAPES = 6, PHANTOM_AREAS = 6 };
 

@@ -11,7 +11,7 @@
 #define CONUS_ATLAS_PHANTOM_PHANTOM_BRAIN_H
 
 #include "atlas/surface/mesh.h"
-#include "conus/atlas_info.h"
+#include "conus/atlas.h"
 
 enum { PHANTOM_BRAIN_AREAS = 11, PHANTOM_BRAIN_TRIANGLES = 234444 };
 

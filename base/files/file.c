@@ -8,7 +8,7 @@
 #include "base/system/system.h"
 #include "base/text.h"
 #include "base/writer.h"
-#include "conus/file.h"
+#include "conus/own.h"
 
 #include <errno.h>
 #include <inttypes.h>

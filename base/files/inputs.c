@@ -5,7 +5,7 @@
 #include "base/files/file.h"
 #include "base/memory.h"
 #include "base/system/system.h"
-#include "conus/file.h"
+#include "conus/own.h"
 
 #include <pthread.h>
 #include <string.h>

@@ -3,7 +3,7 @@
  * them, and exactly. */
 #include "bench/support/bench.h"
 #include "bench/support/trace.h"
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "render/id/slices.h"
 
 #include <stdio.h>

@@ -5,8 +5,7 @@
 
 #include "base/buffer.h"
 #include "base/geometry/math3.h"
-#include "conus/batch.h"
-#include "conus/mesh.h"
+#include "conus/own.h"
 #include "selection/engine/engine_rays.h"
 #include "selection/selection.h"
 #include "selection/selector.h"

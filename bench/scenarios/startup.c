@@ -2,10 +2,7 @@
 /* From nothing to an answer: loading an atlas from files and from a pack, making a selector, and the whole program. */
 #include "base/memory.h"
 #include "bench/support/program.h"
-#include "conus/pack.h"
-#include "conus/phantom.h"
-#include "conus/report.h"
-#include "conus/selection.h"
+#include "conus/own.h"
 
 #include <stdio.h>
 #include <stdlib.h>

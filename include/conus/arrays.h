@@ -81,8 +81,6 @@ typedef struct conus_create_options {
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a type, dimension, label or hemisphere out of its range, and for labels
  * without voxels; #CONUS_ERROR_DATA for a voxel that is no label, a matrix that has no inverse or another last row
  * than 0 0 0 1, and for voxels that look like an image unless labels_anyway is set.
- * @threads Any.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_create(conus_atlas **out, const conus_voxels *voxels, const conus_label *labels,
                                               size_t label_count, const conus_create_options *options);
@@ -97,8 +95,6 @@ CONUS_CHECKED conus_status conus_atlas_create(conus_atlas **out, const conus_vox
  * @param triangle_count How many triangles; at least 1.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a label as above and once there is a pathway; #CONUS_ERROR_DATA for an
  * index out of range, or a coordinate that is not finite or beyond 1e9 mm.
- * @threads One at a time, while no other thread uses the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_add_surface(conus_atlas *atlas, const conus_label *area, const float *positions,
                                                    size_t vertex_count, const uint32_t *triangles,
@@ -111,8 +107,6 @@ CONUS_CHECKED conus_status conus_atlas_add_surface(conus_atlas *atlas, const con
  * @param options Its name counts before that of @p voxels; NULL = defaults. max_memory has no meaning.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a type, a dimension or a threshold out of its range; #CONUS_ERROR_DATA
  * for voxels without a value above 0 and a matrix that has no inverse or another last row than 0 0 0 1.
- * @threads One at a time, while no other thread uses the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_add_values(conus_atlas *atlas, const conus_voxels *voxels,
                                                   const conus_pathway_options *options);
@@ -123,8 +117,6 @@ CONUS_CHECKED conus_status conus_atlas_add_values(conus_atlas *atlas, const conu
  * @param voxels As for conus_atlas_add_values().
  * @param options NULL = defaults. max_memory has no meaning.
  * @return #CONUS_OK; as conus_atlas_add_values().
- * @threads One at a time, while no other thread uses the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_set_context_values(conus_atlas *atlas, const conus_voxels *voxels,
                                                           const conus_context_options *options);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /**
  * @file atlas.h
- * An atlas: the volumes, areas, pathways and bundles of one brain. This header loads and changes it; atlas_info.h reads
- * it.
+ * An atlas: the volumes, areas, pathways and bundles of one brain. Load it, change it, read what it has, find those
+ * that are installed, and keep it in a pack.
  */
 #ifndef CONUS_PUBLIC_ATLAS_H
 #define CONUS_PUBLIC_ATLAS_H
@@ -16,6 +16,9 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/** @name Loading and changing
+ * @{ */
 
 typedef struct conus_atlas conus_atlas; /**< Volumes, areas, pathways and bundles of one brain. */
 
@@ -80,16 +83,12 @@ typedef struct conus_load_options {
  * #CONUS_ERROR_DATA for a volume that looks like an image unless labels_anyway is set; #CONUS_ERROR_UNSUPPORTED for a
  * valid file beyond this library; #CONUS_ERROR_MEMORY above max_memory; #CONUS_ERROR_ARGUMENT for a probability out of
  * its range, or of an atlas without areas of probabilities.
- * @threads Any.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options);
 
 /**
  * Ends an atlas. Selectors, renderers and cutters of it must have ended before.
  * @param atlas NULL is allowed.
- * @threads One at a time for each @p atlas.
- * @since 0.1
  */
 CONUS_API void conus_atlas_destroy(conus_atlas *atlas);
 
@@ -126,8 +125,6 @@ typedef struct conus_pathway_options {
  * @param options NULL = defaults.
  * @return #CONUS_OK; the errors of conus_atlas_load(); #CONUS_ERROR_ARGUMENT for a threshold or a band that holds none
  * of the values, for bands that overlap, and for a band with the name of another pathway.
- * @threads One at a time, while no other thread uses the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_add_pathway(conus_atlas *atlas, const char *path,
                                                    const conus_pathway_options *options);
@@ -140,8 +137,6 @@ CONUS_CHECKED conus_status conus_atlas_add_pathway(conus_atlas *atlas, const cha
  * @param threshold In the units of the volume's scaled values.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where @p number is neither, or a band of values, or the threshold is out of
  * its range.
- * @threads One at a time, while no other thread uses the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_set_threshold(conus_atlas *atlas, size_t number, double threshold);
 
@@ -169,8 +164,6 @@ typedef struct conus_context_options {
  * @param options NULL = defaults.
  * @return #CONUS_OK; the errors of conus_atlas_load(); #CONUS_ERROR_ARGUMENT for a surface that is to block rays, for a
  * volume with an opacity, and for an opacity that is not allowed.
- * @threads One at a time, while no other thread uses the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path,
                                                    const conus_context_options *options);
@@ -184,19 +177,8 @@ CONUS_CHECKED conus_status conus_atlas_set_context(conus_atlas *atlas, const cha
  * @param opacity Above 0 to 1; 0 = 0.12.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where there are no voxels of areas or of a head, and for an opacity that is
  * not allowed.
- * @threads One at a time, while no other thread uses the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_add_shell(conus_atlas *atlas, double opacity);
-
-/**
- * Tells as what conus_atlas_set_context() reads a file.
- * @param path The file.
- * @return True where it is a surface; false for everything else, also for a file that is not there.
- * @threads Any.
- * @since 0.1
- */
-CONUS_API bool conus_context_is_surface(const char *path);
 
 /** How conus_atlas_set_context_map() colours a surface. */
 typedef struct conus_context_map_options {
@@ -224,8 +206,6 @@ typedef struct conus_context_map_options {
  * @return #CONUS_OK; the errors of conus_atlas_load(); #CONUS_ERROR_ARGUMENT for an array that is not there, with those
  * that are, where none or several of the surfaces fit, for a range that does not rise, and for an array without any
  * number.
- * @threads One at a time, while no other thread uses the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_set_context_map(conus_atlas *atlas, const char *path,
                                                        const conus_context_map_options *options);
@@ -287,8 +267,6 @@ typedef struct conus_transform_options {
  * FSL's files and register.dat without their images, for images with another file, for a field that does not say what
  * its vectors are, for a grid where nothing is resampled, where something is hidden, for an attached atlas that a field
  * has moved, and for one without its context.
- * @threads One at a time, while no other thread uses the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_transform(conus_atlas *atlas, const char *path,
                                                  const conus_transform_options *options);
@@ -298,8 +276,6 @@ CONUS_CHECKED conus_status conus_atlas_transform(conus_atlas *atlas, const char 
  * @param atlas The atlas; unchanged on failure.
  * @param atlas_from_world Moves points from where poses are to the atlas.
  * @return #CONUS_OK; #CONUS_ERROR_DATA for a matrix that has no inverse or another last row than 0 0 0 1.
- * @threads One at a time, while no other thread uses the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_move(conus_atlas *atlas, const double atlas_from_world[16]);
 
@@ -319,8 +295,6 @@ typedef enum conus_hemispheres {
  * @param hemispheres What to do.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where something is hidden; #CONUS_ERROR_DATA where nothing can be split or
  * merged; #CONUS_ERROR_UNSUPPORTED for splitting meshes.
- * @threads One at a time, while no other thread uses the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_set_hemispheres(conus_atlas *atlas, conus_hemispheres hemispheres);
 
@@ -331,8 +305,6 @@ CONUS_CHECKED conus_status conus_atlas_set_hemispheres(conus_atlas *atlas, conus
  * contradict each other then. Before conus_atlas_transform() and before a selector or renderer is made.
  * @param atlas The atlas; unchanged on failure.
  * @return #CONUS_OK; #CONUS_ERROR_MEMORY; #CONUS_ERROR_DATA where a field has moved it.
- * @threads One at a time, while no other thread uses the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_exchange_sides(conus_atlas *atlas);
 
@@ -344,10 +316,9 @@ CONUS_CHECKED conus_status conus_atlas_exchange_sides(conus_atlas *atlas);
  * is known, and of pathways and bundles; entry 0 is 0.
  * @param atlas The atlas.
  * @return #CONUS_OK; #CONUS_ERROR_MEMORY.
- * @threads Any, while none changes the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_sides(char *sides, const conus_atlas *atlas);
+/** @} */
 
 /** @name Hiding
  * A hidden object is as if it had never been loaded: no ray hits it, no picture shows it, and it blocks nothing. Shown
@@ -364,39 +335,18 @@ CONUS_CHECKED conus_status conus_atlas_sides(char *sides, const conus_atlas *atl
  * @param hide NULL = no list.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT, with the closest name in the message, for a name that is no object, and
  * where nothing is left.
- * @threads One at a time, while no other thread uses the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_show(conus_atlas *atlas, const char *only, const char *hide);
-
-/**
- * Hides the objects that @p hidden marks and shows all others.
- * @param atlas The atlas; unchanged on failure.
- * @param hidden [object count + 1], by number; entry 0 has no meaning. NULL shows all.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where nothing is left.
- * @threads One at a time, while no other thread uses the atlas.
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_atlas_set_hidden(conus_atlas *atlas, const bool *hidden);
-
-/**
- * Returns whether an object is hidden.
- * @param atlas The atlas.
- * @param number Number of the object.
- * @return Whether it is hidden; false for a number that is no object.
- * @threads Any, while none changes the atlas.
- * @since 0.1
- */
-CONUS_API bool conus_atlas_is_hidden(const conus_atlas *atlas, size_t number);
 /** @} */
+
+/** @name Colours
+ * @{ */
 
 /**
  * Gives all areas, pathways and bundles colours that people with any colour vision can tell apart as well as possible:
  * different ones to areas that touch, the same to the left and the right one of a pair. With more than 8191 areas, or
  * without memory, colours follow the atlas's order. Renderers that were made before keep the old ones.
  * @param atlas The atlas.
- * @threads One at a time, while no other thread uses the atlas.
- * @since 0.1
  */
 CONUS_API void conus_atlas_use_safe_colours(conus_atlas *atlas);
 
@@ -407,8 +357,6 @@ CONUS_API void conus_atlas_use_safe_colours(conus_atlas *atlas);
  * @param rgb [count][3] sRGB. Copied.
  * @param count 1 to 80.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another count.
- * @threads One at a time, while no other thread uses the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_use_palette(conus_atlas *atlas, const uint8_t *rgb, size_t count);
 
@@ -416,50 +364,478 @@ CONUS_CHECKED conus_status conus_atlas_use_palette(conus_atlas *atlas, const uin
  * Gives all areas, pathways and bundles the colours back that they had before conus_atlas_use_safe_colours() or
  * conus_atlas_use_palette().
  * @param atlas The atlas.
- * @threads One at a time, while no other thread uses the atlas.
- * @since 0.1
  */
 CONUS_API void conus_atlas_use_own_colours(conus_atlas *atlas);
+/** @} */
 
-/** @name Sharing between processes
- * One process loads an atlas and packs it into memory that all processes map: a file of memfd_create(), POSIX shared
- * memory, an MPI window, Python's multiprocessing.shared_memory. All processes attach it there. Voxels, values,
- * vertices, triangles, streamlines with their trees and the tables that the rays engine makes of voxels are in that
- * memory once. Each process has its own names, and its own trees over triangles, which Embree cannot move.
+/** @name What an atlas has
  * @{ */
 
-/**
- * Gives the memory that conus_atlas_pack() needs.
- * @param atlas The atlas.
- * @return Bytes.
- * @threads Any, while none changes the atlas.
- * @since 0.1
- */
-CONUS_API size_t conus_atlas_packed_size(const conus_atlas *atlas);
+/** Kind of an object or a result. */
+typedef enum conus_kind {
+    CONUS_KIND_AREA = 1,   /**< An area of a parcellation or of a probabilistic atlas, a mesh, or a group of areas. */
+    CONUS_KIND_PATHWAY,    /**< A scalar volume from a threshold on, or in a band of values. */
+    CONUS_KIND_UNASSIGNED, /**< Only of a result: the pixels that hit no object, or first a context that blocks. */
+    CONUS_KIND_BUNDLE      /**< Streamlines of a tractogram: all of them, or a group. */
+} conus_kind;
+
+/** An area, a pathway or a bundle. */
+typedef struct conus_object {
+    conus_kind kind;          /**< #CONUS_KIND_AREA, #CONUS_KIND_PATHWAY or #CONUS_KIND_BUNDLE. */
+    uint32_t label;           /**< The atlas's own number of the area; a pathway's or bundle's ordinal, from 1. */
+    const char *name;         /**< UTF-8, one line. An area that no table names has its number here. */
+    const char *abbreviation; /**< UTF-8; "" if the table gives none. */
+    char hemisphere;          /**< 'L', 'R' or 'B' (both) where the table says so, else 0. */
+    bool named;               /**< The table has a name for it. */
+    uint8_t rgb[3];           /**< sRGB, from the table or else generated. */
+    uint32_t parent;          /**< Number of the object that contains it in the area tree, 0 if none. */
+    uint64_t voxels;          /**< Its own voxels, without those of its children. */
+    double volume_mm3;        /**< The volume of these, mm^3. */
+    uint64_t triangles;       /**< Triangles of its surface, where the area is a mesh (then voxels is 0). */
+    bool closed;   /**< That surface bounds a solid. volume_mm3 is 0 if it does not, and if its parts overlap or face
+                      different ways, so that its volume is not known. */
+    bool is_band;  /**< A pathway that is a band of values; other pathways may be of the same volume. */
+    size_t volume; /**< For an object with voxels: index of its volume, for conus_atlas_volume(); else 0. */
+    double low;    /**< For these: the least value of its voxels, its threshold; -INFINITY = any. Else 0. */
+    double high;   /**< For these: its voxels' values are below it; INFINITY = any. Else 0. */
+    uint64_t streamlines; /**< For a bundle: the number of its streamlines; else 0. */
+    uint64_t points;      /**< Points of these. */
+    double length_mm;     /**< Total length of these, mm. */
+    double radius;        /**< For a bundle: a ray hits a streamline that is nearer than this, mm (Eq. 18). Else 0. */
+} conus_object;
 
 /**
- * Packs the atlas as it is. The packed bytes hold no pointers and may be mapped at another address in each process, but
- * they are for this build of conus on this kind of machine: conus_atlas_save() makes files.
- * @param[out] memory [size], at a multiple of 64 bytes. On failure its content has no meaning.
- * @param size Bytes, at least conus_atlas_packed_size().
- * @param atlas The atlas.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for too few bytes or another alignment; #CONUS_ERROR_MEMORY.
- * @threads Any, while none changes the atlas.
- * @since 0.1
+ * Counts the objects. Areas come first: those of each volume of labels, then those that are meshes, each ordered by
+ * label, then those that only group others, then those of a probabilistic atlas. Pathways and bundles follow in the
+ * order in which they were added.
+ * @param atlas NULL counts 0.
+ * @return How many objects there are; their numbers are 1 to this.
  */
-CONUS_CHECKED conus_status conus_atlas_pack(void *memory, size_t size, const conus_atlas *atlas);
+CONUS_API size_t conus_atlas_object_count(const conus_atlas *atlas);
 
 /**
- * Makes an atlas of what conus_atlas_pack() wrote. An atlas that is then changed (its thresholds, its hemispheres) gets
- * its own copies of the arrays that the change concerns. The large arrays are not checked: attach only what you trust.
- * @param[out] out The atlas; end it with conus_atlas_destroy().
- * @param memory The packed atlas, at a multiple of 64 bytes. It is never written to and must outlive the atlas.
- * @param size Bytes.
- * @return #CONUS_OK; #CONUS_ERROR_DATA where there is no whole atlas of this version.
- * @threads Any.
- * @since 0.1
+ * Gives object @p number.
+ * @param atlas The atlas.
+ * @param number 1 to conus_atlas_object_count().
+ * @return NULL for another number. Borrowed until the atlas is changed or ends.
  */
-CONUS_CHECKED conus_status conus_atlas_attach(conus_atlas **out, const void *memory, size_t size);
+CONUS_API const conus_object *conus_atlas_object(const conus_atlas *atlas, size_t number);
+
+/**
+ * Gives the depth of an area in the tree, as levels count it.
+ * @param atlas The atlas.
+ * @param number Number of the object.
+ * @return 1 for roots; a merged area has the depth of its pair; 0 for a pathway or bundle.
+ */
+CONUS_API uint32_t conus_atlas_depth(const conus_atlas *atlas, size_t number);
+
+/**
+ * Gives the word that tells an object from others of the same name. No two pathways and bundles share a name, but an
+ * area may share one with them, and so may a left and a right area whose table says which is which. Tables, legends and
+ * lists say it where it is needed: "bundle Arc", "left insula".
+ * @param[out] prefixes [number of objects + 1], by number: "area", "pathway", "bundle", "left", "right", "left area" or
+ *             "right area", and "" where no name is shared, and for 0. The texts are static. Untouched on failure.
+ * @param atlas The atlas.
+ * @return #CONUS_OK, or #CONUS_ERROR_MEMORY.
+ */
+CONUS_API conus_status conus_atlas_prefixes(const char **prefixes, const conus_atlas *atlas);
+
+/**
+ * Finds the pathway or bundle called @p name, or else the one area with that name, abbreviation or label.
+ * @param[out] out Its number.
+ * @param atlas The atlas.
+ * @param name What to find.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT if there is none, with the closest one in the message, and if there are
+ * several.
+ */
+CONUS_CHECKED conus_status conus_atlas_find(uint32_t *out, const conus_atlas *atlas, const char *name);
+
+/** Role of a volume. */
+typedef enum conus_role {
+    CONUS_ROLE_PARCELLATION = 1, /**< Its values are labels of areas. */
+    CONUS_ROLE_SCALAR,           /**< Its values make a pathway, or several. */
+    CONUS_ROLE_CONTEXT,          /**< It is drawn around the areas. */
+    CONUS_ROLE_PROBABILITY       /**< Its values, from 0 to 1, make an area of a probabilistic atlas. */
+} conus_role;
+
+/** A volume of an atlas. */
+typedef struct conus_volume_info {
+    conus_role role;     /**< Its role. */
+    const char *path;    /**< Path of the voxels, or of a header of text, as opened: bytes, not always UTF-8. */
+    char sha256[65];     /**< SHA-256 of that file, in hexadecimal; of a header of text with its voxels behind it. */
+    char format[48];     /**< "NIfTI-1, gzip, big-endian". */
+    char datatype[16];   /**< "uint8", "float64". */
+    size_t dim[3];       /**< Voxels along i, j, k. */
+    size_t volume;       /**< Which volume of a 4-D file, from 0. */
+    size_t volume_count; /**< How many volumes the file has. */
+    double world_from_voxel[16]; /**< Maps voxel indices (centres at whole numbers) to world mm. */
+    double spacing[3];           /**< Edge lengths of a voxel in mm. */
+    char orientation[4];         /**< Towards which i, j, k grow: "RAS", "LPI". */
+    char transform[96];          /**< Where world_from_voxel comes from: "sform, code 4 (MNI 152)". */
+    int space_code;              /**< NIfTI's code of the space that it maps to, 4 for MNI 152; 0 if unknown. */
+    double slope;                /**< Slope of the stored values; 1 if unscaled. */
+    double intercept;            /**< Intercept of the stored values; 0 if unscaled. */
+    double minimum;              /**< Least of the scaled values. */
+    double maximum;              /**< Largest of the scaled values. */
+    double threshold; /**< Threshold of a pathway that is no band, of an area of a probabilistic atlas, or of a context
+                         that blocks; else 0. */
+    char unit[24];    /**< What the values of a map are, in UTF-8: "z", "probability", "% signal change", as
+                         conus_pathway_options.unit, the header's intent or the file's name says; "" = not known. */
+} conus_volume_info;
+
+/**
+ * Counts the volumes. Those of labels come first, one for each grid; pathways and the context follow.
+ * @param atlas NULL counts 0.
+ * @return How many volumes there are.
+ */
+CONUS_API size_t conus_atlas_volume_count(const conus_atlas *atlas);
+
+/**
+ * Gives volume @p index.
+ * @param atlas The atlas.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed until the atlas is changed or ends.
+ */
+CONUS_API const conus_volume_info *conus_atlas_volume(const conus_atlas *atlas, size_t index);
+
+/** A surface that conus_atlas_set_context() has put around the areas. */
+typedef struct conus_context_surface {
+    size_t struct_size; /**< Its size, as #CONUS_CONTEXT_SURFACE_INIT sets it; 0 = that of this version. */
+    const char *path;   /**< UTF-8 where the file system has it so. Borrowed until the atlas ends. */
+    size_t vertices;    /**< In the file. */
+    size_t triangles;   /**< Those without area are left out. */
+    bool closed;        /**< Every edge is of two triangles: it has an inside. */
+    char hemisphere;    /**< 'L', 'R', 'B', or 0 where the file does not say. */
+    double opacity;     /**< Above 0 to 1. */
+    double low[3];      /**< Lowest x, y, z of its vertices, world mm. */
+    double high[3];     /**< The highest. */
+} conus_context_surface;
+
+/** The size of the struct that the caller was compiled with. */
+#define CONUS_CONTEXT_SURFACE_INIT CONUS_INIT_(conus_context_surface)
+
+/**
+ * Counts the surfaces around the areas.
+ * @param atlas NULL counts 0.
+ * @return How many conus_atlas_set_context() has added.
+ */
+CONUS_API size_t conus_atlas_context_surface_count(const conus_atlas *atlas);
+
+/**
+ * Tells about a surface around the areas.
+ * @param[in,out] out Its struct_size is read; unchanged on failure.
+ * @param atlas The atlas.
+ * @param index From 0, in the order in which they were added.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT past the last.
+ */
+CONUS_CHECKED conus_status conus_atlas_context_surface(conus_context_surface *out, const conus_atlas *atlas,
+                                                       size_t index);
+
+/**
+ * Finds where a world point is in the atlas's own space, that of its files.
+ * @param[out] out mm; the point itself, unless the atlas was moved (conus_atlas_transform()); NaN where a deformation
+ * field has moved it and says nothing of the point. May be @p point.
+ * @param atlas The atlas.
+ * @param point World mm.
+ */
+CONUS_API void conus_atlas_own_point(double out[3], const conus_atlas *atlas, const double point[3]);
+
+/** Whose brain an atlas is. */
+typedef enum conus_brain {
+    CONUS_BRAIN_UNKNOWN = 0, /**< Nothing says. */
+    CONUS_BRAIN_OWN,         /**< One person's own, in the space of that person's scan. */
+    CONUS_BRAIN_MNI152,      /**< The MNI's average of 152 people, of any edition. */
+    CONUS_BRAIN_COLIN27,     /**< One person's, averaged over 27 scans and brought to the MNI's space. */
+    CONUS_BRAIN_MNI305,      /**< The MNI's average of 305 people, as fsaverage has it. */
+    CONUS_BRAIN_TALAIRACH,   /**< That of Talairach and Tournoux. */
+    CONUS_BRAIN_TEMPLATE     /**< Another template, also of an animal. */
+} conus_brain;
+
+/** Whose brain an atlas is, and how that is known. */
+typedef struct conus_brain_view {
+    conus_brain brain;   /**< Whose. */
+    const char *edition; /**< Of MNI 152: "NLin2009", or "earlier" for those before it; "" = not known. Static. */
+    const char *source;  /**< "stated", "header", "grid", "CCF"; "" of an unknown one. Static. */
+    const char *words;   /**< "MNI 152, NLin2009", "Colin 27", "one person's own". Static. */
+    bool is_moved;       /**< A transform has moved it since: it lies in another space, which is unknown unless
+                            stated. */
+} conus_brain_view;
+
+/**
+ * Tells whose brain an atlas is: what is stated (",template=" of conus_atlas_load(), "template" of a manifest), else
+ * what the header of its first volume says (NIfTI's codes 3, 4 and 5), else what its grid says, which also tells Colin
+ * 27 and editions of MNI 152 from each other. FreeSurfer's grid of 256^3 mm is anybody's. An atlas that was moved since
+ * is unknown, but one person's own stays so.
+ * @param atlas The atlas.
+ * @return The brain. Its texts are static.
+ */
+CONUS_API conus_brain_view conus_atlas_brain(const conus_atlas *atlas);
+
+/** Where the areas of an atlas lie: those that are not hidden, of voxels, or else of surfaces. */
+typedef struct conus_placement {
+    size_t struct_size; /**< Its size, as #CONUS_PLACEMENT_INIT sets it; 0 = that of this version. */
+    bool is_moved;      /**< By conus_atlas_transform(), conus_atlas_move() or a manifest's "transform". */
+    bool mirrors;       /**< Left and right are exchanged. */
+    bool has_context;   /**< There is a context, and the last three are known: its volume, or else closed surfaces. */
+    bool is_warped;     /**< By a deformation field: the matrix, growth and own box are NAN, mirrors is false. */
+    double atlas_from_world[16]; /**< From where it lies to its own space, that of its files. */
+    double growth;               /**< Volume here of 1 mm^3 in its own space, mm^3. */
+    double own_low[3];           /**< Lowest x, y, z of the box around it in its own space, mm. */
+    double own_high[3];          /**< The highest. */
+    double low[3];               /**< Lowest x, y, z of the box around it here, world mm. */
+    double high[3];              /**< The highest. */
+    double centre[3];            /**< The mean of its voxels' centres, or of its vertices; world mm. */
+    double distance_mm;          /**< How far that is from where it is in its own space. */
+    double head_threshold; /**< Values of the context from this one on are the head's, with what they enclose along two
+                              axes of its grid; by Otsu's method. INFINITY where all are alike. For surfaces it is
+                              between 0, outside, and 1, inside. */
+    double in_grid;        /**< Part of the voxels whose centre is in the grid of the context, or in the box around its
+                              surfaces, 0 to 1. */
+    double in_head;        /**< Part of the voxels whose centre is in the head, 0 to 1. */
+} conus_placement;
+
+/** The size of the struct that the caller was compiled with. */
+#define CONUS_PLACEMENT_INIT CONUS_INIT_(conus_placement)
+
+/**
+ * Tells where an atlas lies, where it lay in its own space, and which part of it is in the head that its context shows.
+ * Parts and centre are those of 131072 voxels, or vertices, at most.
+ * @param[in,out] out Its struct_size is read.
+ * @param atlas The atlas.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA where there are no areas; #CONUS_ERROR_MEMORY.
+ */
+CONUS_CHECKED conus_status conus_atlas_placement(conus_placement *out, const conus_atlas *atlas);
+
+/**
+ * Returns whether a deformation field has moved the atlas, so that conus_atlas_own_point() is no affine.
+ * @param atlas The atlas.
+ * @return Whether one has.
+ */
+CONUS_API bool conus_atlas_is_warped(const conus_atlas *atlas);
+
+/**
+ * Counts the other files that an atlas is made of: a manifest, surfaces, labels of their vertices, lists of what is
+ * shown, volumes of labels that are joined with another on its grid.
+ * @param atlas NULL counts 0.
+ * @return How many files there are.
+ */
+CONUS_API size_t conus_atlas_file_count(const conus_atlas *atlas);
+
+/**
+ * Gives the path of other file @p index.
+ * @param atlas The atlas.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed until the atlas is changed or ends.
+ */
+CONUS_API const char *conus_atlas_file(const conus_atlas *atlas, size_t index);
+
+/**
+ * Finds the box around all voxels, triangles and streamlines that are not hidden.
+ * @param[out] low Its lowest x, y, z, world mm.
+ * @param[out] high Its highest x, y, z, world mm.
+ * @param atlas The atlas.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA if there are none.
+ */
+CONUS_CHECKED conus_status conus_atlas_bounds(double low[3], double high[3], const conus_atlas *atlas);
+
+/**
+ * Interpolates a scalar or context volume at a world position, between the centres of its voxels.
+ * @param atlas The atlas.
+ * @param index The volume.
+ * @param point World mm.
+ * @return The scaled value; NaN outside the volume's cells, and where there is no such volume.
+ */
+CONUS_API double conus_atlas_value(const conus_atlas *atlas, size_t index, const double point[3]);
+
+/**
+ * Gives the source of the names, in words.
+ * @param atlas The atlas.
+ * @return "ITK-SNAP labels in aal.label", "none found". Borrowed until the atlas is changed or ends.
+ */
+CONUS_API const char *conus_atlas_label_source(const conus_atlas *atlas);
+
+/**
+ * Counts the notes that a careful user should know about this atlas: labels without names, a guessed space.
+ * @param atlas NULL counts 0.
+ * @return How many notes there are.
+ */
+CONUS_API size_t conus_atlas_note_count(const conus_atlas *atlas);
+
+/**
+ * Gives note @p index.
+ * @param atlas The atlas.
+ * @param index From 0.
+ * @return One line; NULL past the last. Borrowed until the atlas is changed or ends.
+ */
+CONUS_API const char *conus_atlas_note(const conus_atlas *atlas, size_t index);
+
+/**
+ * Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
+ * data mean.
+ * @param atlas The atlas.
+ * @param index From 0.
+ * @return #CONUS_SEVERITY_NOTE also past the last.
+ */
+CONUS_API conus_severity conus_atlas_note_severity(const conus_atlas *atlas, size_t index);
+
+/**
+ * Gives the note that left and right are exchanged, of the names or of the places. Tell nobody a side of such an atlas:
+ * names say one, places the other. conus_atlas_exchange_sides() mends one whose places are.
+ * @param atlas The atlas.
+ * @return The note: at least three pairs of a left and a right area, and three quarters of all, lie the other way
+ * round. NULL where they do not. Borrowed until the atlas is changed or ends.
+ */
+CONUS_API const char *conus_atlas_exchanged(const conus_atlas *atlas);
+
+/** By what a direction into the head was found. */
+typedef enum conus_inward {
+    CONUS_INWARD_SURFACE = 0, /**< Closed surfaces of the context. */
+    CONUS_INWARD_IMAGE,       /**< The head in the context's image: from a threshold on by Otsu's method. */
+    CONUS_INWARD_ATLAS        /**< The convex hull of what is shown of the atlas: the way to its nearest point. */
+} conus_inward;
+
+/**
+ * Finds the direction straight into the head at a point on it: against the mean normal of the head's surface within 5
+ * mm, weighted by area; where the context has none there, the way to the nearest point of the atlas's convex hull.
+ * @param[out] out World, of length 1.
+ * @param[out] from By what; NULL = not wanted.
+ * @param atlas The atlas with its context.
+ * @param point World mm.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a point in the hull and no surface near it, and for an atlas that was
+ * loaded without its context; #CONUS_ERROR_MEMORY.
+ */
+CONUS_CHECKED conus_status conus_atlas_inward(double out[3], conus_inward *from, const conus_atlas *atlas,
+                                              const double point[3]);
+/** @} */
+
+/** @name Names
+ * The atlases that are installed on this computer, by name. docs/commands.md says in which folders they are looked for.
+ * @{ */
+
+typedef struct conus_catalogue conus_catalogue; /**< The atlases found, and the places searched. */
+
+/** How conus_catalogue_create() looks. */
+typedef struct conus_catalogue_options {
+    size_t struct_size; /**< Its size, as #CONUS_CATALOGUE_OPTIONS_INIT sets it; 0 = that of this version. */
+    conus_log log;      /**< Receives the notes of conus_catalogue_note(); NULL = no callback. */
+    void *log_user;     /**< Passed to @p log. */
+} conus_catalogue_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_CATALOGUE_OPTIONS_INIT CONUS_INIT_(conus_catalogue_options)
+
+/**
+ * Looks for atlases in the folders that the environment names: $CONUS_ATLAS_PATH, and where mricron, FSL, FreeSurfer,
+ * BrainGlobe, TemplateFlow, AFNI, SPM, CAT12, nilearn and MRIcroGL keep theirs. Reads names, the headers of volumes and
+ * the XMLs of FSL atlases, no voxel. A folder that cannot be read, or that holds more than is looked at, is a note.
+ * @param[out] out The catalogue; end it with conus_catalogue_destroy().
+ * @param options NULL = defaults.
+ * @return #CONUS_OK, also where nothing is found.
+ * @threads Any, while none changes the environment.
+ */
+CONUS_CHECKED conus_status conus_catalogue_create(conus_catalogue **out, const conus_catalogue_options *options);
+
+/**
+ * Ends a catalogue.
+ * @param catalogue NULL is allowed.
+ */
+CONUS_API void conus_catalogue_destroy(conus_catalogue *catalogue);
+
+/** An atlas that is installed. */
+typedef struct conus_installed {
+    const char *name;   /**< "aal". UTF-8, one line, without '/'. Not always the only one of that name. */
+    const char *source; /**< Whose folder it is in: "mricron", "fsl"; "own" for $CONUS_ATLAS_PATH. */
+    const char *kind;   /**< "volume", "probabilities" (an FSL atlas), "surface", "surfaces" (a folder), "scene" (a
+                           manifest) or "pack". */
+    const char *path;   /**< For conus_atlas_load(). Bytes, not always UTF-8. */
+    const char *labels; /**< For conus_load_options.labels; NULL = conus_atlas_load() finds the labels. */
+    double spacing[3];  /**< Edge lengths of a voxel, mm; 0 where they are not known. */
+} conus_installed;
+
+/**
+ * Counts the atlases.
+ * @param catalogue NULL counts 0.
+ * @return How many there are.
+ */
+CONUS_API size_t conus_catalogue_count(const conus_catalogue *catalogue);
+
+/**
+ * Gives atlas @p index. Those of one source stand together; $CONUS_ATLAS_PATH comes first.
+ * @param catalogue The catalogue.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed from the catalogue.
+ */
+CONUS_API const conus_installed *conus_catalogue_atlas(const conus_catalogue *catalogue, size_t index);
+
+/** A folder in which atlases are looked for. */
+typedef struct conus_catalogue_place {
+    const char *source; /**< As conus_installed.source. */
+    const char *rule;   /**< How it is named: "$FSLDIR/data/atlases". */
+    const char *path;   /**< The folder; "" where the environment does not say which. */
+    bool there;         /**< There is such a folder. */
+} conus_catalogue_place;
+
+/**
+ * Counts the places in which was looked, there or not.
+ * @param catalogue NULL counts 0.
+ * @return How many there are.
+ */
+CONUS_API size_t conus_catalogue_place_count(const conus_catalogue *catalogue);
+
+/**
+ * Gives place @p index, in the order in which they were looked at.
+ * @param catalogue The catalogue.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed from the catalogue.
+ */
+CONUS_API const conus_catalogue_place *conus_catalogue_place_at(const conus_catalogue *catalogue, size_t index);
+
+/**
+ * Counts the notes about what was left out.
+ * @param catalogue NULL counts 0.
+ * @return How many there are.
+ */
+CONUS_API size_t conus_catalogue_note_count(const conus_catalogue *catalogue);
+
+/**
+ * Gives note @p index.
+ * @param catalogue The catalogue.
+ * @param index From 0.
+ * @return One line; NULL past the last. Borrowed from the catalogue.
+ */
+CONUS_API const char *conus_catalogue_note(const conus_catalogue *catalogue, size_t index);
+/** @} */
+
+/** @name Packs
+ * A loaded atlas in one file, which opens at once. conus_atlas_load() opens it like any other atlas.
+ * @{ */
+
+/** The ending of a pack's name. */
+#define CONUS_PACK_ENDING ".conus"
+
+/** How conus_atlas_save() writes. */
+typedef struct conus_save_options {
+    size_t struct_size;         /**< Its size, as #CONUS_SAVE_OPTIONS_INIT sets it; 0 = that of this version. */
+    const char *words;          /**< How it is packed again, for people: a command line. NULL = not known. */
+    const char *const *sources; /**< [source_count] Files that were read, in addition to those that the atlas knows,
+                                     which lacks the voxels of a header of text. */
+    size_t source_count;        /**< How many. */
+} conus_save_options;
+
+/** The size of the struct that the caller was compiled with. */
+#define CONUS_SAVE_OPTIONS_INIT CONUS_INIT_(conus_save_options)
+
+/**
+ * Writes a loaded atlas as it is to one file, whole or not at all. The file is for this machine's kind and this
+ * format's builds (docs/formats.md); it has the SHA-256 of each source, and says at its opening which have changed.
+ * @param path Ends in ".conus". What is there is replaced.
+ * @param atlas The atlas; not one that was opened from a pack.
+ * @param options NULL for all defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another ending, or an atlas of a pack; #CONUS_ERROR_IO where the file
+ * cannot be written, or a source is no longer as it was read.
+ */
+CONUS_CHECKED conus_status conus_atlas_save(const char *path, const conus_atlas *atlas,
+                                            const conus_save_options *options);
 /** @} */
 
 #ifdef __cplusplus

@@ -28,48 +28,28 @@
  *  - Counting: accessors of a NULL object count 0. Indices count from 0. Objects of an atlas have numbers from 1; 0 is
  *    "nothing".
  *  - Shapes: [n m] is n rows of m numbers each, one row after the other.
- *  - Threads: the paragraph "Threads" of a function says which threads may call it.
+ *  - Threads: any thread may call any function. An object that a function takes as `T *` is used by one thread at a
+ *    time; one that it takes as `const T *` by any number of threads, while none changes it. One thread at a time uses
+ *    selectors, trackers, streams of poses, counts of poses and reports, in every function; only the thread that made
+ *    a renderer uses it. The paragraph "Threads" of a function says where it is otherwise.
+ *  - Since: all is there since version 0.1, where a description says no other.
  */
 #ifndef CONUS_PUBLIC_CONUS_H
 #define CONUS_PUBLIC_CONUS_H
 
 #include <conus/arrays.h>
 #include <conus/atlas.h>
-#include <conus/atlas_info.h>
-#include <conus/batch.h>
-#include <conus/candidates.h>
-#include <conus/catalogue.h>
-#include <conus/clearance.h>
-#include <conus/clusters.h>
-#include <conus/connectivity.h>
-#include <conus/export.h>
-#include <conus/file.h>
 #include <conus/image.h>
-#include <conus/jitter.h>
-#include <conus/manifest.h>
-#include <conus/mask.h>
-#include <conus/mesh.h>
-#include <conus/overlap.h>
-#include <conus/pack.h>
-#include <conus/phantom.h>
 #include <conus/picture.h>
-#include <conus/place.h>
 #include <conus/plan.h>
 #include <conus/pose.h>
-#include <conus/pose_check.h>
-#include <conus/pose_file.h>
-#include <conus/probe.h>
 #include <conus/report.h>
-#include <conus/score.h>
-#include <conus/segments.h>
 #include <conus/selection.h>
 #include <conus/space.h>
 #include <conus/status.h>
-#include <conus/streamline_list.h>
 #include <conus/streamlines.h>
-#include <conus/sweep.h>
+#include <conus/study.h>
 #include <conus/table.h>
-#include <conus/track.h>
 #include <conus/version.h>
 
 #endif

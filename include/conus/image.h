@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /**
  * @file image.h
- * Pictures as named channels of pixels: made, read, written and compared.
+ * Pictures as named channels of pixels, made, written and compared; the voxels in a selection as a volume.
  */
 #ifndef CONUS_PUBLIC_IMAGE_H
 #define CONUS_PUBLIC_IMAGE_H
@@ -15,6 +15,9 @@
 extern "C" {
 #endif
 
+/** @name Images
+ * @{ */
+
 typedef struct conus_image conus_image; /**< Named float and uint32 channels of one picture. */
 
 /**
@@ -24,8 +27,6 @@ typedef struct conus_image conus_image; /**< Named float and uint32 channels of 
  * @param[out] out The image; end it with conus_image_destroy().
  * @param selection The selection. Its atlas must still be there.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a ball, which has no pixels.
- * @threads Any, while none changes the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_image_of_selection(conus_image **out, const conus_selection *selection);
 
@@ -33,8 +34,6 @@ CONUS_CHECKED conus_status conus_image_of_selection(conus_image **out, const con
  * Gives the width.
  * @param image The image.
  * @return Pixels.
- * @threads Any: the object does not change.
- * @since 0.1
  */
 CONUS_API uint32_t conus_image_width(const conus_image *image);
 
@@ -42,8 +41,6 @@ CONUS_API uint32_t conus_image_width(const conus_image *image);
  * Gives the height.
  * @param image The image.
  * @return Pixels.
- * @threads Any: the object does not change.
- * @since 0.1
  */
 CONUS_API uint32_t conus_image_height(const conus_image *image);
 
@@ -52,8 +49,6 @@ CONUS_API uint32_t conus_image_height(const conus_image *image);
  * @param image The image.
  * @param index From 0.
  * @return NULL past the last. Borrowed from the image.
- * @threads Any: the object does not change.
- * @since 0.1
  */
 CONUS_API const char *conus_image_channel(const conus_image *image, size_t index);
 
@@ -61,8 +56,6 @@ CONUS_API const char *conus_image_channel(const conus_image *image, size_t index
  * Says what the colours of a picture mean: its legend in words, with the names that the atlas has, a line each row.
  * @param image The image.
  * @return UTF-8; "" if there is nothing to say. Borrowed from the image.
- * @threads Any: the object does not change.
- * @since 0.1
  */
 CONUS_API const char *conus_image_legend(const conus_image *image);
 
@@ -71,8 +64,6 @@ CONUS_API const char *conus_image_legend(const conus_image *image);
  * @param image The image.
  * @param channel Its name.
  * @return [height width], top row first; NULL if there is none of that name and type. Borrowed from the image.
- * @threads Any: the object does not change.
- * @since 0.1
  */
 CONUS_API const float *conus_image_floats(const conus_image *image, const char *channel);
 
@@ -81,33 +72,8 @@ CONUS_API const float *conus_image_floats(const conus_image *image, const char *
  * @param image The image.
  * @param channel Its name.
  * @return As of conus_image_floats().
- * @threads Any: the object does not change.
- * @since 0.1
  */
 CONUS_API const uint32_t *conus_image_uints(const conus_image *image, const char *channel);
-
-/**
- * Makes an image with the channels R, G, B, A from bytes.
- * @param[out] out The image; end it with conus_image_destroy().
- * @param rgba [height width 4] sRGB and opacity, top row first. Copied.
- * @param width Pixels.
- * @param height Pixels.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a size out of its range.
- * @threads Any.
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_image_from_bytes(conus_image **out, const uint8_t *rgba, uint32_t width,
-                                                  uint32_t height);
-
-/**
- * Reads OpenEXR (flat scan lines, one part) or PNG (as linear, premultiplied R, G, B, A). The content decides.
- * @param[out] out The image; end it with conus_image_destroy().
- * @param path The file.
- * @return #CONUS_OK; #CONUS_ERROR_IO, #CONUS_ERROR_DATA or #CONUS_ERROR_UNSUPPORTED for a file that cannot be read.
- * @threads Any.
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_image_load(conus_image **out, const char *path);
 
 /**
  * Writes an image: .exr all channels, .png 8-bit sRGB of R, G, B and A (A not premultiplied); a picture with
@@ -117,8 +83,6 @@ CONUS_CHECKED conus_status conus_image_load(conus_image **out, const char *path)
  * @param path The ending decides the format.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another ending; #CONUS_ERROR_IO where the system refuses;
  * #CONUS_ERROR_UNSUPPORTED for .pdf where cairo cannot be loaded.
- * @threads Any: the object does not change.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_image_write(const conus_image *image, const char *path);
 
@@ -129,8 +93,6 @@ CONUS_CHECKED conus_status conus_image_write(const conus_image *image, const cha
  * @param image The image.
  * @param format "exr", "png", "svg" or "pdf", as of conus_image_write().
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another format.
- * @threads One at a time for each @p image.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_image_encode(const uint8_t **data, size_t *size, conus_image *image,
                                               const char *format);
@@ -138,36 +100,88 @@ CONUS_CHECKED conus_status conus_image_encode(const uint8_t **data, size_t *size
 /**
  * Ends an image.
  * @param image NULL is allowed.
- * @threads One at a time for each @p image.
- * @since 0.1
  */
 CONUS_API void conus_image_destroy(conus_image *image);
+/** @} */
 
-/** How two images differ. In a float channel NaN equals NaN and infinity itself; one of them against anything else
- * differs by infinity. */
-typedef struct conus_image_difference {
-    uint64_t pixels;    /**< Width times height. */
-    uint64_t differing; /**< Pixels in which a float channel differs by more than the tolerance, or a uint32 channel at
-                           all. */
-    double max_difference; /**< Largest difference in any channel. */
-    double rms;            /**< Largest root mean square difference of a channel. */
-    char channel[32];      /**< The channel of max_difference, "" if there is no difference. */
-    uint32_t x;            /**< Column of its first pixel, from the left. */
-    uint32_t y;            /**< Row of its first pixel, from the top. */
-} conus_image_difference;
+/** @name Masks
+ * The voxels in a selection as a volume: masks and maps on the grid of the atlas.
+ * @{ */
+
+typedef struct conus_grid conus_grid; /**< Numbers on an atlas's voxel grid, to be written. */
+
+/** The meaning of the numbers on a grid. */
+typedef enum conus_grid_content {
+    CONUS_GRID_MASK_OF_AREAS = 0, /**< 1 in every area's voxels in the region. */
+    CONUS_GRID_MASK_OF_REGION,    /**< 1 in all voxels in the region, background too. */
+    CONUS_GRID_MAP_OF_LABELS,     /**< The labels of the areas that these voxels are reported as. */
+    CONUS_GRID_MAP_OF_VALUES      /**< A pathway's values in the region, on the pathway's grid. */
+} conus_grid_content;
+
+/** How conus_selection_grid() fills a grid. */
+typedef struct conus_grid_options {
+    size_t struct_size;         /**< Its size, as #CONUS_GRID_OPTIONS_INIT sets it; 0 = that of this version. */
+    conus_grid_content content; /**< The meaning of the numbers. */
+    uint32_t object; /**< Only this object and those below it in the area tree; 0 = all. A map of values needs a pathway
+                        here, unless there is only one; a mask of one is made with it, too. Of the region it only
+                        chooses the grid, and must be a pathway, or an area where areas lie on several grids. */
+} conus_grid_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_GRID_OPTIONS_INIT CONUS_INIT_(conus_grid_options)
 
 /**
- * Compares two images channel by channel; attributes do not count.
- * @param[out] out The difference.
- * @param a One image.
- * @param b The other.
- * @param tolerance 0 or more.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT unless both have the same size and the same channels, in whatever order.
- * @threads Any: the object does not change.
- * @since 0.1
+ * Makes a grid of the voxels with their centre in a selection's cone, cylinder or ball (Eq. 10), occluded or not, on
+ * the grid of the parcellation, of several that of the object, or else of the pathway.
+ * @param[out] out The grid; end it with conus_grid_destroy().
+ * @param selection The selection. Its atlas must still be there.
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where there is no such grid or object.
  */
-CONUS_CHECKED conus_status conus_image_compare(conus_image_difference *out, const conus_image *a, const conus_image *b,
-                                               double tolerance);
+CONUS_CHECKED conus_status conus_selection_grid(conus_grid **out, const conus_selection *selection,
+                                                const conus_grid_options *options);
+
+/** The type of the numbers on a grid. */
+typedef enum conus_number {
+    CONUS_NUMBER_UINT8 = 0, /**< uint8_t. */
+    CONUS_NUMBER_UINT16,    /**< uint16_t. */
+    CONUS_NUMBER_UINT32,    /**< uint32_t. */
+    CONUS_NUMBER_FLOAT32    /**< float. */
+} conus_number;
+
+/** Content of a grid. */
+typedef struct conus_grid_view {
+    size_t dim[3];               /**< Voxels along i, j, k. */
+    double world_from_voxel[16]; /**< Maps voxel indices to world mm. */
+    int space_code;              /**< NIfTI's, as the atlas's; where that is unknown 2 (aligned), or 0 where the
+                                      grid lies where readers guess it. */
+    conus_number number;         /**< Type of the numbers. */
+    const void *data;            /**< [count] numbers, i fastest; 0 outside of the selection. */
+    uint64_t count;              /**< dim0*dim1*dim2. */
+    const char *description;     /**< One line. */
+} conus_grid_view;
+
+/**
+ * Gives the content of the grid.
+ * @param grid The grid.
+ * @return Its pointers are borrowed from the grid.
+ */
+CONUS_API conus_grid_view conus_grid_data(const conus_grid *grid);
+
+/**
+ * Writes NIfTI-1, whole or not at all, the same bytes for the same grid.
+ * @param grid The grid.
+ * @param path Ends in .nii or .nii.gz.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another ending; #CONUS_ERROR_IO where the system refuses.
+ */
+CONUS_CHECKED conus_status conus_grid_write(const conus_grid *grid, const char *path);
+
+/**
+ * Ends a grid.
+ * @param grid NULL is allowed.
+ */
+CONUS_API void conus_grid_destroy(conus_grid *grid);
+/** @} */
 
 #ifdef __cplusplus
 }

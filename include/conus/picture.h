@@ -7,8 +7,8 @@
 #define CONUS_PUBLIC_PICTURE_H
 
 #include <conus/image.h>
-#include <conus/segments.h>
 #include <conus/space.h>
+#include <conus/study.h>
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -19,7 +19,6 @@ extern "C" {
 #endif
 
 typedef struct conus_renderer conus_renderer; /**< One atlas made ready for pictures. */
-typedef struct conus_cutter conus_cutter;     /**< A flat cut of one atlas that is drawn again and again. */
 
 /** @name In space
  * A renderer belongs to the thread that made it. It draws with OpenGL, or by rays on all processors; the pictures look
@@ -30,8 +29,6 @@ typedef struct conus_cutter conus_cutter;     /**< A flat cut of one atlas that 
  * Names preset @p index of grey values for the context volume.
  * @param index From 0.
  * @return NULL past the last. Static.
- * @threads Any.
- * @since 0.1
  */
 CONUS_API const char *conus_transfer_preset(size_t index);
 
@@ -76,8 +73,6 @@ typedef struct conus_transfer_point {
  * @param options NULL = defaults.
  * @return #CONUS_OK; with #CONUS_ENGINE_GL #CONUS_ERROR_GL without an OpenGL 4.5 context and #CONUS_ERROR_UNSUPPORTED
  * in a build without OpenGL; #CONUS_ERROR_MEMORY above max_memory; the errors of reading a TF file.
- * @threads Any, while none changes the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_renderer_create(conus_renderer **out, const conus_atlas *atlas,
                                                  const conus_renderer_options *options);
@@ -85,8 +80,6 @@ CONUS_CHECKED conus_status conus_renderer_create(conus_renderer **out, const con
 /**
  * Ends a renderer.
  * @param renderer NULL is allowed.
- * @threads The one that made the renderer.
- * @since 0.1
  */
 CONUS_API void conus_renderer_destroy(conus_renderer *renderer);
 
@@ -94,8 +87,6 @@ CONUS_API void conus_renderer_destroy(conus_renderer *renderer);
  * Names what draws, as GL calls its renderer.
  * @param renderer The renderer.
  * @return "llvmpipe (LLVM 15.0.6, 256 bits)", or "rays". Borrowed from the renderer.
- * @threads The one that made the renderer.
- * @since 0.1
  */
 CONUS_API const char *conus_renderer_device(const conus_renderer *renderer);
 
@@ -104,8 +95,6 @@ CONUS_API const char *conus_renderer_device(const conus_renderer *renderer);
  * @param[out] count How many points; 0 where there is no context.
  * @param renderer The renderer.
  * @return [count] Borrowed until it is changed.
- * @threads The one that made the renderer.
- * @since 0.1
  */
 CONUS_API const conus_transfer_point *conus_renderer_transfer(size_t *count, const conus_renderer *renderer);
 
@@ -115,8 +104,6 @@ CONUS_API const conus_transfer_point *conus_renderer_transfer(size_t *count, con
  * @param points [count] Their values never fall. Copied.
  * @param count 1 to 4096.
  * @return #CONUS_OK, also without a context, where it changes nothing; #CONUS_ERROR_ARGUMENT for other points.
- * @threads The one that made the renderer.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_renderer_set_transfer(conus_renderer *renderer, const conus_transfer_point *points,
                                                        size_t count);
@@ -125,8 +112,6 @@ CONUS_CHECKED conus_status conus_renderer_set_transfer(conus_renderer *renderer,
  * Takes over what has been hidden and shown in the atlas since the renderer was made.
  * @param renderer The renderer.
  * @return #CONUS_OK; #CONUS_ERROR_GL where the driver fails.
- * @threads The one that made the renderer.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_renderer_update(conus_renderer *renderer);
 
@@ -142,7 +127,8 @@ typedef enum conus_side {
     CONUS_SIDE_BESIDE_CONE, /**< 60 degrees off the cone's axis, whence the place of the best hit is seen best, and with
                                all of the cone in the picture; without a cone as #CONUS_SIDE_OF_CONE. */
     CONUS_SIDE_ACROSS_CONE  /**< At right angles to the cone's axis, from above by 25 degrees where there is such a
-                               direction, and with all of the cone in the picture; likewise. @since 0.1 */
+                               direction, and with all of the cone in the picture; without a cone as
+                               #CONUS_SIDE_OF_CONE. */
 } conus_side;
 
 /** Where a picture's legend is. */
@@ -270,9 +256,8 @@ typedef struct conus_view {
     size_t point_count;              /**< 0 = none. */
     const char *title; /**< UTF-8: what the selection is of, such as the name of its pose, at the head of its legend;
                           NULL = nothing. */
-    bool
-        no_covered_context; /**< A context that is covered (conus_context_is_covered()) by opaque areas is not drawn. */
-    bool is_beam;           /**< The selection's cone is a beam from where it ends to its focus, at its apex. */
+    bool no_covered_context; /**< A context of which opaque areas cover all that could be seen is not drawn. */
+    bool is_beam;            /**< The selection's cone is a beam from where it ends to its focus, at its apex. */
 } conus_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -294,21 +279,8 @@ typedef struct conus_view {
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view out of its range; #CONUS_ERROR_MEMORY for a picture above the
  * renderer's max_memory, 32 bytes per pixel; #CONUS_ERROR_GL where the driver fails;
  * #CONUS_ERROR_CANCELLED where progress returns false.
- * @threads The one that made the renderer.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_render(conus_image **out, conus_renderer *renderer, const conus_view *view);
-
-/**
- * Says whether areas hide the context volume from outside: they lie at or less than 8 mm behind its first bright voxel
- * in 92 of 100 columns that look at it along its axes, from six sides.
- * @param[out] out False without a context, or without areas of voxels that are not hidden.
- * @param atlas The atlas.
- * @return #CONUS_OK; the errors of conus_atlas_window().
- * @threads Any, while none changes the atlas.
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_context_is_covered(bool *out, const conus_atlas *atlas);
 /** @} */
 
 /** @name In a plane
@@ -328,7 +300,8 @@ typedef struct conus_cut_view {
     uint32_t height;     /**< Pixels, 1 to 16384. */
     double fill;         /**< Opacity of areas, 0 to 1; 0 leaves their outlines. */
     bool no_outlines;    /**< Leave out the outlines of areas. */
-    double window[2];    /**< Grey values of black and white; both 0 = conus_atlas_window(). */
+    double window[2];    /**< Grey values of black and white; both 0 = those that span the contrast, without
+                            a few extremes. */
     const conus_selection *selection; /**< NULL = none; else its cone is drawn, areas that it hits are full, those that
                                          it only pierces hatched, and others pale. */
     uint32_t chosen;                  /**< Object that is never pale, with those below it in the area tree, in cuts with
@@ -352,8 +325,6 @@ typedef struct conus_cut_view {
  * @param atlas The atlas.
  * @param view What to draw.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view out of its range.
- * @threads Any, while none changes the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const conus_atlas *atlas,
                                      const conus_cut_view *view);
@@ -369,8 +340,6 @@ CONUS_CHECKED conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const con
  * count; the background is seen beside the cut only. NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view or sheet out of its range; #CONUS_ERROR_MEMORY for more than 8
  * GiB, at 32 bytes per pixel.
- * @threads Any, while none changes the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const conus_cut_view *view,
                                            const conus_view *sheet);
@@ -403,87 +372,10 @@ typedef struct conus_cut_plane {
  * #CONUS_ERROR_DATA for an atlas in which nothing shows; #CONUS_ERROR_MEMORY for more than 8 GiB, at 32 bytes per
  * pixel; the errors of conus_render().
  * @threads The one that made the renderer; without one any, while none changes the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const conus_cut_plane *planes,
                                             size_t count, const conus_cut_view *look, conus_renderer *renderer,
                                             const conus_view *sheet);
-
-/**
- * Draws the points of a view alone, as conus_render() has them over its drawing, or conus_cuts_image() over a cut: for
- * windows, which lay them over a picture of their own.
- * @param[out] out Channels R, G, B, A, as of conus_render(): transparent but for balls, lines and names. End it with
- * conus_image_destroy().
- * @param atlas What lies far from its box is not drawn, and what lies behind its middle is pale.
- * @param view Its width, height, camera, frustum, field_of_view, dpi, no_legend and points count; of the background
- * whether it is dark; of the selection and own_colours which colours points have.
- * @param cut Where the cut is, and its mm_per_pixel; NULL = the view is in space, and has a camera.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view or cut out of its range; #CONUS_ERROR_DATA for an atlas without
- * anything that shows; #CONUS_ERROR_MEMORY.
- * @threads Any, while none changes the atlas.
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_points_image(conus_image **out, const conus_atlas *atlas, const conus_view *view,
-                                              const conus_cut_view *cut);
-
-/**
- * Prepares to draw one cut after the other, as windows do. The pictures are those of conus_cut(), but voxels and
- * surfaces are read again only where a view lies elsewhere. Another selection over the same place costs little.
- * @param[out] out The cutter; end it with conus_cutter_destroy().
- * @param atlas Must outlive the cutter and must not change: after conus_atlas_set_threshold(), conus_atlas_set_hidden()
- * or other colours, make another cutter.
- * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
- * @threads Any, while none changes the atlas.
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_cutter_create(conus_cutter **out, const conus_atlas *atlas);
-
-/**
- * Ends a cutter.
- * @param cutter NULL is allowed.
- * @threads One at a time for each @p cutter.
- * @since 0.1
- */
-CONUS_API void conus_cutter_destroy(conus_cutter *cutter);
-
-/**
- * Draws a cut into the cutter.
- * @param cutter The cutter.
- * @param view What to draw.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view out of its range.
- * @threads One at a time for each @p cutter.
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_cutter_draw(conus_cutter *cutter, const conus_cut_view *view);
-
-/**
- * Gives the pixels that were drawn last.
- * @param cutter The cutter.
- * @return [height width 4] As conus_cut() fills them; NULL before the first picture. Borrowed until the next
- * conus_cutter_draw(), and without a meaning where that failed.
- * @threads One at a time for each @p cutter.
- * @since 0.1
- */
-CONUS_API const uint8_t *conus_cutter_rgba(const conus_cutter *cutter);
-
-/**
- * Gives the numbers of objects of the pixels that were drawn last.
- * @param cutter The cutter.
- * @return [height width] As of conus_cutter_rgba().
- * @threads One at a time for each @p cutter.
- * @since 0.1
- */
-CONUS_API const uint32_t *conus_cutter_objects(const conus_cutter *cutter);
-
-/**
- * Gives the numbers of the objects that the pixels were drawn with: those of conus_cutter_objects() with smooth
- * borders.
- * @param cutter The cutter.
- * @return [height width] As of conus_cutter_rgba().
- * @threads One at a time for each @p cutter.
- * @since 0.1
- */
-CONUS_API const uint32_t *conus_cutter_shown(const conus_cutter *cutter);
 /** @} */
 
 #ifdef __cplusplus

@@ -1,15 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /**
  * @file plan.h
- * Which needles reach some structures and stay clear of others, and how far off they may be (Eq. 22).
+ * Which needles reach and avoid what, and poses from entries and targets for a plan to try.
  */
 #ifndef CONUS_PUBLIC_PLAN_H
 #define CONUS_PUBLIC_PLAN_H
 
-#include <conus/jitter.h>
-#include <conus/pose_file.h>
-#include <conus/segments.h>
-#include <conus/selection.h>
+#include <conus/study.h>
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -18,6 +15,9 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/** @name Plans
+ * @{ */
 
 typedef struct conus_plan conus_plan; /**< Constraints, and the poses that were tried against them. */
 
@@ -102,7 +102,8 @@ typedef struct conus_plan_options {
                                 bytes and 8 a key each; 0 = of none. */
     const conus_jitter_options *jitter; /**< Errors of the poses, for the probabilities to hold (Eq. 14), of the listed
                                            ones and where p_ok is a key; progress is not used. NULL = none. Copied. */
-    uint64_t targets;                   /**< Likewise of each target, for conus_plan_target(). */
+    uint64_t targets;                   /**< The best pose of each target up to this number is kept, for
+                                           conus_plan_target(): 56 bytes and 8 a key each; 0 = of none. */
     const double *shanks; /**< [shank_count][2] Where the parallel needles of a device are beside its axis, along its
                              x and y, mm, up to 1000. Copied. NULL = one, on the axis. */
     size_t shank_count;   /**< With shanks 1 to 1000, else 0. */
@@ -148,7 +149,7 @@ typedef struct conus_planned {
     double score;                  /**< By the formula; NaN without one. */
     const conus_verdict *verdicts; /**< [constraints] Of each constraint. */
     uint64_t entry;                /**< As of conus_pose_row, 0 = none. */
-    uint64_t target;               /**< Likewise. */
+    uint64_t target;               /**< As of conus_pose_row, 0 = none. */
     double entry_angle;            /**< Between the axis and the inward normal at the entry, radians; NaN without it. */
     double normal[3];              /**< Outward at its entry, as conus_pose_row has it. */
     double p_ok;    /**< Probability that all constraints hold under jitter (Eq. 14); NaN without it, and of a miss. */
@@ -174,8 +175,6 @@ typedef struct conus_plan_faults {
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a name that is unknown or means several, with the closest one in the
  * message, a structure without a shape, one both reached and avoided, a constraint given twice, a number out of its
  * range, a measure that the kind or the selector does not have, and an unknown key.
- * @threads One at a time for each @p selector.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_plan_create(conus_plan **out, conus_selector *selector,
                                              const conus_constraint *constraints, size_t count,
@@ -184,8 +183,6 @@ CONUS_CHECKED conus_status conus_plan_create(conus_plan **out, conus_selector *s
 /**
  * Ends a plan.
  * @param plan NULL is allowed.
- * @threads One at a time for each @p plan.
- * @since 0.1
  */
 CONUS_API void conus_plan_destroy(conus_plan *plan);
 
@@ -197,19 +194,8 @@ CONUS_API void conus_plan_destroy(conus_plan *plan);
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a plan that was run; #CONUS_ERROR_CANCELLED; the errors of
  * conus_pose_stream_read() and conus_select().
  * @threads One at a time for each @p plan and @p poses, and for the selector.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_plan_run(conus_plan *plan, conus_pose_stream *poses, uint64_t limit);
-
-/**
- * Makes the list of a plan whose run was cancelled, from the poses that were tried until then: the first ones, as many
- * as conus_plan_left() and conus_plan_rejected() count. It does not ask conus_plan_options.progress.
- * @param plan The plan, whose conus_plan_run() gave #CONUS_ERROR_CANCELLED.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a plan that was not run, or has its list; the errors of conus_select().
- * @threads One at a time for each @p plan, and for the selector.
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_plan_cut(conus_plan *plan);
 
 /**
  * Tries one pose, at once and all by itself: before a run, after it, or without one. The list does not change.
@@ -220,7 +206,6 @@ CONUS_CHECKED conus_status conus_plan_cut(conus_plan *plan);
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a row that would be no candidate, and a pose that is not rigid; the
  * errors of conus_select().
  * @threads One at a time for each @p plan, and for the selector; not during conus_plan_run().
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_plan_try(const conus_planned **out, conus_plan *plan, const conus_pose_row *row);
 
@@ -228,8 +213,6 @@ CONUS_CHECKED conus_status conus_plan_try(const conus_planned **out, conus_plan 
  * Counts the poses of the list: feasible ones by rank, then perhaps others.
  * @param plan NULL counts 0.
  * @return How many there are; 0 before conus_plan_run().
- * @threads Any: the object does not change.
- * @since 0.1
  */
 CONUS_API size_t conus_plan_count(const conus_plan *plan);
 
@@ -238,8 +221,6 @@ CONUS_API size_t conus_plan_count(const conus_plan *plan);
  * @param plan The plan.
  * @param index From 0.
  * @return NULL past the last. Borrowed from the plan.
- * @threads Any: the object does not change.
- * @since 0.1
  */
 CONUS_API const conus_planned *conus_plan_pose(const conus_plan *plan, size_t index);
 
@@ -248,9 +229,9 @@ typedef struct conus_plan_best {
     uint64_t feasible;  /**< How many of its poses break no constraint. */
     uint64_t candidate; /**< Number of the best of these by the rank; 0 = there is none, and all that follows is NaN. */
     double leeway;      /**< As of conus_planned, mm. */
-    double slack;       /**< Likewise. */
-    double far;         /**< Likewise. */
-    double entry_angle; /**< Likewise, radians. */
+    double slack;       /**< As of conus_planned, mm. */
+    double far;         /**< As of conus_planned, mm. */
+    double entry_angle; /**< As of conus_planned, radians. */
     double reach;       /**< Value of the first REACH; NaN without one. */
 } conus_plan_best;
 
@@ -260,8 +241,6 @@ typedef struct conus_plan_best {
  * @param plan The plan.
  * @param entry Its number, from 1 to conus_plan_options.entries.
  * @return NULL past the last, and before conus_plan_run(). Borrowed from the plan.
- * @threads Any: the object does not change.
- * @since 0.1
  */
 CONUS_API const conus_plan_best *conus_plan_entry(const conus_plan *plan, uint64_t entry);
 
@@ -270,8 +249,6 @@ CONUS_API const conus_plan_best *conus_plan_entry(const conus_plan *plan, uint64
  * @param plan The plan.
  * @param target Its number, from 1 to conus_plan_options.targets.
  * @return NULL past the last, and before conus_plan_run(). Borrowed from the plan.
- * @threads Any: the object does not change.
- * @since 0.1
  */
 CONUS_API const conus_plan_best *conus_plan_target(const conus_plan *plan, uint64_t target);
 
@@ -280,8 +257,6 @@ CONUS_API const conus_plan_best *conus_plan_target(const conus_plan *plan, uint6
  * @param plan The plan.
  * @param constraints So many constraints, the first ones; 0 counts all candidates, all of them the feasible ones.
  * @return How many candidates hold them.
- * @threads Any: the object does not change.
- * @since 0.1
  */
 CONUS_API uint64_t conus_plan_left(const conus_plan *plan, size_t constraints);
 
@@ -290,8 +265,6 @@ CONUS_API uint64_t conus_plan_left(const conus_plan *plan, size_t constraints);
  * @param plan The plan.
  * @param index Index of the constraint.
  * @return NULL where there is none, and where some candidate is feasible. Borrowed from the plan.
- * @threads Any: the object does not change.
- * @since 0.1
  */
 CONUS_API const conus_planned *conus_plan_miss(const conus_plan *plan, size_t index);
 
@@ -299,77 +272,9 @@ CONUS_API const conus_planned *conus_plan_miss(const conus_plan *plan, size_t in
  * Says which rows were no candidates.
  * @param plan The plan.
  * @return Their number, and the first.
- * @threads Any: the object does not change.
- * @since 0.1
  */
 CONUS_API conus_plan_faults conus_plan_rejected(const conus_plan *plan);
-
-/**
- * Counts the constraints.
- * @param plan NULL counts 0.
- * @return How many there are.
- * @threads Any: the object does not change.
- * @since 0.1
- */
-CONUS_API size_t conus_plan_constraint_count(const conus_plan *plan);
-
-/**
- * Gives constraint @p index.
- * @param plan The plan.
- * @param index From 0.
- * @return NULL past the last. Its names are NULL, see conus_plan_name(), and a direction has length 1. Borrowed from
- * the plan.
- * @threads Any: the object does not change.
- * @since 0.1
- */
-CONUS_API const conus_constraint *conus_plan_constraint(const conus_plan *plan, size_t index);
-
-/**
- * Gives the names of the structure of a constraint.
- * @param plan The plan.
- * @param index Index of the constraint.
- * @return The names that were asked for, as the atlas has them: "Thalamus_L, Putamen_L"; NULL without a structure.
- * Borrowed from the plan. UTF-8.
- * @threads Any: the object does not change.
- * @since 0.1
- */
-CONUS_API const char *conus_plan_name(const conus_plan *plan, size_t index);
-
-/**
- * Gives the errors under which the probabilities are.
- * @param plan The plan.
- * @return NULL without jitter. Defaults are filled in. Borrowed from the plan.
- * @threads Any: the object does not change.
- * @since 0.1
- */
-CONUS_API const conus_jitter_options *conus_plan_jitter(const conus_plan *plan);
-
-/**
- * Tells whether a constraint has a leeway, of poses where it holds. Without one it does not count for the leeway of
- * poses: LENGTH, LEAN, FIRST, contacts, probabilities, the measures of a cone, and a REACH by surfaces that are not
- * closed.
- * @param plan The plan.
- * @param index Index of the constraint.
- * @return Whether it has one.
- * @threads Any: the object does not change.
- * @since 0.1
- */
-CONUS_API bool conus_plan_has_leeway(const conus_plan *plan, size_t index);
-
-/**
- * Measures how far a point of a listed pose's axis is from the structure of a constraint, to draw a curve of it.
- * @param[out] out mm, the radius not taken off (Eq. 21).
- * @param plan The plan.
- * @param pose Index in the list.
- * @param constraint Index of a REACH, AVOID or FIRST.
- * @param depth mm from the apex. Of several shanks it is the nearest one's, but the farthest one's for a REACH or FIRST
- * of all and an AVOID of any.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a wrong index or depth.
- * @threads One at a time for each @p plan.
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_plan_distance(double *out, conus_plan *plan, size_t pose, size_t constraint,
-                                               double depth);
+/** @} */
 
 /** @name Tolerance
  * How far a pose may be off along one degree of freedom, to either side, before a constraint breaks (Eq. 23).
@@ -435,11 +340,189 @@ typedef struct conus_tolerance_options {
  * @param options NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a number out of its range; the errors of conus_select().
  * @threads One at a time for each @p plan, and for the selector; not during conus_plan_run().
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_plan_tolerance(conus_tolerance *out, conus_plan *plan, const conus_planned *pose,
                                                 const conus_tolerance_options *options);
 /** @} */
+
+typedef struct conus_sites conus_sites; /**< Points where needles may enter, or to which they may point. */
+
+/** @name Sites
+ * @{ */
+
+/**
+ * Makes sites of points.
+ * @param[out] out The sites; end them with conus_sites_destroy().
+ * @param points [count][3] World mm. Copied.
+ * @param count May be 0.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a point that is not finite.
+ */
+CONUS_CHECKED conus_status conus_sites_create(conus_sites **out, const double *points, size_t count);
+
+/**
+ * Makes sites of the vertices of a surface, in the order of the file, with normals: the mean of the triangles around a
+ * vertex, weighted by their areas, those at its other numbers too. Of a closed surface they point outwards, by its
+ * signed volume; else as its triangles are wound, with a note. Vertices without a triangle, and those whose normals
+ * cancel out, are left out.
+ * @param[out] out The sites; end them with conus_sites_destroy().
+ * @param path A surface in any format that conus_atlas_load() reads.
+ * @param flip Normals point to the other side.
+ * @return #CONUS_OK; the errors of conus_atlas_load() about surfaces.
+ */
+CONUS_CHECKED conus_status conus_sites_load(conus_sites **out, const char *path, bool flip);
+
+/**
+ * Makes sites of the centres of the voxels of a region that have one of another kind, or the edge of the grid, at one
+ * of their six faces; in the order of the file.
+ * @param[out] out The sites; end them with conus_sites_destroy().
+ * @param roi The region.
+ * @return #CONUS_OK; #CONUS_ERROR_MEMORY.
+ */
+CONUS_CHECKED conus_status conus_sites_of_roi(conus_sites **out, const conus_roi *roi);
+
+/** Which points of a structure are sites. */
+typedef enum conus_sites_kind {
+    CONUS_SITES_CENTROID = 0, /**< The mean position of its voxels and the insides of its closed surfaces, weighted by
+                                 volume. A note says where it is not in the structure. */
+    CONUS_SITES_DEEPEST,      /**< The centre of the voxel that is farthest from all voxels around the structure, by
+                                 their centres, also those beyond the grid; of a closed surface the point inside, on a
+                                 grid of 1 mm (or less, where none is inside), that is farthest from it. Of points that
+                                 are equal to 1e-9 mm the nearest to the centroid, then the first. A structure that
+                                 lies on both sides and says none is refused, as by conus_place_find(). */
+    CONUS_SITES_VOXELS        /**< The centres of its voxels, in the order of the file. */
+} conus_sites_kind;
+
+/**
+ * Finds points of a structure.
+ * @param[out] out The sites; end them with conus_sites_destroy().
+ * @param selector Of the atlas; its options do not matter.
+ * @param names The structure, as conus_constraint.names; but for voxels with all that is hidden in it.
+ * @param kind Which points.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a name that is unknown or means several, with close ones in the
+ * message, and a structure without voxels, or, but for voxels, without these and a closed surface.
+ */
+CONUS_CHECKED conus_status conus_sites_find(conus_sites **out, const conus_selector *selector, const char *names,
+                                            conus_sites_kind kind);
+
+/**
+ * Keeps the sites that are in a structure, or those that are not.
+ * @param sites The sites; unchanged on failure.
+ * @param selector As for conus_sites_find().
+ * @param names The structure: voxels and closed surfaces have an inside.
+ * @param inside Whether those in it are kept.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT as of conus_sites_find().
+ */
+CONUS_CHECKED conus_status conus_sites_keep_named(conus_sites *sites, const conus_selector *selector, const char *names,
+                                                  bool inside);
+
+/**
+ * Keeps the sites that are in the voxels of a region, or those that are not.
+ * @param sites The sites.
+ * @param roi The region, in their space.
+ * @param inside Whether those in it are kept.
+ */
+CONUS_API void conus_sites_keep_roi(conus_sites *sites, const conus_roi *roi, bool inside);
+
+/**
+ * Keeps the vertices that have a label, or those that have none.
+ * @param sites Of conus_sites_load(); unchanged on failure.
+ * @param path Labels of its vertices, as conus_load_options.labels of a surface; label 0 is none.
+ * @param labelled Whether those with a label are kept.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for sites of no surface; #CONUS_ERROR_DATA for labels of another number of
+ * vertices; the errors of conus_atlas_load() about labels.
+ */
+CONUS_CHECKED conus_status conus_sites_keep_labelled(conus_sites *sites, const char *path, bool labelled);
+
+/**
+ * Thins sites out: in their order, one is kept unless a kept one is nearer than @p spacing.
+ * @param sites The sites; unchanged on failure.
+ * @param spacing mm, from 0.001 on.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a spacing out of its range.
+ */
+CONUS_CHECKED conus_status conus_sites_space(conus_sites *sites, double spacing);
+
+/**
+ * Counts sites.
+ * @param sites NULL counts 0.
+ * @return How many there are.
+ */
+CONUS_API size_t conus_sites_count(const conus_sites *sites);
+
+/**
+ * Gives the points.
+ * @param sites The sites.
+ * @return [count][3] World mm. Borrowed from the sites, until they are thinned out.
+ */
+CONUS_API const double *conus_sites_points(const conus_sites *sites);
+
+/**
+ * Gives the normals.
+ * @param sites The sites.
+ * @return [count][3] Of length 1; NULL but of a surface. Borrowed from the sites, until they are thinned out.
+ */
+CONUS_API const double *conus_sites_normals(const conus_sites *sites);
+
+/**
+ * Gives the number that site @p index has where it comes from.
+ * @param sites The sites.
+ * @param index From 0.
+ * @return From 0: of a vertex in its file, of a voxel in its volume, x fastest, of a point in the array; 0 of a
+ * centroid; UINT64_MAX past the last.
+ */
+CONUS_API uint64_t conus_sites_source(const conus_sites *sites, size_t index);
+
+/**
+ * Ends sites.
+ * @param sites NULL is allowed.
+ */
+CONUS_API void conus_sites_destroy(conus_sites *sites);
+/** @} */
+
+/** The most candidates that a stream has, 2^40. */
+#define CONUS_CANDIDATE_LIMIT (UINT64_C(1) << 40)
+
+/** Where needles enter, where they point, and how far they are tilted. */
+typedef struct conus_candidates {
+    size_t struct_size;    /**< Its size, as #CONUS_CANDIDATES_INIT sets it; 0 = that of this version. */
+    const double *entries; /**< [entry_count][3] Where the device is, world mm. */
+    const double *normals; /**< [entry_count][3] Outward at each entry, of any length but 0; NaN where there is none.
+                              NULL = there are none. */
+    size_t entry_count;    /**< At least 1. */
+    const double *targets; /**< [target_count][3] To which it points, world mm. NULL = against the entry's normal. */
+    size_t target_count;   /**< At least 1 with targets, else 0. */
+    double tilt_most;      /**< Up to which angle each direction is tilted, 0 to pi/2 radians; 0 = it is not. */
+    double tilt_step;      /**< Angle between one ring of tilted directions and the next, and within a ring at most,
+                              from pi/18000 radians (0.01 degrees) to tilt_most. */
+    bool to_target;        /**< Rows have a far end: the target's distance from the entry plus @p beyond. */
+    double beyond;         /**< mm; below 0 it ends before the target. */
+    double roll_step; /**< Each is also turned about its axis: ceil(2 pi / roll_step) times, equally; from pi/18000 to
+                         pi radians; 0 = not turned. */
+    const conus_frame *frame;        /**< Needles are turned about their axes as its space has it, as by
+                                        conus_frame_turn_pose(); copied. NULL = #CONUS_SPACE_RAS. */
+    const char *const *entry_names;  /**< [entry_count] What the entries are called in ids, in place of eI, up to 64
+                                        bytes each, all different; NULL = they have no names. Only entries
+                                        or only targets have names with a "-", which ids have between them. */
+    const char *const *target_names; /**< [target_count] What the targets are called in ids, in place of tJ, as
+                                        entry_names; NULL = they have no names. */
+} conus_candidates;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_CANDIDATES_INIT CONUS_INIT_(conus_candidates)
+
+/**
+ * Makes a stream of all candidates, in the order of entries, of one entry in that of targets, of these two in that of
+ * tilts: the direction itself, then rings at tilt_step, 2 tilt_step and so on up to tilt_most; a ring at the angle t
+ * has ceil(2 pi sin(t) / tilt_step) directions, from the device's +y on towards its +x (Eq. 2); of one tilt in that of
+ * turns, which move the device's +y towards its +x. No memory grows with their number. A row's id is "eI-tJ-kK-rR" with
+ * the numbers or names of entry, target, tilt and turn, from 1, without those that can only be 1; its line is its own
+ * number. An entry that is the target itself is a row with an error.
+ * @param[out] out The stream; end it with conus_pose_stream_destroy(). Its format is #CONUS_POSE_FORMAT_TABLE.
+ * @param candidates Its arrays must outlive the stream.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for no entry or target, for one that is not finite, for a normal without
+ * length, for none where they are needed, for tilts and turns out of their range, for a far end at targets that there
+ * are not, and for more candidates than #CONUS_CANDIDATE_LIMIT.
+ */
+CONUS_CHECKED conus_status conus_candidates_open(conus_pose_stream **out, const conus_candidates *candidates);
 
 #ifdef __cplusplus
 }

@@ -1,16 +1,25 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /**
  * @file pose.h
- * The position and orientation of a device: a beam, a probe, a pointing hand, a camera.
+ * The position and orientation of a device, a beam, a probe, a pointing hand, a camera: by numbers, from files, from
+ * what people call places, and of the contacts of a probe.
  */
 #ifndef CONUS_PUBLIC_POSE_H
 #define CONUS_PUBLIC_POSE_H
 
-#include <conus/status.h>
+#include <conus/atlas.h>
+#include <conus/space.h>
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/** @name Poses
+ * @{ */
 
 /** Rigid position and orientation of a device. It points along its own -z; +y is up (Eq. 2). Left-handed only where
  * conus_frame_turn_pose() made it so. */
@@ -26,8 +35,6 @@ typedef struct conus_pose {
  * @param up Upwards of the device; NULL = the default of Eq. 2.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a number that is not finite, and for a direction of length 0 or along @p
  * up.
- * @threads Any.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_pose_along(conus_pose *out, const double origin[3], const double direction[3],
                                             const double up[3]);
@@ -39,8 +46,6 @@ CONUS_CHECKED conus_status conus_pose_along(conus_pose *out, const double origin
  * @param target World mm.
  * @param up As for conus_pose_along().
  * @return #CONUS_OK; as conus_pose_along().
- * @threads Any.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_pose_toward(conus_pose *out, const double origin[3], const double target[3],
                                              const double up[3]);
@@ -51,8 +56,6 @@ CONUS_CHECKED conus_status conus_pose_toward(conus_pose *out, const double origi
  * @param[out] out The pose.
  * @param world_from_device Column-major; maps device mm to world mm.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another matrix.
- * @threads Any.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_pose_from_matrix(conus_pose *out, const double world_from_device[16]);
 
@@ -62,25 +65,482 @@ CONUS_CHECKED conus_status conus_pose_from_matrix(conus_pose *out, const double 
  * @param origin World mm.
  * @param wxyz w, x, y, z; any length but 0.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a number that is not finite, and for a quaternion of length 0.
- * @threads Any.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_pose_from_quaternion(conus_pose *out, const double origin[3], const double wxyz[4]);
 
 /**
- * Computes the camera of an eye that sees through a window, such as that of a tracked head before a screen (Eq. 1).
- * @param[out] camera The camera, for conus_view.camera.
- * @param[out] frustum Left, right, lower and upper edge, for conus_view.frustum.
- * @param window The middle of the window, with +x to its right, +y up, +z to the side of the eye.
- * @param size Width and height of the window, mm.
- * @param eye World mm.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where the eye is not before the window: no edge may be more than 1000 times
- * as far off as the eye is near.
- * @threads Any.
- * @since 0.1
+ * Turns a device about its axis as its space has it (Eq. 2): its frame is made in the axes of the space. Up is dorsal
+ * there, and not the world's z. Where the atlas's world is a mirror image of the space, as that of BrainGlobe's folders
+ * is of #CONUS_SPACE_CCF, the device's x comes to lie on the other side: the pose is then left-handed. Such a pose is
+ * the same device at the same place in each form of an atlas; all functions that take a pose take it. In
+ * #CONUS_SPACE_RAS and #CONUS_SPACE_LPS a pose of conus_pose_along() stays as it is.
+ * @param[in,out] pose As conus_pose_along() and conus_pose_toward() make it.
+ * @param frame The frame.
+ * @param has_up It was made with an up vector, which is kept.
  */
-CONUS_CHECKED conus_status conus_window_camera(conus_pose *camera, double frustum[4], const conus_pose *window,
-                                               const double size[2], const double eye[3]);
+CONUS_API void conus_frame_turn_pose(conus_pose *pose, const conus_frame *frame, bool has_up);
+/** @} */
+
+/** @name Files of poses
+ * @{ */
+
+typedef struct conus_pose_list conus_pose_list;     /**< Poses read from a file. */
+typedef struct conus_pose_stream conus_pose_stream; /**< Poses being read. */
+
+/** The axis of a device along which it points. */
+typedef enum conus_axis {
+    CONUS_AXIS_OF_FORMAT = 0, /**< As the file's format has it (docs/formats.md): -z where nothing is said. */
+    CONUS_AXIS_PLUS_X,        /**< +x. */
+    CONUS_AXIS_MINUS_X,       /**< -x. */
+    CONUS_AXIS_PLUS_Y,        /**< +y. */
+    CONUS_AXIS_MINUS_Y,       /**< -y. */
+    CONUS_AXIS_PLUS_Z,        /**< +z. */
+    CONUS_AXIS_MINUS_Z        /**< -z. */
+} conus_axis;
+
+/** The format of a file of poses; docs/formats.md describes each. */
+typedef enum conus_pose_format {
+    CONUS_POSE_FORMAT_AUTO = 0,   /**< The content decides. */
+    CONUS_POSE_FORMAT_TABLE,      /**< A table (TSV or CSV) whose header row names the columns. */
+    CONUS_POSE_FORMAT_MATRIX,     /**< Sixteen numbers, a row-major world_from_device. */
+    CONUS_POSE_FORMAT_POINTS,     /**< Lines of x y z and perhaps a name: points. */
+    CONUS_POSE_FORMAT_BRAINSIGHT, /**< Brainsight's export: targets, samples, electrodes. */
+    CONUS_POSE_FORMAT_LOCALITE,   /**< Localite's InstrumentMarker*.xml and TriggerMarkers*.xml. */
+    CONUS_POSE_FORMAT_ELECTRODES, /**< BIDS *_electrodes.tsv, with the *_coordsystem.json beside it: points. */
+    CONUS_POSE_FORMAT_MARKUPS,    /**< 3D Slicer's .mrk.json: lines, and points; .fcsv: points. */
+    CONUS_POSE_FORMAT_SIMNIBS,    /**< SimNIBS's matsimnibs, in MATLAB's files or as text. */
+    CONUS_POSE_FORMAT_NIBS,       /**< The proposal NIBS-BIDS: *_markers.tsv, with the *_coordsystem.json beside it. */
+    CONUS_POSE_FORMAT_INVESALIUS, /**< InVesalius's markers, .mkss. */
+    CONUS_POSE_FORMAT_LEAD_DBS,   /**< Lead-DBS's reconstruction: contacts in MNI space, points. */
+    CONUS_POSE_FORMAT_LEAD_DBS_NATIVE, /**< Lead-DBS's reconstruction in the patient's own space. */
+    CONUS_POSE_FORMAT_IBL, /**< The International Brain Laboratory's xyz_picks.json and channel_locations.json:
+                                     points, in #CONUS_SPACE_CCF or #CONUS_SPACE_BREGMA only. */
+    CONUS_POSE_FORMAT_NWB, /**< Electrodes of Neurodata Without Borders: points, in the same spaces only. */
+    CONUS_POSE_FORMAT_LIST /**< Lists of other programs whose columns are known by their place: points. */
+} conus_pose_format;
+
+/**
+ * Names the formats, for a program's options.
+ * @param index From 0, as #conus_pose_format.
+ * @return "auto", "table" and so on; NULL past the last. Static.
+ */
+CONUS_API const char *conus_pose_format_name(size_t index);
+
+struct conus_place;         /* below */
+struct conus_place_options; /* below */
+
+/** As conus_place_find(). */
+typedef conus_status (*conus_place_finder)(struct conus_place *out, const conus_atlas *atlas, const char *text,
+                                           const struct conus_place_options *options);
+
+/** How files of poses are read. */
+typedef struct conus_pose_options {
+    size_t struct_size;       /**< Its size, as #CONUS_POSE_OPTIONS_INIT sets it; 0 = that of this version. */
+    conus_space space;        /**< Space of the numbers in the file, where it does not say so itself. */
+    conus_axis axis;          /**< Where the file gives rotations. */
+    conus_pose_format format; /**< The format. */
+    bool along_shafts;        /**< #CONUS_POSE_FORMAT_ELECTRODES: not points, but poses at the contacts that point along
+                                 their shafts, each to the contact with the next higher number. */
+    uint64_t max_memory;      /**< Largest file of a format that is read whole, in bytes; 0 = 1 GiB. */
+    conus_log log;            /**< Receives the notes of conus_pose_stream_note(), while the file is opened and from
+                                 conus_pose_stream_match() and conus_pose_list_match(); NULL = no callback. */
+    void *log_user;           /**< Passed to @p log; must outlive the stream or list. */
+    const conus_frame *frame; /**< Where the space of the numbers in the file lies, instead of @p space; copied. NULL =
+                                 @p space, which then is #CONUS_SPACE_RAS or #CONUS_SPACE_LPS. In #CONUS_SPACE_CCF and
+                                 #CONUS_SPACE_BREGMA a file has no rotations. */
+    bool to_target;           /**< A row's range ends where it has its target (conus_pose_row.target_mm) unless the row
+                                 says otherwise; one with a direction alone has an error. Not of candidates. */
+    double near;              /**< With @p to_target: where the range begins, mm, */
+    double beyond;            /**< and how far behind the target it ends, mm. */
+    double aperture;          /**< With @p to_target: a row without an angle of its own has that of a cone that is so
+                                 wide, mm, where it has its target; 0 = none. */
+    const char *const *keep;  /**< [keep_count] Names of columns of a table whose texts are in conus_pose_row.kept. They
+                                 must live until the file is opened. */
+    size_t keep_count;        /**< How many, up to 64; 0 = none. Another format than a table with a header has none. */
+    double longest; /**< Longest edge of the atlas, mm, by which numbers of tables and lists are judged (micrometres,
+                       centimetres, sides); 0 = not known: what needs it is not asked of a table. */
+    const char *columns; /**< Of a table, beating what is said below and in the file: "x=COLUMN,y=COLUMN,z=COLUMN" of
+                            points, "name=COLUMN", "place=COLUMN" (of names of places), "unit=mm" (um, cm, m),
+                            "depth=um" and "radius=um" (of these columns), "tilt_ml=COLUMN", "tilt_ap=COLUMN" (the other
+                            one is 0), "sides=anyway", with commas between, in any order; NULL = none. A path may end in
+                            it, too: "FILE,x=COLUMN,...". */
+    double unit;    /**< mm per unit of the numbers in a table, as the caller knows it; 0 = as the file says, or that of
+                       the space. */
+    bool any_space; /**< What titles, comments, headers and columns say of the brain is not heard. */
+    bool of_mni305; /**< The atlas is of MNI 305: positions of that brain stay where they are, and are not moved to MNI
+                       152. */
+    bool all_rows; /**< #CONUS_POSE_FORMAT_ELECTRODES: a contact without a position (n/a) is a row with an error, for an
+                      answer that has a row for each row of the table; otherwise it is passed over, with a note. */
+    const conus_atlas *atlas;      /**< With @p find_place: where it finds places whose names stand in a table or a list
+                                      in place of coordinates ("area,value", or a name a line), each row a point. It must
+                                      outlive the stream and lie where it is asked. NULL = such a file is refused. */
+    conus_place_finder find_place; /**< conus_place_find() where @p atlas is given. */
+    bool inward; /**< A point is a pose that points straight into the head: from a position of a cap that is called by
+                    its name against the normal there, elsewhere as conus_atlas_inward() of @p atlas says. */
+} conus_pose_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_POSE_OPTIONS_INIT CONUS_INIT_(conus_pose_options)
+
+/** One row of a pose file. */
+typedef struct conus_pose_row {
+    const char *id;    /**< Column query_id, or the row's number from 1. Ids may repeat. */
+    size_t line;       /**< Line in the file, from 1; of #CONUS_POSE_FORMAT_MARKUPS the markup, of MATLAB's files
+                            the row. */
+    conus_pose pose;   /**< Where the device is and points. */
+    bool is_point;     /**< The row has only a position, no direction: the pose is not turned. */
+    bool trigger;      /**< Column trigger; false if absent. */
+    double angle;      /**< Column angle, full opening, radians; 0 if absent. */
+    double time_s;     /**< Column time_s, seconds; NaN if absent. */
+    double error_deg;  /**< Column error_deg: how far off the direction may be, degrees (not radians); NaN if absent. */
+    double error_mm;   /**< Column error_mm: how far off the position may be, mm; NaN if absent. */
+    double range[2];   /**< Columns near and far, mm, as for conus_selector_set_range(); NaN if absent. */
+    const char *error; /**< NULL, or why the row is no pose; then only id and line have a meaning. */
+    uint64_t entry;    /**< Number of the entry, from 1, with conus_candidates_open(); 0 in a file's row. */
+    uint64_t target;   /**< Number of the target, from 1, with conus_candidates_open(); 0 without one. */
+    double normal[3];  /**< Outward at the entry, world, of length 1; NaN where it has none. Of a position of a cap that
+                            is called by its name the normal there; 0 where that is not known. */
+    double target_mm;  /**< How far the point is at which it points, mm; NaN where the file has only a direction. */
+    const char *const *kept; /**< [conus_pose_options.keep_count] Texts of the columns that are kept, "" of an empty
+                                cell; NULL without them, and in some rows with an error. */
+    double radius; /**< Column radius of a point, mm: of the ball that is asked, 0 = what is at it; NaN if absent. */
+} conus_pose_row;
+/** @} */
+
+/** @name Streams
+ * A stream reads tables and points of any length in memory that does not grow, and other formats whole. It belongs to
+ * one thread at a time.
+ * @{ */
+
+/**
+ * Opens poses for reading one block after the other. A file without any pose opens, too, unless nothing in it tells
+ * its format.
+ * @param[out] out The stream; end it with conus_pose_stream_destroy().
+ * @param path A file or a pipe; NULL or "-" is standard input. ",x=COLUMN,y=COLUMN,..." behind it is
+ * conus_pose_options.columns, unless a file is called so.
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_IO, #CONUS_ERROR_DATA or #CONUS_ERROR_UNSUPPORTED for a file that cannot be read;
+ * #CONUS_ERROR_MEMORY above max_memory.
+ */
+CONUS_CHECKED conus_status conus_pose_stream_open(conus_pose_stream **out, const char *path,
+                                                  const conus_pose_options *options);
+
+/**
+ * Reads the next rows. A bad row is given with its error.
+ * @param[out] rows [capacity] The first @p count of them are filled. Their strings live until the next call on the
+ * stream.
+ * @param[out] count Rows read: fewer than @p capacity only at the end, 0 when there are no more.
+ * @param stream The stream.
+ * @param capacity At least 1.
+ * @return #CONUS_OK; #CONUS_ERROR_IO also where the file changes before all of it is read.
+ */
+CONUS_CHECKED conus_status conus_pose_stream_read(conus_pose_row *rows, size_t *count, conus_pose_stream *stream,
+                                                  size_t capacity);
+
+/**
+ * Ends a live stream behind the last whole line that has come, also for a thread that waits for the next one. On other
+ * streams it has no effect.
+ * @param stream The stream.
+ * @threads Any, at any time, and a signal handler.
+ */
+CONUS_API void conus_pose_stream_stop(conus_pose_stream *stream);
+
+/**
+ * Checks that the file and the atlas belong to one brain. Adds a note where one of them does not name its space. A file
+ * that names no space fits any atlas; a scan of one person fits an atlas that was moved (conus_atlas_move()).
+ * @param stream The stream.
+ * @param atlas The atlas.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA where they name different brains, a scan of one person and a template, say.
+ */
+CONUS_CHECKED conus_status conus_pose_stream_match(conus_pose_stream *stream, const conus_atlas *atlas);
+
+/**
+ * Gives note @p index that a careful user should know about these poses.
+ * @param stream The stream.
+ * @param index From 0.
+ * @return One line; NULL past the last. Borrowed from the stream.
+ */
+CONUS_API const char *conus_pose_stream_note(const conus_pose_stream *stream, size_t index);
+
+/**
+ * Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
+ * data mean.
+ * @param stream The stream.
+ * @param index From 0.
+ * @return #CONUS_SEVERITY_NOTE also past the last.
+ */
+CONUS_API conus_severity conus_pose_stream_note_severity(const conus_pose_stream *stream, size_t index);
+
+/**
+ * Ends a stream.
+ * @param stream NULL is allowed.
+ */
+CONUS_API void conus_pose_stream_destroy(conus_pose_stream *stream);
+/** @} */
+
+/** @name Lists
+ * A list holds all rows of a file.
+ * @{ */
+
+/**
+ * Reads all rows of conus_pose_stream_open(); there may be none.
+ * @param[out] out The list; end it with conus_pose_list_destroy().
+ * @param path As for conus_pose_stream_open().
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; the errors of conus_pose_stream_open() and conus_pose_stream_read().
+ */
+CONUS_CHECKED conus_status conus_pose_list_load(conus_pose_list **out, const char *path,
+                                                const conus_pose_options *options);
+
+/**
+ * Counts the rows.
+ * @param list NULL counts 0.
+ * @return How many rows there are.
+ */
+CONUS_API size_t conus_pose_list_count(const conus_pose_list *list);
+
+/**
+ * Gives row @p index.
+ * @param list The list.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed from the list.
+ */
+CONUS_API const conus_pose_row *conus_pose_list_row(const conus_pose_list *list, size_t index);
+
+/**
+ * Checks that the file and the atlas belong to one brain, as conus_pose_stream_match().
+ * @param list The list.
+ * @param atlas The atlas.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA where they name different brains.
+ */
+CONUS_CHECKED conus_status conus_pose_list_match(conus_pose_list *list, const conus_atlas *atlas);
+
+/**
+ * Gives a note, as conus_pose_stream_note().
+ * @param list The list.
+ * @param index From 0.
+ * @return One line; NULL past the last. Borrowed from the list.
+ * @threads One at a time for each @p list.
+ */
+CONUS_API const char *conus_pose_list_note(const conus_pose_list *list, size_t index);
+
+/**
+ * Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
+ * data mean.
+ * @param list The list.
+ * @param index From 0.
+ * @return #CONUS_SEVERITY_NOTE also past the last.
+ * @threads One at a time for each @p list.
+ */
+CONUS_API conus_severity conus_pose_list_note_severity(const conus_pose_list *list, size_t index);
+
+/**
+ * Ends a list.
+ * @param list NULL is allowed.
+ */
+CONUS_API void conus_pose_list_destroy(conus_pose_list *list);
+/** @} */
+
+/** @name Places
+ * Points as people say them: numbers, a voxel, an area by its name, a position of the 10-20 system of caps.
+ * @{ */
+
+/** What a place is. */
+typedef enum conus_place_kind {
+    CONUS_PLACE_NUMBERS = 0, /**< Three numbers. */
+    CONUS_PLACE_INNER,       /**< The inner point of an area: #CONUS_SITES_DEEPEST. */
+    CONUS_PLACE_CENTROID,    /**< The centroid of an area, which lies in it. */
+    CONUS_PLACE_NEAR,        /**< The point of an area that is nearest to another place. */
+    CONUS_PLACE_POSITION     /**< A position of the 10-10 system, on the scalp of MNI 152. */
+} conus_place_kind;
+
+/** A point, and how its words were understood. */
+typedef struct conus_place {
+    conus_place_kind kind; /**< Which kind. */
+    double point[3];       /**< World mm. */
+    uint32_t object;       /**< Number of the area or pathway; 0 = none. */
+    double depth;          /**< #CONUS_PLACE_INNER: mm from the point to what is not the area; else NaN. */
+    const char *name;      /**< Name of the area, borrowed from the atlas, or of the position, static; else "". */
+    double outward[3];     /**< #CONUS_PLACE_POSITION: the direction away from the head, world, of length 1; all 0 where
+                              it is not known, and of other kinds. */
+    bool is_also_named;    /**< The words also name something else: numbers an area, an area a position. */
+    bool is_doubtful;      /**< They say MNI, and it is not known whether the atlas lies there. */
+} conus_place;
+
+/** How conus_place_find() reads. */
+typedef struct conus_place_options {
+    size_t struct_size;       /**< Its size, as #CONUS_PLACE_OPTIONS_INIT sets it; 0 = that of this version. */
+    const conus_frame *frame; /**< Space and unit of numbers; NULL = the world. */
+    const double *other;      /**< [3] World mm: the place to which near:AREA is nearest; NULL = there is none. */
+    bool has_axis;            /**< There is another end, so that messages may advise near:AREA. */
+} conus_place_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_PLACE_OPTIONS_INIT CONUS_INIT_(conus_place_options)
+
+/** Bytes of conus_place_text(), whose declaration has the number: Python reads declarations, and no macros. */
+#define CONUS_PLACE_TEXT 512
+
+/**
+ * Finds the point that a text means:
+ *
+ *  - three numbers as people paste them, in the space of the frame: "-42,-20,50", "(-42 -20 50)", "42L 20P 50S";
+ *  - an area or pathway, as conus_atlas_find() finds it, or as "index:17" by its label: its inner point, whether it is
+ *    hidden or not. An area of which 20 % or more lie on each side, and whose name says none, has none, unless it is
+ *    nearer to the midline than half its depth in an atlas some of whose areas have a side;
+ *  - "centroid:AREA": its centroid, if that lies in it;
+ *  - "near:AREA": the centre of its voxel, or the point of its surface, that is nearest to another place;
+ *  - a position of the 10-10 system, "C3", where the atlas is known to lie in MNI 152 or Colin 27 and none of its areas
+ *    is called so, or "1020:C3" where its brain is not known.
+ * @param[out] out The point.
+ * @param atlas Where it is, as it lies in the world now.
+ * @param text UTF-8.
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a text that means nothing or several things, with these and the words
+ * that choose; #CONUS_ERROR_DATA for numbers that conus_frame_to_world() refuses; #CONUS_ERROR_MEMORY.
+ */
+CONUS_CHECKED conus_status conus_place_find(conus_place *out, const conus_atlas *atlas, const char *text,
+                                            const conus_place_options *options);
+
+/**
+ * Tells whether a text is near:AREA, so that another place has to be found before.
+ * @param text The text.
+ * @return True if it is.
+ */
+CONUS_API bool conus_place_is_near(const char *text);
+
+/**
+ * Says how a place was understood: "Hippocampus_L: (-27.0, -13.0, -15.0), 6.0 mm inside".
+ * @param[out] out [#CONUS_PLACE_TEXT] The text, without a line's end, cut where it is too long.
+ * @param place The place.
+ * @param frame Space and unit of the numbers; NULL = the world.
+ */
+CONUS_API void conus_place_text(char out[512], const conus_place *place, const conus_frame *frame);
+
+/** Points whose names say where they are, and how far from there they lie. */
+typedef struct conus_name_gap {
+    size_t named;       /**< How many. */
+    double median;      /**< mm; of an even number the greater of the two in the middle. 0 where there are none. */
+    size_t farthest;    /**< Index of the row that is farthest, */
+    double farthest_mm; /**< and how far it is. */
+    bool is_far;        /**< The median is over 15 mm for areas, or 40 mm for positions: another space or unit, other
+                           axes or sides. */
+} conus_name_gap;
+
+/** What the names of a list of points say. */
+typedef struct conus_name_check {
+    conus_name_gap areas;     /**< Names of areas and pathways: mm to them, 0 inside. */
+    conus_name_gap positions; /**< Names of positions of the 10-10 system: mm to these. */
+} conus_name_check;
+
+/**
+ * Compares where the points of a list lie with what their names say. Names count where three points or more, and at
+ * least half of them, have those of areas (four fifths, with two words for the rows of the head, those of positions),
+ * so that contacts "A1" of a shaft are no areas. A number is no name. Positions are compared where the atlas is known
+ * to lie in MNI 152 or Colin 27.
+ * @param[out] out What was found; all 0 where names say nothing.
+ * @param atlas Where they are, as it lies in the world now.
+ * @param list Its first 64 rows are looked at; rows with a direction are not.
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
+ */
+CONUS_CHECKED conus_status conus_places_check(conus_name_check *out, const conus_atlas *atlas,
+                                              const conus_pose_list *list);
+/** @} */
+
+/** @name Probes
+ * @{ */
+
+typedef struct conus_probe conus_probe; /**< The probes of a file of ProbeInterface or of a recording. Immutable. */
+
+/** How conus_probe_load() reads. */
+typedef struct conus_probe_options {
+    size_t struct_size;  /**< Its size, as #CONUS_PROBE_OPTIONS_INIT sets it; 0 = that of this version. */
+    double tip;          /**< mm from the tip of each probe to its lowest contact, up to 1000, in place of its contour;
+                            0 = by the contour, which it then must have. Of a recording to the lowest row of the probe,
+                            recorded or not; 0 = by its part number. */
+    uint64_t max_memory; /**< Largest file, bytes; 0 = 1 GiB. */
+} conus_probe_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_PROBE_OPTIONS_INIT CONUS_INIT_(conus_probe_options)
+
+/** A contact. */
+typedef struct conus_probe_contact {
+    const char *id;    /**< Its contact_id, that of no other in the file: "0", "1" and so on where the file has none. In
+                          a file of several probes the name of its probe and a colon stand before it: "probe2:e7". */
+    const char *shank; /**< Its shank_id; "" where the file has none. */
+    const char *probe; /**< Name of its probe: "probe1", "probe2", in the order of the file. */
+    size_t index;      /**< Index of its probe. */
+    int64_t channel; /**< The trace that it is recorded on, from 0; -1 = it is not wired, -2 = the file does not say. */
+    double position[3]; /**< As in the file, micrometres; the third is NaN of a probe in two dimensions. */
+    double offset[3]; /**< mm from the probe's tip in the device's frame (Eq. 2): +x as the probe's x axis, +z along the
+                         shank, away from the tip. */
+} conus_probe_contact;
+
+/**
+ * Loads a file of ProbeInterface, or the probes of a recording: SpikeGLX's .ap.meta or .imro, Open Ephys's settings.xml
+ * (docs/formats.md).
+ * @param[out] out The probes; end them with conus_probe_destroy().
+ * @param path A file.
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_IO or #CONUS_ERROR_DATA for a file that cannot be read, contradicts itself or has no
+ * contour, where that is needed; #CONUS_ERROR_ARGUMENT for a tip out of its range; #CONUS_ERROR_MEMORY above
+ * max_memory.
+ */
+CONUS_CHECKED conus_status conus_probe_load(conus_probe **out, const char *path, const conus_probe_options *options);
+
+/**
+ * Ends the probes.
+ * @param probe NULL is allowed.
+ */
+CONUS_API void conus_probe_destroy(conus_probe *probe);
+
+/**
+ * Counts the probes.
+ * @param probe NULL counts 0.
+ * @return How many the file has.
+ */
+CONUS_API size_t conus_probe_count(const conus_probe *probe);
+
+/**
+ * Counts the contacts of all probes, in the order of the file.
+ * @param probe NULL counts 0.
+ * @return How many there are.
+ */
+CONUS_API size_t conus_probe_contact_count(const conus_probe *probe);
+
+/**
+ * Gives contact @p index.
+ * @param probe The probes.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed from the probes.
+ */
+CONUS_API const conus_probe_contact *conus_probe_at(const conus_probe *probe, size_t index);
+
+/**
+ * Gives the tip of a probe: the lowest point of its contour, in the middle of an edge that is as low; of several that
+ * are as low, shanks side by side, that of the least x.
+ * @param[out] out As in the file, micrometres; the third is NaN of a probe in two dimensions. Unchanged for another
+ * index.
+ * @param probe The probes.
+ * @param index Index of the probe, from 0.
+ */
+CONUS_API void conus_probe_tip(double out[3], const conus_probe *probe, size_t index);
+
+/**
+ * Puts the contacts where poses say: the tip at the pose's position, the shank along its axis, from base to tip, and
+ * the probe's x axis along the device's +x.
+ * @param[out] out A point for each contact, with its id; its line is its number from 1. End it with
+ * conus_pose_list_destroy().
+ * @param probe The probes.
+ * @param poses [count] One for each probe.
+ * @param count As many as there are probes.
+ * @param roll Turns each probe about its axis, its +y towards its +x, radians: as conus_candidates.roll_step.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another number of poses, and for a turn or a pose that is not finite.
+ */
+CONUS_CHECKED conus_status conus_probe_place(conus_pose_list **out, const conus_probe *probe, const conus_pose *poses,
+                                             size_t count, double roll);
+/** @} */
 
 #ifdef __cplusplus
 }

@@ -6,18 +6,11 @@
 #ifndef CONUS_PUBLIC_REPORT_H
 #define CONUS_PUBLIC_REPORT_H
 
-#include <conus/clearance.h>
-#include <conus/clusters.h>
-#include <conus/connectivity.h>
-#include <conus/jitter.h>
-#include <conus/mask.h>
-#include <conus/place.h>
+#include <conus/image.h>
 #include <conus/plan.h>
-#include <conus/pose_file.h>
-#include <conus/probe.h>
-#include <conus/segments.h>
-#include <conus/sweep.h>
-#include <conus/track.h>
+#include <conus/pose.h>
+#include <conus/selection.h>
+#include <conus/study.h>
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /**
  * @file selection.h
- * Aim a cone, a cylinder or a ball at an atlas, and read off what lies in it.
+ * Which objects are in a cone, a cylinder or a ball, with shares and places: of one pose, of a pose with a history,
+ * and of millions.
  */
 #ifndef CONUS_PUBLIC_SELECTION_H
 #define CONUS_PUBLIC_SELECTION_H
 
-#include <conus/atlas_info.h>
 #include <conus/pose.h>
-#include <conus/space.h>
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -17,6 +16,9 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/** @name Selections
+ * @{ */
 
 typedef struct conus_selector conus_selector;   /**< An engine made ready for one atlas. */
 typedef struct conus_selection conus_selection; /**< The answer to one query. Immutable. */
@@ -63,7 +65,7 @@ typedef struct conus_selector_options {
     double radius;     /**< mm: instead of a cone a cylinder about the axis, whose angle is 0. 0 = a cone. */
     const char *level; /**< Areas are rolled up the area tree: to a depth ("2"; roots are at 1), or to the nearest of
                           listed areas ("Thalamus,Isocortex"; docs/commands.md has more). NULL = none are. */
-    const char *score; /**< Ranking, a name from conus_score() or a formula of them; NULL = "share". */
+    const char *score; /**< Ranking, a name (docs/commands.md, --score) or a formula of names; NULL = "share". */
     conus_log log;     /**< NULL = silent. */
     void *log_user;    /**< Passed to @p log. */
     double slice_fraction;    /**< F of Eq. 7, more than 0 to 1: which part of the slices the ID pass takes. 0 = the
@@ -81,8 +83,6 @@ typedef struct conus_selector_options {
  * @param options NULL = defaults. Its strings are copied.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an option out of its range; #CONUS_ERROR_GL where the gl engine finds no
  * driver.
- * @threads Any, while none changes the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_selector_create(conus_selector **out, const conus_atlas *atlas,
                                                  const conus_selector_options *options);
@@ -93,8 +93,6 @@ CONUS_CHECKED conus_status conus_selector_create(conus_selector **out, const con
  * @param[out] out The selector; end it with conus_selector_destroy().
  * @param selector Must outlive @p out. With the gl engine one thread has the device at a time.
  * @return #CONUS_OK.
- * @threads One at a time for each @p selector.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_selector_share(conus_selector **out, const conus_selector *selector);
 
@@ -103,16 +101,12 @@ CONUS_CHECKED conus_status conus_selector_share(conus_selector **out, const conu
  * @param selector The selector. Its range stays as it was after a failure.
  * @param range As conus_selector_options.range; NaN = that of the options. NULL = both of the options.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for ends that are no range, and for one with the paper's slices.
- * @threads One at a time for each @p selector.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_selector_set_range(conus_selector *selector, const double range[2]);
 
 /**
  * Ends a selector. Objects made for it must be destroyed before.
  * @param selector NULL is allowed.
- * @threads One at a time for each @p selector.
- * @since 0.1
  */
 CONUS_API void conus_selector_destroy(conus_selector *selector);
 
@@ -120,19 +114,8 @@ CONUS_API void conus_selector_destroy(conus_selector *selector);
  * Names the engine in use.
  * @param selector The selector.
  * @return "rays, avx512", "gl, llvmpipe (LLVM 15.0.6, 256 bits)". Borrowed from the selector.
- * @threads One at a time for each @p selector.
- * @since 0.1
  */
 CONUS_API const char *conus_selector_engine(const conus_selector *selector);
-
-/**
- * Gives the n of the n x n buffer.
- * @param selector The selector.
- * @return That of its options, or the default.
- * @threads One at a time for each @p selector.
- * @since 0.1
- */
-CONUS_API uint32_t conus_selector_resolution(const conus_selector *selector);
 
 /**
  * Aims a cone, or a cylinder if the selector has a radius.
@@ -142,8 +125,6 @@ CONUS_API uint32_t conus_selector_resolution(const conus_selector *selector);
  * @param angle Full opening, radians, in (0, pi); 0 for a cylinder.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another angle or a pose that is not rigid; #CONUS_ERROR_GL where the
  * driver fails.
- * @threads One at a time for each @p selector.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_select(conus_selection **out, conus_selector *selector, const conus_pose *pose,
                                         double angle);
@@ -167,8 +148,6 @@ CONUS_CHECKED conus_status conus_select(conus_selection **out, conus_selector *s
  * @param radius mm; 0 = only the point.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a number out of its range, and with a selector that has a range;
  * #CONUS_ERROR_DATA with the radius 0 for an atlas without objects.
- * @threads One at a time for each @p selector.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_select_ball(conus_selection **out, conus_selector *selector, const double centre[3],
                                              double radius);
@@ -177,16 +156,12 @@ CONUS_CHECKED conus_status conus_select_ball(conus_selection **out, conus_select
  * Gives the radius of a selection by conus_select_ball(), mm.
  * @param selection The selection.
  * @return 0 of a point without a radius, and of a cone or cylinder.
- * @threads Any.
- * @since 0.1
  */
 CONUS_API double conus_selection_ball(const conus_selection *selection);
 
 /**
  * Ends a selection.
  * @param selection NULL is allowed.
- * @threads One at a time for each @p selection.
- * @since 0.1
  */
 CONUS_API void conus_selection_destroy(conus_selection *selection);
 
@@ -236,8 +211,6 @@ typedef struct conus_result {
  * result of 0 pixels.
  * @param selection NULL counts 0.
  * @return How many results there are.
- * @threads Any: the object does not change.
- * @since 0.1
  */
 CONUS_API size_t conus_selection_count(const conus_selection *selection);
 
@@ -246,33 +219,8 @@ CONUS_API size_t conus_selection_count(const conus_selection *selection);
  * @param selection The selection.
  * @param index From 0.
  * @return NULL past the last. Borrowed from the selection.
- * @threads Any: the object does not change.
- * @since 0.1
  */
 CONUS_API const conus_result *conus_selection_result(const conus_selection *selection, size_t index);
-
-/**
- * Tells the place of an object among the colours that pictures give to an answer: what is hit first comes first, in the
- * order of the results, then pathways and bundles, which somebody asked for, then areas that are only behind others.
- * @param selection NULL has none.
- * @param object Its number, from 1. Objects that a level joins have the same place.
- * @return From 1; 0 = the cone does not reach it.
- * @threads Any: the object does not change.
- * @since 0.1
- */
-CONUS_API size_t conus_selection_rank(const conus_selection *selection, uint32_t object);
-
-/**
- * Tells how much pictures show of the colour of an object, so that what has little of a cone is not as loud as what has
- * most of it: all with half of the cone or more, less with less, in eight steps, 0.4 with a fiftieth; the rest is the
- * grey of what is not hit.
- * @param selection NULL has none.
- * @param object Its number, from 1.
- * @return 0.4 to 1; 1 of what is not hit first, or of a ball.
- * @threads Any: the object does not change.
- * @since 0.1
- */
-CONUS_API double conus_selection_weight(const conus_selection *selection, uint32_t object);
 
 /** The evidence behind the results: for each of n x n pixels, row j = 0 at the device's bottom (Eq. 3). */
 typedef struct conus_evidence {
@@ -290,8 +238,6 @@ typedef struct conus_evidence {
  * Gives the evidence.
  * @param selection The selection.
  * @return Its arrays are borrowed from the selection; resolution is 0 where there are no pixels.
- * @threads Any: the object does not change.
- * @since 0.1
  */
 CONUS_API conus_evidence conus_selection_evidence(const conus_selection *selection);
 
@@ -300,8 +246,6 @@ CONUS_API conus_evidence conus_selection_evidence(const conus_selection *selecti
  * @param[out] out World mm; NaN where it hit nothing, or there is no such pixel.
  * @param selection The selection.
  * @param pixel Row-major index.
- * @threads Any: the object does not change.
- * @since 0.1
  */
 CONUS_API void conus_selection_position(double out[3], const conus_selection *selection, size_t pixel);
 
@@ -319,10 +263,256 @@ typedef struct conus_interval {
  * @param[out] count How many; 0 without #CONUS_LAYERS_ALL.
  * @param selection The selection.
  * @return [count]; NULL without #CONUS_LAYERS_ALL. Borrowed from the selection.
- * @threads Any: the object does not change.
- * @since 0.1
  */
 CONUS_API const conus_interval *conus_selection_intervals(size_t *count, const conus_selection *selection);
+/** @} */
+
+/** @name Tracks
+ * Follows a device: ranks what its selector finds together with earlier steps (Eq. 12).
+ * @{ */
+
+typedef struct conus_tracker conus_tracker; /**< A selector that remembers. */
+
+/** Constants of the scores that need a history (Eq. 12). */
+typedef struct conus_tracker_options {
+    size_t struct_size; /**< Its size, as #CONUS_TRACKER_OPTIONS_INIT sets it; 0 = that of this version. */
+    double window;      /**< T of time and stability, s; after longer without a step all starts afresh. 0 = 2. */
+    double stickiness;  /**< IntenSelect's c_s, in (0, 1), what is kept of a score in one frame. 0 = 0.5. */
+    double snappiness;  /**< IntenSelect's c_g, up to 1, what is added of the new one. 0 = 0.5. */
+    double rate;        /**< Hz: a frame of c_s and c_g is 1/rate. 0 = 60. */
+    double growth;      /**< IntenSelect+'s, 1/s. 0 = 7.5. */
+    double decay;       /**< IntenSelect+'s where an object contributes less than it did, 1/s. 0 = 5. */
+    double exponent;    /**< k of both, in (0, 1]. 0 = 4/5. */
+    double delay;       /**< s before the trigger of what it confirms, up to the window. 0 = 0.15; below 0 = none. */
+} conus_tracker_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_TRACKER_OPTIONS_INIT CONUS_INIT_(conus_tracker_options)
+
+/**
+ * Starts a track.
+ * @param[out] out The tracker; end it with conus_tracker_destroy().
+ * @param selector Must outlive the tracker.
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an option out of its range.
+ */
+CONUS_CHECKED conus_status conus_tracker_create(conus_tracker **out, conus_selector *selector,
+                                                const conus_tracker_options *options);
+
+/**
+ * Ends a tracker.
+ * @param tracker NULL is allowed.
+ */
+CONUS_API void conus_tracker_destroy(conus_tracker *tracker);
+
+/**
+ * Answers for the device at a time: conus_select() with a history. An object that left the cone stays in the ranking,
+ * with 0 pixels, for as long as it has a score or could be confirmed. Of two steps at one time the later one counts
+ * from there on. After a failure the tracker is as it was, so that a lost frame has no effect.
+ * @param[out] out The selection; end it with conus_selection_destroy().
+ * @param tracker The tracker.
+ * @param time_s Seconds of any clock.
+ * @param pose Apex and axis.
+ * @param angle As for conus_select().
+ * @param trigger The trigger is held down. The step at which it goes down confirms what was selected `delay` ago,
+ * before the press moved the hand.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a time before the last step; the errors of conus_select().
+ */
+CONUS_CHECKED conus_status conus_tracker_step(conus_selection **out, conus_tracker *tracker, double time_s,
+                                              const conus_pose *pose, double angle, bool trigger);
+
+/**
+ * Gives what was selected some time before the last step.
+ * @param tracker The tracker.
+ * @param ago Seconds, 0 to the window.
+ * @return Number of the object; 0 if none was.
+ */
+CONUS_API uint32_t conus_tracker_selected(const conus_tracker *tracker, double ago);
+
+/** Where a selection stands in its track. */
+typedef struct conus_step {
+    double time_s;      /**< Time of the step, s. */
+    uint32_t selected;  /**< The first by rank of what is in the cone or has a score from before; 0 = none. */
+    uint32_t confirmed; /**< Object that the trigger confirms at this step; 0 = none, no press. */
+} conus_step;
+
+/**
+ * Gives the step of a selection.
+ * @param selection The selection.
+ * @return NULL if the selection is not from a tracker. Borrowed from the selection.
+ */
+CONUS_API const conus_step *conus_selection_step(const conus_selection *selection);
+/** @} */
+
+/** @name Poses that look odd
+ * Counts poses that look as if they came from another space or unit.
+ * @{ */
+
+typedef struct conus_pose_check conus_pose_check; /**< Where poses are, and whether they point at the atlas. */
+
+/** Poses of one kind. */
+typedef struct conus_pose_finding {
+    uint64_t count;  /**< How many. */
+    uint64_t first;  /**< The lowest number among them; the other members are of that one. */
+    uint32_t object; /**< The object that it is inside of, else 0. */
+    conus_pose pose; /**< Where it is and points. */
+    double angle;    /**< Its full opening, radians. */
+} conus_pose_finding;
+
+/** Findings about poses that seem to come from another space or unit. */
+typedef struct conus_pose_findings {
+    uint64_t poses;            /**< Poses counted. */
+    conus_pose_finding inside; /**< A cone's apex is in a voxel of an area or pathway, or, with exact sampling, inside a
+                            closed surface; of several such surfaces the object is the smallest. */
+    conus_pose_finding away;   /**< The cone or cylinder misses the box around all objects. */
+    conus_pose_finding tiny;   /**< Within 1 mm of 0 in every coordinate, and not at 0. */
+    uint64_t points;           /**< Points counted. */
+    conus_pose_finding far;    /**< A point is farther from that box than a quarter of its longest edge; the pose is not
+                                     turned. */
+    conus_pose_finding apart; /**< The ball around a point misses the box around all objects; the pose is not turned. */
+} conus_pose_findings;
+
+/** In what other way the first of some odd poses may have been meant. */
+typedef struct conus_pose_suggestion {
+    uint32_t object; /**< The object hit first in that case, from outside of it; 0 = there is no such way. */
+    bool of_tiny; /**< It is about conus_pose_findings.tiny, and the other findings about that pose mean nothing. Else
+                     it is about conus_pose_findings.away. */
+    const char *words; /**< "with x and y negated (LPS for RAS)", text of the library; NULL if object is 0. */
+    conus_pose pose;   /**< The pose, so read. */
+} conus_pose_suggestion;
+
+/**
+ * Starts to count for the atlas, aperture and radius of a selector.
+ * @param[out] out The counts; end them with conus_pose_check_destroy().
+ * @param selector Must outlive the counts.
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
+ */
+CONUS_CHECKED conus_status conus_pose_check_create(conus_pose_check **out, const conus_selector *selector);
+
+/**
+ * Ends the counts.
+ * @param check NULL is allowed.
+ */
+CONUS_API void conus_pose_check_destroy(conus_pose_check *check);
+
+/**
+ * Counts a pose. One that conus_select() refuses is not counted. It compares the apex with boxes, and sends one ray
+ * where the apex lies in the box around a closed surface.
+ * @param check The counts.
+ * @param number The caller's number of the pose.
+ * @param pose Apex and axis.
+ * @param angle Full opening, radians.
+ */
+CONUS_API void conus_pose_check_add(conus_pose_check *check, uint64_t number, const conus_pose *pose, double angle);
+
+/**
+ * Counts a point. One that is not finite is not counted.
+ * @param check The counts.
+ * @param number The caller's number of the point.
+ * @param point World mm.
+ * @param radius Of the ball around it, mm; 0 of a point without one.
+ */
+CONUS_API void conus_pose_check_add_point(conus_pose_check *check, uint64_t number, const double point[3],
+                                          double radius);
+
+/**
+ * Gives the counts.
+ * @param check The counts.
+ * @return Borrowed; it changes with conus_pose_check_add().
+ */
+CONUS_API const conus_pose_findings *conus_pose_check_found(const conus_pose_check *check);
+
+/**
+ * Finds in what other way odd poses may have been meant. It tries the units metres and micrometres, the space LPS and
+ * the other end of the device on the first tiny pose, or else the first that points away, and selects with each.
+ * @param[out] out The first way by which that pose hits something; object 0 if there is none.
+ * @param found Counts of poses.
+ * @param selector That for which they were counted.
+ * @return #CONUS_OK, also without such a way; only #CONUS_ERROR_MEMORY and errors of the engine are expected.
+ */
+CONUS_CHECKED conus_status conus_pose_check_suggest(conus_pose_suggestion *out, const conus_pose_findings *found,
+                                                    conus_selector *selector);
+/** @} */
+
+/** @name Poses in memory
+ * @{ */
+
+/** Poses in memory: either matrices, or origins with directions, or without: points. */
+typedef struct conus_pose_array {
+    size_t struct_size;      /**< Its size, as #CONUS_POSE_ARRAY_INIT sets it; 0 = that of this version. */
+    size_t count;            /**< How many. */
+    const double *matrix;    /**< [count 16] As for conus_pose_from_matrix(); NULL = the next three. */
+    const double *origin;    /**< [count 3] World mm. */
+    const double *direction; /**< [count 3] Any length but 0; NULL = points, for conus_select_many() only. */
+    const double *up;        /**< [count 3] As for conus_pose_along(); NULL = the default of Eq. 2. */
+    const double *angle;     /**< [count] Full opening, radians; where it is 0, and where this is NULL, the options'. */
+    const double *range;     /**< [count 2] As for conus_selector_set_range(), mm; NULL = the selector's options'. */
+    const conus_frame *frame; /**< Devices without matrices are turned as its space has it, as by
+                                 conus_frame_turn_pose(); left-handed matrices are read where that makes them. NULL =
+                                 #CONUS_SPACE_RAS. */
+} conus_pose_array;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_POSE_ARRAY_INIT CONUS_INIT_(conus_pose_array)
+
+/**
+ * Gives the pose that conus_select_many() answers.
+ * @param[out] out The pose.
+ * @param poses The arrays.
+ * @param index Below its count.
+ * @return #CONUS_OK; as conus_pose_from_matrix() or conus_pose_along().
+ */
+CONUS_CHECKED conus_status conus_pose_array_at(conus_pose *out, const conus_pose_array *poses, size_t index);
+
+/** How conus_select_many() answers. */
+typedef struct conus_many_options {
+    size_t struct_size; /**< Its size, as #CONUS_MANY_OPTIONS_INIT sets it; 0 = that of this version. */
+    uint32_t threads;   /**< Threads that answer poses, up to 1024; 0 = as many as processors that the process may use.
+                           With the gl engine one of them has the device at a time. */
+    uint32_t block;     /**< Poses per block, up to 65536; 0 = 256. Memory grows with threads times block. */
+    double angle;       /**< For poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0. */
+    double radius;      /**< Of points, mm, as for conus_select_ball(). */
+} conus_many_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_MANY_OPTIONS_INIT CONUS_INIT_(conus_many_options)
+
+/** Answers to poses that follow each other. */
+typedef struct conus_answers {
+    size_t first;                /**< Index of the first pose. */
+    size_t poses;                /**< How many. */
+    const size_t *starts;        /**< [poses + 1] The results of pose first + i are starts[i] to starts[i + 1] - 1. */
+    const conus_result *results; /**< [starts[poses]] In the order of conus_selection_result(). */
+    const conus_status *status;  /**< [poses] #CONUS_ERROR_ARGUMENT for a pose without an answer: a number that is not
+                                    finite, say. conus_pose_array_at() or conus_select() with that pose says why. */
+} conus_answers;
+
+/**
+ * Receives answers in the order of the poses, on the thread that called conus_select_many().
+ * @param user The pointer that conus_select_many() got.
+ * @param answers Valid until the callback returns.
+ * @return False ends the run with #CONUS_ERROR_CANCELLED.
+ */
+typedef bool (*conus_answer_sink)(void *user, const conus_answers *answers);
+
+/**
+ * Answers poses that are in memory, with threads. The answers are the same, bit for bit, for any number of threads and
+ * any size of blocks, and those of conus_select(). A pose that cannot be answered has a status and no results. After a
+ * failure, @p sink has received what comes before it.
+ * @param[out] findings Findings about the poses, with their indices as numbers, once all are answered; NULL = not
+ * wanted.
+ * @param selector Its score needs no history.
+ * @param poses The arrays are only read, and not copied.
+ * @param options NULL = defaults.
+ * @param sink Receives the answers.
+ * @param user Passed to @p sink.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an option out of its range, and for arrays that are missing;
+ * #CONUS_ERROR_CANCELLED where @p sink ends the run; the errors of conus_select() but those of a pose.
+ */
+CONUS_CHECKED conus_status conus_select_many(conus_pose_findings *findings, conus_selector *selector,
+                                             const conus_pose_array *poses, const conus_many_options *options,
+                                             conus_answer_sink sink, void *user);
+/** @} */
 
 #ifdef __cplusplus
 }

@@ -7,7 +7,6 @@
 #define CONUS_PUBLIC_SPACE_H
 
 #include <conus/atlas.h>
-#include <conus/pose.h>
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -33,34 +32,6 @@ typedef struct conus_frame {
 } conus_frame;
 
 /**
- * Names the spaces, for a program's options.
- * @param index From 0, as #conus_space.
- * @return "ras", "lps", "ccf" and "bregma"; NULL past the last. Static.
- * @threads Any.
- * @since 0.1
- */
-CONUS_API const char *conus_space_name(size_t index);
-
-/**
- * Names a coordinate of a space.
- * @param space The space.
- * @param axis 0 to 2.
- * @return "x", "AP" and so on; NULL where there is none. Static.
- * @threads Any.
- * @since 0.1
- */
-CONUS_API const char *conus_space_axis(conus_space space, size_t axis);
-
-/**
- * Gives the unit of a space's positions.
- * @param space The space.
- * @return "mm", or "um" of #CONUS_SPACE_CCF. Static.
- * @threads Any.
- * @since 0.1
- */
-CONUS_API const char *conus_space_unit(conus_space space);
-
-/**
  * Finds where a space lies in the world of an atlas. An atlas is known to be the Allen CCF by its grid of 13.2 x 8 x
  * 11.4 mm, by the name allen_mouse in BrainGlobe's metadata.json, or by the key "ccf" of its manifest.
  * @param[out] out The frame.
@@ -69,8 +40,6 @@ CONUS_API const char *conus_space_unit(conus_space space);
  * @param bregma Where bregma lies, in CCF: AP, DV, ML, micrometres; NULL = 5400, 332, 5739.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an unknown space, and for a bregma outside of the CCF;
  * #CONUS_ERROR_UNSUPPORTED for an atlas that is not known to be the CCF.
- * @threads Any.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_frame_find(conus_frame *out, const conus_atlas *atlas, conus_space space,
                                             const double bregma[3]);
@@ -82,8 +51,6 @@ CONUS_CHECKED conus_status conus_frame_find(conus_frame *out, const conus_atlas 
  * @param point In the order and unit of the frame's space. May be @p world.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a number that is not finite, and for a position in CCF or from bregma
  * that must be in another unit: all three within 20 um of the CCF's corner, or one of them over 100 mm from bregma.
- * @threads Any.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_frame_to_world(double world[3], const conus_frame *frame, const double point[3]);
 
@@ -92,8 +59,6 @@ CONUS_CHECKED conus_status conus_frame_to_world(double world[3], const conus_fra
  * @param[out] point In the order and unit of the frame's space.
  * @param frame The frame.
  * @param world World mm. May be @p point.
- * @threads Any.
- * @since 0.1
  */
 CONUS_API void conus_frame_from_world(double point[3], const conus_frame *frame, const double world[3]);
 
@@ -102,8 +67,6 @@ CONUS_API void conus_frame_from_world(double point[3], const conus_frame *frame,
  * @param[out] world Of any length.
  * @param frame The frame.
  * @param direction In the order of the frame's space, of any length. May be @p world.
- * @threads Any.
- * @since 0.1
  */
 CONUS_API void conus_frame_direction_to_world(double world[3], const conus_frame *frame, const double direction[3]);
 
@@ -112,24 +75,8 @@ CONUS_API void conus_frame_direction_to_world(double world[3], const conus_frame
  * @param[out] direction In the order of the frame's space, of the length 1.
  * @param frame The frame.
  * @param world Of any length but 0. May be @p direction.
- * @threads Any.
- * @since 0.1
  */
 CONUS_API void conus_frame_direction_from_world(double direction[3], const conus_frame *frame, const double world[3]);
-
-/**
- * Turns a device about its axis as its space has it (Eq. 2): its frame is made in the axes of the space. Up is dorsal
- * there, and not the world's z. Where the atlas's world is a mirror image of the space, as that of BrainGlobe's folders
- * is of #CONUS_SPACE_CCF, the device's x comes to lie on the other side: the pose is then left-handed. Such a pose is
- * the same device at the same place in each form of an atlas; all functions that take a pose take it. In
- * #CONUS_SPACE_RAS and #CONUS_SPACE_LPS a pose of conus_pose_along() stays as it is.
- * @param[in,out] pose As conus_pose_along() and conus_pose_toward() make it.
- * @param frame The frame.
- * @param has_up It was made with an up vector, which is kept.
- * @threads Any.
- * @since 0.1
- */
-CONUS_API void conus_frame_turn_pose(conus_pose *pose, const conus_frame *frame, bool has_up);
 
 #ifdef __cplusplus
 }

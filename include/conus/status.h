@@ -1,15 +1,44 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /**
  * @file status.h
- * How functions report failure, and the types of the callbacks for notes and progress.
+ * How functions are declared and report failure, and the callbacks for notes and progress.
  */
 #ifndef CONUS_PUBLIC_STATUS_H
 #define CONUS_PUBLIC_STATUS_H
 
-#include <conus/export.h>
-
 #include <stdbool.h>
 #include <stddef.h>
+
+/** @def CONUS_API
+ * A function of the library. On Windows CONUS_STATIC says that it is linked statically: who uses conus.dll does not
+ * define it. */
+/** @def CONUS_CHECKED
+ * A function of the library whose result must be used. */
+#if defined(_WIN32) && !defined(CONUS_STATIC)
+#define CONUS_API __declspec(dllimport)
+#define CONUS_CHECKED __declspec(dllimport)
+#elif defined(__GNUC__)
+#define CONUS_API __attribute__((visibility("default")))
+#define CONUS_CHECKED __attribute__((visibility("default"), warn_unused_result))
+#else
+#define CONUS_API
+#define CONUS_CHECKED
+#endif
+
+/** @cond The initialiser of a struct whose first member is struct_size. */
+#ifdef __cplusplus
+#define CONUS_INIT_(type)                                                                                              \
+    ([] {                                                                                                              \
+        type all = type();                                                                                             \
+        all.struct_size = sizeof(type);                                                                                \
+        return all;                                                                                                    \
+    }())
+#else
+/* clang-format off */
+#define CONUS_INIT_(type) {.struct_size = sizeof(type)}
+/* clang-format on */
+#endif
+/** @endcond */
 
 #ifdef __cplusplus
 extern "C" {
@@ -31,16 +60,12 @@ typedef enum conus_status {
  * Names a status.
  * @param code A status; any number is allowed.
  * @return "CONUS_ERROR_DATA", or "CONUS_ERROR_UNKNOWN" for a number that is no status. Static.
- * @threads Any.
- * @since 0.1
  */
 CONUS_API const char *conus_status_name(conus_status code);
 
 /**
  * Describes the last failure on the calling thread: one line with what was found and what is allowed.
  * @return "" if no function failed. Borrowed until the next failure on this thread.
- * @threads Any.
- * @since 0.1
  */
 CONUS_API const char *conus_message(void);
 

@@ -1,17 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /**
  * @file streamlines.h
- * Tractograms: the streamlines of fibre bundles, from files and from memory, and what an atlas has of them.
+ * Streamlines as bundles of an atlas, what an atlas has of tractograms, and which streamlines come into a cone.
  */
 #ifndef CONUS_PUBLIC_STREAMLINES_H
 #define CONUS_PUBLIC_STREAMLINES_H
 
 #include <conus/arrays.h>
-#include <conus/atlas_info.h>
+#include <conus/selection.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/** @name Bundles
+ * @{ */
 
 /** How conus_atlas_add_streamlines() and conus_atlas_add_polylines() take streamlines. */
 typedef struct conus_streamlines_options {
@@ -43,45 +46,9 @@ typedef struct conus_streamlines_options {
  * coordinate beyond 1e9 mm; #CONUS_ERROR_UNSUPPORTED for a valid file beyond this library; #CONUS_ERROR_MEMORY above
  * max_memory; #CONUS_ERROR_ARGUMENT for a radius out of its range, for the name of another bundle or pathway, and for
  * LPS where the header places the points.
- * @threads One at a time, while no other thread uses the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_add_streamlines(conus_atlas *atlas, const char *path,
                                                        const conus_streamlines_options *options);
-
-typedef struct conus_tractogram conus_tractogram; /**< Streamlines of a file, for several atlases. */
-
-/**
- * Loads a tractogram that conus_atlas_add_tractogram() adds to one atlas after the other, in memory once.
- * @param[out] out The tractogram; end it with conus_tractogram_destroy().
- * @param path The tractogram.
- * @param options Those that say how the file is read: max_memory and space; NULL = defaults.
- * @return As conus_atlas_add_streamlines().
- * @threads Any.
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_tractogram_load(conus_tractogram **out, const char *path,
-                                                 const conus_streamlines_options *options);
-
-/**
- * Adds the streamlines of a loaded tractogram, as conus_atlas_add_streamlines() does those of its file.
- * @param atlas The atlas; unchanged on failure.
- * @param tractogram The tractogram. It must outlive the atlas.
- * @param options Name, radius and log; NULL = defaults.
- * @return As conus_atlas_add_streamlines().
- * @threads One at a time for each @p atlas, while no other thread uses it.
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_atlas_add_tractogram(conus_atlas *atlas, const conus_tractogram *tractogram,
-                                                      const conus_streamlines_options *options);
-
-/**
- * Ends a tractogram, after the atlases that it was added to.
- * @param tractogram NULL is allowed.
- * @threads One at a time for each @p tractogram.
- * @since 0.1
- */
-CONUS_API void conus_tractogram_destroy(conus_tractogram *tractogram);
 
 /** Numbers that streamlines have, by name: FA, say. */
 typedef struct conus_tract_scalar {
@@ -94,16 +61,6 @@ typedef struct conus_tract_scalar {
 
 /** The size of the struct that the caller was compiled with. */
 #define CONUS_TRACT_SCALAR_INIT CONUS_INIT_(conus_tract_scalar)
-
-/**
- * Tells whether a file, or a folder, begins like a tractogram that conus_atlas_add_streamlines() reads. Of VTK's files
- * those with lines and without polygons are.
- * @param path The file or folder.
- * @return True where it is one; false for everything else, also for a file that is not there.
- * @threads Any.
- * @since 0.1
- */
-CONUS_API bool conus_path_is_tractogram(const char *path);
 
 /** Streamlines in memory. */
 typedef struct conus_polylines {
@@ -130,8 +87,6 @@ typedef struct conus_polylines {
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a type or radius out of its range, for a scalar without name, components
  * or values, and for the name of another bundle or pathway; #CONUS_ERROR_DATA for a coordinate beyond 1e9 mm and a
  * @p first that does not ascend.
- * @threads One at a time, while no other thread uses the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_add_polylines(conus_atlas *atlas, const conus_polylines *polylines,
                                                      const conus_streamlines_options *options);
@@ -161,8 +116,6 @@ typedef struct conus_tractogram_info {
  * Counts the tractograms.
  * @param atlas NULL counts 0.
  * @return How many there are.
- * @threads Any, while none changes the atlas.
- * @since 0.1
  */
 CONUS_API size_t conus_atlas_tractogram_count(const conus_atlas *atlas);
 
@@ -172,8 +125,6 @@ CONUS_API size_t conus_atlas_tractogram_count(const conus_atlas *atlas);
  * @param atlas The atlas.
  * @param index From 0, in the order in which they were added.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT past the last.
- * @threads Any, while none changes the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_tractogram(conus_tractogram_info *out, const conus_atlas *atlas, size_t index);
 
@@ -185,11 +136,65 @@ CONUS_CHECKED conus_status conus_atlas_tractogram(conus_tractogram_info *out, co
  * @param index Of the tractogram.
  * @param scalar From 0, in the order of the file.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT past the last.
- * @threads Any, while none changes the atlas.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_atlas_tractogram_scalar(conus_tract_scalar *out, const conus_atlas *atlas,
                                                          size_t index, size_t scalar);
+/** @} */
+
+/** @name Streamlines in a cone
+ * @{ */
+
+typedef struct conus_streamline_list conus_streamline_list; /**< Streamlines of an atlas, each once. */
+
+/**
+ * Lists the streamlines that come into the cone, cylinder or ball of a selection (Eq. 19), with or without all layers.
+ * @param[out] out The list; end it with conus_streamline_list_destroy().
+ * @param selection Its atlas must outlive the list.
+ * @param object Number of a bundle; 0 = of all bundles that are not hidden.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an object that is no bundle or is hidden, and for 0 where there is no
+ * bundle.
+ */
+CONUS_CHECKED conus_status conus_selection_streamlines(conus_streamline_list **out, const conus_selection *selection,
+                                                       uint32_t object);
+
+/** The content of a list. */
+typedef struct conus_streamline_list_view {
+    size_t count;               /**< How many streamlines. */
+    const uint32_t *tractogram; /**< [count] Of which tractogram each one is, as conus_atlas_tractogram() counts them;
+                                   ascending. */
+    const uint32_t *number;     /**< [count] Which streamline of that it is, from 0; ascending within one. */
+    uint64_t points;            /**< In all of them. */
+} conus_streamline_list_view;
+
+/**
+ * Gives what is in a list.
+ * @param list NULL has nothing.
+ * @return Its pointers are borrowed from the list.
+ */
+CONUS_API conus_streamline_list_view conus_streamline_list_data(const conus_streamline_list *list);
+
+/**
+ * Copies the points of the streamlines, one after the other, whole streamlines: also what lies outside of the cone.
+ * @param[out] points [points of all 3] x, y, z, world mm, as the atlas has them.
+ * @param[out] first [count + 1] Where each streamline begins in @p points, and their end; NULL = not wanted.
+ * @param list The list.
+ */
+CONUS_API void conus_streamline_list_points(float *points, uint64_t *first, const conus_streamline_list *list);
+
+/**
+ * Writes a tractogram of MRtrix (Float32LE), whole or not at all, the same bytes for the same streamlines.
+ * @param list The list.
+ * @param path Ends in .tck.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another ending; #CONUS_ERROR_IO where the system refuses.
+ */
+CONUS_CHECKED conus_status conus_streamline_list_write(const conus_streamline_list *list, const char *path);
+
+/**
+ * Ends a list.
+ * @param list NULL is allowed.
+ */
+CONUS_API void conus_streamline_list_destroy(conus_streamline_list *list);
+/** @} */
 
 #ifdef __cplusplus
 }

@@ -44,8 +44,6 @@ typedef struct conus_column {
 /**
  * Ends a table.
  * @param table NULL is allowed.
- * @threads Any, once for each @p table.
- * @since 0.1
  */
 CONUS_API void conus_table_destroy(conus_table *table);
 
@@ -53,8 +51,6 @@ CONUS_API void conus_table_destroy(conus_table *table);
  * Counts the rows.
  * @param table NULL counts 0.
  * @return How many rows there are.
- * @threads Any.
- * @since 0.1
  */
 CONUS_API size_t conus_table_rows(const conus_table *table);
 
@@ -62,8 +58,6 @@ CONUS_API size_t conus_table_rows(const conus_table *table);
  * Counts the columns.
  * @param table NULL counts 0.
  * @return How many columns there are.
- * @threads Any.
- * @since 0.1
  */
 CONUS_API size_t conus_table_columns(const conus_table *table);
 
@@ -72,8 +66,6 @@ CONUS_API size_t conus_table_columns(const conus_table *table);
  * @param table The table; NULL has none.
  * @param index From 0.
  * @return NULL past the last. Borrowed from the table.
- * @threads Any.
- * @since 0.1
  */
 CONUS_API const conus_column *conus_table_column(const conus_table *table, size_t index);
 
@@ -82,8 +74,6 @@ CONUS_API const conus_column *conus_table_column(const conus_table *table, size_
  * @param table The table; NULL has none.
  * @param name "angle_deg".
  * @return NULL where there is none of this name. Borrowed from the table.
- * @threads Any.
- * @since 0.1
  */
 CONUS_API const conus_column *conus_table_find(const conus_table *table, const char *name);
 
@@ -92,8 +82,6 @@ CONUS_API const conus_column *conus_table_find(const conus_table *table, const c
  * @param table The table; NULL has none.
  * @param column Its name.
  * @return [rows]; NULL unless it is a column of numbers. Borrowed from the table.
- * @threads Any.
- * @since 0.1
  */
 CONUS_API const double *conus_table_numbers(const conus_table *table, const char *column);
 
@@ -102,8 +90,6 @@ CONUS_API const double *conus_table_numbers(const conus_table *table, const char
  * @param table The table; NULL has none.
  * @param column Its name.
  * @return [rows]; NULL unless it is a column of counts. Borrowed from the table.
- * @threads Any.
- * @since 0.1
  */
 CONUS_API const int64_t *conus_table_counts(const conus_table *table, const char *column);
 
@@ -112,8 +98,6 @@ CONUS_API const int64_t *conus_table_counts(const conus_table *table, const char
  * @param table The table; NULL has none.
  * @param column Its name.
  * @return [rows], each NULL where it is n/a; NULL unless it is a column of texts. Borrowed from the table.
- * @threads Any.
- * @since 0.1
  */
 CONUS_API const char *const *conus_table_texts(const conus_table *table, const char *column);
 
@@ -121,8 +105,6 @@ CONUS_API const char *const *conus_table_texts(const conus_table *table, const c
  * Gives the objects that rows are about.
  * @param table The table; NULL has none.
  * @return [rows] Numbers in the atlas that was asked, as they are reported (level); 0 = none. Borrowed from the table.
- * @threads Any.
- * @since 0.1
  */
 CONUS_API const uint32_t *conus_table_objects(const conus_table *table);
 
@@ -131,8 +113,6 @@ CONUS_API const uint32_t *conus_table_objects(const conus_table *table);
  * @param table The table; NULL has none.
  * @param part Its name: "pairs".
  * @return NULL where there is none of this name. Borrowed from the table: it is not destroyed.
- * @threads Any.
- * @since 0.1
  */
 CONUS_API const conus_table *conus_table_part(const conus_table *table, const char *part);
 

@@ -6,7 +6,7 @@
 #ifndef CONUS_PUBLIC_VERSION_H
 #define CONUS_PUBLIC_VERSION_H
 
-#include <conus/export.h>
+#include <conus/status.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -31,8 +31,6 @@ extern "C" {
 /**
  * Gives the version of the library that runs. It may be newer than #CONUS_VERSION, which the caller was compiled with.
  * @return "0.1.0". Static.
- * @threads Any.
- * @since 0.1
  */
 CONUS_API const char *conus_version(void);
 

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/path.h"
 #include "base/system/system.h"
+#include "conus/own.h"
 #include "loaders/catalogue/catalogue.h"
 #include "sources/keys.h"
 

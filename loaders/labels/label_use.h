@@ -5,7 +5,7 @@
 
 #include "atlas/labels/label_voxels.h"
 #include "base/job/job.h"
-#include "conus/atlas_info.h"
+#include "conus/atlas.h"
 
 /** Reads the header of the volume @p path: volume_header_read(). */
 typedef void label_header_read(struct job *job, conus_volume_info *out, const char *path);

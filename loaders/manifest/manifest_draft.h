@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_MANIFEST_MANIFEST_DRAFT_H
 #define CONUS_LOADERS_MANIFEST_MANIFEST_DRAFT_H
 
-#include "conus/manifest.h"
+#include "conus/own.h"
 #include "loaders/manifest/scene.h"
 
 struct manifest_draft {

@@ -4,6 +4,7 @@
 
 #include "base/files/file.h"
 #include "base/path.h"
+#include "conus/own.h"
 #include "loaders/manifest/manifest_scan.h"
 
 #include <string.h>

@@ -9,7 +9,7 @@
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/options.h"
-#include "conus/version.h"
+#include "conus/own.h"
 #include "loaders/surfaces/mesh_format.h"
 #include "loaders/volumes/nifti_write.h"
 

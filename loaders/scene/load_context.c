@@ -8,6 +8,7 @@
 #include "base/files/folder.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "conus/own.h"
 #include "loaders/maps/load_scalar.h"
 #include "loaders/surfaces/mesh_file.h"
 #include "loaders/surfaces/vertex_map.h"

@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "base/path.h"
 #include "base/text_number.h"
+#include "conus/own.h"
 #include "loaders/maps/atlas_on_job.h"
 #include "loaders/tracts/tract_file.h"
 #include "sources/format.h"

@@ -5,7 +5,7 @@
 
 #include "atlas/bundles.h"
 #include "base/job/job.h"
-#include "conus/streamlines.h"
+#include "conus/own.h"
 
 /** The radius that is wanted, mm, for the tractogram @p path. CONUS_ERROR_ARGUMENT. */
 double streamlines_radius(struct job *job, double wanted, const char *path);

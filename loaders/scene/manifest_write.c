@@ -5,6 +5,7 @@
 #include "base/formats/xml.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "conus/own.h"
 #include "loaders/cifti/cifti_file.h"
 #include "loaders/labels/fsl_atlas.h"
 #include "loaders/labels/label_volumes.h"

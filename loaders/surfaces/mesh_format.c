@@ -4,7 +4,7 @@
 
 #include "base/byte_order.h"
 #include "base/geometry/math3.h"
-#include "conus/version.h"
+#include "conus/own.h"
 
 #include <nettle/base64.h>
 #include <stdio.h>

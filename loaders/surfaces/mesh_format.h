@@ -5,7 +5,7 @@
 
 #include "atlas/surface/mesh.h"
 #include "base/buffer.h"
-#include "conus/mesh.h"
+#include "conus/own.h"
 
 /** Facts about a mesh that its file states. */
 struct mesh_title {

@@ -4,6 +4,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "conus/own.h"
 #include "loaders/child/mesh_extract.h"
 #include "loaders/surfaces/mesh_format.h"
 

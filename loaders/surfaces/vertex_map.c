@@ -9,7 +9,7 @@
 #include "base/formats/xml.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "conus/version.h"
+#include "conus/own.h"
 #include "loaders/refuse.h"
 #include "loaders/surfaces/gifti.h"
 #include "loaders/surfaces/mesh_file.h"

@@ -8,7 +8,7 @@
 #include "base/formats/gzip.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "conus/streamline_list.h"
+#include "conus/streamlines.h"
 #include "loaders/tracts/tract_build.h"
 
 #include <math.h>

@@ -6,7 +6,7 @@
 
 #include "atlas/deformation/deformation.h"
 #include "base/child/hdf5.h"
-#include "conus/atlas_info.h"
+#include "conus/atlas.h"
 
 /** The result of all steps: one affine, or fields of which all affines are parts. Points are RAS mm. */
 struct transform_chain {

@@ -3,7 +3,7 @@
 #ifndef CONUS_LOADERS_TRANSFORM_TRANSFORM_FILE_H
 #define CONUS_LOADERS_TRANSFORM_TRANSFORM_FILE_H
 
-#include "conus/atlas_info.h"
+#include "conus/atlas.h"
 #include "loaders/transform/transform_chain.h"
 #include "sources/source.h"
 

@@ -8,7 +8,7 @@
 #include "base/files/folder.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "conus/version.h"
+#include "conus/own.h"
 
 #include <libdeflate.h>
 #include <stdio.h>

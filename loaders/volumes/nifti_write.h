@@ -5,7 +5,7 @@
 
 #include "atlas/space.h"
 #include "base/job/job.h"
-#include "conus/mesh.h"
+#include "conus/own.h"
 
 /** Writes @p labels (one per voxel of @p info, i fastest) as a little-endian single file in the narrowest of uint8,
  * uint16 and uint32 that holds them all, intent "label". dim and world_from_voxel of @p info are used: the sform

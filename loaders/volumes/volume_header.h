@@ -4,7 +4,7 @@
 #define CONUS_LOADERS_VOLUMES_VOLUME_HEADER_H
 
 #include "base/job/job.h"
-#include "conus/atlas_info.h"
+#include "conus/atlas.h"
 
 #include <stdbool.h>
 #include <stddef.h>

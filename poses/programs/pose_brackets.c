@@ -6,6 +6,7 @@
 #include "base/buffer.h"
 #include "base/formats/json_text.h"
 #include "base/formats/table.h"
+#include "conus/own.h"
 #include "poses/rows/columns.h"
 #include "poses/rows/pose_row.h"
 #include "poses/rows/space_words.h"

@@ -9,8 +9,7 @@
 #include "base/formats/json_text.h"
 #include "base/formats/matlab.h"
 #include "base/text.h"
-#include "conus/pose_file.h"
-#include "conus/probe.h"
+#include "conus/pose.h"
 #include "poses/rows/pose_row.h"
 
 /** Brainsight's export: sections of targets, samples and electrodes; landmarks are passed over. */

@@ -9,6 +9,7 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/order.h"
+#include "conus/own.h"
 #include "poses/rows/pose_row.h"
 #include "poses/rows/space_words.h"
 

@@ -3,6 +3,7 @@
 #include "base/geometry/math3.h"
 #include "base/order.h"
 #include "base/status.h"
+#include "conus/own.h"
 #include "poses/rows/columns.h"
 #include "poses/rows/columns_head.h"
 #include "poses/rows/pose_row.h"

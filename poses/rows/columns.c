@@ -5,6 +5,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "conus/own.h"
 #include "poses/rows/columns_head.h"
 #include "sources/keys.h"
 

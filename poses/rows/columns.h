@@ -8,7 +8,7 @@
 #include "base/job/job.h"
 #include "base/name_set.h"
 #include "base/text.h"
-#include "conus/pose_file.h"
+#include "conus/pose.h"
 #include "poses/rows/pose_row.h"
 #include "poses/rows/space_words.h"
 

@@ -2,8 +2,8 @@
 /* Rows that names of places give in place of coordinates: which column has them, and where each is. */
 #include "base/memory.h"
 #include "base/status.h"
-#include "conus/atlas_info.h"
-#include "conus/place.h"
+#include "conus/atlas.h"
+#include "conus/pose.h"
 #include "poses/rows/columns.h"
 #include "poses/rows/columns_head.h"
 #include "poses/rows/place.h"

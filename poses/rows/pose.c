@@ -2,6 +2,7 @@
 /* Poses from a direction, a target, a matrix or a quaternion (Eq. 1, 2). */
 #include "base/geometry/math3.h"
 #include "base/status.h"
+#include "conus/own.h"
 #include "poses/rows/pose_row.h"
 
 /* Below this, two directions count as parallel, and a length as zero beside the numbers that made it. */

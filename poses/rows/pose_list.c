@@ -4,7 +4,7 @@
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "conus/atlas_info.h"
+#include "conus/own.h"
 
 #include <stdio.h>
 #include <string.h>

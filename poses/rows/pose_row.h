@@ -5,7 +5,7 @@
 
 #include "base/job/job.h"
 #include "base/text.h"
-#include "conus/pose_file.h"
+#include "conus/pose.h"
 
 enum {
     POSE_ID_LIMIT = 255,    /**< Longest id, in bytes.                  */

@@ -3,7 +3,7 @@
 #include "poses/rows/space_words.h"
 
 #include "base/geometry/math3.h"
-#include "conus/atlas_info.h"
+#include "conus/atlas.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -8,6 +8,7 @@
 #include "base/order.h"
 #include "base/path.h"
 #include "base/text.h"
+#include "conus/own.h"
 #include "render/image/image_srgb.h"
 
 #include <float.h>

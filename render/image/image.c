@@ -3,6 +3,7 @@
 #include "render/image/image.h"
 
 #include "base/memory.h"
+#include "conus/own.h"
 #include "render/draw/paint.h"
 
 #include <math.h>

@@ -3,6 +3,7 @@
 #include "render/image/image_codecs.h"
 
 #include "base/memory.h"
+#include "conus/own.h"
 #include "render/draw/paint.h"
 #include "render/draw/svg.h"
 #include "render/image/image_srgb.h"

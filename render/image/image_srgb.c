@@ -3,6 +3,7 @@
 #include "render/image/image_srgb.h"
 
 #include "base/memory.h"
+#include "conus/own.h"
 
 #include <math.h>
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A batch: blocks of poses are read from a stream, answered by threads as rows of text, and delivered in order. */
-#include "conus/batch.h"
 #include "base/buffer.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "conus/own.h"
 #include "poses/pose_stream.h"
 #include "poses/rows/pose_row.h"
 #include "selection/batch/ring.h"
@@ -213,12 +213,7 @@ uint32_t conus_batch_threads(const conus_batch *batch)
     return batch ? batch->options.threads : 0;
 }
 
-conus_pose_findings conus_batch_findings(const conus_batch *batch)
-{
-    return conus_batch_findings_at(batch, 0);
-}
-
-conus_pose_findings conus_batch_findings_at(const conus_batch *batch, size_t index)
+conus_pose_findings conus_batch_findings(const conus_batch *batch, size_t index)
 {
     conus_pose_findings sum = {0};
     for (size_t i = 0; index < batch->atlas_count && i < batch->options.threads; i++) {

@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/status.h"
-#include "conus/batch.h"
+#include "conus/own.h"
 #include "poses/rows/pose_row.h"
 
 #include <math.h>

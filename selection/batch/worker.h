@@ -3,9 +3,8 @@
 #ifndef CONUS_SELECTION_BATCH_WORKER_H
 #define CONUS_SELECTION_BATCH_WORKER_H
 
-#include "conus/clearance.h"
-#include "conus/pose_check.h"
-#include "conus/segments.h"
+#include "conus/selection.h"
+#include "conus/study.h"
 #include "selection/study/study.h"
 
 #include <stdatomic.h>

@@ -3,7 +3,7 @@
 #ifndef CONUS_SELECTION_ENDS_CONNECTIVITY_H
 #define CONUS_SELECTION_ENDS_CONNECTIVITY_H
 
-#include "conus/connectivity.h"
+#include "conus/study.h"
 #include "selection/table/table.h"
 
 /* Columns of its table. */

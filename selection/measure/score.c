@@ -4,6 +4,7 @@
 
 #include "base/geometry/math3.h"
 #include "base/order.h"
+#include "conus/own.h"
 
 #define MM_PER_M 1000.0
 

@@ -3,7 +3,7 @@
 #ifndef CONUS_SELECTION_MEASURE_SCORE_H
 #define CONUS_SELECTION_MEASURE_SCORE_H
 
-#include "conus/score.h"
+#include "conus/own.h"
 #include "selection/measure/formula.h"
 #include "selection/measure/history.h"
 #include "selection/measure/statistics.h"

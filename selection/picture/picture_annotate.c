@@ -5,6 +5,7 @@
 
 #include "base/geometry/math3.h"
 #include "base/look.h"
+#include "conus/own.h"
 
 #include <stdio.h>
 #include <string.h>

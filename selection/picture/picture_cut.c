@@ -4,6 +4,7 @@
 #include "base/look.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "conus/own.h"
 #include "render/colour/pathways.h"
 #include "render/image/image.h"
 #include "selection/picture/picture.h"

@@ -5,7 +5,7 @@
 #include "base/look_sizes.h"
 #include "base/memory.h"
 #include "base/options.h"
-#include "conus/atlas_info.h"
+#include "conus/own.h"
 #include "render/colour/pathways.h"
 #include "render/flat/cut_trace.h"
 #include "render/image/image.h"

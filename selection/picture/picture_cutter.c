@@ -6,6 +6,7 @@
 #include "base/look.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "conus/own.h"
 #include "render/flat/cut.h"
 #include "selection/picture/picture_emphasis.h"
 

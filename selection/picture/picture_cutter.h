@@ -4,7 +4,7 @@
 #define CONUS_SELECTION_PICTURE_PICTURE_CUTTER_H
 
 #include "base/status.h"
-#include "conus/picture.h"
+#include "conus/own.h"
 #include "render/flat/cut.h"
 
 /** CONUS_ERROR_ARGUMENT for a width or height that no cut has. */

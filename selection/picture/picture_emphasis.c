@@ -5,6 +5,7 @@
 #include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/memory.h"
+#include "conus/own.h"
 #include "render/colour/emphasis.h"
 
 #include <string.h>

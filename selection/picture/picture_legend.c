@@ -7,6 +7,7 @@
 #include "base/look.h"
 #include "base/memory.h"
 #include "base/path.h"
+#include "conus/own.h"
 #include "render/colour/pathways.h"
 #include "render/draw/legend.h"
 #include "render/image/image.h"

@@ -2,7 +2,7 @@
 /* Stands for pictures and their files, in a build without the libraries that they need: each function says so. */
 #include "render/image/image_codecs.h"
 
-#include "conus/picture.h"
+#include "conus/own.h"
 #include "render/draw/paint.h"
 
 static conus_status refuse(void)

@@ -2,6 +2,7 @@
 /* What a picture's camera sees, by rays from it. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/own.h"
 #include "render/colour/pathways.h"
 #include "selection/picture/picture.h"
 #include "selection/selection.h"

@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/text.h"
-#include "conus/version.h"
+#include "conus/own.h"
 #include "render/colour/pathways.h"
 #include "render/image/image.h"
 #include "render/image/image_srgb.h"

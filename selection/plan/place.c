@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the point that words mean: numbers, an area's inner point, a position of a cap. */
-#include "conus/place.h"
+#include "conus/own.h"
 
 #include "atlas/areas/area_find.h"
 #include "base/geometry/math3.h"

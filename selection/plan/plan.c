@@ -8,6 +8,7 @@
 #include "base/options.h"
 #include "base/order.h"
 #include "base/text.h"
+#include "conus/own.h"
 #include "poses/pose_stream.h"
 #include "poses/rows/pose_row.h"
 #include "selection/batch/ring.h"

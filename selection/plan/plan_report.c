@@ -3,6 +3,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "conus/own.h"
 #include "poses/rows/pose_row.h"
 #include "selection/report/report_columns.h"
 

@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "conus/own.h"
 #include "poses/rows/pose_row.h"
 #include "selection/plan/plan.h"
 

@@ -3,7 +3,7 @@
 #ifndef CONUS_SELECTION_PLAN_PLAN_TRIAL_H
 #define CONUS_SELECTION_PLAN_PLAN_TRIAL_H
 
-#include "conus/pose_file.h"
+#include "conus/pose.h"
 #include "selection/plan/plan.h"
 
 /** The constraints and options of a plan; a run does not change them. */

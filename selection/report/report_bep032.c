@@ -7,7 +7,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/path.h"
-#include "conus/version.h"
+#include "conus/own.h"
 
 #include <stdio.h>
 #include <string.h>

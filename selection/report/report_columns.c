@@ -4,6 +4,7 @@
 
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
+#include "conus/own.h"
 #include "selection/report/report_bep032.h"
 
 #include <assert.h>

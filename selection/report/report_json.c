@@ -4,7 +4,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "conus/version.h"
+#include "conus/own.h"
 #include "selection/report/report_bep032.h"
 #include "selection/report/report_writers.h"
 #include "selection/study/study.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table for people of what regions of interest cover. */
+#include "conus/own.h"
 #include "selection/report/report_table.h"
 #include "selection/report/report_writers.h"
 

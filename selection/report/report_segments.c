@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The tables for people of what axes pass, and of how far needles stay from objects. */
+#include "conus/own.h"
 #include "selection/report/report_table.h"
 #include "selection/report/report_writers.h"
 

@@ -2,6 +2,7 @@
 /* The tables for people of reports on how sure an answer is: shares, admissions and chances. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/own.h"
 #include "selection/report/report_table.h"
 #include "selection/report/report_writers.h"
 

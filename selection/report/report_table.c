@@ -3,6 +3,7 @@
 #include "selection/report/report_table.h"
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
+#include "conus/own.h"
 #include "selection/report/report_writers.h"
 
 #include <math.h>

@@ -6,7 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
-#include "conus/clusters.h"
+#include "conus/study.h"
 #include "selection/selector.h"
 
 #include <math.h>

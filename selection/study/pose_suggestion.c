@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tries other readings of odd poses: another space, another unit, the other end of the device. */
 #include "base/status.h"
-#include "conus/pose_check.h"
+#include "conus/selection.h"
 #include "selection/selection.h"
 #include "selection/selector.h"
 

@@ -3,12 +3,8 @@
 #ifndef CONUS_SELECTION_STUDY_STUDY_H
 #define CONUS_SELECTION_STUDY_STUDY_H
 
-#include "conus/clearance.h"
-#include "conus/jitter.h"
-#include "conus/overlap.h"
-#include "conus/pose_check.h"
-#include "conus/segments.h"
-#include "conus/sweep.h"
+#include "conus/selection.h"
+#include "conus/study.h"
 #include "selection/selection.h"
 #include "selection/table/table.h"
 

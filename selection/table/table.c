@@ -5,6 +5,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/name_set.h"
+#include "conus/own.h"
 
 #include <stdatomic.h>
 #include <string.h>

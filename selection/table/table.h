@@ -3,7 +3,7 @@
 #ifndef CONUS_SELECTION_TABLE_TABLE_H
 #define CONUS_SELECTION_TABLE_TABLE_H
 
-#include "conus/jitter.h"
+#include "conus/study.h"
 #include "conus/table.h"
 #include "selection/cone/cone.h"
 #include "selection/table/cell.h"

@@ -2,7 +2,7 @@
 /* Options that add files to an open atlas, and the numbers of objects while files are added and removed. */
 #include "viewer/session/session_fit.h"
 
-#include "conus/file.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <stdio.h>

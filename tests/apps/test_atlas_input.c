@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Loading one atlas or several as the options say, and cancelling a load. */
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "settings/atlas_input.h"
 #include "settings/atlases.h"

@@ -3,7 +3,7 @@
 #include "viewer/model/outline.h"
 #include "viewer/pictures/cells.h"
 
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <math.h>

@@ -6,8 +6,7 @@
 #include "viewer/model/studies.h"
 #include "viewer/session/session.h"
 
-#include "conus/file.h"
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "selection/table/table.h"
 #include "tables.h"
 #include "test.h"

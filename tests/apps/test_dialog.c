@@ -2,7 +2,7 @@
 /* The page for choosing a file, without a window: its list, and the answer to Enter. */
 #include "viewer/window/dialog.h"
 
-#include "conus/file.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <stdint.h>

@@ -7,8 +7,7 @@
 #include "viewer/panes/panels.h"
 #include "viewer/ui/ui_audit.h"
 
-#include "conus/file.h"
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <math.h>

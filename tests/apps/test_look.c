@@ -10,8 +10,7 @@
 #include "viewer/tools/point.h"
 #include "viewer/window/figure_form.h"
 
-#include "conus/phantom.h"
-#include "conus/streamlines.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <math.h>

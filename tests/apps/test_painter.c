@@ -3,7 +3,7 @@
 #include "viewer/pictures/edges.h"
 #include "viewer/pictures/painter.h"
 
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <math.h>

@@ -13,7 +13,7 @@
 #include "viewer/ui/ui_audit.h"
 
 #include "base/look.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "test.h"
 #include "window_scene.h"
 

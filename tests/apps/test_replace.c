@@ -5,6 +5,7 @@
 #include "viewer/opening/replace.h"
 
 #include "builders/area_rows.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <math.h>

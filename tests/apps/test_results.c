@@ -5,8 +5,7 @@
 #include "viewer/session/session.h"
 
 #include "builders/area_rows.h"
-#include "conus/phantom.h"
-#include "conus/streamlines.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <math.h>

@@ -4,8 +4,7 @@
 #include "viewer/commands/script.h"
 
 #include "base/memory.h"
-#include "conus/file.h"
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "test.h"
 #include "viewer/session/session.h"

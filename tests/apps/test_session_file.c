@@ -2,7 +2,7 @@
 /* Tests of how a session describes its atlas and finds it again. */
 #include "viewer/model/session_file.h"
 
-#include "conus/file.h"
+#include "conus/own.h"
 #include "options/provenance.h"
 #include "test.h"
 

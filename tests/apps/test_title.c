@@ -2,7 +2,7 @@
 /* Tests of the window's title. */
 #include "viewer/window/window.h"
 
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <stdio.h>

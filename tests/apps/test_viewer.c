@@ -8,8 +8,7 @@
 #include "viewer/model/viewer.h"
 #include "viewer/session/session.h"
 
-#include "conus/file.h"
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <limits.h>

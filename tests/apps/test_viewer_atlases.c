@@ -5,8 +5,7 @@
 #include "viewer/session/session.h"
 #include "viewer/window/hover.h"
 
-#include "conus/file.h"
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <math.h>

@@ -8,8 +8,7 @@
 #include "viewer/window/state_file.h"
 #include "viewer/window/thumbnail.h"
 
-#include "conus/file.h"
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <limits.h>

@@ -2,7 +2,7 @@
 /* Whose brain an atlas is: stated, by its header, by its grid. */
 #include "atlas/space.h"
 #include "base/files/file.h"
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <stdio.h>

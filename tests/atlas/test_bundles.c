@@ -4,6 +4,7 @@
 #include "atlas/placement.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/own.h"
 #include "test.h"
 #include "tract_scene.h"
 

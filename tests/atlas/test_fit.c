@@ -3,7 +3,7 @@
 #include "atlas/fit/fit.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "conus/arrays.h"
+#include "conus/own.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "test.h"

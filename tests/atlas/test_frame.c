@@ -9,7 +9,7 @@
 
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
-#include "conus/space.h"
+#include "conus/own.h"
 #include "poses/rows/pose_row.h"
 #include "scene.h"
 #include "test.h"

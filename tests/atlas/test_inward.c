@@ -5,7 +5,7 @@
 #include "base/geometry/math3.h"
 #include "builders/area_rows.h"
 #include "conus/arrays.h"
-#include "conus/atlas_info.h"
+#include "conus/atlas.h"
 #include "test.h"
 
 #include <math.h>

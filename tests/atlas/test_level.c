@@ -2,7 +2,7 @@
 /* The part of Eq. 10 that rolls areas up the tree. */
 #include "atlas/areas/level.h"
 #include "builders/area_rows.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #include "atlas/phantom/phantom_brain.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <math.h>

@@ -4,7 +4,7 @@
 #include "atlas/placement.h"
 #include "base/memory.h"
 #include "builders/area_rows.h"
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <stdio.h>

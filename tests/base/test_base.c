@@ -8,7 +8,7 @@
 #include "base/order.h"
 #include "base/text.h"
 #include "base/threads.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <fcntl.h>

@@ -3,7 +3,7 @@
 #include "base/files/file.h"
 #include "base/files/inputs.h"
 #include "base/system/system.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #include "base/job/job.h"
 
 #include "base/memory.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -5,7 +5,7 @@
 #include "base/files/file.h"
 #include "builders/nifti_builder.h"
 #include "builders/place_atlas.h"
-#include "conus/conus.h"
+#include "conus/own.h"
 #include "poses/rows/pose_row.h"
 #include "test.h"
 

@@ -2,6 +2,7 @@
 /* A damaged packed atlas: attaching it fails, or gives an atlas that can be measured and destroyed. The input is the
  * damage, so that it fits every version's layout: how much is cut off the end (two bytes), whether the checksum is
  * corrected (one), then places (two bytes) and their new values (one). */
+#include "conus/own.h"
 #include "tests/support/packed_atlas.h"
 
 #include <zlib.h>

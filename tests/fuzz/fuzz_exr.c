@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* OpenEXR: an image that is read can be written again, and is then the same. */
+#include "conus/own.h"
 #include "render/image/image_codecs.h"
 
 #include <stdlib.h>

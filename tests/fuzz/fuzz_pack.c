@@ -4,8 +4,7 @@
  * places (two bytes each) and their new values (one). */
 #include "atlas/atlas.h"
 #include "base/system/system.h"
-#include "conus/report.h"
-#include "conus/selection.h"
+#include "conus/own.h"
 #include "pack/pack_file.h"
 #include "tests/support/packed_atlas.h"
 

@@ -3,7 +3,7 @@
  * where the world is a mirror image of the space; skipping rows counts as many as reading them. */
 #include "base/child/hdf5.h"
 #include "base/geometry/math3.h"
-#include "conus/place.h"
+#include "conus/own.h"
 #include "poses/pose_stream.h"
 #include "tests/support/builders/place_atlas.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sessions of the window: a refused one changes nothing; an accepted one, saved and opened again, is saved the same.
  * Each of two atlases has an area, a pathway and a context of 16 voxels each way; nothing is selected or drawn. */
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "viewer/session/session.h"
 
 #include <stdio.h>

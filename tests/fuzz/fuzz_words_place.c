@@ -2,7 +2,7 @@
 /* Any bytes as a place, in a small atlas: a point that is found is finite, and words that are refused say why. */
 #include "atlas/atlas.h"
 #include "base/memory.h"
-#include "conus/place.h"
+#include "conus/pose.h"
 #include "poses/rows/place.h"
 #include "tests/support/builders/place_atlas.h"
 

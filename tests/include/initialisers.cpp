@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The initialisers of options in C++, without a warning. */
-#include <conus/conus.h>
+#include <conus/own.h>
 
 extern const conus_view initialised_view;
 const conus_view initialised_view = CONUS_VIEW_INIT;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The sizes of the public structs with pointers of 64 bits, which compiled callers rely on. A struct that begins with
  * struct_size may grow: its new members begin at its old size or behind it, not in padding at its old end. */
-#include <conus/conus.h>
+#include <conus/own.h>
 
 #include <assert.h>
 

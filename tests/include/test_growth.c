@@ -4,7 +4,7 @@
 #include "base/options.h"
 #include "test.h"
 
-#include <conus/conus.h>
+#include <conus/own.h>
 
 #include <string.h>
 

@@ -98,6 +98,27 @@ breaks() {
     holds 's/int number;/char name[40]; double number;/'
 }
 
+@test "what own.h declares breaks none, and what moves there does" {
+    command -v abidw >/dev/null || skip "no abigail-tools"
+    cd "$BATS_FILE_TMPDIR/a library"
+    git checkout -q .
+    local own=include/conus/own.h
+    echo 'typedef struct thing thing;' >"$own"
+    sed -n '/^void thing_destroy/p' include/conus/thing.h >>"$own"
+    sed -i '/^void thing_destroy/d' include/conus/thing.h
+    sed -i 's/"inner\/thing.h"/&\n#include <conus\/own.h>/' library.c
+    run scripts/abi HEAD
+    [ "$status" -eq 1 ]
+    has "thing_destroy"
+    git add include
+    commit "own.h"
+    sed -i 's/thing_destroy(thing \*thing)/thing_destroy(thing *thing, int how)/' "$own" library.c
+    run -0 scripts/abi HEAD
+    has '3 functions, 0 of them new'
+    git checkout -q .
+    git reset -q --hard HEAD~
+}
+
 @test "libraries of two SOVERSIONs are not compared" {
     changed 's/SOVERSION 0/SOVERSION 1/; /thing_destroy/d'
     [ "$status" -eq 0 ]

@@ -125,10 +125,11 @@ consumer_answers() {
     not grep -rF "$CONUS_BUILD" "$PYTHONPATH"
 }
 
-@test "the shared library has the functions of the headers, and no other" {
+@test "the shared library has the functions of the headers and of own.h, which is not installed, and no other" {
     nm -D --defined-only "$LIBRARIES/libconus.so" | sed -n 's/.* [TBDRV] //p' | sort >exported
     sed -n 's/.*\b\(conus_[a-z0-9_]*\)(.*/\1/p' "$MOVED"/include/conus/*.h >mentioned
-    grep -hoE '^CONUS_(API|CHECKED) .*' "$MOVED"/include/conus/*.h | grep -oE 'conus_[a-z0-9_]+\(' | tr -d '(' | sort -u >declared
+    [ ! -e "$MOVED/include/conus/own.h" ]
+    grep -hoE '^CONUS_(API|CHECKED) .*' "$MOVED"/include/conus/*.h "$BATS_TEST_DIRNAME/../../include/conus/own.h" | grep -oE 'conus_[a-z0-9_]+\(' | tr -d '(' | sort -u >declared
     [ "$(wc -l <declared)" -gt 100 ]
     diff declared exported
     [ "$(readelf -d "$LIBRARIES/libconus.so" | sed -n 's/.*SONAME.*\[\(.*\)\]/\1/p')" = libconus.so.0 ]

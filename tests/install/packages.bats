@@ -40,7 +40,16 @@ claimed() {
 
 @test "the symbols are those of the library" {
     nm -D --defined-only "$BATS_FILE_TMPDIR/usr/lib/x/libconus.so" | sed -n 's/.* [TBDRV] //p' | sort >exported
-    sed -n 's/^ \(.*\)@Base .*/\1/p' "$DEBIAN/libconus0.symbols" | sort | diff exported -
+    sed -nE 's/^ (\(optional\))?(.*)@Base .*/\2/p' "$DEBIAN/libconus0.symbols" | sort | diff exported -
+}
+
+@test "what own.h declares is optional, and the programs need the library of their own version" {
+    local headers=$BATS_TEST_DIRNAME/../../include/conus
+    sed -nE 's/^ \(optional\)(.*)@Base .*/\1/p' "$DEBIAN/libconus0.symbols" | sort >optional
+    grep -hE '^CONUS_(API|CHECKED) ' "$headers/own.h" | grep -oE 'conus_[a-z0-9_]+\(' | tr -d '(' | sort | diff optional -
+    for package in conus conus-view; do
+        sed -n "/^Package: $package\$/,/^\$/p" "$DEBIAN/control" | grep -F 'libconus0 (= ${binary:Version})'
+    done
 }
 
 @test "the version is that of the program" {

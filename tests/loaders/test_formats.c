@@ -2,8 +2,7 @@
 /* Tests of format_nearest(), which names a file's format for messages. Each sample begins as the format's specification
  * or its usual writer has it. */
 #include "builders/nifti_builder.h"
-#include "conus/atlas.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "loaders/refuse.h"
 #include "test.h"
 

@@ -3,10 +3,7 @@
 #include "pack/pack_file.h"
 
 #include "base/files/file.h"
-#include "conus/phantom.h"
-#include "conus/report.h"
-#include "conus/selection.h"
-#include "conus/streamlines.h"
+#include "conus/own.h"
 #include "pack/pack_check.h"
 #include "pack/pack_layout.h"
 #include "packed_atlas.h"

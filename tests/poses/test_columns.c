@@ -2,7 +2,7 @@
 /* Which columns of a table are what: points and poses by every header, and what is refused. */
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
-#include "conus/pose_file.h"
+#include "conus/own.h"
 #include "pose_checks.h"
 #include "poses/pose_stream.h"
 #include "poses/rows/columns.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Candidates: every pair of an entry and a target, rings of tilted directions, ids, depths, refused input. */
 #include "base/geometry/math3.h"
-#include "conus/candidates.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <math.h>

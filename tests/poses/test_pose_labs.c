@@ -4,7 +4,7 @@
 #include "base/geometry/math3.h"
 #include "poses/pose_stream.h"
 
-#include "conus/atlas_info.h"
+#include "conus/own.h"
 #include "pose_checks.h"
 #include "test.h"
 

@@ -4,6 +4,7 @@
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/system/system.h"
+#include "conus/own.h"
 #include "poses/pose_stream.h"
 #include "poses/rows/pose_lines.h"
 #include "test.h"

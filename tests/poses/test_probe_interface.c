@@ -2,6 +2,7 @@
 /* Probes of ProbeInterface: reading, places of contacts, refused files; every prefix, every failing allocation. */
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
+#include "conus/own.h"
 #include "pose_checks.h"
 #include "poses/programs/pose_programs.h"
 #include "test.h"

@@ -2,7 +2,7 @@
 /* Outputs for bands of values: masks, lists of voxels, packed atlases, pictures' attributes. */
 #include "atlas/atlas.h"
 #include "base/memory.h"
-#include "conus/report.h"
+#include "conus/own.h"
 #include "render/image/image.h"
 #include "shells.h"
 #include "test.h"

@@ -8,8 +8,7 @@
 #include "test.h"
 #include "test_gl.h"
 
-#include "conus/arrays.h"
-#include "conus/selection.h"
+#include "conus/own.h"
 
 #include <math.h>
 #include <string.h>

@@ -6,7 +6,7 @@
 #include "scene.h"
 #include "test.h"
 
-#include "conus/selection.h"
+#include "conus/own.h"
 
 #include <math.h>
 #include <stdlib.h>

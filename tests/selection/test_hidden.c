@@ -3,8 +3,7 @@
  * hidden voxels are background, hidden pathways are volumes without objects, and hidden meshes are left out. */
 #include "atlas/atlas.h"
 #include "base/memory.h"
-#include "conus/mask.h"
-#include "conus/sweep.h"
+#include "conus/own.h"
 #include "mesh_scene.h"
 #include "same_answer.h"
 #include "scene.h"

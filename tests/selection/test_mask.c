@@ -4,7 +4,7 @@
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "conus/mask.h"
+#include "conus/own.h"
 #include "scene.h"
 #include "selection/selection.h"
 #include "test.h"

@@ -4,6 +4,7 @@
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/own.h"
 #include "scene.h"
 #include "selection/selection.h"
 #include "test.h"

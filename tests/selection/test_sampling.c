@@ -6,7 +6,7 @@
 #include "test.h"
 #include "test_gl.h"
 
-#include "conus/arrays.h"
+#include "conus/own.h"
 
 #include <string.h>
 

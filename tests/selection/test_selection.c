@@ -2,6 +2,7 @@
 /* From hand-made evidence to results, ranks and reports. The engine here is scripted, so that every number is known. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/own.h"
 #include "selection/report/report_columns.h"
 #include "test.h"
 

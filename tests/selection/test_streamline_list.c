@@ -2,7 +2,7 @@
 /* The streamlines in a selection's region (Eq. 19), and files of them. The lines are those of tract_scene.h: 0 and 1
  * pass the axis z at z = 30, 0 and 3 mm beside it; 2 and 3 are far away. */
 #include "atlas/phantom/phantom.h"
-#include "conus/streamline_list.h"
+#include "conus/own.h"
 #include "loaders/tracts/tract_file.h"
 #include "test.h"
 #include "tract_scene.h"

@@ -2,6 +2,7 @@
 /* Compares a picture with a kept one, block by block. */
 #include "golden_picture.h"
 
+#include "conus/own.h"
 #include "test.h"
 
 #include <math.h>

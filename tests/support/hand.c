@@ -3,7 +3,7 @@
 #include "tests/support/hand.h"
 
 #include "base/geometry/math3.h"
-#include "conus/track.h"
+#include "conus/selection.h"
 
 #include <string.h>
 

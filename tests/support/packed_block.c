@@ -2,6 +2,7 @@
 /* Packs an atlas into pages, and attaches it. */
 #include "packed_block.h"
 
+#include "conus/own.h"
 #include "test.h"
 
 #include <sys/mman.h>

@@ -5,7 +5,7 @@
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "test.h"
 #include "test_gl.h"
 

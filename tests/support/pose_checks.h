@@ -4,7 +4,7 @@
 #define CONUS_TESTS_SUPPORT_POSE_CHECKS_H
 
 #include "base/text.h"
-#include "conus/pose_file.h"
+#include "conus/pose.h"
 
 /** The devices of the samples are 80 mm from here and look at it: (0, -20, 10). */
 extern const double pose_target[3];

@@ -3,7 +3,7 @@
 #ifndef CONUS_TESTS_SUPPORT_REGION_SCENE_H
 #define CONUS_TESTS_SUPPORT_REGION_SCENE_H
 
-#include "conus/overlap.h"
+#include "conus/study.h"
 
 /** @p values on a grid of cubes, the first voxel's middle at @p corner. */
 conus_voxels region_scene_cubes(const float *values, const size_t dim[3], double edge, const double corner[3]);

@@ -4,7 +4,7 @@
 
 #include "test_gl.h"
 
-#include "conus/file.h"
+#include "conus/own.h"
 
 #include <stdio.h>
 #include <stdlib.h>

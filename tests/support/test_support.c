@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The scratch folders of test runs stay apart and are removed at the end. */
-#include "conus/file.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -2,7 +2,7 @@
 /* Opens a phantom in a window that is not drawn. */
 #include "window_scene.h"
 
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <stdio.h>

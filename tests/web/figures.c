@@ -3,7 +3,7 @@
  * question: origin, toward, angle. Prints microseconds for a cone by the plain kernel, and milliseconds for three cuts
  * of SIDE x SIDE pixels through the target, medians of all questions. Without questions it draws the three cuts of
  * README.md's question, as a page does that has just been opened. */
-#include <conus/conus.h>
+#include <conus/own.h>
 
 #include "selection/engine/voxels/traverse.h"
 

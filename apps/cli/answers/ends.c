@@ -3,6 +3,7 @@
 #include "cli/answers/ends.h"
 
 #include "cli/answers/answer_format.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/provenance.h"

@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The JSON of conus info. */
 #include "cli/answers/info_json.h"
-#include "conus/pack.h"
-#include "conus/space.h"
-#include "conus/streamlines.h"
-#include "conus/version.h"
+#include "conus/own.h"
 
 #include <inttypes.h>
 #include <math.h>

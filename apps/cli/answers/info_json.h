@@ -4,7 +4,6 @@
 #define CONUS_CLI_ANSWERS_INFO_JSON_H
 
 #include "conus/atlas.h"
-#include "conus/catalogue.h"
 
 #include <jansson.h>
 #include <stddef.h>

@@ -3,8 +3,7 @@
 #include "cli/answers/results_diff.h"
 
 #include "base/system/system.h"
-#include "conus/image.h"
-#include "conus/report.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/options.h"
 

@@ -5,7 +5,7 @@
 
 #include "conus/image.h"
 #include "conus/report.h"
-#include "conus/streamline_list.h"
+#include "conus/streamlines.h"
 #include "options/outputs.h"
 #include "options/provenance.h"
 

@@ -3,8 +3,7 @@
 #include "cli/batch/batch_record.h"
 
 #include "base/system/system.h"
-#include "conus/pose_file.h"
-#include "conus/version.h"
+#include "conus/own.h"
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"

@@ -5,7 +5,7 @@
 #include "base/system/system.h"
 #include "cli/batch/batch_file.h"
 #include "cli/batch/batch_record.h"
-#include "conus/batch.h"
+#include "conus/own.h"
 #include "options/input_file.h"
 #include "options/interrupt.h"
 #include "options/messages.h"
@@ -537,7 +537,7 @@ static void say_errors(const struct task *task)
 static void gather_findings(struct task *task)
 {
     for (size_t i = 0; i < task->atlases.count; i++) {
-        task->aimed[i].found = conus_batch_findings_at(task->batch, i);
+        task->aimed[i].found = conus_batch_findings(task->batch, i);
         if (task->settings->aim.aperture > 0) { /* a beam begins inside */
             task->aimed[i].found.inside = (conus_pose_finding){0};
         }

@@ -3,7 +3,7 @@
 #ifndef CONUS_CLI_CITE_CITATION_H
 #define CONUS_CLI_CITE_CITATION_H
 
-#include "conus/atlas_info.h"
+#include "conus/atlas.h"
 #include "options/provenance.h"
 
 #include <jansson.h>

@@ -5,7 +5,6 @@
 #include "base/text.h"
 #include "cli/answers/results_diff.h"
 #include "cli/verify/verify.h"
-#include "conus/file.h"
 #include "conus/version.h"
 #include "options/input_file.h"
 #include "options/messages.h"

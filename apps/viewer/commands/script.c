@@ -3,7 +3,7 @@
 #include "viewer/commands/script.h"
 
 #include "base/system/system.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "settings/settings.h"
 #include "viewer/commands/script_words.h"

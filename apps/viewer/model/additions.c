@@ -3,8 +3,7 @@
 #include "viewer/model/additions.h"
 
 #include "base/system/system.h"
-#include "conus/file.h"
-#include "conus/streamlines.h"
+#include "conus/own.h"
 #include "options/output.h"
 #include "sources/keys.h"
 #include "viewer/model/session_file.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Changes atlases while they are shown: hidden objects, thresholds, colours, the context's transfer function; and
  * chooses the one that is drawn. */
+#include "conus/own.h"
 #include "viewer/model/viewer.h"
 
 #include <math.h>

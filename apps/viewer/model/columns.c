@@ -3,7 +3,7 @@
 #include "viewer/model/columns.h"
 
 #include "base/order.h"
-#include "conus/streamlines.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/provenance.h"

@@ -3,6 +3,7 @@
 #include "viewer/model/plans.h"
 
 #include "base/system/system.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "settings/atlases.h"
 #include "viewer/model/additions.h"

@@ -5,7 +5,7 @@
 #define CONUS_VIEWER_MODEL_POINTS_H
 
 #include "conus/picture.h"
-#include "conus/pose_file.h"
+#include "conus/pose.h"
 
 struct atlases;
 struct common_settings;

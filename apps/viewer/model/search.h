@@ -3,7 +3,7 @@
 #ifndef CONUS_VIEWER_MODEL_SEARCH_H
 #define CONUS_VIEWER_MODEL_SEARCH_H
 
-#include "conus/atlas_info.h"
+#include "conus/atlas.h"
 
 /** How well an object fits a text, the case of ASCII letters aside: by its name or its abbreviation, and last by its
  * label. A word begins where a letter or digit follows something else. Nothing fits an empty text. */

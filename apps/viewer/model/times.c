@@ -4,7 +4,7 @@
 
 #include "base/order.h"
 #include "base/system/system.h"
-#include "conus/file.h"
+#include "conus/own.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,6 +2,7 @@
 /* Moves tools and asks the atlases what their cones hit. */
 #include "viewer/model/viewer.h"
 
+#include "conus/own.h"
 #include "options/clock.h"
 
 #include <math.h>

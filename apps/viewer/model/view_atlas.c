@@ -2,6 +2,7 @@
 /* An atlas of the window: its making, its question and its end. */
 #include "viewer/model/view_atlas.h"
 
+#include "conus/own.h"
 #include "viewer/model/file_watch.h"
 #include "viewer/model/study.h"
 

@@ -3,7 +3,7 @@
 #ifndef CONUS_VIEWER_MODEL_VIEW_ATLAS_H
 #define CONUS_VIEWER_MODEL_VIEW_ATLAS_H
 
-#include "conus/picture.h"
+#include "conus/own.h"
 #include "viewer/model/tool.h"
 #include "viewer/pictures/answer.h"
 #include "viewer/pictures/appearance.h"

@@ -3,8 +3,7 @@
 #include "viewer/model/viewer.h"
 #include "base/look.h"
 #include "base/system/system.h"
-#include "conus/file.h"
-#include "conus/score.h"
+#include "conus/own.h"
 
 #include <math.h>
 #include <stdarg.h>

@@ -3,7 +3,7 @@
 #include "viewer/opening/open.h"
 
 #include "base/path.h"
-#include "conus/streamlines.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "settings/atlas_input.h"

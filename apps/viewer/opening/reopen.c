@@ -2,6 +2,7 @@
 /* Loads the same atlases with other options and shows them in place of the old ones. */
 #include "viewer/opening/reopen.h"
 
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "viewer/model/file_watch.h"

@@ -3,6 +3,7 @@
 #include "viewer/opening/replace.h"
 
 #include "base/order.h"
+#include "conus/own.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -4,6 +4,7 @@
 #include "viewer/panes/panes.h"
 
 #include "base/look.h"
+#include "conus/own.h"
 #include "viewer/model/picker.h"
 #include "viewer/pictures/cells.h"
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A flat pane: the cut, the crosshair, the cone in it, and the mouse on it. */
 #include "base/look.h"
+#include "conus/own.h"
 #include "viewer/model/picker.h"
 #include "viewer/model/viewer.h"
 #include "viewer/panes/panes.h"

@@ -4,6 +4,7 @@
 
 #include "base/look.h"
 #include "base/look_sizes.h"
+#include "conus/own.h"
 
 #include <math.h>
 #include <stdlib.h>

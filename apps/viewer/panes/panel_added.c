@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The list of additions to the atlas, and a line for one more. */
-#include "conus/file.h"
+#include "conus/own.h"
 #include "options/output.h"
 #include "viewer/panes/panels.h"
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The panel of the cone: what moves it, its pose, shape and score, and which hits count. */
-#include "conus/score.h"
-#include "conus/selection.h"
+#include "conus/own.h"
 #include "settings/station_settings.h"
 #include "viewer/model/query_settings.h"
 #include "viewer/model/search.h"

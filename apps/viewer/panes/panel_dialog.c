@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The page on which a file is chosen: a line for its path, places, and what is in the folder. */
-#include "conus/file.h"
+#include "conus/own.h"
 #include "options/output.h"
 #include "viewer/panes/panels.h"
 #include "viewer/ui/ui_list.h"

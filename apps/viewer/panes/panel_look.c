@@ -3,7 +3,7 @@
 #include "viewer/panes/panels.h"
 
 #include "base/look.h"
-#include "conus/streamlines.h"
+#include "conus/own.h"
 #include "viewer/ui/ui_list.h"
 
 #include <math.h>

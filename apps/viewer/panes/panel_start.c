@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The start page: what conus is, what to do first, and the ways to open an atlas. */
-#include "conus/file.h"
+#include "conus/own.h"
 #include "options/output.h"
 #include "viewer/panes/panels.h"
 #include "viewer/ui/ui_list.h"

@@ -3,7 +3,7 @@
 #include "viewer/session/save_file.h"
 
 #include "base/system/system.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "options/provenance.h"
 #include "viewer/model/columns.h"
 #include "viewer/model/studies.h"

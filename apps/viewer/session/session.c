@@ -3,7 +3,7 @@
  * context's colours, and what each atlas shows. */
 #include "viewer/session/session.h"
 
-#include "conus/file.h"
+#include "conus/own.h"
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"

@@ -2,6 +2,7 @@
 /* Asks the device of each tool, lets it move the tool, and finds what is to be said of it. */
 #include "viewer/tools/inputs.h"
 
+#include "conus/own.h"
 #include "options/clock.h"
 #include "settings/station_settings.h"
 #include "viewer/model/plans.h"

@@ -2,6 +2,7 @@
 /* Finds the surface under the mouse. */
 #include "viewer/tools/point.h"
 
+#include "conus/own.h"
 #include "viewer/model/picker.h"
 
 #include <math.h>

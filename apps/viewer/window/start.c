@@ -3,7 +3,7 @@
 #include "viewer/window/start.h"
 
 #include "base/path.h"
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "viewer/window/state_file.h"

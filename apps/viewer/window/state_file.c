@@ -3,7 +3,7 @@
 #include "viewer/window/state_file.h"
 
 #include "base/path.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "options/input_file.h"
 #include "options/messages.h"
 

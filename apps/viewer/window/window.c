@@ -4,6 +4,7 @@
 
 #include "base/look_sizes.h"
 #include "base/system/system.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "viewer/model/headline.h"

@@ -4,6 +4,7 @@
 #ifndef CONUS_VIEWER_WINDOW_WINDOW_H
 #define CONUS_VIEWER_WINDOW_WINDOW_H
 
+#include "conus/own.h"
 #include "viewer/model/additions.h"
 #include "viewer/model/hemispheres.h"
 #include "viewer/model/outline.h"

@@ -3,6 +3,7 @@
  * (CONUS_PICTURES=OFF). A change that makes answers or cuts need drawing code fails here. */
 #include "web/web.c" // NOLINT: linked with what stands for OpenGL, so not in the room's program
 
+#include "conus/own.h"
 #include "test.h"
 
 #include <unistd.h>

@@ -3,7 +3,7 @@
  * folders.
  */
 #include "builders/nifti_builder.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "loaders/catalogue/catalogue.h"
 #include "test.h"
 

@@ -3,6 +3,7 @@
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/own.h"
 #include "loaders/child/mesh_extract.h"
 #include "test.h"
 

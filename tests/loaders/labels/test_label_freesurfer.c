@@ -3,9 +3,7 @@
 #include "base/buffer.h"
 #include "builders/label_row.h"
 #include "builders/nifti_builder.h"
-#include "conus/atlas.h"
-#include "conus/atlas_info.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -4,8 +4,7 @@
 #include "base/buffer.h"
 #include "builders/label_row.h"
 #include "builders/nifti_builder.h"
-#include "conus/file.h"
-#include "conus/manifest.h"
+#include "conus/own.h"
 #include "loaders/labels/label_cells.h"
 #include "test.h"
 

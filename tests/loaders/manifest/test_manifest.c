@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The manifest's keys, and progress of a load. Faults and scenes: tests/corpus/manifest/ and scene/. */
-#include "conus/file.h"
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "loaders/manifest/scene.h"
 #include "test.h"
 

@@ -3,8 +3,7 @@
  * follow from the three volumes of 4 x 1 x 1 voxels below. */
 #include "atlas/atlas.h"
 #include "builders/nifti_builder.h"
-#include "conus/file.h"
-#include "conus/overlap.h"
+#include "conus/own.h"
 #include "render/colour/pathways.h"
 #include "selection/selection.h"
 #include "test.h"

@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "builders/hdf5_builder.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <math.h>

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The transforms of a manifest: the files that they move, and their order. */
-#include "conus/atlas_info.h"
-#include "conus/file.h"
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <string.h>

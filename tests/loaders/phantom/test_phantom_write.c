@@ -4,7 +4,7 @@
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "loaders/volumes/nifti_write.h"
 #include "test.h"
 

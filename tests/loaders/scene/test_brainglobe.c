@@ -5,8 +5,7 @@
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "builders/tiff_builder.h"
-#include "conus/file.h"
-#include "conus/manifest.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Atlases from files: the source of names, FSL atlases, pathways and contexts. */
 #include "base/files/file.h"
-#include "conus/atlas_info.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <math.h>

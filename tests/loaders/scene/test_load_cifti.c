@@ -3,8 +3,7 @@
 #include "base/buffer.h"
 #include "builders/cifti_builder.h"
 #include "builders/gifti_builder.h"
-#include "conus/atlas_info.h"
-#include "conus/manifest.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -3,9 +3,7 @@
  * about, also if the load fails afterwards. */
 #include "atlas/atlas.h"
 #include "builders/nifti_builder.h"
-#include "conus/arrays.h"
-#include "conus/file.h"
-#include "conus/mesh.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <math.h>

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A surface as ATLAS that changes while it is read; tests/corpus/gifti/ has others. */
 #include "builders/gifti_builder.h"
-#include "conus/atlas_info.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "loaders/surfaces/mesh_file.h"
 #include "test.h"
 

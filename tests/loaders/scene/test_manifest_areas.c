@@ -4,9 +4,7 @@
 #include "atlas/atlas.h"
 #include "base/buffer.h"
 #include "base/files/file.h"
-#include "conus/file.h"
-#include "conus/phantom.h"
-#include "conus/selection.h"
+#include "conus/own.h"
 #include "loaders/surfaces/mesh_format.h"
 #include "test.h"
 

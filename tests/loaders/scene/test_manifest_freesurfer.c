@@ -2,9 +2,7 @@
 /* First manifests of folders with FreeSurfer's surfaces, which have no ending, and annotations beside them. */
 #include "base/buffer.h"
 #include "builders/nifti_builder.h"
-#include "conus/atlas_info.h"
-#include "conus/file.h"
-#include "conus/manifest.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <stdio.h>

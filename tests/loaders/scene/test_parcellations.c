@@ -6,7 +6,7 @@
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "loaders/volumes/nifti_write.h"
 #include "render/colour/pathways.h"
 #include "test.h"

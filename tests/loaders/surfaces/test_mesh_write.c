@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "builders/mesh_builder.h"
+#include "conus/own.h"
 #include "loaders/child/mesh_stream.h"
 #include "loaders/surfaces/mesh_file.h"
 #include "loaders/surfaces/mesh_format.h"

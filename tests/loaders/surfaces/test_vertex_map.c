@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Numbers of vertices: written, read again, or refused. */
 #include "base/files/file.h"
-#include "conus/file.h"
 #include "loaders/surfaces/vertex_map.h"
 #include "test.h"
+#include <conus/own.h>
 
-#include <conus/candidates.h>
-#include <conus/mesh.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 /* MRtrix's tractograms: rounding, blocks, files that are mapped; and detecting a file's format. */
 #include "base/files/file.h"
 #include "builders/nifti_builder.h"
-#include "conus/streamlines.h"
+#include "conus/own.h"
 #include "loaders/tracts/tract_file.h"
 #include "test.h"
 #include "tract_scene.h"

@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
+#include "conus/own.h"
 #include "loaders/transform/field_file.h"
 #include "loaders/transform/transform_file.h"
 #include "mesh_scene.h"

@@ -6,7 +6,7 @@
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/memory.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "label_list.h"
 #include "loaders/volumes/nifti_write.h"
 #include "loaders/volumes/volume_values.h"

@@ -2,7 +2,7 @@
 /* The colour pass (Eq. 8) on volumes against closed forms. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "picture_scene.h"
 #include "render/colour/renderer.h"
 #include "test.h"

@@ -4,7 +4,7 @@
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "conus/phantom.h"
+#include "conus/own.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "test.h"

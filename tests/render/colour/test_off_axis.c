@@ -2,6 +2,7 @@
 /* The viewer-centred projection (Eq. 1): the picture that an eye sees through a window. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/own.h"
 #include "mesh_scene.h"
 #include "picture_scene.h"
 #include "render/image/image.h"

@@ -4,7 +4,7 @@
 #include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "conus/picture.h"
+#include "conus/own.h"
 #include "mesh_scene.h"
 #include "picture_scene.h"
 #include "render/image/image.h"

@@ -2,7 +2,7 @@
 /* The brightness of surfaces and context, pixel by pixel, against the closed forms of light in Eq. 8. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "mesh_scene.h"
 #include "picture_scene.h"
 #include "render/colour/renderer.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Transfer functions: values between points, files, presets and errors. */
 #include "base/memory.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "render/colour/transfer.h"
 #include "render/image/image_srgb.h"
 #include "test.h"

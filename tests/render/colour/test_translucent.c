@@ -2,7 +2,7 @@
 /* Translucent areas and meshes, and pathways as haze (Eq. 8), against closed forms. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "golden_picture.h"
 #include "mesh_scene.h"
 #include "picture_scene.h"

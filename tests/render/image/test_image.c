@@ -2,7 +2,7 @@
 /* Images, OpenEXR and PNG files, sRGB and comparison. */
 #include "base/buffer.h"
 #include "base/memory.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "render/image/image_codecs.h"
 #include "render/image/image_srgb.h"
 #include "test.h"

@@ -11,7 +11,7 @@
 #include "test.h"
 #include "value_maps.h"
 
-#include "conus/arrays.h"
+#include "conus/own.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
-#include "conus/batch.h"
+#include "conus/own.h"
 #include "scene.h"
 #include "selection/report/report.h"
 #include "test.h"
@@ -365,9 +365,9 @@ static void rows_of_several_atlases_are_those_of_each(void **state)
         assert_int_equal(received.errors, (POSES + BAD - 1) / BAD); /* not once for each atlas */
         check_text(&received, wanted.data, wanted.size);
         for (size_t k = 0; k < ATLASES; k++) {
-            assert_int_equal(conus_batch_findings_at(batch, k).poses, POSES - received.errors);
+            assert_int_equal(conus_batch_findings(batch, k).poses, POSES - received.errors);
         }
-        assert_int_equal(conus_batch_findings_at(batch, ATLASES).poses, 0);
+        assert_int_equal(conus_batch_findings(batch, ATLASES).poses, 0);
         buffer_finish(&received.text);
         conus_pose_stream_destroy(poses);
         conus_batch_destroy(batch);

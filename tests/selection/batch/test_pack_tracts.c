@@ -5,6 +5,7 @@
 #include "atlas/tracts/tract_node.h"
 #include "base/buffer.h"
 #include "base/memory.h"
+#include "conus/own.h"
 #include "pack/atlas_pack.h"
 #include "packed_block.h"
 #include "test.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Poses in arrays: the answers of conus_select() to the bit, whatever the threads and blocks; refused poses; ends. */
 #include "base/geometry/math3.h"
-#include "conus/batch.h"
+#include "conus/selection.h"
 #include "same_answer.h"
 #include "scene.h"
 #include "test.h"

@@ -5,7 +5,7 @@
 #include "atlas/tracts/capsule.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "conus/selection.h"
+#include "conus/own.h"
 #include "gl_edge.h"
 #include "gl_pair.h"
 #include "mesh_scene.h"

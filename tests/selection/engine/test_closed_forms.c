@@ -6,6 +6,7 @@
 #include "atlas/phantom/phantom.h"
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
+#include "conus/own.h"
 #include "selection/cone/cone.h"
 #include "test.h"
 

@@ -3,6 +3,7 @@
  * and the rate at which means over the cone approach their integrals. */
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
+#include "conus/own.h"
 #include "selection/cone/cone.h"
 #include "test.h"
 

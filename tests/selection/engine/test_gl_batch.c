@@ -6,7 +6,7 @@
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
-#include "conus/batch.h"
+#include "conus/own.h"
 #include "gl_pair.h"
 #include "mesh_scene.h"
 #include "scene.h"

@@ -3,6 +3,7 @@
  * blocks of cones. tests/selection/engine/test_bundle_rays.c has them among voxels and triangles. */
 #include "atlas/bundles.h"
 #include "base/memory.h"
+#include "conus/own.h"
 #include "gl_pair.h"
 #include "mesh_scene.h"
 #include "selection/engine/engine.h"

@@ -4,6 +4,7 @@
 #include "atlas/atlas.h"
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
+#include "conus/own.h"
 #include "selection/selection.h"
 #include "test.h"
 

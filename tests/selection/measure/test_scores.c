@@ -2,6 +2,7 @@
 /* The table of scores (Eq. 12): each score by its definition, in its range and units, and formulas of scores. */
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
+#include "conus/own.h"
 #include "scene.h"
 #include "selection/measure/score.h"
 #include "test.h"

@@ -4,6 +4,7 @@
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/own.h"
 #include "selection/measure/tract_census.h"
 #include "selection/region/region_segment.h"
 #include "test.h"

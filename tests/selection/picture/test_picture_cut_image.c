@@ -8,8 +8,7 @@
 #include "render/image/image_srgb.h"
 
 #include "builders/area_rows.h"
-#include "conus/phantom.h"
-#include "conus/picture.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <math.h>

@@ -3,6 +3,7 @@
 #include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/memory.h"
+#include "conus/own.h"
 #include "picture_scene.h"
 #include "render/image/image.h"
 #include "selection/picture/picture.h"

@@ -5,7 +5,7 @@
 #include "base/look.h"
 #include "base/memory.h"
 #include "builders/area_rows.h"
-#include "conus/arrays.h"
+#include "conus/own.h"
 #include "picture_scene.h"
 #include "render/draw/legend.h"
 #include "render/image/image.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Images of a selection: evidence, colours and attributes. */
 #include "base/geometry/math3.h"
-#include "conus/version.h"
+#include "conus/own.h"
 #include "render/image/image_srgb.h"
 #include "scene.h"
 #include "test.h"

@@ -2,6 +2,7 @@
 /* Pictures of the view against golden ones. */
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
+#include "conus/own.h"
 #include "golden_picture.h"
 #include "picture_scene.h"
 #include "render/colour/renderer.h"

@@ -5,7 +5,7 @@
 #include "base/files/file.h"
 #include "base/memory.h"
 #include "base/text_number.h"
-#include "conus/candidates.h"
+#include "conus/own.h"
 #include "scene.h"
 #include "selection/plan/plan.h"
 #include "test.h"

@@ -4,7 +4,7 @@
 #include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "conus/plan.h"
+#include "conus/own.h"
 #include "scene.h"
 #include "selection/study/study.h"
 #include "test.h"

@@ -3,7 +3,7 @@
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
-#include "conus/candidates.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <math.h>

@@ -5,7 +5,7 @@
 #include "atlas/bundles.h"
 #include "base/buffer.h"
 #include "base/geometry/math3.h"
-#include "conus/report.h"
+#include "conus/own.h"
 #include "selection/selection.h"
 #include "test.h"
 #include "tract_scene.h"

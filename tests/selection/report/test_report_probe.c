@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reports on the contacts of probes: their columns, the draft BEP032, the strings of SpikeGLX and Open Ephys. */
-#include "conus/arrays.h"
-#include "conus/batch.h"
-#include "conus/report.h"
+#include "conus/own.h"
 #include "poses/programs/pose_programs.h"
 #include "report_scene.h"
 #include "test.h"

@@ -6,6 +6,7 @@
 #include "atlas/surface/mesh_near.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/own.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "selection/selector.h"

@@ -4,9 +4,7 @@
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/text.h"
-#include "conus/file.h"
-#include "conus/pose_file.h"
-#include "conus/track.h"
+#include "conus/own.h"
 #include "test.h"
 #include "tests/support/hand.h"
 

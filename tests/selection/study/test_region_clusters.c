@@ -3,8 +3,7 @@
  */
 #include "atlas/roi.h"
 #include "base/memory.h"
-#include "conus/clusters.h"
-#include "conus/report.h"
+#include "conus/own.h"
 #include "mesh_scene.h"
 #include "region_scene.h"
 #include "scene.h"

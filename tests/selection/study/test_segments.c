@@ -2,7 +2,7 @@
 /* Eq. 17: the segments of an axis. Volumes against a walk along sorted plane crossings; surfaces in closed form. */
 #include "atlas/atlas.h"
 #include "base/geometry/math3.h"
-#include "conus/report.h"
+#include "conus/own.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "selection/selector.h"

@@ -4,6 +4,7 @@
 #include "atlas/atlas.h"
 #include "atlas/roi.h"
 #include "base/geometry/math3.h"
+#include "conus/own.h"
 #include "region_scene.h"
 #include "scene.h"
 #include "test.h"

@@ -2,6 +2,7 @@
 /* A device tracked over time (Eq. 12): the ranking with a history, and what a press of the trigger confirms. */
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
+#include "conus/own.h"
 #include "selection/report/report.h"
 #include "test.h"
 

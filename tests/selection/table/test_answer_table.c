@@ -5,7 +5,7 @@
 
 #include "base/memory.h"
 #include "conus/report.h"
-#include "conus/sweep.h"
+#include "conus/study.h"
 #include "scene.h"
 #include "tables.h"
 

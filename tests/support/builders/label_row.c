@@ -5,8 +5,7 @@
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "builders/nifti_builder.h"
-#include "conus/atlas_info.h"
-#include "conus/file.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -3,6 +3,7 @@
  * format, and files that break other readers. */
 #include "base/buffer.h"
 #include "base/files/file.h"
+#include "conus/own.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 #include "loaders/surfaces/mesh_file.h"
 #include "loaders/surfaces/mesh_format.h"

@@ -1,0 +1,1078 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/**
+ * @file own.h
+ * What only conus's own programs and its Python package call. The library exports it, nothing installs it, and it may
+ * change with any commit: programs and package are of the version of the library.
+ */
+#ifndef CONUS_PUBLIC_OWN_H
+#define CONUS_PUBLIC_OWN_H
+
+#include <conus/conus.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** @name Batches: streams of poses to text, in the threads that answer
+ * @{ */
+
+typedef struct conus_batch conus_batch; /**< Threads made ready to answer poses by the million. */
+
+/** How a batch answers. */
+typedef struct conus_batch_options {
+    size_t struct_size; /**< Its size, as #CONUS_BATCH_OPTIONS_INIT sets it; 0 = that of this version. */
+    uint32_t threads;   /**< Threads that answer poses, up to 1024; 0 = as many as processors that the process may use.
+                           With the gl engine one of them has the device at a time. */
+    uint32_t block;     /**< Poses per block, up to 65536; 0 = 256. Memory grows with threads times block. */
+    double angle;       /**< For poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0. */
+    conus_report_options report; /**< Its format is neither #CONUS_FORMAT_TABLE nor #CONUS_FORMAT_JSON. A probe,
+                                    #CONUS_FORMAT_SPIKEGLX or #CONUS_FORMAT_OPEN_EPHYS, is one block of up to 65535
+                                    contacts, whatever block says, and must be all that is in the stream. With a
+                                    probe, one of a file, it is put at each pose of the stream: its contacts are asked,
+                                    within the selector's radius, and called as the pose, a colon and the contact;
+                                    poses are still counted as they are in the stream, and blocks have so many contacts.
+                                    Formats of other programs have no place for that. */
+    const char *point_error; /**< Why a pose that is a point has no answer, for its row of kind "error"; NULL = it is
+                                asked what is at it, or within the selector's radius of it: conus_select_ball(). */
+} conus_batch_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_BATCH_OPTIONS_INIT CONUS_INIT_(conus_batch_options)
+
+/** A block of poses, answered. */
+typedef struct conus_batch_block {
+    const char *text; /**< Their rows, without the header row. */
+    size_t size;      /**< Bytes of text. */
+    uint64_t poses;   /**< How many poses. */
+    uint64_t errors;  /**< Poses among them that have no answer but a row of kind "error". */
+    uint64_t line;    /**< Line of the first of these in its file, counted from 1, */
+    const char *why;  /**< and why it has no answer; NULL where errors is 0. */
+} conus_batch_block;
+
+/**
+ * Receives whole blocks in the order of the poses, on the thread that called conus_batch_run().
+ * @param user The pointer that conus_batch_run() got.
+ * @param block The block. Valid until the callback returns.
+ * @return False ends the run with #CONUS_ERROR_CANCELLED.
+ */
+typedef bool (*conus_batch_sink)(void *user, const conus_batch_block *block);
+
+/**
+ * Prepares to answer with a selector.
+ * @param[out] out The batch; end it with conus_batch_destroy().
+ * @param selector Must outlive the batch and is not to be used during a run.
+ * @param options Its report names the format, which must be given. Its strings must outlive the batch.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an option out of its range.
+ */
+CONUS_CHECKED conus_status conus_batch_create(conus_batch **out, conus_selector *selector,
+                                              const conus_batch_options *options);
+
+/**
+ * Adds another atlas: for each pose its rows come behind those of the atlases before it. Before the first run.
+ * @param batch Its options have a name in report.atlas.
+ * @param selector Of the atlas, with the options of the batch's but level. Must outlive the batch and is not to be used
+ * during a run.
+ * @param atlas Its name for the column `atlas`. Copied.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a name that is missing or another's, and for a selector with other
+ * options. The batch is unchanged then.
+ */
+CONUS_CHECKED conus_status conus_batch_add(conus_batch *batch, conus_selector *selector, const char *atlas);
+
+/**
+ * Ends a batch.
+ * @param batch NULL is allowed.
+ */
+CONUS_API void conus_batch_destroy(conus_batch *batch);
+
+/**
+ * Gives the number of threads that will be used.
+ * @param batch The batch.
+ * @return At least 1.
+ */
+CONUS_API uint32_t conus_batch_threads(const conus_batch *batch);
+
+/**
+ * Answers poses, in memory that does not grow with them. The text is the same, byte for byte, for any number of threads
+ * and any size of blocks. A pose that cannot be answered gives a row of kind "error". Another failure ends the run;
+ * what comes before it has been delivered then. It may be called again, but a live stream ends with a run that the sink
+ * or a failure ended.
+ * @param batch The batch.
+ * @param poses The stream.
+ * @param limit Poses to answer at most.
+ * @param sink Receives the blocks.
+ * @param user Passed to @p sink.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where @p poses keeps another number of columns than the marks of the report
+ * have; #CONUS_ERROR_CANCELLED where @p sink ends the run; the errors of conus_pose_stream_read() and conus_select().
+ */
+CONUS_CHECKED conus_status conus_batch_run(conus_batch *batch, conus_pose_stream *poses, uint64_t limit,
+                                           conus_batch_sink sink, void *user);
+
+/**
+ * Gives the findings about the poses answered so far, by their lines in their file.
+ * @param batch The batch.
+ * @param index 0 is the atlas of conus_batch_create(), then those of conus_batch_add() in their order.
+ * @return A copy; zero for an index that there is not.
+ */
+CONUS_API conus_pose_findings conus_batch_findings(const conus_batch *batch, size_t index);
+
+/**
+ * Gives the header row that belongs above the rows, with its end of line.
+ * @param batch The batch.
+ * @return "" where there is none. Borrowed from the batch.
+ */
+CONUS_API const char *conus_batch_header(const conus_batch *batch);
+
+/**
+ * Writes the sidecar as of conus_report_sidecar(), without the queries.
+ * @param[out] text UTF-8 with a final NUL. Borrowed until the next call on the batch.
+ * @param[out] size Bytes, without the NUL.
+ * @param batch The batch.
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
+ */
+CONUS_CHECKED conus_status conus_batch_sidecar(const char **text, size_t *size, conus_batch *batch);
+/** @} */
+
+/** @name Files of poses
+ * @{ */
+
+/**
+ * Finds where the words of conus_pose_options.columns begin behind a path.
+ * @param path "FILE,x=COLUMN,...".
+ * @return The length of FILE; that of all of @p path where there are no such words, or a file is called so.
+ */
+CONUS_API size_t conus_pose_path_length(const char *path);
+
+/**
+ * Passes over rows without parsing them, which is much faster.
+ * @param stream The stream.
+ * @param rows How many; where fewer are left, all of these.
+ * @return #CONUS_OK; the errors of conus_pose_stream_read().
+ */
+CONUS_CHECKED conus_status conus_pose_stream_skip(conus_pose_stream *stream, uint64_t rows);
+
+/**
+ * Counts all rows, those already read included.
+ * @param[out] count How many rows there are.
+ * @param stream The stream.
+ * @return #CONUS_OK; #CONUS_ERROR_UNSUPPORTED for a live stream.
+ */
+CONUS_CHECKED conus_status conus_pose_stream_count(uint64_t *count, conus_pose_stream *stream);
+
+/**
+ * Returns whether the stream is live: it reads rows from a pipe as they come.
+ * @param stream The stream.
+ * @return Whether it is.
+ */
+CONUS_API bool conus_pose_stream_is_live(const conus_pose_stream *stream);
+
+/**
+ * Gives the format of the poses.
+ * @param stream The stream.
+ * @return Never #CONUS_POSE_FORMAT_AUTO.
+ */
+CONUS_API conus_pose_format conus_pose_stream_format(const conus_pose_stream *stream);
+
+/**
+ * Gives the space as the file names it.
+ * @param stream The stream.
+ * @return "NIfTI:Scanner", "MNI152NLin2009cAsym"; "" if the file names none. Borrowed from the stream.
+ */
+CONUS_API const char *conus_pose_stream_space(const conus_pose_stream *stream);
+
+/**
+ * Returns whether rows may have a time_s.
+ * @param stream The stream.
+ * @return False for a table without that column and for formats without times, and where everything was read and no
+ * row has one.
+ */
+CONUS_API bool conus_pose_stream_has_times(const conus_pose_stream *stream);
+
+/**
+ * Returns whether two rows may have one id.
+ * @param stream The stream.
+ * @return False for a table without a column that names its rows, whose ids are their numbers, and where everything was
+ * read and no two rows have one id.
+ */
+CONUS_API bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream);
+
+/**
+ * Returns whether rows may have an angle of their own.
+ * @param stream The stream.
+ * @return False for a table without that column and for formats without angles.
+ */
+CONUS_API bool conus_pose_stream_has_angles(const conus_pose_stream *stream);
+
+/**
+ * Returns whether rows may have a range of their own.
+ * @param stream The stream.
+ * @return False for a table without the columns near and far or targets that are ends, and where everything was read
+ * and no row has one.
+ */
+CONUS_API bool conus_pose_stream_has_ranges(const conus_pose_stream *stream);
+
+/**
+ * Returns whether rows may have a radius of their own.
+ * @param stream The stream.
+ * @return False for a table without that column and for other formats.
+ */
+CONUS_API bool conus_pose_stream_has_radii(const conus_pose_stream *stream);
+
+/**
+ * Returns whether rows may be points, which have no direction.
+ * @param stream The stream.
+ * @return False for a table and a matrix, and where everything was read and no row is a point.
+ */
+CONUS_API bool conus_pose_stream_has_points(const conus_pose_stream *stream);
+
+/**
+ * Gives rows that it has read, for conus_places_check().
+ * @param stream The stream.
+ * @return The first 64; of a format that is read whole all rows. Borrowed; it changes with conus_pose_stream_read().
+ */
+CONUS_API const conus_pose_list *conus_pose_stream_head(const conus_pose_stream *stream);
+
+/**
+ * Gives the table of electrodes (BIDS) that was read, for conus_report_options.electrodes.
+ * @param stream The stream.
+ * @return NULL for other formats. Borrowed from the stream.
+ */
+CONUS_API const char *conus_pose_stream_electrodes(const conus_pose_stream *stream);
+
+/**
+ * Gives the path of the *_coordsystem.json that says what the positions of electrodes or markers (BIDS) are in.
+ * @param stream The stream.
+ * @return "" where there is none. Borrowed from the stream.
+ */
+CONUS_API const char *conus_pose_stream_coordsystem(const conus_pose_stream *stream);
+
+/**
+ * Gives the SHA-256 of that file as it was read.
+ * @param stream The stream.
+ * @return Hexadecimal; "" where there is no such file. Borrowed from the stream.
+ */
+CONUS_API const char *conus_pose_stream_coordsystem_sha256(const conus_pose_stream *stream);
+
+/**
+ * Computes the SHA-256 of the file of the poses: of the bytes that this stream has read, and of the rest, which it
+ * reads now, so that there are no rows afterwards.
+ * @param[out] out Hexadecimal with a final NUL.
+ * @param stream The stream.
+ * @return #CONUS_OK; #CONUS_ERROR_UNSUPPORTED for a pipe.
+ */
+CONUS_CHECKED conus_status conus_pose_stream_sha256(char out[65], conus_pose_stream *stream);
+
+/**
+ * Gives the table of electrodes, as conus_pose_stream_electrodes().
+ * @param list The list.
+ * @return NULL for other formats. Borrowed from the list.
+ */
+CONUS_API const char *conus_pose_list_electrodes(const conus_pose_list *list);
+
+/**
+ * Gives the path of the coordinate system, as conus_pose_stream_coordsystem().
+ * @param list The list.
+ * @return "" where there is none. Borrowed from the list.
+ */
+CONUS_API const char *conus_pose_list_coordsystem(const conus_pose_list *list);
+
+/**
+ * Gives the space that the file names, as conus_pose_stream_space().
+ * @param list The list.
+ * @return "" where it names none. Borrowed from the list.
+ */
+CONUS_API const char *conus_pose_list_space(const conus_pose_list *list);
+/** @} */
+
+/** @name A window
+ * @{ */
+
+/**
+ * Computes the camera of an eye that sees through a window, such as that of a tracked head before a screen (Eq. 1).
+ * @param[out] camera The camera, for conus_view.camera.
+ * @param[out] frustum Left, right, lower and upper edge, for conus_view.frustum.
+ * @param window The middle of the window, with +x to its right, +y up, +z to the side of the eye.
+ * @param size Width and height of the window, mm.
+ * @param eye World mm.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where the eye is not before the window: no edge may be more than 1000 times
+ * as far off as the eye is near.
+ */
+CONUS_CHECKED conus_status conus_window_camera(conus_pose *camera, double frustum[4], const conus_pose *window,
+                                               const double size[2], const double eye[3]);
+/** @} */
+
+/** @name Spaces
+ * @{ */
+
+/**
+ * Names the spaces, for a program's options.
+ * @param index From 0, as #conus_space.
+ * @return "ras", "lps", "ccf" and "bregma"; NULL past the last. Static.
+ */
+CONUS_API const char *conus_space_name(size_t index);
+
+/**
+ * Names a coordinate of a space.
+ * @param space The space.
+ * @param axis 0 to 2.
+ * @return "x", "AP" and so on; NULL where there is none. Static.
+ */
+CONUS_API const char *conus_space_axis(conus_space space, size_t axis);
+
+/**
+ * Gives the unit of a space's positions.
+ * @param space The space.
+ * @return "mm", or "um" of #CONUS_SPACE_CCF. Static.
+ */
+CONUS_API const char *conus_space_unit(conus_space space);
+/** @} */
+
+/** @name Probes
+ * @{ */
+
+/**
+ * Makes several of the one probe of a file, as if the file had them: insertions of one kind.
+ * @param[out] out The probes, with these names; end them with conus_probe_destroy().
+ * @param probe Of one probe.
+ * @param names [count] None twice. Copied.
+ * @param count From 1 to 1024.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for several probes, another count, a name that is there twice, and one that
+ * with that of a contact has more than 255 bytes.
+ */
+CONUS_CHECKED conus_status conus_probe_repeat(conus_probe **out, const conus_probe *probe, const char *const *names,
+                                              size_t count);
+/** @} */
+
+/** @name Plans
+ * @{ */
+
+/**
+ * Makes the list of a plan whose run was cancelled, from the poses that were tried until then: the first ones, as many
+ * as conus_plan_left() and conus_plan_rejected() count. It does not ask conus_plan_options.progress.
+ * @param plan The plan, whose conus_plan_run() gave #CONUS_ERROR_CANCELLED.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a plan that was not run, or has its list; the errors of conus_select().
+ * @threads One at a time for each @p plan, and for the selector.
+ */
+CONUS_CHECKED conus_status conus_plan_cut(conus_plan *plan);
+
+/**
+ * Counts the constraints.
+ * @param plan NULL counts 0.
+ * @return How many there are.
+ */
+CONUS_API size_t conus_plan_constraint_count(const conus_plan *plan);
+
+/**
+ * Gives constraint @p index.
+ * @param plan The plan.
+ * @param index From 0.
+ * @return NULL past the last. Its names are NULL, see conus_plan_name(), and a direction has length 1. Borrowed from
+ * the plan.
+ */
+CONUS_API const conus_constraint *conus_plan_constraint(const conus_plan *plan, size_t index);
+
+/**
+ * Gives the names of the structure of a constraint.
+ * @param plan The plan.
+ * @param index Index of the constraint.
+ * @return The names that were asked for, as the atlas has them: "Thalamus_L, Putamen_L"; NULL without a structure.
+ * Borrowed from the plan. UTF-8.
+ */
+CONUS_API const char *conus_plan_name(const conus_plan *plan, size_t index);
+
+/**
+ * Gives the errors under which the probabilities are.
+ * @param plan The plan.
+ * @return NULL without jitter. Defaults are filled in. Borrowed from the plan.
+ */
+CONUS_API const conus_jitter_options *conus_plan_jitter(const conus_plan *plan);
+
+/**
+ * Tells whether a constraint has a leeway, of poses where it holds. Without one it does not count for the leeway of
+ * poses: LENGTH, LEAN, FIRST, contacts, probabilities, the measures of a cone, and a REACH by surfaces that are not
+ * closed.
+ * @param plan The plan.
+ * @param index Index of the constraint.
+ * @return Whether it has one.
+ */
+CONUS_API bool conus_plan_has_leeway(const conus_plan *plan, size_t index);
+
+/**
+ * Measures how far a point of a listed pose's axis is from the structure of a constraint, to draw a curve of it.
+ * @param[out] out mm, the radius not taken off (Eq. 21).
+ * @param plan The plan.
+ * @param pose Index in the list.
+ * @param constraint Index of a REACH, AVOID or FIRST.
+ * @param depth mm from the apex. Of several shanks it is the nearest one's, but the farthest one's for a REACH or FIRST
+ * of all and an AVOID of any.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a wrong index or depth.
+ */
+CONUS_CHECKED conus_status conus_plan_distance(double *out, conus_plan *plan, size_t pose, size_t constraint,
+                                               double depth);
+/** @} */
+
+/** @name Surfaces of areas, and numbers of vertices
+ * @{ */
+
+/** The format of a surface. */
+typedef enum conus_mesh_format {
+    CONUS_MESH_GIFTI = 0, /**< GIFTI, .gii. */
+    CONUS_MESH_VTP,       /**< VTK's XML poly data, .vtp. */
+    CONUS_MESH_OBJ,       /**< Wavefront, .obj. */
+    CONUS_MESH_PLY,       /**< Stanford, .ply. */
+    CONUS_MESH_STL        /**< Stereolithography, .stl. */
+} conus_mesh_format;
+
+/** How conus_atlas_write_meshes() makes surfaces. */
+typedef struct conus_mesh_options {
+    size_t struct_size;       /**< Its size, as #CONUS_MESH_OPTIONS_INIT sets it; 0 = that of this version. */
+    conus_mesh_format format; /**< Format of the files. */
+    uint32_t smooth;          /**< Iterations of windowed-sinc smoothing, 1 to 1000; 0 = 5. */
+    double pass_band;         /**< Pass band of the smoothing, up to 2; less is smoother; 0 = 0.7. */
+    bool no_smoothing;        /**< Leave the voxels' steps as they are. */
+    double decimate;          /**< Part of the triangles that decimation removes, in [0, 1). */
+    uint64_t max_memory;      /**< Limit for the program that makes the surfaces, bytes; 0 = 8 GiB. */
+    conus_progress progress;  /**< NULL = no callback. */
+    void *progress_user;      /**< Passed to @p progress. */
+    conus_log log;            /**< Notes about the surfaces; NULL = silent. */
+    void *log_user;           /**< Passed to @p log. */
+} conus_mesh_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_MESH_OPTIONS_INIT CONUS_INIT_(conus_mesh_options)
+
+/**
+ * Writes a closed surface of each area, LABEL_Name.gii and so on, in world mm. Areas that are meshes already are
+ * written as they are. Needs the program conus-mesh, beside this one, in PATH or named by CONUS_MESH.
+ * @param atlas The atlas.
+ * @param folder Made if missing.
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_UNSUPPORTED without conus-mesh; #CONUS_ERROR_ARGUMENT for an option out of its range;
+ * #CONUS_ERROR_IO where the system refuses.
+ */
+CONUS_CHECKED conus_status conus_atlas_write_meshes(const conus_atlas *atlas, const char *folder,
+                                                    const conus_mesh_options *options);
+
+/** A number for each vertex of a surface. */
+typedef struct conus_vertex_map {
+    const char *name;        /**< UTF-8, such as "leeway_mm". */
+    const float *values;     /**< [vertices] NaN = none. */
+    const uint64_t *numbers; /**< [vertices] In their place, values is NULL: whole numbers, 0 = none. Up to 2^24 they
+                                are float32, exactly; where one is larger, this array has the numbers modulo 1000000,
+                                and one more, NAME_millions, has the millions. */
+} conus_vertex_map;
+
+/**
+ * Writes numbers of vertices as a GIFTI file of float32 arrays. The same numbers give the same bytes.
+ * @param path Ends in .func.gii or .shape.gii.
+ * @param maps [count] An array of the file each.
+ * @param count At least 1.
+ * @param vertices The surface's, 1 or more.
+ * @param structure What the surface is, "CortexLeft": the file's AnatomicalStructurePrimary, by which Workbench finds
+ * the surface; NULL = the file does not say.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another ending, and for no numbers; #CONUS_ERROR_IO where the system
+ * refuses.
+ */
+CONUS_CHECKED conus_status conus_vertex_maps_write(const char *path, const conus_vertex_map *maps, size_t count,
+                                                   size_t vertices, const char *structure);
+/** @} */
+
+/** @name Sites
+ * @{ */
+
+/**
+ * Says whether sites are voxels of one volume, on whose grid conus_sites_write_maps() writes.
+ * @param sites NULL has none.
+ * @return True for sites from conus_sites_of_roi(), and from conus_sites_find() except centroids and structures of
+ * several volumes.
+ */
+CONUS_API bool conus_sites_have_voxels(const conus_sites *sites);
+
+/**
+ * Writes numbers of sites of a surface as numbers of its vertices (conus_vertex_maps_write()); a vertex that is no site
+ * has none. Those of sites that are voxels of one volume are written on its grid: NIfTI-1, float32, a volume for each
+ * map along the fourth axis, NaN where no site is; a comment behind the header has the names, a line each.
+ * @param path Ends in .func.gii or .shape.gii, or of voxels in .nii or .nii.gz.
+ * @param sites Of conus_sites_load(), conus_sites_of_roi(), or conus_sites_find() of voxels.
+ * @param maps [count] Their values are [conus_sites_count()].
+ * @param count At least 1.
+ * @param structure What the surface is; NULL = as its file says. Of voxels without meaning.
+ * @param fill A vertex that is no site has the numbers of the nearest one that is nearer than this, of equal ones of
+ * the first, mm; 0 = it has none. Of voxels 0.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for sites of neither kind; the errors of conus_vertex_maps_write() and of
+ * reading the surface.
+ */
+CONUS_CHECKED conus_status conus_sites_write_maps(const char *path, const conus_sites *sites,
+                                                  const conus_vertex_map *maps, size_t count, const char *structure,
+                                                  double fill);
+
+/**
+ * Gives note @p index that a careful user should know about these sites.
+ * @param sites The sites.
+ * @param index From 0.
+ * @return One line; NULL past the last. Borrowed from the sites.
+ */
+CONUS_API const char *conus_sites_note(const conus_sites *sites, size_t index);
+
+/**
+ * Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
+ * data mean.
+ * @param sites The sites.
+ * @param index From 0.
+ * @return #CONUS_SEVERITY_NOTE also past the last.
+ */
+CONUS_API conus_severity conus_sites_note_severity(const conus_sites *sites, size_t index);
+/** @} */
+
+/** @name Regions of interest
+ * @{ */
+
+/**
+ * Describes the volume of a region of interest; of tetrahedra a grid of 2 mm that they lie in.
+ * @param roi The region.
+ * @return Its threshold is the one that holds, 0 of a mask. Borrowed from the region.
+ */
+CONUS_API const conus_volume_info *conus_roi_volume(const conus_roi *roi);
+
+/**
+ * Counts the voxels, or the tetrahedra, of a region of interest.
+ * @param roi NULL counts 0.
+ * @return At least 1.
+ */
+CONUS_API uint64_t conus_roi_voxels(const conus_roi *roi);
+/** @} */
+
+/** @name Selections
+ * @{ */
+
+/**
+ * Gives the n of the n x n buffer.
+ * @param selector The selector.
+ * @return That of its options, or the default.
+ */
+CONUS_API uint32_t conus_selector_resolution(const conus_selector *selector);
+
+/**
+ * Tells the place of an object among the colours that pictures give to an answer: what is hit first comes first, in the
+ * order of the results, then pathways and bundles, which somebody asked for, then areas that are only behind others.
+ * @param selection NULL has none.
+ * @param object Its number, from 1. Objects that a level joins have the same place.
+ * @return From 1; 0 = the cone does not reach it.
+ */
+CONUS_API size_t conus_selection_rank(const conus_selection *selection, uint32_t object);
+
+/**
+ * Tells how much pictures show of the colour of an object, so that what has little of a cone is not as loud as what has
+ * most of it: all with half of the cone or more, less with less, in eight steps, 0.4 with a fiftieth; the rest is the
+ * grey of what is not hit.
+ * @param selection NULL has none.
+ * @param object Its number, from 1.
+ * @return 0.4 to 1; 1 of what is not hit first, or of a ball.
+ */
+CONUS_API double conus_selection_weight(const conus_selection *selection, uint32_t object);
+/** @} */
+
+/** @name Rankings
+ * @{ */
+
+/** A ranking. */
+typedef struct conus_score_info {
+    const char *name;        /**< For conus_selector_options.score. */
+    const char *description; /**< One line. */
+    bool needs_history;      /**< Only a conus_tracker has it. */
+    bool needs_layers;       /**< Only with CONUS_LAYERS_ALL. */
+} conus_score_info;
+
+/**
+ * Gives entry @p index of the table of rankings.
+ * @param index From 0.
+ * @return NULL past the last. Static.
+ */
+CONUS_API const conus_score_info *conus_score(size_t index);
+
+/**
+ * Gives what a ranking needs: a name, or a formula of names, numbers, + - * /, a minus in front and parentheses, as
+ * "0.5*share + 0.5*centre". Where a name has no value, or a divisor is 0, the formula has none: such objects rank last.
+ * @param[out] out Its name is @p score, "share" for NULL, and is borrowed from the caller.
+ * @param score NULL = "share".
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a wrong formula; the message says what is wrong with it.
+ */
+CONUS_CHECKED conus_status conus_score_parse(conus_score_info *out, const char *score);
+/** @} */
+
+/** @name Atlases
+ * @{ */
+
+/**
+ * Tells as what conus_atlas_set_context() reads a file.
+ * @param path The file.
+ * @return True where it is a surface; false for everything else, also for a file that is not there.
+ */
+CONUS_API bool conus_context_is_surface(const char *path);
+
+/**
+ * Hides the objects that @p hidden marks and shows all others.
+ * @param atlas The atlas; unchanged on failure.
+ * @param hidden [object count + 1], by number; entry 0 has no meaning. NULL shows all.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where nothing is left.
+ */
+CONUS_CHECKED conus_status conus_atlas_set_hidden(conus_atlas *atlas, const bool *hidden);
+
+/**
+ * Returns whether an object is hidden.
+ * @param atlas The atlas.
+ * @param number Number of the object.
+ * @return Whether it is hidden; false for a number that is no object.
+ */
+CONUS_API bool conus_atlas_is_hidden(const conus_atlas *atlas, size_t number);
+
+/**
+ * Gives the memory that conus_atlas_pack() needs.
+ * @param atlas The atlas.
+ * @return Bytes.
+ */
+CONUS_API size_t conus_atlas_packed_size(const conus_atlas *atlas);
+
+/**
+ * Packs the atlas as it is. The packed bytes hold no pointers and may be mapped at another address in each process, but
+ * they are for this build of conus on this kind of machine: conus_atlas_save() makes files.
+ * @param[out] memory [size], at a multiple of 64 bytes. On failure its content has no meaning.
+ * @param size Bytes, at least conus_atlas_packed_size().
+ * @param atlas The atlas.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for too few bytes or another alignment; #CONUS_ERROR_MEMORY.
+ */
+CONUS_CHECKED conus_status conus_atlas_pack(void *memory, size_t size, const conus_atlas *atlas);
+
+/**
+ * Makes an atlas of what conus_atlas_pack() wrote. An atlas that is then changed (its thresholds, its hemispheres) gets
+ * its own copies of the arrays that the change concerns. The large arrays are not checked: attach only what you trust.
+ * @param[out] out The atlas; end it with conus_atlas_destroy().
+ * @param memory The packed atlas, at a multiple of 64 bytes. It is never written to and must outlive the atlas.
+ * @param size Bytes.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA where there is no whole atlas of this version.
+ */
+CONUS_CHECKED conus_status conus_atlas_attach(conus_atlas **out, const void *memory, size_t size);
+/** @} */
+
+/** @name What an atlas has
+ * @{ */
+
+/**
+ * Finds where a ray first meets a surface around the areas, from either side. Looks at every triangle.
+ * @param atlas The atlas.
+ * @param origin World mm.
+ * @param direction Of any length but 0.
+ * @return How far that is from @p origin, in units of the length of @p direction; INFINITY where it meets none.
+ */
+CONUS_API double conus_atlas_context_depth(const conus_atlas *atlas, const double origin[3], const double direction[3]);
+
+/**
+ * Tells the same of a volume alone, by its header and its grid.
+ * @param info The volume.
+ * @return The brain. Its texts are static.
+ */
+CONUS_API conus_brain_view conus_volume_brain(const conus_volume_info *info);
+
+/** How far apart two brains are. */
+typedef enum conus_brain_gap {
+    CONUS_BRAIN_GAP_NONE = 0, /**< None that is known. */
+    CONUS_BRAIN_GAP_SMALL,    /**< MNI 152 and Colin 27, which half of the field takes for one. */
+    CONUS_BRAIN_GAP_SOME_MM,  /**< Other editions of MNI 152, NLin2009 and an earlier one, and other templates. */
+    CONUS_BRAIN_GAP_OTHER     /**< Another brain. */
+} conus_brain_gap;
+
+/**
+ * Compares two brains.
+ * @param a One.
+ * @param b The other.
+ * @return #CONUS_BRAIN_GAP_NONE also where one is unknown, and of one person's own and another own one.
+ */
+CONUS_API conus_brain_gap conus_brain_compare(conus_brain_view a, conus_brain_view b);
+
+/**
+ * Finds the mean position of the voxels or triangles of an object and of those below it in the area tree, or of the
+ * points of a bundle, hidden or not.
+ * @param[out] out World mm.
+ * @param atlas The atlas.
+ * @param number Number of the object.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA if there are none.
+ */
+CONUS_CHECKED conus_status conus_atlas_centre(double out[3], const conus_atlas *atlas, size_t number);
+
+/**
+ * Counts the voxels of a scalar or context volume by their value.
+ * @param[out] counts [bins] How many voxels have values in each of @p bins equal parts of the range from minimum to
+ * maximum.
+ * @param bins How many parts.
+ * @param atlas The atlas.
+ * @param index The volume.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where there is no such volume.
+ */
+CONUS_CHECKED conus_status conus_atlas_histogram(uint64_t *counts, size_t bins, const conus_atlas *atlas, size_t index);
+
+/**
+ * Finds the grey values that span the contrast of a scalar or context volume, without a few extremes.
+ * @param[out] window The grey values of black and of white.
+ * @param atlas The atlas.
+ * @param index The volume.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where there is no such volume.
+ */
+CONUS_CHECKED conus_status conus_atlas_window(double window[2], const conus_atlas *atlas, size_t index);
+/** @} */
+
+/** @name Packs
+ * @{ */
+
+/** What a pack says of itself. */
+typedef struct conus_pack_info {
+    const char *path;    /**< As it was opened. */
+    const char *sha256;  /**< Of all behind its head, as the head has it, in hexadecimal. */
+    const char *words;   /**< How it is packed again; "" = not known. */
+    const char *version; /**< The version of conus that packed it. */
+    uint64_t size;       /**< Bytes. */
+    size_t source_count; /**< How many files it was packed from. */
+} conus_pack_info;
+
+/**
+ * Gives the pack that an atlas was opened from.
+ * @param atlas NULL has none.
+ * @return NULL where it was not. Borrowed until the atlas ends.
+ */
+CONUS_API const conus_pack_info *conus_atlas_pack_info(const conus_atlas *atlas);
+
+/** What has become of a source since. */
+typedef enum conus_source_state {
+    CONUS_SOURCE_SAME = 0, /**< Its size and time, or its bytes, are the same. */
+    CONUS_SOURCE_CHANGED,  /**< Its bytes are others. */
+    CONUS_SOURCE_MISSING   /**< There is no such file. */
+} conus_source_state;
+
+/**
+ * Gives source @p index of the pack, as it was when the pack was opened.
+ * @param[out] state What has become of it; unchanged where there is none. May be NULL.
+ * @param atlas The atlas.
+ * @param index From 0.
+ * @return Its path, as it was read; NULL past the last. Borrowed until the atlas ends.
+ */
+CONUS_API const char *conus_atlas_pack_source(conus_source_state *state, const conus_atlas *atlas, size_t index);
+/** @} */
+
+/** @name Names of atlases
+ * @{ */
+
+/**
+ * Finds the one atlas that is called @p name, or "source:name". If there is none, upper and lower case are taken for
+ * the same, and so are names that differ only in '-', '_', '.', '+' and spaces.
+ * @param[out] out Borrowed from the catalogue.
+ * @param catalogue The catalogue.
+ * @param name What to find.
+ * @return #CONUS_OK; #CONUS_ERROR_IO if there is none, with the closest names in the message; #CONUS_ERROR_ARGUMENT,
+ * with the candidates in the message, if several files have that name.
+ */
+CONUS_CHECKED conus_status conus_catalogue_find(const conus_installed **out, const conus_catalogue *catalogue,
+                                                const char *name);
+
+/**
+ * Finds the one image that is called @p name, as conus_catalogue_find() finds an atlas: a volume in the folders of the
+ * catalogue that counts as no labels, such as mricron's ch2 or FSL's MNI152_T1_1mm.
+ * @param[out] out Borrowed from the catalogue; without labels.
+ * @param catalogue The catalogue.
+ * @param name What to find: the file's name without its ending.
+ * @return As conus_catalogue_find().
+ */
+CONUS_CHECKED conus_status conus_catalogue_find_image(const conus_installed **out, const conus_catalogue *catalogue,
+                                                      const char *name);
+
+/**
+ * Says whether what a user gave as an atlas or image is a path, which then is no name: it has a '/', or there is such a
+ * file or folder, also where ",volume=K", ",map=K" and the like stand behind it.
+ * @param text What the user gave.
+ * @return Whether it is a path for conus_atlas_load(). If not, ask conus_catalogue_find().
+ */
+CONUS_API bool conus_atlas_is_path(const char *text);
+/** @} */
+
+/** @name Tractograms
+ * @{ */
+
+typedef struct conus_tractogram conus_tractogram; /**< Streamlines of a file, for several atlases. */
+
+/**
+ * Loads a tractogram that conus_atlas_add_tractogram() adds to one atlas after the other, in memory once.
+ * @param[out] out The tractogram; end it with conus_tractogram_destroy().
+ * @param path The tractogram.
+ * @param options Those that say how the file is read: max_memory and space; NULL = defaults.
+ * @return As conus_atlas_add_streamlines().
+ */
+CONUS_CHECKED conus_status conus_tractogram_load(conus_tractogram **out, const char *path,
+                                                 const conus_streamlines_options *options);
+
+/**
+ * Adds the streamlines of a loaded tractogram, as conus_atlas_add_streamlines() does those of its file.
+ * @param atlas The atlas; unchanged on failure.
+ * @param tractogram The tractogram. It must outlive the atlas.
+ * @param options Name, radius and log; NULL = defaults.
+ * @return As conus_atlas_add_streamlines().
+ */
+CONUS_CHECKED conus_status conus_atlas_add_tractogram(conus_atlas *atlas, const conus_tractogram *tractogram,
+                                                      const conus_streamlines_options *options);
+
+/**
+ * Ends a tractogram, after the atlases that it was added to.
+ * @param tractogram NULL is allowed.
+ */
+CONUS_API void conus_tractogram_destroy(conus_tractogram *tractogram);
+
+/**
+ * Tells whether a file, or a folder, begins like a tractogram that conus_atlas_add_streamlines() reads. Of VTK's files
+ * those with lines and without polygons are.
+ * @param path The file or folder.
+ * @return True where it is one; false for everything else, also for a file that is not there.
+ */
+CONUS_API bool conus_path_is_tractogram(const char *path);
+/** @} */
+
+/** @name Files that programs read and write
+ * @{ */
+
+/**
+ * Makes a text that came from outside, a name or a path, harmless for a terminal, in place. A space replaces each
+ * character that would steer the terminal, except line feeds and tabs. '?' replaces each byte that is not UTF-8.
+ * Messages and notes of this library are plain already.
+ * @param[in,out] text Ends with a NUL.
+ */
+CONUS_API void conus_plain_text(char *text);
+
+/**
+ * Has this process remember each file that this library reads from now on, on any thread, until it ends. From then on
+ * no function of this library that writes files replaces one of these, by whatever name or link:
+ * #CONUS_ERROR_ARGUMENT. What it has written itself and then reads may be written again.
+ * @return #CONUS_OK; #CONUS_ERROR_MEMORY.
+ */
+CONUS_CHECKED conus_status conus_inputs_keep(void);
+
+/**
+ * Adds a file that the program has read by itself, or is going to read.
+ * @param path What is no regular file is not added.
+ */
+CONUS_API void conus_inputs_add(const char *path);
+
+/**
+ * Finds out whether a new file @p path would take the place of a file that was read.
+ * @param path The file, also by a link to it.
+ * @return The name by which it was read, borrowed until the process ends; NULL where it was not.
+ */
+CONUS_API const char *conus_inputs_find(const char *path);
+
+/**
+ * Gives the name of the file that was read, in the order of reading; a file that was read twice is there twice.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed until the process ends.
+ */
+CONUS_API const char *conus_inputs_at(size_t index);
+
+/**
+ * Writes a file that appears whole or not at all.
+ * @param path The file; replaced if it exists.
+ * @param data The bytes.
+ * @param size How many bytes.
+ * @return #CONUS_OK; #CONUS_ERROR_IO where the system refuses.
+ */
+CONUS_CHECKED conus_status conus_write_file(const char *path, const void *data, size_t size);
+/** @} */
+
+/** @name Manifests
+ * @{ */
+
+/** How conus_manifest_write() reads. */
+typedef struct conus_manifest_options {
+    size_t struct_size;  /**< Its size, as #CONUS_MANIFEST_OPTIONS_INIT sets it; 0 = that of this version. */
+    uint64_t max_memory; /**< Largest file, in bytes; 0 = 8 GiB. */
+    conus_log log;       /**< Receives as what each file was taken, a line each; NULL = silent. */
+    void *log_user;      /**< Passed to @p log. */
+} conus_manifest_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_MANIFEST_OPTIONS_INIT CONUS_INIT_(conus_manifest_options)
+
+/**
+ * Writes a first manifest (docs/formats.md) of what lies in the folder of @p path and the folders in it: volumes, FSL
+ * atlases, surfaces, BrainGlobe folders. It guesses what a volume is for. A file that is there is never replaced.
+ * @param path NAME.atlas.json.
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_IO where the system refuses, or the file is there; #CONUS_ERROR_DATA where the folder
+ * holds nothing for a manifest.
+ */
+CONUS_CHECKED conus_status conus_manifest_write(const char *path, const conus_manifest_options *options);
+/** @} */
+
+/** @name Synthetic atlases
+ * @{ */
+
+/** The grid of a phantom. */
+typedef struct conus_phantom_options {
+    size_t struct_size; /**< Its size, as #CONUS_PHANTOM_OPTIONS_INIT sets it; 0 = that of this version. */
+    uint32_t size; /**< Voxels along the longest edge, 16 to 512; 0 = 64. Size times the smallest spacing is the cube
+                      around the origin for which the shapes are made: 64 mm, or scaled. */
+    double spacing[3]; /**< mm; zeros = 1, 1, 1. At least 4 voxels must fit along every edge. */
+    double oblique;    /**< Turns the grid about (1, 1, 1) by this angle, radians. */
+    bool flip[3];      /**< Lets i, j, k grow towards left, posterior, inferior. */
+} conus_phantom_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_PHANTOM_OPTIONS_INIT CONUS_INIT_(conus_phantom_options)
+
+/** A kind of phantom. */
+typedef struct conus_phantom_info {
+    const char *name;        /**< For conus_phantom_write(). */
+    const char *description; /**< One line. */
+} conus_phantom_info;
+
+/**
+ * Gives entry @p index of the table of phantoms.
+ * @param index From 0.
+ * @return NULL past the last. Static.
+ */
+CONUS_API const conus_phantom_info *conus_phantom(size_t index);
+
+/**
+ * Writes a phantom: KIND.nii.gz, its label table KIND.tsv, and KIND.json with the shapes in world mm; of the kinds
+ * brain and bundle, which take no options, other files (docs/formats.md).
+ * @param kind A name of conus_phantom().
+ * @param folder Made if missing.
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another kind or an option out of its range; #CONUS_ERROR_IO where the
+ * system refuses.
+ */
+CONUS_CHECKED conus_status conus_phantom_write(const char *kind, const char *folder,
+                                               const conus_phantom_options *options);
+/** @} */
+
+/** @name Images
+ * @{ */
+
+/**
+ * Makes an image with the channels R, G, B, A from bytes.
+ * @param[out] out The image; end it with conus_image_destroy().
+ * @param rgba [height width 4] sRGB and opacity, top row first. Copied.
+ * @param width Pixels.
+ * @param height Pixels.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a size out of its range.
+ */
+CONUS_CHECKED conus_status conus_image_from_bytes(conus_image **out, const uint8_t *rgba, uint32_t width,
+                                                  uint32_t height);
+
+/**
+ * Reads OpenEXR (flat scan lines, one part) or PNG (as linear, premultiplied R, G, B, A). The content decides.
+ * @param[out] out The image; end it with conus_image_destroy().
+ * @param path The file.
+ * @return #CONUS_OK; #CONUS_ERROR_IO, #CONUS_ERROR_DATA or #CONUS_ERROR_UNSUPPORTED for a file that cannot be read.
+ */
+CONUS_CHECKED conus_status conus_image_load(conus_image **out, const char *path);
+
+/** How two images differ. In a float channel NaN equals NaN and infinity itself; one of them against anything else
+ * differs by infinity. */
+typedef struct conus_image_difference {
+    uint64_t pixels;    /**< Width times height. */
+    uint64_t differing; /**< Pixels in which a float channel differs by more than the tolerance, or a uint32 channel at
+                           all. */
+    double max_difference; /**< Largest difference in any channel. */
+    double rms;            /**< Largest root mean square difference of a channel. */
+    char channel[32];      /**< The channel of max_difference, "" if there is no difference. */
+    uint32_t x;            /**< Column of its first pixel, from the left. */
+    uint32_t y;            /**< Row of its first pixel, from the top. */
+} conus_image_difference;
+
+/**
+ * Compares two images channel by channel; attributes do not count.
+ * @param[out] out The difference.
+ * @param a One image.
+ * @param b The other.
+ * @param tolerance 0 or more.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT unless both have the same size and the same channels, in whatever order.
+ */
+CONUS_CHECKED conus_status conus_image_compare(conus_image_difference *out, const conus_image *a, const conus_image *b,
+                                               double tolerance);
+/** @} */
+
+/** @name Pictures
+ * @{ */
+
+typedef struct conus_cutter conus_cutter; /**< A flat cut of one atlas that is drawn again and again. */
+
+/**
+ * Says whether areas hide the context volume from outside: they lie at or less than 8 mm behind its first bright voxel
+ * in 92 of 100 columns that look at it along its axes, from six sides.
+ * @param[out] out False without a context, or without areas of voxels that are not hidden.
+ * @param atlas The atlas.
+ * @return #CONUS_OK; the errors of conus_atlas_window().
+ */
+CONUS_CHECKED conus_status conus_context_is_covered(bool *out, const conus_atlas *atlas);
+
+/**
+ * Draws the points of a view alone, as conus_render() has them over its drawing, or conus_cuts_image() over a cut: for
+ * windows, which lay them over a picture of their own.
+ * @param[out] out Channels R, G, B, A, as of conus_render(): transparent but for balls, lines and names. End it with
+ * conus_image_destroy().
+ * @param atlas What lies far from its box is not drawn, and what lies behind its middle is pale.
+ * @param view Its width, height, camera, frustum, field_of_view, dpi, no_legend and points count; of the background
+ * whether it is dark; of the selection and own_colours which colours points have.
+ * @param cut Where the cut is, and its mm_per_pixel; NULL = the view is in space, and has a camera.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view or cut out of its range; #CONUS_ERROR_DATA for an atlas without
+ * anything that shows; #CONUS_ERROR_MEMORY.
+ */
+CONUS_CHECKED conus_status conus_points_image(conus_image **out, const conus_atlas *atlas, const conus_view *view,
+                                              const conus_cut_view *cut);
+
+/**
+ * Prepares to draw one cut after the other, as windows do. The pictures are those of conus_cut(), but voxels and
+ * surfaces are read again only where a view lies elsewhere. Another selection over the same place costs little.
+ * @param[out] out The cutter; end it with conus_cutter_destroy().
+ * @param atlas Must outlive the cutter and must not change: after conus_atlas_set_threshold(), conus_atlas_set_hidden()
+ * or other colours, make another cutter.
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
+ */
+CONUS_CHECKED conus_status conus_cutter_create(conus_cutter **out, const conus_atlas *atlas);
+
+/**
+ * Ends a cutter.
+ * @param cutter NULL is allowed.
+ */
+CONUS_API void conus_cutter_destroy(conus_cutter *cutter);
+
+/**
+ * Draws a cut into the cutter.
+ * @param cutter The cutter.
+ * @param view What to draw.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view out of its range.
+ */
+CONUS_CHECKED conus_status conus_cutter_draw(conus_cutter *cutter, const conus_cut_view *view);
+
+/**
+ * Gives the pixels that were drawn last.
+ * @param cutter The cutter.
+ * @return [height width 4] As conus_cut() fills them; NULL before the first picture. Borrowed until the next
+ * conus_cutter_draw(), and without a meaning where that failed.
+ */
+CONUS_API const uint8_t *conus_cutter_rgba(const conus_cutter *cutter);
+
+/**
+ * Gives the numbers of objects of the pixels that were drawn last.
+ * @param cutter The cutter.
+ * @return [height width] As of conus_cutter_rgba().
+ */
+CONUS_API const uint32_t *conus_cutter_objects(const conus_cutter *cutter);
+
+/**
+ * Gives the numbers of the objects that the pixels were drawn with: those of conus_cutter_objects() with smooth
+ * borders.
+ * @param cutter The cutter.
+ * @return [height width] As of conus_cutter_rgba().
+ */
+CONUS_API const uint32_t *conus_cutter_shown(const conus_cutter *cutter);
+/** @} */
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
