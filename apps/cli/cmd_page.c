@@ -20,7 +20,6 @@
 #include <errno.h>
 #include <jansson.h>
 #include <limits.h>
-#include <math.h>
 #include <nettle/base64.h>
 #include <stdlib.h>
 #include <string.h>
@@ -407,7 +406,7 @@ static int put_question(struct page *page)
     }
     conus_status status = conus_pose_toward(&pose, o, t, NULL);
     status = status ? status : conus_selector_create(&selector, page->atlas, &options);
-    status = status ? status : conus_select(&selection, selector, &pose, settings->angle * M_PI / 180);
+    status = status ? status : conus_select(&selection, selector, &pose, radians(settings->angle));
     status = status ? status : conus_report_create(&report, selector, &rows);
     status = status ? status : conus_report_add(report, "1", selection);
     status = status ? status : conus_report_text(&text, &size, report);
