@@ -6,6 +6,7 @@
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/own.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Public facts about an atlas's tractograms. */
 #include "atlas/atlas.h"
-#include "conus/streamlines.h"
+#include "conus/own.h"
 
 #include <math.h>
 #include <string.h>

@@ -10,6 +10,7 @@
 #include "pack/pack_file.h"
 #include "sources/keys.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* Copies `path` without the ",template=WORD" that says whose brain the atlas is, if it has one. */
@@ -27,6 +28,40 @@ static conus_status cut_template(char **plain, conus_brain *brain, const char *p
     return *plain ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
+static conus_status load_path(conus_atlas **out, const char *path, const conus_load_options *options)
+{
+    return pack_is(path) ? pack_load(out, path, options) : atlas_load_files(out, path, options);
+}
+
+/* Loads the installed atlas that `text` names; what stands behind the name chooses in its file. */
+static conus_status load_named(conus_atlas **out, const char *text, const conus_load_options *options)
+{
+    const size_t length = keys_file_length(text, KEYS_ATLAS);
+    char *name = memory_text(text, length);
+    char *path = NULL;
+    conus_catalogue *catalogue = NULL;
+    const conus_installed *found = NULL;
+    conus_status status = name ? conus_catalogue_create(&catalogue, NULL) : CONUS_ERROR_MEMORY;
+    status = status ? status : conus_catalogue_find(&found, catalogue, name);
+    memory_free(name);
+    if (!status) {
+        const size_t size = strlen(found->path) + strlen(text + length) + 1;
+        path = memory_raw(size, 1);
+        status = path ? CONUS_OK : CONUS_ERROR_MEMORY;
+        if (path) {
+            snprintf(path, size, "%s%s", found->path, text + length);
+        }
+    }
+    if (!status) {
+        conus_load_options its = *options;
+        its.labels = its.labels ? its.labels : found->labels;
+        status = load_path(out, path, &its);
+    }
+    memory_free(path);
+    conus_catalogue_destroy(catalogue);
+    return status;
+}
+
 conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options)
 {
     if (!out || !path) {
@@ -37,9 +72,7 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
     conus_atlas *atlas = NULL;
     conus_status status = cut_template(&plain, &brain, path);
     options = options_of(conus_load_options, options);
-    status = status           ? status
-             : pack_is(plain) ? pack_load(&atlas, plain, options)
-                              : atlas_load_files(&atlas, plain, options);
+    status = status ? status : (conus_atlas_is_path(plain) ? load_path : load_named)(&atlas, plain, options);
     memory_free(plain);
     if (!status) {
         atlas->brain = brain ? brain : atlas->brain;

@@ -3,7 +3,7 @@
 #ifndef CONUS_SETTINGS_ATLAS_INPUT_H
 #define CONUS_SETTINGS_ATLAS_INPUT_H
 
-#include "conus/atlas.h"
+#include "conus/own.h"
 #include "settings/settings.h"
 
 /** An atlas, or an image, as it was given. */

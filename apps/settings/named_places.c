@@ -3,6 +3,7 @@
 #include "settings/named_places.h"
 
 #include "base/system/system.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/options.h"
 

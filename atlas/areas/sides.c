@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
+#include "conus/own.h"
 
 #include <string.h>
 

@@ -3,6 +3,7 @@
 #include "atlas/fit/fit.h"
 #include "atlas/fit/head.h"
 #include "base/geometry/math3.h"
+#include "conus/own.h"
 
 #include <stddef.h>
 

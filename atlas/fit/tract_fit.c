@@ -4,6 +4,7 @@
 
 #include "atlas/fit/box_fit.h"
 #include "base/geometry/math3.h"
+#include "conus/own.h"
 
 #include <math.h>
 #include <stdio.h>

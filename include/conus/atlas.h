@@ -8,6 +8,7 @@
 #define CONUS_PUBLIC_ATLAS_H
 
 #include <conus/status.h>
+#include <conus/table.h>
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -43,7 +44,7 @@ typedef struct conus_load_options {
     conus_load_progress progress; /**< NULL = no callback. */
     void *progress_user;          /**< Passed to @p progress. */
     bool labels_anyway; /**< Each value is a label, even where the values look like the grey values of an image. */
-    conus_log log;      /**< Receives the notes of conus_atlas_note() while the atlas is loaded; NULL = no callback. */
+    conus_log log;      /**< Receives the notes of conus_atlas_list() while the atlas is loaded; NULL = no callback. */
     void *log_user;     /**< Passed to @p log. */
     double probability; /**< From which probability on a voxel belongs to an area of probabilities, above 0 to 1, in
                            place of 0.25 and of a manifest's; 0 = those. */
@@ -73,9 +74,11 @@ typedef struct conus_load_options {
  * Values must be whole numbers from 0 to 4294967295; 0 is background. docs/formats.md says how the label table is
  * found, and how an image is told from labels.
  * @param[out] out The atlas; end it with conus_atlas_destroy().
- * @param path May end in ",volume=K" to choose volume K (from 0) of a 4-D file, of a TIFF stack in
- * ",resolution=R,orientation=ABC" (docs/spaces.md, "BrainGlobe"), and of CIFTI labels in ",map=K" or ",map=NAME".
- * ",template=WORD" states whose brain it is (conus_atlas_brain()): mni152, colin27, mni305, or none for one person's
+ * @param path A path, or a name of conus_list_installed(), "aal" or "mricron:aal", where it has no '/' and no file or
+ * folder is called so; the labels of the list count where the options have none. It may end in ",volume=K" to choose
+ * volume K (from 0) of a 4-D file, of a TIFF stack in ",resolution=R,orientation=ABC" (docs/spaces.md, "BrainGlobe"),
+ * and of CIFTI labels in ",map=K" or ",map=NAME". ",template=WORD" states whose brain it is (conus_atlas_brain()):
+ * mni152, colin27, mni305, or none for one person's
  * own. ",space=WORD" states how the vertices of a surface are placed, whatever its file says: "ras" or "lps" in the
  * world, or else the image in whose own mm, as FSL counts them, they are.
  * @param options NULL = defaults.
@@ -301,23 +304,12 @@ CONUS_CHECKED conus_status conus_atlas_set_hemispheres(conus_atlas *atlas, conus
 /**
  * Mirrors an atlas whose voxels are stored from the other side than its header says: about the middle of its first
  * volume along x, so that its grid stays where it is, or without a volume about x = 0. What is in the atlas is mirrored
- * with it; whose brain it is stays known. The note of conus_atlas_exchanged() goes, and comes again if names and places
+ * with it; whose brain it is stays known. The note of kind "exchanged" goes, and comes again if names and places
  * contradict each other then. Before conus_atlas_transform() and before a selector or renderer is made.
  * @param atlas The atlas; unchanged on failure.
  * @return #CONUS_OK; #CONUS_ERROR_MEMORY; #CONUS_ERROR_DATA where a field has moved it.
  */
 CONUS_CHECKED conus_status conus_atlas_exchange_sides(conus_atlas *atlas);
-
-/**
- * Finds out which areas are left and which right. The side of an area is that of the label table, or that in a pair as
- * #CONUS_HEMISPHERES_MERGED makes one, or that of a word in its name, such as "left" or "rh". An area without any of
- * these has the side of the nearest area above it in the tree that has one. Where it lies does not count.
- * @param[out] sides [conus_atlas_object_count() + 1] By number: 'L', 'R', or 0 of areas of both sides or of none that
- * is known, and of pathways and bundles; entry 0 is 0.
- * @param atlas The atlas.
- * @return #CONUS_OK; #CONUS_ERROR_MEMORY.
- */
-CONUS_CHECKED conus_status conus_atlas_sides(char *sides, const conus_atlas *atlas);
 /** @} */
 
 /** @name Hiding
@@ -359,13 +351,6 @@ CONUS_API void conus_atlas_use_safe_colours(conus_atlas *atlas);
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another count.
  */
 CONUS_CHECKED conus_status conus_atlas_use_palette(conus_atlas *atlas, const uint8_t *rgb, size_t count);
-
-/**
- * Gives all areas, pathways and bundles the colours back that they had before conus_atlas_use_safe_colours() or
- * conus_atlas_use_palette().
- * @param atlas The atlas.
- */
-CONUS_API void conus_atlas_use_own_colours(conus_atlas *atlas);
 /** @} */
 
 /** @name What an atlas has
@@ -422,25 +407,6 @@ CONUS_API size_t conus_atlas_object_count(const conus_atlas *atlas);
 CONUS_API const conus_object *conus_atlas_object(const conus_atlas *atlas, size_t number);
 
 /**
- * Gives the depth of an area in the tree, as levels count it.
- * @param atlas The atlas.
- * @param number Number of the object.
- * @return 1 for roots; a merged area has the depth of its pair; 0 for a pathway or bundle.
- */
-CONUS_API uint32_t conus_atlas_depth(const conus_atlas *atlas, size_t number);
-
-/**
- * Gives the word that tells an object from others of the same name. No two pathways and bundles share a name, but an
- * area may share one with them, and so may a left and a right area whose table says which is which. Tables, legends and
- * lists say it where it is needed: "bundle Arc", "left insula".
- * @param[out] prefixes [number of objects + 1], by number: "area", "pathway", "bundle", "left", "right", "left area" or
- *             "right area", and "" where no name is shared, and for 0. The texts are static. Untouched on failure.
- * @param atlas The atlas.
- * @return #CONUS_OK, or #CONUS_ERROR_MEMORY.
- */
-CONUS_API conus_status conus_atlas_prefixes(const char **prefixes, const conus_atlas *atlas);
-
-/**
  * Finds the pathway or bundle called @p name, or else the one area with that name, abbreviation or label.
  * @param[out] out Its number.
  * @param atlas The atlas.
@@ -484,52 +450,12 @@ typedef struct conus_volume_info {
 } conus_volume_info;
 
 /**
- * Counts the volumes. Those of labels come first, one for each grid; pathways and the context follow.
- * @param atlas NULL counts 0.
- * @return How many volumes there are.
- */
-CONUS_API size_t conus_atlas_volume_count(const conus_atlas *atlas);
-
-/**
  * Gives volume @p index.
  * @param atlas The atlas.
  * @param index From 0.
  * @return NULL past the last. Borrowed until the atlas is changed or ends.
  */
 CONUS_API const conus_volume_info *conus_atlas_volume(const conus_atlas *atlas, size_t index);
-
-/** A surface that conus_atlas_set_context() has put around the areas. */
-typedef struct conus_context_surface {
-    size_t struct_size; /**< Its size, as #CONUS_CONTEXT_SURFACE_INIT sets it; 0 = that of this version. */
-    const char *path;   /**< UTF-8 where the file system has it so. Borrowed until the atlas ends. */
-    size_t vertices;    /**< In the file. */
-    size_t triangles;   /**< Those without area are left out. */
-    bool closed;        /**< Every edge is of two triangles: it has an inside. */
-    char hemisphere;    /**< 'L', 'R', 'B', or 0 where the file does not say. */
-    double opacity;     /**< Above 0 to 1. */
-    double low[3];      /**< Lowest x, y, z of its vertices, world mm. */
-    double high[3];     /**< The highest. */
-} conus_context_surface;
-
-/** The size of the struct that the caller was compiled with. */
-#define CONUS_CONTEXT_SURFACE_INIT CONUS_INIT_(conus_context_surface)
-
-/**
- * Counts the surfaces around the areas.
- * @param atlas NULL counts 0.
- * @return How many conus_atlas_set_context() has added.
- */
-CONUS_API size_t conus_atlas_context_surface_count(const conus_atlas *atlas);
-
-/**
- * Tells about a surface around the areas.
- * @param[in,out] out Its struct_size is read; unchanged on failure.
- * @param atlas The atlas.
- * @param index From 0, in the order in which they were added.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT past the last.
- */
-CONUS_CHECKED conus_status conus_atlas_context_surface(conus_context_surface *out, const conus_atlas *atlas,
-                                                       size_t index);
 
 /**
  * Finds where a world point is in the atlas's own space, that of its files.
@@ -539,6 +465,26 @@ CONUS_CHECKED conus_status conus_atlas_context_surface(conus_context_surface *ou
  * @param point World mm.
  */
 CONUS_API void conus_atlas_own_point(double out[3], const conus_atlas *atlas, const double point[3]);
+
+/**
+ * Lists what an atlas has.
+ * @param[out] out The list; end it with conus_table_destroy(). Columns of
+ *  - "objects": kind, index, name, abbreviation, prefix, which tells it from others of its name, side, depth and parent
+ *    in the area tree, hidden; a row is the object of its number;
+ *  - "surfaces", those of conus_atlas_set_context(): path, hemisphere, vertices, triangles, closed, opacity, and the
+ * box around them;
+ *  - "tractograms": path, format, sha256, streamlines, points, length_mm, radius_mm, bundles, scalars, half, and the
+ * box around them; conus_table_objects() has the first of their bundles;
+ *  - "files", other files that it is made of, a manifest, surfaces, labels, lists: path;
+ *  - "notes" that a careful user should know: kind and text. A row of kind "labels" says whence the names are. One of
+ *    kind "exchanged" says that left and right are, of the names or of the places: tell nobody a side of such an atlas;
+ *    conus_atlas_exchange_sides() mends one whose places are. One of kind "warning" says that an answer may name
+ *    another place or another area than the data mean.
+ * @param atlas The atlas.
+ * @param what "objects", "surfaces", "tractograms", "files" or "notes".
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another word.
+ */
+CONUS_CHECKED conus_status conus_atlas_list(conus_table **out, const conus_atlas *atlas, const char *what);
 
 /** Whose brain an atlas is. */
 typedef enum conus_brain {
@@ -607,29 +553,6 @@ typedef struct conus_placement {
 CONUS_CHECKED conus_status conus_atlas_placement(conus_placement *out, const conus_atlas *atlas);
 
 /**
- * Returns whether a deformation field has moved the atlas, so that conus_atlas_own_point() is no affine.
- * @param atlas The atlas.
- * @return Whether one has.
- */
-CONUS_API bool conus_atlas_is_warped(const conus_atlas *atlas);
-
-/**
- * Counts the other files that an atlas is made of: a manifest, surfaces, labels of their vertices, lists of what is
- * shown, volumes of labels that are joined with another on its grid.
- * @param atlas NULL counts 0.
- * @return How many files there are.
- */
-CONUS_API size_t conus_atlas_file_count(const conus_atlas *atlas);
-
-/**
- * Gives the path of other file @p index.
- * @param atlas The atlas.
- * @param index From 0.
- * @return NULL past the last. Borrowed until the atlas is changed or ends.
- */
-CONUS_API const char *conus_atlas_file(const conus_atlas *atlas, size_t index);
-
-/**
  * Finds the box around all voxels, triangles and streamlines that are not hidden.
  * @param[out] low Its lowest x, y, z, world mm.
  * @param[out] high Its highest x, y, z, world mm.
@@ -646,46 +569,6 @@ CONUS_CHECKED conus_status conus_atlas_bounds(double low[3], double high[3], con
  * @return The scaled value; NaN outside the volume's cells, and where there is no such volume.
  */
 CONUS_API double conus_atlas_value(const conus_atlas *atlas, size_t index, const double point[3]);
-
-/**
- * Gives the source of the names, in words.
- * @param atlas The atlas.
- * @return "ITK-SNAP labels in aal.label", "none found". Borrowed until the atlas is changed or ends.
- */
-CONUS_API const char *conus_atlas_label_source(const conus_atlas *atlas);
-
-/**
- * Counts the notes that a careful user should know about this atlas: labels without names, a guessed space.
- * @param atlas NULL counts 0.
- * @return How many notes there are.
- */
-CONUS_API size_t conus_atlas_note_count(const conus_atlas *atlas);
-
-/**
- * Gives note @p index.
- * @param atlas The atlas.
- * @param index From 0.
- * @return One line; NULL past the last. Borrowed until the atlas is changed or ends.
- */
-CONUS_API const char *conus_atlas_note(const conus_atlas *atlas, size_t index);
-
-/**
- * Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
- * data mean.
- * @param atlas The atlas.
- * @param index From 0.
- * @return #CONUS_SEVERITY_NOTE also past the last.
- */
-CONUS_API conus_severity conus_atlas_note_severity(const conus_atlas *atlas, size_t index);
-
-/**
- * Gives the note that left and right are exchanged, of the names or of the places. Tell nobody a side of such an atlas:
- * names say one, places the other. conus_atlas_exchange_sides() mends one whose places are.
- * @param atlas The atlas.
- * @return The note: at least three pairs of a left and a right area, and three quarters of all, lie the other way
- * round. NULL where they do not. Borrowed until the atlas is changed or ends.
- */
-CONUS_API const char *conus_atlas_exchanged(const conus_atlas *atlas);
 
 /** By what a direction into the head was found. */
 typedef enum conus_inward {
@@ -709,101 +592,33 @@ CONUS_CHECKED conus_status conus_atlas_inward(double out[3], conus_inward *from,
 /** @} */
 
 /** @name Names
- * The atlases that are installed on this computer, by name. docs/commands.md says in which folders they are looked for.
+ * The atlases that are installed on this computer, by name, and the words that options take. docs/commands.md says in
+ * which folders atlases are looked for.
  * @{ */
 
-typedef struct conus_catalogue conus_catalogue; /**< The atlases found, and the places searched. */
-
-/** How conus_catalogue_create() looks. */
-typedef struct conus_catalogue_options {
-    size_t struct_size; /**< Its size, as #CONUS_CATALOGUE_OPTIONS_INIT sets it; 0 = that of this version. */
-    conus_log log;      /**< Receives the notes of conus_catalogue_note(); NULL = no callback. */
-    void *log_user;     /**< Passed to @p log. */
-} conus_catalogue_options;
-
-/** The defaults, and the size of the struct that the caller was compiled with. */
-#define CONUS_CATALOGUE_OPTIONS_INIT CONUS_INIT_(conus_catalogue_options)
-
 /**
- * Looks for atlases in the folders that the environment names: $CONUS_ATLAS_PATH, and where mricron, FSL, FreeSurfer,
+ * Lists the atlases in the folders that the environment names: $CONUS_ATLAS_PATH, and where mricron, FSL, FreeSurfer,
  * BrainGlobe, TemplateFlow, AFNI, SPM, CAT12, nilearn and MRIcroGL keep theirs. Reads names, the headers of volumes and
  * the XMLs of FSL atlases, no voxel. A folder that cannot be read, or that holds more than is looked at, is a note.
- * @param[out] out The catalogue; end it with conus_catalogue_destroy().
- * @param options NULL = defaults.
+ * @param[out] out Columns name (for conus_atlas_load(), of several of one name as "source:name"), source, kind,
+ * spacing_x, spacing_y, spacing_z, path and labels; those of one source stand together, $CONUS_ATLAS_PATH comes first.
+ * Its part "places" has the folders, there or not: source, rule, path, there. End it with conus_table_destroy().
+ * @param log Receives the notes; NULL = no callback.
+ * @param log_user Passed to @p log.
  * @return #CONUS_OK, also where nothing is found.
  * @threads Any, while none changes the environment.
  */
-CONUS_CHECKED conus_status conus_catalogue_create(conus_catalogue **out, const conus_catalogue_options *options);
+CONUS_CHECKED conus_status conus_list_installed(conus_table **out, conus_log log, void *log_user);
 
 /**
- * Ends a catalogue.
- * @param catalogue NULL is allowed.
+ * Lists the words that an option takes, or of which it is made.
+ * @param[out] out Columns name and help, of which most words have none; in the order of the enum, where there is one.
+ * End it with conus_table_destroy().
+ * @param what "pose formats" (conus_pose_options.format), "scores" (conus_selector_options.score), "spaces"
+ * (#conus_space) or "transfers" (presets of grey values for the context volume).
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another word.
  */
-CONUS_API void conus_catalogue_destroy(conus_catalogue *catalogue);
-
-/** An atlas that is installed. */
-typedef struct conus_installed {
-    const char *name;   /**< "aal". UTF-8, one line, without '/'. Not always the only one of that name. */
-    const char *source; /**< Whose folder it is in: "mricron", "fsl"; "own" for $CONUS_ATLAS_PATH. */
-    const char *kind;   /**< "volume", "probabilities" (an FSL atlas), "surface", "surfaces" (a folder), "scene" (a
-                           manifest) or "pack". */
-    const char *path;   /**< For conus_atlas_load(). Bytes, not always UTF-8. */
-    const char *labels; /**< For conus_load_options.labels; NULL = conus_atlas_load() finds the labels. */
-    double spacing[3];  /**< Edge lengths of a voxel, mm; 0 where they are not known. */
-} conus_installed;
-
-/**
- * Counts the atlases.
- * @param catalogue NULL counts 0.
- * @return How many there are.
- */
-CONUS_API size_t conus_catalogue_count(const conus_catalogue *catalogue);
-
-/**
- * Gives atlas @p index. Those of one source stand together; $CONUS_ATLAS_PATH comes first.
- * @param catalogue The catalogue.
- * @param index From 0.
- * @return NULL past the last. Borrowed from the catalogue.
- */
-CONUS_API const conus_installed *conus_catalogue_atlas(const conus_catalogue *catalogue, size_t index);
-
-/** A folder in which atlases are looked for. */
-typedef struct conus_catalogue_place {
-    const char *source; /**< As conus_installed.source. */
-    const char *rule;   /**< How it is named: "$FSLDIR/data/atlases". */
-    const char *path;   /**< The folder; "" where the environment does not say which. */
-    bool there;         /**< There is such a folder. */
-} conus_catalogue_place;
-
-/**
- * Counts the places in which was looked, there or not.
- * @param catalogue NULL counts 0.
- * @return How many there are.
- */
-CONUS_API size_t conus_catalogue_place_count(const conus_catalogue *catalogue);
-
-/**
- * Gives place @p index, in the order in which they were looked at.
- * @param catalogue The catalogue.
- * @param index From 0.
- * @return NULL past the last. Borrowed from the catalogue.
- */
-CONUS_API const conus_catalogue_place *conus_catalogue_place_at(const conus_catalogue *catalogue, size_t index);
-
-/**
- * Counts the notes about what was left out.
- * @param catalogue NULL counts 0.
- * @return How many there are.
- */
-CONUS_API size_t conus_catalogue_note_count(const conus_catalogue *catalogue);
-
-/**
- * Gives note @p index.
- * @param catalogue The catalogue.
- * @param index From 0.
- * @return One line; NULL past the last. Borrowed from the catalogue.
- */
-CONUS_API const char *conus_catalogue_note(const conus_catalogue *catalogue, size_t index);
+CONUS_CHECKED conus_status conus_list_choices(conus_table **out, const char *what);
 /** @} */
 
 /** @name Packs

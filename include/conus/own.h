@@ -281,6 +281,58 @@ CONUS_API const char *conus_pose_list_coordsystem(const conus_pose_list *list);
  * @return "" where it names none. Borrowed from the list.
  */
 CONUS_API const char *conus_pose_list_space(const conus_pose_list *list);
+
+/**
+ * Names the formats, for a program's options.
+ * @param index From 0, as #conus_pose_format.
+ * @return "auto", "table" and so on; NULL past the last. Static.
+ */
+CONUS_API const char *conus_pose_format_name(size_t index);
+
+/**
+ * Gives note @p index that a careful user should know about these poses.
+ * @param stream The stream.
+ * @param index From 0.
+ * @return One line; NULL past the last. Borrowed from the stream.
+ */
+CONUS_API const char *conus_pose_stream_note(const conus_pose_stream *stream, size_t index);
+
+/**
+ * Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
+ * data mean.
+ * @param stream The stream.
+ * @param index From 0.
+ * @return #CONUS_SEVERITY_NOTE also past the last.
+ */
+CONUS_API conus_severity conus_pose_stream_note_severity(const conus_pose_stream *stream, size_t index);
+
+/**
+ * Gives a note, as conus_pose_stream_note().
+ * @param list The list.
+ * @param index From 0.
+ * @return One line; NULL past the last. Borrowed from the list.
+ * @threads One at a time for each @p list.
+ */
+CONUS_API const char *conus_pose_list_note(const conus_pose_list *list, size_t index);
+
+/**
+ * Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
+ * data mean.
+ * @param list The list.
+ * @param index From 0.
+ * @return #CONUS_SEVERITY_NOTE also past the last.
+ * @threads One at a time for each @p list.
+ */
+CONUS_API conus_severity conus_pose_list_note_severity(const conus_pose_list *list, size_t index);
+
+/**
+ * Gives the pose that conus_select_many() answers.
+ * @param[out] out The pose.
+ * @param poses The arrays.
+ * @param index Below its count.
+ * @return #CONUS_OK; as conus_pose_from_matrix() or conus_pose_along().
+ */
+CONUS_CHECKED conus_status conus_pose_array_at(conus_pose *out, const conus_pose_array *poses, size_t index);
 /** @} */
 
 /** @name A window
@@ -302,6 +354,26 @@ CONUS_CHECKED conus_status conus_window_camera(conus_pose *camera, double frustu
 
 /** @name Spaces
  * @{ */
+
+/**
+ * Tells whether a text is near:AREA, so that another place has to be found before.
+ * @param text The text.
+ * @return True if it is.
+ */
+CONUS_API bool conus_place_is_near(const char *text);
+
+/**
+ * Compares where the points of a list lie with what their names say. Names count where three points or more, and at
+ * least half of them, have those of areas (four fifths, with two words for the rows of the head, those of positions),
+ * so that contacts "A1" of a shaft are no areas. A number is no name. Positions are compared where the atlas is known
+ * to lie in MNI 152 or Colin 27.
+ * @param[out] out What was found; all 0 where names say nothing.
+ * @param atlas Where they are, as it lies in the world now.
+ * @param list Its first 64 rows are looked at; rows with a direction are not.
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
+ */
+CONUS_CHECKED conus_status conus_places_check(conus_name_check *out, const conus_atlas *atlas,
+                                              const conus_pose_list *list);
 
 /**
  * Names the spaces, for a program's options.
@@ -328,6 +400,51 @@ CONUS_API const char *conus_space_unit(conus_space space);
 
 /** @name Probes
  * @{ */
+
+/** A contact. */
+typedef struct conus_probe_contact {
+    const char *id;    /**< Its contact_id, that of no other in the file: "0", "1" and so on where the file has none. In
+                          a file of several probes the name of its probe and a colon stand before it: "probe2:e7". */
+    const char *shank; /**< Its shank_id; "" where the file has none. */
+    const char *probe; /**< Name of its probe: "probe1", "probe2", in the order of the file. */
+    size_t index;      /**< Index of its probe. */
+    int64_t channel; /**< The trace that it is recorded on, from 0; -1 = it is not wired, -2 = the file does not say. */
+    double position[3]; /**< As in the file, micrometres; the third is NaN of a probe in two dimensions. */
+    double offset[3]; /**< mm from the probe's tip in the device's frame (Eq. 2): +x as the probe's x axis, +z along the
+                         shank, away from the tip. */
+} conus_probe_contact;
+
+/**
+ * Counts the probes.
+ * @param probe NULL counts 0.
+ * @return How many the file has.
+ */
+CONUS_API size_t conus_probe_count(const conus_probe *probe);
+
+/**
+ * Counts the contacts of all probes, in the order of the file.
+ * @param probe NULL counts 0.
+ * @return How many there are.
+ */
+CONUS_API size_t conus_probe_contact_count(const conus_probe *probe);
+
+/**
+ * Gives contact @p index.
+ * @param probe The probes.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed from the probes.
+ */
+CONUS_API const conus_probe_contact *conus_probe_at(const conus_probe *probe, size_t index);
+
+/**
+ * Gives the tip of a probe: the lowest point of its contour, in the middle of an edge that is as low; of several that
+ * are as low, shanks side by side, that of the least x.
+ * @param[out] out As in the file, micrometres; the third is NaN of a probe in two dimensions. Unchanged for another
+ * index.
+ * @param probe The probes.
+ * @param index Index of the probe, from 0.
+ */
+CONUS_API void conus_probe_tip(double out[3], const conus_probe *probe, size_t index);
 
 /**
  * Makes several of the one probe of a file, as if the file had them: insertions of one kind.
@@ -651,10 +768,24 @@ CONUS_CHECKED conus_status conus_atlas_pack(void *memory, size_t size, const con
  * @return #CONUS_OK; #CONUS_ERROR_DATA where there is no whole atlas of this version.
  */
 CONUS_CHECKED conus_status conus_atlas_attach(conus_atlas **out, const void *memory, size_t size);
+
+/**
+ * Gives all areas, pathways and bundles the colours back that they had before conus_atlas_use_safe_colours() or
+ * conus_atlas_use_palette().
+ * @param atlas The atlas.
+ */
+CONUS_API void conus_atlas_use_own_colours(conus_atlas *atlas);
 /** @} */
 
 /** @name What an atlas has
  * @{ */
+
+/**
+ * Returns whether a deformation field has moved the atlas, so that conus_atlas_own_point() is no affine.
+ * @param atlas The atlas.
+ * @return Whether one has.
+ */
+CONUS_API bool conus_atlas_is_warped(const conus_atlas *atlas);
 
 /**
  * Finds where a ray first meets a surface around the areas, from either side. Looks at every triangle.
@@ -717,6 +848,132 @@ CONUS_CHECKED conus_status conus_atlas_histogram(uint64_t *counts, size_t bins, 
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where there is no such volume.
  */
 CONUS_CHECKED conus_status conus_atlas_window(double window[2], const conus_atlas *atlas, size_t index);
+
+/**
+ * Finds out which areas are left and which right. The side of an area is that of the label table, or that in a pair as
+ * #CONUS_HEMISPHERES_MERGED makes one, or that of a word in its name, such as "left" or "rh". An area without any of
+ * these has the side of the nearest area above it in the tree that has one. Where it lies does not count.
+ * @param[out] sides [conus_atlas_object_count() + 1] By number: 'L', 'R', or 0 of areas of both sides or of none that
+ * is known, and of pathways and bundles; entry 0 is 0.
+ * @param atlas The atlas.
+ * @return #CONUS_OK; #CONUS_ERROR_MEMORY.
+ */
+CONUS_CHECKED conus_status conus_atlas_sides(char *sides, const conus_atlas *atlas);
+
+/**
+ * Gives the depth of an area in the tree, as levels count it.
+ * @param atlas The atlas.
+ * @param number Number of the object.
+ * @return 1 for roots; a merged area has the depth of its pair; 0 for a pathway or bundle.
+ */
+CONUS_API uint32_t conus_atlas_depth(const conus_atlas *atlas, size_t number);
+
+/**
+ * Gives the word that tells an object from others of the same name. No two pathways and bundles share a name, but an
+ * area may share one with them, and so may a left and a right area whose table says which is which. Tables, legends and
+ * lists say it where it is needed: "bundle Arc", "left insula".
+ * @param[out] prefixes [number of objects + 1], by number: "area", "pathway", "bundle", "left", "right", "left area" or
+ *             "right area", and "" where no name is shared, and for 0. The texts are static. Untouched on failure.
+ * @param atlas The atlas.
+ * @return #CONUS_OK, or #CONUS_ERROR_MEMORY.
+ */
+CONUS_API conus_status conus_atlas_prefixes(const char **prefixes, const conus_atlas *atlas);
+
+/**
+ * Counts the volumes. Those of labels come first, one for each grid; pathways and the context follow.
+ * @param atlas NULL counts 0.
+ * @return How many volumes there are.
+ */
+CONUS_API size_t conus_atlas_volume_count(const conus_atlas *atlas);
+
+/** A surface that conus_atlas_set_context() has put around the areas. */
+typedef struct conus_context_surface {
+    size_t struct_size; /**< Its size, as #CONUS_CONTEXT_SURFACE_INIT sets it; 0 = that of this version. */
+    const char *path;   /**< UTF-8 where the file system has it so. Borrowed until the atlas ends. */
+    size_t vertices;    /**< In the file. */
+    size_t triangles;   /**< Those without area are left out. */
+    bool closed;        /**< Every edge is of two triangles: it has an inside. */
+    char hemisphere;    /**< 'L', 'R', 'B', or 0 where the file does not say. */
+    double opacity;     /**< Above 0 to 1. */
+    double low[3];      /**< Lowest x, y, z of its vertices, world mm. */
+    double high[3];     /**< The highest. */
+} conus_context_surface;
+
+/** The size of the struct that the caller was compiled with. */
+#define CONUS_CONTEXT_SURFACE_INIT CONUS_INIT_(conus_context_surface)
+
+/**
+ * Counts the surfaces around the areas.
+ * @param atlas NULL counts 0.
+ * @return How many conus_atlas_set_context() has added.
+ */
+CONUS_API size_t conus_atlas_context_surface_count(const conus_atlas *atlas);
+
+/**
+ * Tells about a surface around the areas.
+ * @param[in,out] out Its struct_size is read; unchanged on failure.
+ * @param atlas The atlas.
+ * @param index From 0, in the order in which they were added.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT past the last.
+ */
+CONUS_CHECKED conus_status conus_atlas_context_surface(conus_context_surface *out, const conus_atlas *atlas,
+                                                       size_t index);
+
+/**
+ * Counts the other files that an atlas is made of: a manifest, surfaces, labels of their vertices, lists of what is
+ * shown, volumes of labels that are joined with another on its grid.
+ * @param atlas NULL counts 0.
+ * @return How many files there are.
+ */
+CONUS_API size_t conus_atlas_file_count(const conus_atlas *atlas);
+
+/**
+ * Gives the path of other file @p index.
+ * @param atlas The atlas.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed until the atlas is changed or ends.
+ */
+CONUS_API const char *conus_atlas_file(const conus_atlas *atlas, size_t index);
+
+/**
+ * Gives the source of the names, in words.
+ * @param atlas The atlas.
+ * @return "ITK-SNAP labels in aal.label", "none found". Borrowed until the atlas is changed or ends.
+ */
+CONUS_API const char *conus_atlas_label_source(const conus_atlas *atlas);
+
+/**
+ * Counts the notes that a careful user should know about this atlas: labels without names, a guessed space.
+ * @param atlas NULL counts 0.
+ * @return How many notes there are.
+ */
+CONUS_API size_t conus_atlas_note_count(const conus_atlas *atlas);
+
+/**
+ * Gives note @p index.
+ * @param atlas The atlas.
+ * @param index From 0.
+ * @return One line; NULL past the last. Borrowed until the atlas is changed or ends.
+ */
+CONUS_API const char *conus_atlas_note(const conus_atlas *atlas, size_t index);
+
+/**
+ * Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
+ * data mean.
+ * @param atlas The atlas.
+ * @param index From 0.
+ * @return #CONUS_SEVERITY_NOTE also past the last.
+ */
+CONUS_API conus_severity conus_atlas_note_severity(const conus_atlas *atlas, size_t index);
+
+/**
+ * Gives the note that left and right are exchanged, of the names or of the places. Tell nobody a side of such an atlas:
+ * names say one, places the other. conus_atlas_exchange_sides() mends one whose places are.
+ * @param atlas The atlas.
+ * @return The note: at least three pairs of a left and a right area, and three quarters of all, lie the other way
+ * round. NULL where they do not. Borrowed until the atlas is changed or ends.
+ */
+CONUS_API const char *conus_atlas_exchanged(const conus_atlas *atlas);
 /** @} */
 
 /** @name Packs
@@ -759,6 +1016,99 @@ CONUS_API const char *conus_atlas_pack_source(conus_source_state *state, const c
 /** @name Names of atlases
  * @{ */
 
+typedef struct conus_catalogue conus_catalogue; /**< The atlases found, and the places searched. */
+
+/** How conus_catalogue_create() looks. */
+typedef struct conus_catalogue_options {
+    size_t struct_size; /**< Its size, as #CONUS_CATALOGUE_OPTIONS_INIT sets it; 0 = that of this version. */
+    conus_log log;      /**< Receives the notes of conus_catalogue_note(); NULL = no callback. */
+    void *log_user;     /**< Passed to @p log. */
+} conus_catalogue_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_CATALOGUE_OPTIONS_INIT CONUS_INIT_(conus_catalogue_options)
+
+/**
+ * Looks for atlases in the folders that the environment names: $CONUS_ATLAS_PATH, and where mricron, FSL, FreeSurfer,
+ * BrainGlobe, TemplateFlow, AFNI, SPM, CAT12, nilearn and MRIcroGL keep theirs. Reads names, the headers of volumes and
+ * the XMLs of FSL atlases, no voxel. A folder that cannot be read, or that holds more than is looked at, is a note.
+ * @param[out] out The catalogue; end it with conus_catalogue_destroy().
+ * @param options NULL = defaults.
+ * @return #CONUS_OK, also where nothing is found.
+ * @threads Any, while none changes the environment.
+ */
+CONUS_CHECKED conus_status conus_catalogue_create(conus_catalogue **out, const conus_catalogue_options *options);
+
+/**
+ * Ends a catalogue.
+ * @param catalogue NULL is allowed.
+ */
+CONUS_API void conus_catalogue_destroy(conus_catalogue *catalogue);
+
+/** An atlas that is installed. */
+typedef struct conus_installed {
+    const char *name;   /**< "aal". UTF-8, one line, without '/'. Not always the only one of that name. */
+    const char *source; /**< Whose folder it is in: "mricron", "fsl"; "own" for $CONUS_ATLAS_PATH. */
+    const char *kind;   /**< "volume", "probabilities" (an FSL atlas), "surface", "surfaces" (a folder), "scene" (a
+                           manifest) or "pack". */
+    const char *path;   /**< For conus_atlas_load(). Bytes, not always UTF-8. */
+    const char *labels; /**< For conus_load_options.labels; NULL = conus_atlas_load() finds the labels. */
+    double spacing[3];  /**< Edge lengths of a voxel, mm; 0 where they are not known. */
+} conus_installed;
+
+/**
+ * Counts the atlases.
+ * @param catalogue NULL counts 0.
+ * @return How many there are.
+ */
+CONUS_API size_t conus_catalogue_count(const conus_catalogue *catalogue);
+
+/**
+ * Gives atlas @p index. Those of one source stand together; $CONUS_ATLAS_PATH comes first.
+ * @param catalogue The catalogue.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed from the catalogue.
+ */
+CONUS_API const conus_installed *conus_catalogue_atlas(const conus_catalogue *catalogue, size_t index);
+
+/** A folder in which atlases are looked for. */
+typedef struct conus_catalogue_place {
+    const char *source; /**< As conus_installed.source. */
+    const char *rule;   /**< How it is named: "$FSLDIR/data/atlases". */
+    const char *path;   /**< The folder; "" where the environment does not say which. */
+    bool there;         /**< There is such a folder. */
+} conus_catalogue_place;
+
+/**
+ * Counts the places in which was looked, there or not.
+ * @param catalogue NULL counts 0.
+ * @return How many there are.
+ */
+CONUS_API size_t conus_catalogue_place_count(const conus_catalogue *catalogue);
+
+/**
+ * Gives place @p index, in the order in which they were looked at.
+ * @param catalogue The catalogue.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed from the catalogue.
+ */
+CONUS_API const conus_catalogue_place *conus_catalogue_place_at(const conus_catalogue *catalogue, size_t index);
+
+/**
+ * Counts the notes about what was left out.
+ * @param catalogue NULL counts 0.
+ * @return How many there are.
+ */
+CONUS_API size_t conus_catalogue_note_count(const conus_catalogue *catalogue);
+
+/**
+ * Gives note @p index.
+ * @param catalogue The catalogue.
+ * @param index From 0.
+ * @return One line; NULL past the last. Borrowed from the catalogue.
+ */
+CONUS_API const char *conus_catalogue_note(const conus_catalogue *catalogue, size_t index);
+
 /**
  * Finds the one atlas that is called @p name, or "source:name". If there is none, upper and lower case are taken for
  * the same, and so are names that differ only in '-', '_', '.', '+' and spaces.
@@ -793,6 +1143,43 @@ CONUS_API bool conus_atlas_is_path(const char *text);
 
 /** @name Tractograms
  * @{ */
+
+/** A tractogram of an atlas. */
+typedef struct conus_tractogram_info {
+    size_t struct_size;   /**< Its size, as #CONUS_TRACTOGRAM_INFO_INIT sets it; 0 = that of this version. */
+    const char *path;     /**< As opened: bytes, not always UTF-8. Borrowed, as the next two, until the atlas ends. */
+    const char *format;   /**< "TrackVis 2, gzip"; "array" of streamlines from memory. */
+    const char *sha256;   /**< SHA-256 of the file, in hexadecimal; "" for a folder and for memory. */
+    uint64_t streamlines; /**< How many. */
+    uint64_t points;      /**< In all of them. */
+    double length_mm;     /**< Total length of all of them, mm. */
+    double radius;        /**< mm */
+    double low[3];        /**< Lowest x, y, z of its points, world mm; NAN without a point. */
+    double high[3];       /**< The highest. */
+    bool half;            /**< Its points have half precision, as in its file. */
+    size_t scalars;       /**< How many conus_atlas_tractogram_scalar() gives. */
+    size_t bundle;        /**< Number of the first of the objects that are its streamlines. */
+    size_t bundles;       /**< How many follow each other there: its groups and the rest, or one for all. */
+} conus_tractogram_info;
+
+/** The size of the struct that the caller was compiled with. */
+#define CONUS_TRACTOGRAM_INFO_INIT CONUS_INIT_(conus_tractogram_info)
+
+/**
+ * Counts the tractograms.
+ * @param atlas NULL counts 0.
+ * @return How many there are.
+ */
+CONUS_API size_t conus_atlas_tractogram_count(const conus_atlas *atlas);
+
+/**
+ * Tells about a tractogram.
+ * @param[in,out] out Its struct_size is read; unchanged on failure.
+ * @param atlas The atlas.
+ * @param index From 0, in the order in which they were added.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT past the last.
+ */
+CONUS_CHECKED conus_status conus_atlas_tractogram(conus_tractogram_info *out, const conus_atlas *atlas, size_t index);
 
 typedef struct conus_tractogram conus_tractogram; /**< Streamlines of a file, for several atlases. */
 
@@ -1069,6 +1456,28 @@ CONUS_API const uint32_t *conus_cutter_objects(const conus_cutter *cutter);
  * @return [height width] As of conus_cutter_rgba().
  */
 CONUS_API const uint32_t *conus_cutter_shown(const conus_cutter *cutter);
+
+/**
+ * Names preset @p index of grey values for the context volume.
+ * @param index From 0.
+ * @return NULL past the last. Static.
+ */
+CONUS_API const char *conus_transfer_preset(size_t index);
+
+/**
+ * Draws a cut as a figure: with letters of directions at its edges where they are within 15 degrees of them, a scale
+ * bar, and with a selection its legend, as conus_render() has them.
+ * @param[out] out Channels R, G, B, A, as of conus_render(). End it with conus_image_destroy().
+ * @param atlas The atlas.
+ * @param view What to draw. Its width and height are the figure's. A legend on the right takes some of the width;
+ * where the cut then becomes narrower than high, mm_per_pixel grows, so that its shorter side shows as much.
+ * @param sheet Its legend, background, dpi, no_legend, frame, shapes, measured, listed, points, title and own_colours
+ * count; the background is seen beside the cut only. NULL = defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view or sheet out of its range; #CONUS_ERROR_MEMORY for more than 8
+ * GiB, at 32 bytes per pixel.
+ */
+CONUS_CHECKED conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const conus_cut_view *view,
+                                           const conus_view *sheet);
 /** @} */
 
 #ifdef __cplusplus

@@ -25,13 +25,6 @@ typedef struct conus_renderer conus_renderer; /**< One atlas made ready for pict
  * the same. By rays they have the same bytes on every system.
  * @{ */
 
-/**
- * Names preset @p index of grey values for the context volume.
- * @param index From 0.
- * @return NULL past the last. Static.
- */
-CONUS_API const char *conus_transfer_preset(size_t index);
-
 /** How a renderer draws a pathway as haze: by colours and opacities of its values, as a context. */
 typedef struct conus_pathway_transfer {
     uint32_t pathway;     /**< Its number; 0 = every one that has no entry of its own. */
@@ -328,21 +321,6 @@ typedef struct conus_cut_view {
  */
 CONUS_CHECKED conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const conus_atlas *atlas,
                                      const conus_cut_view *view);
-
-/**
- * Draws a cut as a figure: with letters of directions at its edges where they are within 15 degrees of them, a scale
- * bar, and with a selection its legend, as conus_render() has them.
- * @param[out] out Channels R, G, B, A, as of conus_render(). End it with conus_image_destroy().
- * @param atlas The atlas.
- * @param view What to draw. Its width and height are the figure's. A legend on the right takes some of the width;
- * where the cut then becomes narrower than high, mm_per_pixel grows, so that its shorter side shows as much.
- * @param sheet Its legend, background, dpi, no_legend, frame, shapes, measured, listed, points, title and own_colours
- * count; the background is seen beside the cut only. NULL = defaults.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view or sheet out of its range; #CONUS_ERROR_MEMORY for more than 8
- * GiB, at 32 bytes per pixel.
- */
-CONUS_CHECKED conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const conus_cut_view *view,
-                                           const conus_view *sheet);
 
 /** A plane through an atlas. */
 typedef struct conus_cut_plane {

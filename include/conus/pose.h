@@ -119,13 +119,6 @@ typedef enum conus_pose_format {
     CONUS_POSE_FORMAT_LIST /**< Lists of other programs whose columns are known by their place: points. */
 } conus_pose_format;
 
-/**
- * Names the formats, for a program's options.
- * @param index From 0, as #conus_pose_format.
- * @return "auto", "table" and so on; NULL past the last. Static.
- */
-CONUS_API const char *conus_pose_format_name(size_t index);
-
 struct conus_place;         /* below */
 struct conus_place_options; /* below */
 
@@ -142,7 +135,7 @@ typedef struct conus_pose_options {
     bool along_shafts;        /**< #CONUS_POSE_FORMAT_ELECTRODES: not points, but poses at the contacts that point along
                                  their shafts, each to the contact with the next higher number. */
     uint64_t max_memory;      /**< Largest file of a format that is read whole, in bytes; 0 = 1 GiB. */
-    conus_log log;            /**< Receives the notes of conus_pose_stream_note(), while the file is opened and from
+    conus_log log;            /**< Receives what a careful user should know, while the file is opened and from
                                  conus_pose_stream_match() and conus_pose_list_match(); NULL = no callback. */
     void *log_user;           /**< Passed to @p log; must outlive the stream or list. */
     const conus_frame *frame; /**< Where the space of the numbers in the file lies, instead of @p space; copied. NULL =
@@ -255,23 +248,6 @@ CONUS_API void conus_pose_stream_stop(conus_pose_stream *stream);
 CONUS_CHECKED conus_status conus_pose_stream_match(conus_pose_stream *stream, const conus_atlas *atlas);
 
 /**
- * Gives note @p index that a careful user should know about these poses.
- * @param stream The stream.
- * @param index From 0.
- * @return One line; NULL past the last. Borrowed from the stream.
- */
-CONUS_API const char *conus_pose_stream_note(const conus_pose_stream *stream, size_t index);
-
-/**
- * Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
- * data mean.
- * @param stream The stream.
- * @param index From 0.
- * @return #CONUS_SEVERITY_NOTE also past the last.
- */
-CONUS_API conus_severity conus_pose_stream_note_severity(const conus_pose_stream *stream, size_t index);
-
-/**
  * Ends a stream.
  * @param stream NULL is allowed.
  */
@@ -314,25 +290,6 @@ CONUS_API const conus_pose_row *conus_pose_list_row(const conus_pose_list *list,
  * @return #CONUS_OK; #CONUS_ERROR_DATA where they name different brains.
  */
 CONUS_CHECKED conus_status conus_pose_list_match(conus_pose_list *list, const conus_atlas *atlas);
-
-/**
- * Gives a note, as conus_pose_stream_note().
- * @param list The list.
- * @param index From 0.
- * @return One line; NULL past the last. Borrowed from the list.
- * @threads One at a time for each @p list.
- */
-CONUS_API const char *conus_pose_list_note(const conus_pose_list *list, size_t index);
-
-/**
- * Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
- * data mean.
- * @param list The list.
- * @param index From 0.
- * @return #CONUS_SEVERITY_NOTE also past the last.
- * @threads One at a time for each @p list.
- */
-CONUS_API conus_severity conus_pose_list_note_severity(const conus_pose_list *list, size_t index);
 
 /**
  * Ends a list.
@@ -403,13 +360,6 @@ CONUS_CHECKED conus_status conus_place_find(conus_place *out, const conus_atlas 
                                             const conus_place_options *options);
 
 /**
- * Tells whether a text is near:AREA, so that another place has to be found before.
- * @param text The text.
- * @return True if it is.
- */
-CONUS_API bool conus_place_is_near(const char *text);
-
-/**
  * Says how a place was understood: "Hippocampus_L: (-27.0, -13.0, -15.0), 6.0 mm inside".
  * @param[out] out [#CONUS_PLACE_TEXT] The text, without a line's end, cut where it is too long.
  * @param place The place.
@@ -432,19 +382,6 @@ typedef struct conus_name_check {
     conus_name_gap areas;     /**< Names of areas and pathways: mm to them, 0 inside. */
     conus_name_gap positions; /**< Names of positions of the 10-10 system: mm to these. */
 } conus_name_check;
-
-/**
- * Compares where the points of a list lie with what their names say. Names count where three points or more, and at
- * least half of them, have those of areas (four fifths, with two words for the rows of the head, those of positions),
- * so that contacts "A1" of a shaft are no areas. A number is no name. Positions are compared where the atlas is known
- * to lie in MNI 152 or Colin 27.
- * @param[out] out What was found; all 0 where names say nothing.
- * @param atlas Where they are, as it lies in the world now.
- * @param list Its first 64 rows are looked at; rows with a direction are not.
- * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
- */
-CONUS_CHECKED conus_status conus_places_check(conus_name_check *out, const conus_atlas *atlas,
-                                              const conus_pose_list *list);
 /** @} */
 
 /** @name Probes
@@ -463,19 +400,6 @@ typedef struct conus_probe_options {
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_PROBE_OPTIONS_INIT CONUS_INIT_(conus_probe_options)
-
-/** A contact. */
-typedef struct conus_probe_contact {
-    const char *id;    /**< Its contact_id, that of no other in the file: "0", "1" and so on where the file has none. In
-                          a file of several probes the name of its probe and a colon stand before it: "probe2:e7". */
-    const char *shank; /**< Its shank_id; "" where the file has none. */
-    const char *probe; /**< Name of its probe: "probe1", "probe2", in the order of the file. */
-    size_t index;      /**< Index of its probe. */
-    int64_t channel; /**< The trace that it is recorded on, from 0; -1 = it is not wired, -2 = the file does not say. */
-    double position[3]; /**< As in the file, micrometres; the third is NaN of a probe in two dimensions. */
-    double offset[3]; /**< mm from the probe's tip in the device's frame (Eq. 2): +x as the probe's x axis, +z along the
-                         shank, away from the tip. */
-} conus_probe_contact;
 
 /**
  * Loads a file of ProbeInterface, or the probes of a recording: SpikeGLX's .ap.meta or .imro, Open Ephys's settings.xml
@@ -496,36 +420,16 @@ CONUS_CHECKED conus_status conus_probe_load(conus_probe **out, const char *path,
 CONUS_API void conus_probe_destroy(conus_probe *probe);
 
 /**
- * Counts the probes.
- * @param probe NULL counts 0.
- * @return How many the file has.
- */
-CONUS_API size_t conus_probe_count(const conus_probe *probe);
-
-/**
- * Counts the contacts of all probes, in the order of the file.
- * @param probe NULL counts 0.
- * @return How many there are.
- */
-CONUS_API size_t conus_probe_contact_count(const conus_probe *probe);
-
-/**
- * Gives contact @p index.
+ * Lists the contacts, in the order of the file.
+ * @param[out] out Columns id (that of no other in the file: "e7", of several probes "probe2:e7"), probe, number (of the
+ * probe, from 1), shank_id, channel, x_um, y_um, z_um (as in the file), offset_x, offset_y, offset_z (mm from the
+ * probe's tip in the device's frame, Eq. 2). Its part "tips" has x_um, y_um, z_um of each probe's tip: the lowest point
+ * of its contour, in the middle of an edge that is as low; of several that are as low, shanks side by side, that of the
+ * least x. End it with conus_table_destroy().
  * @param probe The probes.
- * @param index From 0.
- * @return NULL past the last. Borrowed from the probes.
+ * @return #CONUS_OK; #CONUS_ERROR_MEMORY.
  */
-CONUS_API const conus_probe_contact *conus_probe_at(const conus_probe *probe, size_t index);
-
-/**
- * Gives the tip of a probe: the lowest point of its contour, in the middle of an edge that is as low; of several that
- * are as low, shanks side by side, that of the least x.
- * @param[out] out As in the file, micrometres; the third is NaN of a probe in two dimensions. Unchanged for another
- * index.
- * @param probe The probes.
- * @param index Index of the probe, from 0.
- */
-CONUS_API void conus_probe_tip(double out[3], const conus_probe *probe, size_t index);
+CONUS_CHECKED conus_status conus_probe_table(conus_table **out, const conus_probe *probe);
 
 /**
  * Puts the contacts where poses say: the tip at the pose's position, the shank along its axis, from base to tip, and

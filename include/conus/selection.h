@@ -455,15 +455,6 @@ typedef struct conus_pose_array {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_POSE_ARRAY_INIT CONUS_INIT_(conus_pose_array)
 
-/**
- * Gives the pose that conus_select_many() answers.
- * @param[out] out The pose.
- * @param poses The arrays.
- * @param index Below its count.
- * @return #CONUS_OK; as conus_pose_from_matrix() or conus_pose_along().
- */
-CONUS_CHECKED conus_status conus_pose_array_at(conus_pose *out, const conus_pose_array *poses, size_t index);
-
 /** How conus_select_many() answers. */
 typedef struct conus_many_options {
     size_t struct_size; /**< Its size, as #CONUS_MANY_OPTIONS_INIT sets it; 0 = that of this version. */
@@ -484,7 +475,7 @@ typedef struct conus_answers {
     const size_t *starts;        /**< [poses + 1] The results of pose first + i are starts[i] to starts[i + 1] - 1. */
     const conus_result *results; /**< [starts[poses]] In the order of conus_selection_result(). */
     const conus_status *status;  /**< [poses] #CONUS_ERROR_ARGUMENT for a pose without an answer: a number that is not
-                                    finite, say. conus_pose_array_at() or conus_select() with that pose says why. */
+                                    finite, say. conus_select() with that pose says why. */
 } conus_answers;
 
 /**

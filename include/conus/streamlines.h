@@ -91,43 +91,6 @@ typedef struct conus_polylines {
 CONUS_CHECKED conus_status conus_atlas_add_polylines(conus_atlas *atlas, const conus_polylines *polylines,
                                                      const conus_streamlines_options *options);
 
-/** A tractogram of an atlas. */
-typedef struct conus_tractogram_info {
-    size_t struct_size;   /**< Its size, as #CONUS_TRACTOGRAM_INFO_INIT sets it; 0 = that of this version. */
-    const char *path;     /**< As opened: bytes, not always UTF-8. Borrowed, as the next two, until the atlas ends. */
-    const char *format;   /**< "TrackVis 2, gzip"; "array" of streamlines from memory. */
-    const char *sha256;   /**< SHA-256 of the file, in hexadecimal; "" for a folder and for memory. */
-    uint64_t streamlines; /**< How many. */
-    uint64_t points;      /**< In all of them. */
-    double length_mm;     /**< Total length of all of them, mm. */
-    double radius;        /**< mm */
-    double low[3];        /**< Lowest x, y, z of its points, world mm; NAN without a point. */
-    double high[3];       /**< The highest. */
-    bool half;            /**< Its points have half precision, as in its file. */
-    size_t scalars;       /**< How many conus_atlas_tractogram_scalar() gives. */
-    size_t bundle;        /**< Number of the first of the objects that are its streamlines. */
-    size_t bundles;       /**< How many follow each other there: its groups and the rest, or one for all. */
-} conus_tractogram_info;
-
-/** The size of the struct that the caller was compiled with. */
-#define CONUS_TRACTOGRAM_INFO_INIT CONUS_INIT_(conus_tractogram_info)
-
-/**
- * Counts the tractograms.
- * @param atlas NULL counts 0.
- * @return How many there are.
- */
-CONUS_API size_t conus_atlas_tractogram_count(const conus_atlas *atlas);
-
-/**
- * Tells about a tractogram.
- * @param[in,out] out Its struct_size is read; unchanged on failure.
- * @param atlas The atlas.
- * @param index From 0, in the order in which they were added.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT past the last.
- */
-CONUS_CHECKED conus_status conus_atlas_tractogram(conus_tractogram_info *out, const conus_atlas *atlas, size_t index);
-
 /**
  * Gives numbers that a tractogram has of its points or streamlines.
  * @param[in,out] out Its struct_size is read; unchanged on failure. Name and values are borrowed until the atlas is

@@ -5,6 +5,7 @@
 #include "atlas/space.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "conus/own.h"
 #include "loaders/labels/labels_on_job.h"
 #include "loaders/maps/load_scalar.h"
 #include "loaders/scene/load_parcellation.h"

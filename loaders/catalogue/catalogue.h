@@ -5,7 +5,7 @@
 #define CONUS_LOADERS_CATALOGUE_CATALOGUE_H
 
 #include "base/job/job.h"
-#include "conus/atlas.h"
+#include "conus/own.h"
 
 enum {
     CATALOGUE_ATLASES = 4096, /**< At most so many atlases of one source; the others are left out, with a note. So are

@@ -4,7 +4,7 @@
 
 #include "base/files/file.h"
 #include "base/memory.h"
-#include "conus/atlas.h"
+#include "conus/own.h"
 #include "loaders/brainglobe/brainglobe_atlas.h"
 #include "loaders/catalogue/volume_marks.h"
 

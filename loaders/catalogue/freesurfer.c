@@ -4,6 +4,7 @@
 
 #include "base/files/file.h"
 #include "base/system/system.h"
+#include "conus/own.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -3,6 +3,7 @@
 #include "loaders/catalogue/catalogue.h"
 
 #include "base/formats/xml.h"
+#include "conus/own.h"
 #include "loaders/catalogue/volume_marks.h"
 #include "loaders/labels/fsl_find.h"
 

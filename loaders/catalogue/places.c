@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/system/system.h"
+#include "conus/own.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -50,7 +50,7 @@ from ._plan import Plan, constraints_of, plan_of, stream_of
 from ._probe import Contacts, Probe, poses_of_probe
 from ._progress import LoadProgress, Progress, telling
 from ._space import Place, frame_of, place_of, space_of
-from ._table import Table
+from ._table import Table, ask_table
 from ._track import Tracker, follow
 from ._tracts import SPACES, Tractogram, moves, options_of, polylines_of, tractograms_of
 
@@ -164,11 +164,8 @@ def _catalogue() -> Any:
     return owned(out[0], lib.conus_catalogue_destroy)
 
 
-def _installed(atlas: Any) -> InstalledAtlas:
-    size = (atlas.spacing[0], atlas.spacing[1], atlas.spacing[2])
-    labels = os.fsdecode(ffi.string(atlas.labels)) if atlas.labels else None
-    return InstalledAtlas(text(atlas.name), text(atlas.source), text(atlas.kind), size if size[0] > 0 else None,
-                          os.fsdecode(ffi.string(atlas.path)), labels)
+def _path_at(pointer: Any) -> Optional[str]:
+    return os.fsdecode(ffi.string(pointer)) if pointer else None
 
 
 def atlases() -> list[InstalledAtlas]:
@@ -177,8 +174,13 @@ def atlases() -> list[InstalledAtlas]:
     Each name, or ``source:name``, can be given to ``load``. ``pandas.DataFrame(conus.atlases())``
     is a table of them.
     """
-    found = _catalogue()
-    return [_installed(lib.conus_catalogue_atlas(found, i)) for i in range(lib.conus_catalogue_count(found))]
+    found = ask_table(lib.conus_list_installed, ffi.NULL, ffi.NULL)
+    sizes = np.stack([found[f"spacing_{axis}"] for axis in "xyz"], axis=1)
+    paths, labels = (map(_path_at, ffi.unpack(lib.conus_table_texts(found._p, name), len(found)))
+                     for name in (b"path", b"labels"))
+    rows = zip(found["name"], found["source"], found["kind"], sizes.tolist(), paths, labels)
+    return [InstalledAtlas(name, source, kind, tuple(size) if size[0] > 0 else None, path, table)
+            for name, source, kind, size, path, table in rows]
 
 
 def _find(source: Path, labels: Any) -> tuple[Path, Any]:
@@ -188,8 +190,7 @@ def _find(source: Path, labels: Any) -> tuple[Path, Any]:
     found, out = _catalogue(), ffi.new("conus_installed **")
     name, key, word = source.partition(",template=")
     check(lib.conus_catalogue_find(out, found, path_of("source", name)))
-    atlas = _installed(out[0])
-    return os.fspath(atlas.path) + key + word, atlas.labels if labels is None else labels
+    return f"{_path_at(out[0].path)}{key}{word}", _path_at(out[0].labels) if labels is None else labels
 
 
 def _stated(source: Any, template: Optional[str]) -> Any:
@@ -210,7 +211,7 @@ def _find_image(source: Any) -> Any:
         return path
     found, out = _catalogue(), ffi.new("conus_installed **")
     check(lib.conus_catalogue_find_image(out, found, path))
-    return path_of("context", _installed(out[0]).path)
+    return path_of("context", _path_at(out[0].path))
 
 
 def _from_file(
@@ -1363,6 +1364,10 @@ class Atlas:
         check(lib.conus_atlas_pack(ffi.cast("void *", memory.ctypes.data), size, self._p))
         return _unpack, (memory.tobytes(), _sum_of(memory))
 
+    def table(self, what: str) -> Table:
+        """What the atlas has, as a table: its "objects", "surfaces", "tractograms", "files" or "notes"."""
+        return ask_table(lib.conus_atlas_list, self._p, utf8("what", what))
+
     def find(self, name: Union[str, int]) -> int:
         """The number of an object, by its name, abbreviation or label; an ArgumentError if there is none."""
         out = ffi.new("uint32_t *")
@@ -1414,13 +1419,13 @@ class Atlas:
     @property
     def notes(self) -> list[str]:
         """Notes from loading the atlas."""
-        return [python_words(text(lib.conus_atlas_note(self._p, i))) for i in range(lib.conus_atlas_note_count(self._p))]
+        return [python_words(note) for note in self.table("notes")["text"][1:]]  # the first is about labels
 
     @property
     def warnings(self) -> list[str]:
         """Those of the notes that warn: an answer may name another place or another area than the data mean."""
-        return [note for i, note in enumerate(self.notes)
-                if lib.conus_atlas_note_severity(self._p, i) == lib.CONUS_SEVERITY_WARNING]
+        notes = self.table("notes")
+        return [python_words(note) for kind, note in zip(notes["kind"], notes["text"]) if kind in ("warning", "exchanged")]
 
     @property
     def brain(self) -> str:
@@ -1430,8 +1435,8 @@ class Atlas:
     @property
     def exchanged(self) -> Optional[str]:
         """The note that left and right are exchanged, of the names or of the places; None where they are not."""
-        note = lib.conus_atlas_exchanged(self._p)
-        return python_words(text(note)) if note else None
+        notes = self.table("notes")
+        return next((python_words(note) for kind, note in zip(notes["kind"], notes["text"]) if kind == "exchanged"), None)
 
     @property
     def tractograms(self) -> list[Tractogram]:
@@ -1441,9 +1446,8 @@ class Atlas:
     @property
     def sides(self) -> Array:
         """(n + 1,) "L", "R" or "" by number: of areas by the label table, their names or the tree; "" of others."""
-        sides = ffi.new("char[]", len(self) + 1)
-        check(lib.conus_atlas_sides(sides, self._p))
-        return np.array([side.strip(b"\0").decode() for side in sides], object)
+        letters = {"left": "L", "right": "R"}
+        return np.array(["", *(letters.get(side, "") for side in self.table("objects")["side"])], object)
 
     def placement(self) -> Placement:
         """Where the areas lie, also in the atlas's own space, and what of them is in the head of the context."""

@@ -35,6 +35,7 @@ from ._library import (
     whole,
 )
 from ._poses import pose_of
+from ._table import choices
 
 if TYPE_CHECKING:
     from ._atlas import Atlas, Path
@@ -676,7 +677,4 @@ def _set_lens(view: Any, field_of_view: Optional[float], frustum: Optional[Seque
 
 def transfer_presets() -> list[str]:
     """Names of the transfer functions that :class:`Renderer` knows."""
-    names: list[str] = []
-    while name := lib.conus_transfer_preset(len(names)):
-        names.append(text(name))
-    return names
+    return choices(b"transfers")

@@ -26,6 +26,7 @@ from ._library import (
     text,
 )
 from ._space import space_of
+from ._table import choices
 
 if TYPE_CHECKING:
     import pandas
@@ -37,10 +38,7 @@ _POINT = "a point, without the direction that a cone needs"
 
 def pose_formats() -> list[str]:
     """Names of the formats that :func:`read_poses` knows; docs/formats.md describes each."""
-    names: list[str] = []
-    while name := lib.conus_pose_format_name(len(names)):
-        names.append(text(name))
-    return names
+    return choices(b"pose formats")
 
 
 class Poses(Guarded):

@@ -10,7 +10,8 @@ import numpy as np
 
 from ._answers import Answers, Array
 from ._conus import ffi, lib
-from ._library import ArgumentError, Bound, byte_count, check, owned, path_of, real, text
+from ._library import ArgumentError, Bound, byte_count, check, owned, path_of, real
+from ._table import ask_table
 
 if TYPE_CHECKING:
     import pandas
@@ -33,15 +34,15 @@ class Probe(Bound):
     def __init__(self, pointer: Any, path: str) -> None:
         self._p = owned(pointer, lib.conus_probe_destroy)
         self.path = path
-        rows = [lib.conus_probe_at(self._p, i) for i in range(lib.conus_probe_contact_count(self._p))]
-        self.ids = np.array([text(row.id) for row in rows], object)
-        self.shanks = np.array([text(row.shank) for row in rows], object)
-        self.probes = np.array([row.index for row in rows])
-        self.channels = np.array([row.channel for row in rows], np.int64)
-        self.positions = np.array([list(row.position) for row in rows])
-        self.tips = np.empty((lib.conus_probe_count(self._p), 3))
-        for i, tip in enumerate(self.tips):
-            lib.conus_probe_tip(ffi.cast("double *", tip.ctypes.data), self._p, i)
+        found = ask_table(lib.conus_probe_table, self._p)
+        columns = found.arrays()
+        self.ids = columns["id"]
+        self.shanks = np.array([shank or "" for shank in columns["shank_id"]], object)
+        self.probes = columns["number"] - 1
+        self.channels = np.where(columns["missing", "channel"], -2, columns["channel"])
+        self.positions = np.stack([columns[name] for name in ("x_um", "y_um", "z_um")], axis=1)
+        tips = found.part("tips")
+        self.tips = np.stack([tips[name] for name in ("x_um", "y_um", "z_um")], axis=1)
 
     def __len__(self) -> int:
         return len(self.ids)

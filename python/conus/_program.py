@@ -2,6 +2,7 @@
 """Functions that run the program ``conus`` and parse its answer, for what the library does not do."""
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import os
@@ -15,8 +16,9 @@ from typing import Any, NamedTuple, NoReturn, Optional, Sequence, Union
 
 import numpy as np
 
-from ._conus import lib
+from ._conus import ffi, lib
 from ._library import ArgumentError, DataError, FileError, UnsupportedError, python_words, text
+from ._table import ask_table
 
 Path = Union[str, "os.PathLike[str]"]
 
@@ -177,8 +179,9 @@ def page_of(hits: Any) -> str:
     pose, toward, opening = hits._asked
     matrix = np.array(list(pose.world_from_device)).reshape(4, 4)  # rows are its axes; a device points along -z
     toward = (matrix[3, :3] - 100 * matrix[2, :3]).tolist() if toward is None else toward
-    files = [lib.conus_atlas_file(atlas, i) for i in range(lib.conus_atlas_file_count(atlas))]
-    volumes = (lib.conus_atlas_volume(atlas, i) for i in range(lib.conus_atlas_volume_count(atlas)))
+    others = ask_table(lib.conus_atlas_list, atlas, b"files")
+    files = ffi.unpack(lib.conus_table_texts(others._p, b"path"), len(others))
+    volumes = itertools.takewhile(bool, (lib.conus_atlas_volume(atlas, i) for i in itertools.count()))
     parts = [volume.path for volume in volumes if volume.role != lib.CONUS_ROLE_CONTEXT] + files
     path = text(files[0] if files and text(files[0]).endswith(".json") else parts[0])
     layers = "all" if hits._layers else "visible"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._conus import ffi, lib
-from ._library import Bound, owned, text
+from ._library import Bound, check, owned, text
 
 if TYPE_CHECKING:
     import pandas
@@ -105,3 +105,15 @@ class Table(Bound):
 
     def _repr_html_(self) -> str:
         return str(self.to_dataframe()._repr_html_())
+
+
+def ask_table(function: Any, *question: Any) -> Table:
+    """The table that a function of the library makes."""
+    out = ffi.new("conus_table **")
+    check(function(out, *question))
+    return Table(out[0])
+
+
+def choices(what: bytes) -> list[str]:
+    """The words that an option takes."""
+    return list(ask_table(lib.conus_list_choices, what)["name"])

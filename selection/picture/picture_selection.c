@@ -7,7 +7,7 @@
 #include "base/look.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "conus/version.h"
+#include "conus/own.h"
 #include "render/draw/legend.h"
 #include "render/image/image_srgb.h"
 #include "selection/selection.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Compares points of a list with the areas and positions that they are called as. */
-#include "conus/pose.h"
+#include "conus/own.h"
 
 #include "atlas/areas/area_find.h"
 #include "base/geometry/math3.h"

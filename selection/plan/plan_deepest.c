@@ -7,6 +7,7 @@
 #include "atlas/surface/mesh_near.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/own.h"
 
 #include <float.h>
 #include <math.h>

@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/text.h"
+#include "conus/own.h"
 #include "selection/report/report_bep032.h"
 #include "selection/report/report_writers.h"
 

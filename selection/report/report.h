@@ -5,7 +5,7 @@
 
 #include "base/buffer.h"
 #include "base/text.h"
-#include "conus/report.h"
+#include "conus/own.h"
 #include "selection/ends/connectivity.h"
 #include "selection/selector.h"
 #include "selection/study/study.h"

@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
+#include "conus/own.h"
 #include "selection/report/report_writers.h"
 
 #include <stdlib.h>

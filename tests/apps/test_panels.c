@@ -7,6 +7,7 @@
 #include "viewer/ui/ui_audit.h"
 
 #include "builders/area_rows.h"
+#include "conus/own.h"
 #include "test.h"
 #include "window_scene.h"
 

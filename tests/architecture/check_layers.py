@@ -118,6 +118,7 @@ LIBRARY = {
     "selection/region": "base/simd base/geometry atlas/tracts atlas selection/cone",
     "selection/measure": "base base/geometry atlas/surface atlas/tracts atlas selection/cone selection/evidence selection/region",
     "selection/table": "base base/geometry atlas selection/cone",
+    "selection/lists": "base base/geometry selection/table",
     "selection": "base base/geometry atlas atlas/areas poses/rows selection/region selection/evidence selection/engine selection/measure",
     "selection/study": "base base/geometry atlas/surface atlas poses/rows selection/measure selection/table selection",
     "selection/plan": "base base/geometry atlas/surface atlas/tracts atlas atlas/areas poses poses/rows selection/evidence"

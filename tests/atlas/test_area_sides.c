@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_atlas_sides(): left and right areas by table, pair, name and tree. */
 #include "builders/area_rows.h"
-#include "conus/atlas.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <stdlib.h>

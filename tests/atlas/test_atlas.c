@@ -5,6 +5,7 @@
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/own.h"
 #include "test.h"
 #include "value_maps.h"
 

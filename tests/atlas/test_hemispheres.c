@@ -5,6 +5,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "builders/area_rows.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <stdio.h>

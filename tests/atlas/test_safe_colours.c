@@ -2,6 +2,7 @@
 /* conus_atlas_use_safe_colours(): areas that touch differ, a left area and its right one are alike. */
 #include "atlas/atlas.h"
 #include "builders/area_rows.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <math.h>

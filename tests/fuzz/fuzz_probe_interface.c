@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Contacts of an accepted probe lie above its tip, have different names, and go where a pose puts them. */
 #include "base/geometry/math3.h"
+#include "conus/own.h"
 #include "poses/programs/pose_programs.h"
 
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* 3D Slicer's lists of fiducials. */
-#include "conus/pose.h"
+#include "conus/own.h"
 #include "pose_checks.h"
 #include "test.h"
 

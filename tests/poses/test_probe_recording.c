@@ -3,6 +3,7 @@
  * allocation. Places are worked out by hand from ProbeTable's numbers: an electrode is the column e mod 2 of the row
  * e / 2. */
 #include "base/files/file.h"
+#include "conus/own.h"
 #include "pose_checks.h"
 #include "poses/programs/pose_programs.h"
 #include "test.h"

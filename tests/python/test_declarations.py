@@ -17,6 +17,14 @@ COMPILER = os.environ.get("CONUS_COMPILER")
 ZIG = ROOT / "build" / "zig" / "ziglang" / "zig"
 TARGETS = ["x86_64-windows-gnu", "aarch64-linux-gnu", "aarch64-macos", "x86_64-macos"]
 
+OWN = [  # what the package calls of own.h
+    "conus_atlas_attach", "conus_atlas_is_hidden", "conus_atlas_is_path", "conus_atlas_is_warped", "conus_atlas_pack",
+    "conus_atlas_packed_size", "conus_atlas_tractogram", "conus_atlas_tractogram_count", "conus_catalogue_create",
+    "conus_catalogue_destroy", "conus_catalogue_find", "conus_catalogue_find_image", "conus_context_is_surface",
+    "conus_inputs_keep", "conus_path_is_tractogram", "conus_place_is_near", "conus_places_check",
+    "conus_plan_constraint_count", "conus_pose_array_at", "conus_pose_list_note", "conus_write_file",
+]
+
 
 def types():
     """{what C calls it: type} of those with a layout: structs that are not only named, and enums."""
@@ -86,6 +94,14 @@ def test_a_compiler_finds_what_is_wrong(tmp_path, piece, wrong):
 def test_the_functions_are_those_of_the_library():
     symbols = (ROOT / "packaging" / "debian" / "libconus0.symbols").read_text(encoding="utf-8")
     assert sorted(functions()) == sorted(re.findall(r"^ (?:\(optional\))?(conus_\w+)@", symbols, re.M))
+
+
+def test_the_package_uses_few_functions_that_are_not_public():
+    header = (ROOT / "include" / "conus" / "own.h").read_text(encoding="utf-8")
+    own = set(re.findall(r"\b(conus_\w+)\(", re.sub(r"/\*.*?\*/", "", header, flags=re.S)))
+    used = {name for path in (ROOT / "python" / "conus").glob("*.py")
+            for name in re.findall(r"lib\.(conus_\w+)", path.read_text(encoding="utf-8"))}
+    assert sorted(own & used) == OWN
 
 
 if __name__ == "__main__":

@@ -72,3 +72,15 @@ def test_columns_outlive_table_selector_and_atlas_in_any_order():
                 np.testing.assert_array_equal(held[name], wanted[name])
         if rng.random() < 0.01:
             gc.collect()
+
+
+def test_an_atlas_lists_what_it_has():
+    atlas = make_atlas()
+    objects, notes = atlas.table("objects"), atlas.table("notes")
+    with pytest.raises(conus.ArgumentError, match="what: areas, allowed are objects, surfaces"):
+        atlas.table("areas")
+    atlas.close()
+    del atlas
+    assert objects["name"].tolist() == objects["side"].tolist() == ["left", "right"]
+    assert objects["depth"].tolist() == [1, 1] and objects.objects.tolist() == [1, 2]
+    assert notes["kind"].tolist() == ["labels"] and notes["text"].tolist() == ["the program"]

@@ -3,6 +3,7 @@
 #include "pose_checks.h"
 
 #include "base/geometry/math3.h"
+#include "conus/own.h"
 #include "poses/pose_stream.h"
 #include "test.h"
 

@@ -4,7 +4,7 @@
 
 #include "base/job/job.h"
 #include "base/memory.h"
-#include "conus/atlas.h"
+#include "conus/own.h"
 #include "loaders/child/mesh_child.h"
 
 #include <errno.h>

@@ -3,7 +3,7 @@
 #ifndef CONUS_CLI_ANSWERS_INFO_JSON_H
 #define CONUS_CLI_ANSWERS_INFO_JSON_H
 
-#include "conus/atlas.h"
+#include "conus/own.h"
 
 #include <jansson.h>
 #include <stddef.h>

@@ -5,6 +5,7 @@
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
+#include "conus/own.h"
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"

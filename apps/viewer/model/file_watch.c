@@ -3,6 +3,7 @@
 #include "viewer/model/file_watch.h"
 
 #include "base/system/system.h"
+#include "conus/own.h"
 #include "options/output.h"
 
 #include <stdio.h>

@@ -2,6 +2,7 @@
 /* Tries query settings before they hold; range, level and order; the options of conus query as words. */
 #include "viewer/model/query_settings.h"
 
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/options.h"
 #include "settings/settings.h"

@@ -2,6 +2,7 @@
 /* The thread that reads files, and its progress. */
 #include "viewer/opening/loader.h"
 
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "settings/atlas_input.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The list of areas and pathways, with search and check boxes; hemispheres and sides. */
 #include "base/look_sizes.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "viewer/model/hemispheres.h"
 #include "viewer/model/search.h"

@@ -3,7 +3,7 @@
 #include "viewer/pictures/appearance.h"
 
 #include "base/look.h"
-#include "conus/streamlines.h"
+#include "conus/own.h"
 
 #include <math.h>
 #include <stdlib.h>

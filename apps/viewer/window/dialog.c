@@ -6,6 +6,7 @@
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "sources/keys.h"

@@ -5,6 +5,7 @@
 #include "base/look.h"
 #include "base/path.h"
 #include "base/system/system.h"
+#include "conus/own.h"
 #include "viewer/model/viewer.h"
 #include "viewer/window/window.h"
 

@@ -5,7 +5,7 @@
 #define CONUS_VIEWER_WINDOW_START_H
 
 #include "base/system/system.h"
-#include "conus/atlas.h"
+#include "conus/own.h"
 #include "viewer/window/recent.h"
 #include "viewer/window/texture.h"
 #include <stdbool.h>

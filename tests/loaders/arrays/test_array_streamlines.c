@@ -4,7 +4,7 @@
 #include "atlas/atlas.h"
 #include "test.h"
 
-#include "conus/streamlines.h"
+#include "conus/own.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 /* Atlases from arrays: they equal those of files with the same numbers; values out of range are refused. */
 #include "test.h"
 
-#include "conus/study.h"
+#include "conus/own.h"
 
 #include <math.h>
 #include <string.h>

@@ -5,6 +5,7 @@
 
 #include "atlas/atlas.h"
 #include "base/memory.h"
+#include "conus/own.h"
 #include "test.h"
 
 #include <stdio.h>

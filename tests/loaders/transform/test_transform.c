@@ -7,6 +7,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
+#include "conus/own.h"
 #include "loaders/transform/transform_file.h"
 #include "loaders/transform/transform_name.h"
 #include "mesh_scene.h"
