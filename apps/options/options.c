@@ -9,6 +9,7 @@
 #include "conus/version.h"
 #include "options/messages.h"
 #include "options/output.h"
+#include "sources/endings.h"
 
 #include <assert.h>
 #include <ctype.h>
@@ -278,7 +279,7 @@ static int take_long(struct cursor *cursor, const char *word)
 
 static bool is_image(const char *path)
 {
-    return path_ends_in(path, ".nii") || path_ends_in(path, ".nii.gz") || path_ends_in(path, ".mgz");
+    return ending_length(path, strlen(path), ROLE_VOLUME);
 }
 
 /* A word behind all operands: a part of a vector, or a file without its option. */

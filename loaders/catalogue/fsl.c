@@ -5,6 +5,7 @@
 #include "base/formats/xml.h"
 #include "loaders/catalogue/volume_marks.h"
 #include "loaders/labels/fsl_find.h"
+#include "sources/endings.h"
 
 #include <string.h>
 

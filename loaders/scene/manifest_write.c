@@ -20,6 +20,7 @@
 #include "loaders/tracts/tract_file.h"
 #include "loaders/transform/field_file.h"
 #include "loaders/transform/transform_file.h"
+#include "sources/endings.h"
 
 #include <limits.h>
 #include <string.h>
@@ -148,7 +149,7 @@ static void look_at_no_volume(struct job *job, struct manifest_draft *draft, con
         look_for_transform(job, draft, name);
         return;
     }
-    size_t length = format_stem_length(name, strlen(name), ROLE_TRACTS);
+    size_t length = stem_length(name, strlen(name), ROLE_TRACTS);
     bool taken = has_item_named(draft, ITEM_STREAMLINES | ITEM_PATHWAY, name, length);
     const struct scene_item item = {.kind = ITEM_STREAMLINES,
                                     .file = (char *)name,
