@@ -164,7 +164,10 @@ static int cut_key(struct option_use *use)
         return EXIT_USAGE;
     }
     use->value = use->file;
-    use->key = keys.count ? keys.values[0].text.data : NULL;
+    if (keys.count) {
+        use->key = keys.values[0].text.data;
+        use->key_name = keys_name(&keys.values[0]);
+    }
     return CONTINUE;
 }
 
