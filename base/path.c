@@ -134,9 +134,8 @@ bool path_ends_in(const char *path, const char *ending)
     return length > tail && strcasecmp(path + length - tail, ending) == 0;
 }
 
-size_t path_ending_length(const char *path, const char *endings)
+size_t path_ending_within(const char *path, size_t length, const char *endings)
 {
-    size_t length = strlen(path);
     for (const char *at = endings; *at;) {
         size_t tail = strcspn(at, "/");
         if (length > tail && strncasecmp(path + length - tail, at, tail) == 0) {
@@ -145,4 +144,9 @@ size_t path_ending_length(const char *path, const char *endings)
         at += tail + (at[tail] == '/');
     }
     return 0;
+}
+
+size_t path_ending_length(const char *path, const char *endings)
+{
+    return path_ending_within(path, strlen(path), endings);
 }

@@ -53,5 +53,7 @@ bool path_ends_in(const char *path, const char *ending);
 
 /** Length of the first of @p endings, with '/' between them, in which @p path ends as in path_ends_in(); 0 = none. */
 size_t path_ending_length(const char *path, const char *endings);
+/** Likewise of the first @p length bytes of @p path. */
+size_t path_ending_within(const char *path, size_t length, const char *endings);
 
 #endif

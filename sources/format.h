@@ -6,21 +6,9 @@
 
 #include "base/files/file.h"
 #include "base/text.h"
+#include "sources/endings.h"
 
 enum { HEAD_SIZE = 1 << 16 }; /**< Bytes that format_find() wants to see, if there are as many. */
-
-/** What a file is given as. The same bytes may be another thing in each. */
-enum role {
-    ROLE_VOLUME = 1 << 0,
-    ROLE_SURFACE = 1 << 1,
-    ROLE_VERTEX_LABELS = 1 << 2, /**< Also surfaces, which may have none. */
-    ROLE_TRACTS = 1 << 3,
-    ROLE_TRANSFORM = 1 << 4,
-    ROLE_SCENE = 1 << 5,  /**< An atlas that names other files, or has several parts. */
-    ROLE_REGION = 1 << 6, /**< A mesh as a region of interest. */
-    ROLE_POSES = 1 << 7   /**< Without tables and lists, whose readers tell themselves apart. A row without an id says
-                             in its words why such a file holds none. */
-};
 
 /** Formats that readers are chosen by. */
 enum format_id {
@@ -104,19 +92,13 @@ struct format {
     const char *lines;    /**< A line begins with one of these, '/' between them: a comment, or the first other one. */
     bool (*has)(const uint8_t *data, size_t size);
     bool (*is)(const struct file_head *head);
-    const char
-        *endings;  /**< Of names of such files, with '/' between them, perhaps with .gz behind; NULL = not known. */
-    bool is_named; /**< They are a mark, too: the name must end in one. */
+    const char *named; /**< The name ends in one of these, '/' between them, perhaps with .gz behind. */
 };
 
 /** The first row that has one of @p roles and whose marks hold; NULL if there is none. @p roles 0: of all rows but
  * hidden ones, which says what the file is. Label tables are KIND_VAGUE there, but for an atlas XML: format_nearest()
  * of the loaders knows them. */
 const struct format *format_find(const struct file_head *head, unsigned roles);
-
-/** Length of the first @p length bytes of @p name without ".gz" and, before it, one of the endings that the rows with
- * one of @p roles have. */
-size_t format_stem_length(const char *name, size_t length, unsigned roles);
 
 /** The id of that row for a file that begins with @p bytes, whatever its name. */
 enum format_id format_id_of(const struct bytes *bytes, unsigned roles);

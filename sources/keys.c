@@ -349,10 +349,12 @@ static bool is_name(const char *word, size_t length, enum key_kind kind)
 }
 
 /* What stands behind a file that is there, where the whole is not: a key with another name, or without a value. Behind
- * a folder, and behind what is written, it looks like a key. */
+ * a folder, and behind what is written, it looks like a key. Where the file of so many letters is not there, one with a
+ * known key in its name may be. */
 static struct text find_unknown(const char *text, size_t length, enum key_kind kind)
 {
     struct system_stat info;
+    length = kind < KEYS_CLEARANCE && !is_there(text, length, kind) ? strlen(text) : length;
     for (const char *at = behind_folders(text); (at = memchr(at, ',', (size_t)(text + length - at))); at++) {
         const size_t word = strspn(at + 1, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-");
         const bool is_key = at[1 + word] == '=' || is_name(at + 1, word, kind);
@@ -422,18 +424,9 @@ const struct key_value *keys_value(const struct source_keys *keys, enum source_k
     return i < keys->count ? &keys->values[i] : &none;
 }
 
-const char *keys_name_of(const struct key_value *value)
+const char *keys_name(const struct key_value *value)
 {
     return value->row->name;
-}
-
-const char *keys_name(enum key_kind kind)
-{
-    const struct source_key *row = rows;
-    while (!(row->kinds & kind)) {
-        row++;
-    }
-    return row->name;
 }
 
 const char *keys_allowed(const struct key_value *value)

@@ -130,10 +130,7 @@ size_t keys_file_length(const char *text, enum key_kind kind);
 /** The first value of a key; where it is not given, one whose text is empty. */
 const struct key_value *keys_value(const struct source_keys *keys, enum source_key_id id);
 
-const char *keys_name_of(const struct key_value *value);
-
-/** The name of the first key of a kind. */
-const char *keys_name(enum key_kind kind);
+const char *keys_name(const struct key_value *value);
 
 /** What a message says is allowed for it. */
 const char *keys_allowed(const struct key_value *value);

@@ -7,11 +7,11 @@
 #include "base/formats/matlab.h"
 #include "base/formats/xml.h"
 #include "base/formats/zip.h"
+#include "base/path.h"
 #include "sources/signatures.h"
 
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
 #define STREAMLINES "give it as --streamlines, or a volume of its density as --pathway"
 #define FOREIGN "convert it to NIfTI"
@@ -120,23 +120,9 @@ static bool has_trx_header(const struct file_head *head)
     return has_file(head->path, "header.json");
 }
 
-/* Length of the first of the endings in which the name of `length` bytes ends, 0 = none. */
-static size_t ending_length(const char *name, size_t length, const char *endings)
-{
-    struct text rest = text_from(endings);
-    struct text ending;
-    for (bool more = true; text_field(&rest, '/', &more, &ending);) {
-        if (length > ending.size && strncasecmp(name + length - ending.size, ending.data, ending.size) == 0) {
-            return ending.size;
-        }
-    }
-    return 0;
-}
-
 static bool ends_with(const char *path, const char *endings)
 {
-    const size_t length = strlen(path);
-    return ending_length(path, length - ending_length(path, length, ".gz"), endings) > 0;
+    return path_ending_within(path, strlen(path) - path_ending_length(path, ".gz"), endings) > 0;
 }
 
 /* MZ3, whose mark is also that of programs for Windows. */
@@ -156,7 +142,7 @@ static bool is_no_text(const struct file_head *head)
 }
 
 #define MAGIC(text) .magic = {(text), sizeof(text) - 1}
-#define NAMED(text) .endings = (text), .is_named = true
+#define NAMED(text) .named = (text)
 /* A format that is only told of; that is read; and that is hidden from who asks without a role. */
 #define TOLD(words_, way_, ...)                                                                                        \
     {                                                                                                                  \
@@ -178,9 +164,9 @@ static bool is_no_text(const struct file_head *head)
 static const struct format formats[] = {
     TOLD("a pack", "give it as ATLAS with the ending .conus; conus pack packs an atlas and what is added to it",
          MAGIC("conus pack\0")),
-    HIDDEN(TRK, ROLE_TRACTS, .endings = ".trk", MAGIC("TRACK")), /* also where a byte is wrong */
+    HIDDEN(TRK, ROLE_TRACTS, MAGIC("TRACK")), /* also where a byte is wrong */
     TOLD("a TrackVis tractogram", STREAMLINES, MAGIC("TRACK\0")),
-    HIDDEN(TCK, ROLE_TRACTS, .endings = ".tck", .has = tck_is),
+    HIDDEN(TCK, ROLE_TRACTS, .has = tck_is),
     TOLD("an MRtrix tractogram", STREAMLINES, MAGIC("mrtrix tracks")),
     TOLD("an MRtrix image", FOREIGN " (mrconvert)", MAGIC("mrtrix image")),
     TOLD("a MINC-1 volume", "convert it to MINC 2 (mincconvert -2)", MAGIC("CDF\1")),
@@ -192,13 +178,13 @@ static const struct format formats[] = {
     HIDDEN(IMG, ROLE_VOLUME, NAMED(".img"), .is = is_image_half),
     KNOWN(HDF5, ROLE_VOLUME | ROLE_TRANSFORM | ROLE_REGION | ROLE_POSES, "an HDF5 file (a MINC-2 volume, say)",
           "give a volume as ATLAS, --pathway or --context", .has = hdf5_is),
-    HIDDEN(TT, ROLE_TRACTS, .endings = ".tt", .has = tt_is),
+    HIDDEN(TT, ROLE_TRACTS, .has = tt_is),
     HIDDEN(TRX, ROLE_TRACTS, .is_folder = true, .is = has_trx_header),
-    HIDDEN(TRX, ROLE_TRACTS, .endings = ".trx", .has = zip_is), /* other archives, too */
+    HIDDEN(TRX, ROLE_TRACTS, .has = zip_is), /* other archives, too */
     HIDDEN(MZ3, ROLE_SURFACE, MAGIC("MZ"), .is = is_no_program),
     TOLD("an MZ3 surface", "give it as ATLAS with the ending .mz3", MAGIC("MZ")),
     KNOWN(VTK, ROLE_SURFACE | ROLE_TRACTS, "a VTK file", "give it as ATLAS, or its lines as --streamlines",
-          .endings = ".vtk", MAGIC("# vtk DataFile")),
+          MAGIC("# vtk DataFile")),
     KNOWN(PLY, ROLE_SURFACE, "a PLY surface", "give it as ATLAS", MAGIC("ply\n")),
     KNOWN(PLY, ROLE_SURFACE, "a PLY surface", "give it as ATLAS", MAGIC("ply\r")),
     TOLD("an STL surface", "give it as ATLAS with the ending .stl", MAGIC("solid ")),
@@ -265,9 +251,8 @@ static const struct format formats[] = {
           .mentions = "NIFTI_INTENT_POINTSET"),
     KNOWN(GIFTI, ROLE_SURFACE | ROLE_VERTEX_LABELS, "labels of the vertices of a surface",
           "give it as --labels, and the surface as ATLAS", .root = "GIFTI", .mentions = "NIFTI_INTENT_LABEL"),
-    KNOWN(GIFTI, ROLE_SURFACE | ROLE_VERTEX_LABELS, "values of the vertices of a surface", NULL, .endings = ".gii",
-          .root = "GIFTI"),
-    HIDDEN(VTP, ROLE_SURFACE | ROLE_TRACTS, .endings = ".vtp", .root = "VTKFile"),
+    KNOWN(GIFTI, ROLE_SURFACE | ROLE_VERTEX_LABELS, "values of the vertices of a surface", NULL, .root = "GIFTI"),
+    HIDDEN(VTP, ROLE_SURFACE | ROLE_TRACTS, .root = "VTKFile"),
     TOLD("a VTK file of lines", STREAMLINES, .root = "VTKFile", .is = has_lines_only),
     TOLD("a surface", "give it as ATLAS", .root = "VTKFile", .is = is_text),
     KNOWN(ATLAS_XML, ROLE_SCENE, "an SPM or CAT12 atlas XML", "give it as ATLAS or --labels", .root = "atlas",
@@ -373,7 +358,7 @@ static bool matches(const struct format *row, const struct file_head *head)
            (!row->mentions || text_mentions(head->start, row->mentions)) &&
            (!row->lines || has_line(bytes, row->lines)) &&
            (!row->has || row->has((const uint8_t *)bytes.data, bytes.size)) && (!row->is || row->is(head)) &&
-           (!row->is_named || (head->path && ends_with(head->path, row->endings)));
+           (!row->named || (head->path && ends_with(head->path, row->named)));
 }
 
 const struct format *format_find(const struct file_head *head, unsigned roles)
@@ -385,16 +370,6 @@ const struct format *format_find(const struct file_head *head, unsigned roles)
         }
     }
     return NULL;
-}
-
-size_t format_stem_length(const char *name, size_t length, unsigned roles)
-{
-    size_t ending = 0;
-    length -= ending_length(name, length, ".gz");
-    for (size_t i = 0; !ending && i < sizeof formats / sizeof formats[0]; i++) {
-        ending = formats[i].endings && (formats[i].roles & roles) ? ending_length(name, length, formats[i].endings) : 0;
-    }
-    return length - ending;
 }
 
 static struct file_head describe_head(const char *path, const struct bytes *bytes)

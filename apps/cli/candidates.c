@@ -9,6 +9,7 @@
 #include "options/messages.h"
 #include "options/output.h"
 #include "settings/notes.h"
+#include "sources/endings.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -201,18 +202,9 @@ static int load_points(struct place *place, const struct request *request, bool 
 /* Labels of vertices, a mask, or a structure of the atlas. */
 static int keep(conus_sites *sites, const char *what, bool inside, const struct request *request)
 {
-    static const char *const endings[] = {".gii", ".annot", ".label", ".dlabel.nii"};
     conus_roi *mask = NULL;
     conus_status status = CONUS_OK;
-    bool is_labels = false;
-    char *file = text_copy(what, keys_file_length(what, KEYS_VERTICES));
-    for (size_t i = 0; file && i < sizeof endings / sizeof endings[0]; i++) {
-        is_labels = is_labels || path_ends_in(file, endings[i]);
-    }
-    if (!file) {
-        return print_no_memory();
-    }
-    free(file);
+    const bool is_labels = ending_length(what, keys_file_length(what, KEYS_VERTICES), ROLE_VERTEX_LABELS);
     if (is_labels) {
         status = conus_sites_keep_labelled(sites, what, inside);
     } else if (conus_atlas_is_path(what)) {

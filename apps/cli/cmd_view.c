@@ -9,6 +9,7 @@
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/stage.h"
+#include "sources/endings.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -43,7 +44,7 @@ static char *name_page(const char *folder, const char *atlas)
 {
     enum { LONGEST = 100 };
     const char *name = path_name(atlas);
-    size_t length = strlen(name) - path_ending_length(name, ".nii.gz/.nii/.atlas.json");
+    size_t length = stem_length(name, strlen(name), ROLES_ATLAS);
     char *path = NULL;
     while (length > LONGEST || (length && ((unsigned char)name[length] & 0xC0) == 0x80)) { /* no half of a character */
         length--;

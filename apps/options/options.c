@@ -8,6 +8,7 @@
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
+#include "sources/endings.h"
 
 #include <assert.h>
 #include <ctype.h>
@@ -162,7 +163,10 @@ static int cut_key(struct option_use *use)
         return EXIT_USAGE;
     }
     use->value = use->file;
-    use->key = keys.count ? keys.values[0].text.data : NULL;
+    if (keys.count) {
+        use->key = keys.values[0].text.data;
+        use->key_name = keys_name(&keys.values[0]);
+    }
     return CONTINUE;
 }
 
@@ -277,7 +281,7 @@ static int take_long(struct cursor *cursor, const char *word)
 
 static bool is_image(const char *path)
 {
-    return path_ends_in(path, ".nii") || path_ends_in(path, ".nii.gz") || path_ends_in(path, ".mgz");
+    return ending_length(path, strlen(path), ROLE_VOLUME);
 }
 
 /* A word behind all operands: a part of a vector, or a file without its option. */

@@ -138,6 +138,7 @@ struct option_use {
     const struct option *option;
     const char *value; /**< NULL of a flag; without the key behind a file. */
     const char *key;   /**< That key's own value; NULL if it was not given. */
+    const char *key_name;
     char *file; /**< The value, where a key was cut off it, or it is of several words; options_finish() frees it. */
 };
 

@@ -10,27 +10,12 @@
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/outputs.h"
+#include "sources/endings.h"
 #include "sources/keys.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Length of a file's name without its ending, if that is one of an atlas: "lh.pial" has none. */
-static size_t stem_length(const char *name)
-{
-    static const char *const endings[] = {
-        ".nii.gz", ".atlas.json", ".label.gii", ".surf.gii", ".seg.nrrd", ".BRIK.gz", ".nii", ".mgz",
-        ".mgh",    ".nrrd",       ".nhdr",      ".mha",      ".mhd",      ".img.gz",  ".img", ".hdr",
-        ".HEAD",   ".BRIK",       ".tif",       ".tiff",     ".gii",      ".annot",   ".obj", ".ply",
-        ".stl",    ".off",        ".mz3",       ".vtk",      ".vtp",      ".json",    ".xml", ".conus"};
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        if (path_ends_in(name, endings[i])) {
-            return strlen(name) - strlen(endings[i]);
-        }
-    }
-    return strlen(name);
-}
 
 /* The name of the file or folder at `path`; NULL without memory. */
 static char *name_of_path(const char *path)
@@ -42,7 +27,7 @@ static char *name_of_path(const char *path)
     size_t start = path_length_above(path, end);
     char *name = text_copy(path + start, end - start);
     if (name && !is_folder) {
-        name[stem_length(name)] = '\0';
+        name[stem_length(name, strlen(name), ROLES_ATLAS)] = '\0'; /* "lh.pial" has no ending */
     }
     return name;
 }

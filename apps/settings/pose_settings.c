@@ -8,6 +8,7 @@
 #include "options/messages.h"
 #include "options/output.h"
 #include "settings/settings.h"
+#include "sources/endings.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -140,12 +141,9 @@ const char *pose_settings_file_name(const char *path)
 /* Whether it is the name of an installed atlas, or a file that only an atlas can be. */
 static bool is_atlas(const char *path)
 {
-    static const char *const endings[] = {".nii", ".nii.gz", ".mgz", ".mgh",   ".nrrd",
-                                          ".mha", ".HEAD",   ".gii", ".annot", ".atlas.json"};
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        if (path_ends_in(path, endings[i])) {
-            return true;
-        }
+    const size_t length = strlen(path);
+    if (ending_length(path, length, ROLES_ATLAS) > ending_length(path, length, ROLE_POSES | ROLE_TRACTS)) {
+        return true;
     }
     conus_catalogue *catalogue = NULL;
     const conus_installed *found = NULL;

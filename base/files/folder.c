@@ -83,8 +83,3 @@ char *path_with_ending(const char *path, size_t length, const char *ending)
     }
     return joined;
 }
-
-size_t volume_stem_length(const char *path)
-{
-    return strlen(path) - path_ending_length(path, VOLUME_ENDINGS);
-}

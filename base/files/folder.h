@@ -29,12 +29,4 @@ char *path_folder(const char *path);
 /** The first @p length bytes of @p path and @p ending behind them. NULL without memory; memory_free() it. */
 char *path_with_ending(const char *path, size_t length, const char *ending);
 
-/** The endings of volumes, as a list for path_ending_length(). */
-#define VOLUME_ENDINGS                                                                                                 \
-    ".nii.gz/.hdr.gz/.img.gz/.mgh.gz/.nii/.hdr/.img/.mgz/.mgh/.seg.nrrd/.nrrd/.nhdr/.mha/.mhd/.HEAD/.BRIK/.BRIK.gz/"   \
-    ".tiff/.tif"
-
-/** Length of @p path without the ending of a volume (.nii.gz, .mgz, ...). */
-size_t volume_stem_length(const char *path);
-
 #endif

@@ -7,6 +7,7 @@
 #include "conus/own.h"
 #include "loaders/brainglobe/brainglobe_atlas.h"
 #include "loaders/catalogue/volume_marks.h"
+#include "sources/endings.h"
 
 #include <ctype.h>
 #include <string.h>

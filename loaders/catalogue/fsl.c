@@ -6,6 +6,7 @@
 #include "conus/own.h"
 #include "loaders/catalogue/volume_marks.h"
 #include "loaders/labels/fsl_find.h"
+#include "sources/endings.h"
 
 #include <string.h>
 

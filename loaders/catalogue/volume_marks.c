@@ -4,15 +4,13 @@
 
 #include "base/formats/gzip.h"
 #include "base/system/system.h"
+#include "loaders/labels/label_format.h"
 #include "loaders/volumes/volume_input.h"
+#include "sources/endings.h"
 
 #include <string.h>
 
 enum { INTENT_LABEL = 1002 };
-
-/* Endings of label tables that bear the volume's name. */
-static const char *const tables[] = {".nii.txt", ".txt",     ".tsv", ".csv",     ".label",
-                                     ".ctbl",    ".niml.lt", ".xml", ".nii.lut", ".lut"};
 
 /* Names that programs and papers give to labelled volumes and to no image, in upper or lower case. */
 static const char *const names[] = {
@@ -36,9 +34,12 @@ bool volume_marks_fit(const char *name, const char *const *patterns, unsigned ho
 
 static bool has_table_beside(struct job *job, const char *path)
 {
+    struct text rest = text_from(job_format(job, "%s/.xml", label_endings(job)));
+    struct text ending;
     bool found = false;
-    for (size_t i = 0; !found && i < sizeof tables / sizeof tables[0]; i++) {
-        found = system_allows(job_format(job, "%.*s%s", (int)volume_stem_length(path), path, tables[i]), SYSTEM_READ);
+    for (bool more = true; !found && text_field(&rest, '/', &more, &ending);) {
+        const char *table = job_format(job, "%.*s%.*s", (int)volume_stem_length(path), path, TEXT_SHOW(ending, 80U));
+        found = !path_ends_in(table, ".json") && system_allows(table, SYSTEM_READ); /* BIDS has one beside each image */
     }
     return found;
 }

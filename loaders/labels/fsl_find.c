@@ -8,6 +8,7 @@
 #include "base/path.h"
 #include "base/system/system.h"
 #include "loaders/labels/labels_on_job.h"
+#include "sources/endings.h"
 
 #include <string.h>
 
@@ -112,12 +113,15 @@ void fsl_atlas_each(struct job *job, const char *volume_path, enum fsl_use use, 
 
 char *fsl_image_find(struct job *job, const char *xml_path, const char *image)
 {
-    static const char *const endings[] = {"", ".nii.gz", ".nii", ".hdr", ".hdr.gz", ".mgz"};
-    const char *path = job_beside(job, xml_path, image + strspn(image, "/"));
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        char *candidate = job_format(job, "%s%s", path, endings[i]);
-        if (job_has_file(job, candidate)) {
-            return candidate;
+    char *path = job_beside(job, xml_path, image + strspn(image, "/"));
+    if (job_has_file(job, path)) {
+        return path;
+    }
+    for (const char *ending = NULL; (ending = ending_next(ending, ROLE_VOLUME));) {
+        char *packed = job_format(job, "%s%s.gz", path, ending);
+        char *plain = job_format(job, "%s%s", path, ending);
+        if (job_has_file(job, packed) || job_has_file(job, plain)) {
+            return job_has_file(job, packed) ? packed : plain;
         }
     }
     return NULL;

@@ -13,12 +13,19 @@
     "tables with a header, atlas XML of FSL and SPM, Workbench and AFNI label tables, BrainGlobe structures.json, "    \
     "NiiVue JSON, nnU-Net dataset.json, neuroglancer segment properties, MRIcron .lut"
 
-const struct label_format *const *label_formats(void)
-{
 #define ADDRESS(format) &(format),
-    static const struct label_format *const formats[] = {LABEL_FORMATS(ADDRESS) NULL};
+static const struct label_format *const formats[] = {LABEL_FORMATS(ADDRESS) NULL};
 #undef ADDRESS
-    return formats;
+
+const char *label_endings(struct job *job)
+{
+    const char *list = "";
+    for (const struct label_format *const *format = formats; *format; format++) {
+        if ((*format)->endings) {
+            list = job_format(job, "%s%s%s", list, list[0] ? "/" : "", (*format)->endings);
+        }
+    }
+    return list;
 }
 
 bool label_is_lut(const uint8_t *data, size_t size)
@@ -81,7 +88,7 @@ const struct label_format *label_format_of(struct text text)
         census = label_rows_count(text);
         about.census = &census;
     }
-    const struct label_format *const *format = label_formats();
+    const struct label_format *const *format = formats;
     while (*format && !is_format(*format, &about)) {
         format++;
     }

@@ -16,6 +16,7 @@
 #include "loaders/labels/label_format.h"
 #include "loaders/labels/label_search.h"
 #include "loaders/labels/label_words.h"
+#include "sources/endings.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -320,18 +321,6 @@ static bool judge_structures(struct job *job, const struct label_search *search,
     return taken;
 }
 
-/* The endings of tables, with '/' between them, in the order in which files beside a volume are tried. */
-static const char *list_endings(struct job *job)
-{
-    const char *list = "";
-    for (const struct label_format *const *format = label_formats(); *format; format++) {
-        if ((*format)->endings) {
-            list = job_format(job, "%s%s%s", list, list[0] ? "/" : "", (*format)->endings);
-        }
-    }
-    return list;
-}
-
 enum { TABLE_LIMIT = 16 }; /* candidates that are read */
 
 /* A folder, while tables with a name similar to the volume's are looked for in it. */
@@ -419,12 +408,16 @@ static bool is_similar(struct job *job, const struct folder *folder, const char 
 /* Tries the tables in the folder with similar names, whose numbers must fit. A note says what was taken, or why not. */
 static void search_alike(struct job *job, struct label_search *search, const char *path)
 {
-    const char *endings = job_format(job, "%s/.ctab", list_endings(job));
+    const char *endings = job_format(job, "%s/.ctab", label_endings(job));
+    const char *all = endings; /* and of volumes */
     struct folder folder = {.path = path, .endings = endings, .stem = stem_of(search->volume->info->path)};
     size_t tries = 0;
     label_words_find(&folder.words, folder.stem);
     if (search->use.voxels) {
-        folder.names = job_names(job, path, job_format(job, VOLUME_ENDINGS "/%s", endings));
+        for (const char *ending = NULL; (ending = ending_next(ending, ROLE_VOLUME));) {
+            all = job_format(job, "%s/%s/%s.gz", all, ending, ending);
+        }
+        folder.names = job_names(job, path, all);
     }
     /* of NAMES_LIMIT names one that is not listed could be another volume */
     for (size_t i = 0; folder.names.count < NAMES_LIMIT && tries < TABLE_LIMIT && i < folder.names.count; i++) {
@@ -501,7 +494,7 @@ static void search_inside(struct job *job, struct label_search *search)
 static void search_beside(struct job *job, struct label_search *search)
 {
     const char *path = search->volume->info->path;
-    struct text rest = text_from(list_endings(job));
+    struct text rest = text_from(label_endings(job));
     struct text ending;
     for (bool more = true; text_field(&rest, '/', &more, &ending);) {
         label_search_file(
@@ -536,7 +529,7 @@ static void settle_search(struct job *job, struct label_search *search)
     } else if (!search->source) {
         const char *name = path_base(search->volume->info->path);
         const char *inside = tables_inside(search->volume->info->format);
-        struct text rest = text_from(list_endings(job));
+        struct text rest = text_from(label_endings(job));
         const char *endings = "";
         struct text ending;
         for (bool more = true; text_field(&rest, '/', &more, &ending);) {
@@ -557,15 +550,17 @@ static void settle_search(struct job *job, struct label_search *search)
 /* Takes the colours beside the volume where the table has none; without a table they go to numbers without names. */
 static void colour_beside(struct job *job, struct label_search *search)
 {
-    static const char *const endings[] = {".nii.lut", ".lut"};
     const char *path = search->volume->info->path;
     bool coloured = label_table_has_colours(search->table);
     for (uint32_t number = 1; !search->source && number < 256; number++) {
         labels_add(job, search->table, number);
     }
     search->source = search->source ? search->source : "none found";
-    for (size_t i = 0; !coloured && i < sizeof endings / sizeof endings[0]; i++) {
-        const char *lut = job_format(job, "%.*s%s", (int)volume_stem_length(path), path, endings[i]);
+    struct text rest = text_from(label_format_fsleyes.endings);
+    struct text ending;
+    for (bool more = true; !coloured && text_field(&rest, '/', &more, &ending);) {
+        const char *lut =
+            job_format(job, "%.*s%.*s", (int)volume_stem_length(path), path, (int)ending.size, ending.data);
         coloured = label_file_colours(job, search->table, lut);
         if (coloured) {
             search->source = job_format(job, "%s, colours in %s", search->source, path_base(lut));

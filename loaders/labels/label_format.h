@@ -77,8 +77,8 @@ bool label_columns_look(struct label_text *about);
 /** Fails with the columns that the first row of @p text has and those that are needed, unless it has no two. */
 void label_columns_refuse(struct job *job, struct text text);
 
-/** All formats, and NULL behind them. */
-const struct label_format *const *label_formats(void);
+/** The endings of tables, with '/' between them, in the order in which files beside a volume are tried. */
+const char *label_endings(struct job *job);
 
 /** The format of @p text, which text_from_bytes() gave, or NULL. */
 const struct label_format *label_format_of(struct text text);

@@ -3,11 +3,11 @@
  * volume has follows from the numbers alone, or no name is used. */
 #include "loaders/labels/label_volumes.h"
 
-#include "base/files/folder.h"
 #include "base/files/inputs.h"
 #include "loaders/labels/label_cells.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/label_format.h"
+#include "sources/endings.h"
 
 #include <string.h>
 
@@ -139,14 +139,16 @@ static void take_names(struct job *job, struct label_table *out, const char *pat
 static const char *find_table(struct job *job, struct label_table *out, const char *path, const struct label_use *use,
                               bool is_listed)
 {
-    static const char *const endings[] = {".nii.txt", ".txt", ".tsv", ".csv", ".json", ".label"};
     const conus_volume_info *info = use->info;
     struct label_use chosen = *use;
     const char *file = NULL;
     bool several = info->volume_count > 1 && info->volume_count <= VOLUME_LIMIT;
-    for (size_t i = 0; several && !out->count && i < (path ? 1 : sizeof endings / sizeof endings[0]); i++) {
-        file = path ? label_path_split(job, chosen.columns, path)
-                    : job_format(job, "%.*s%s", (int)volume_stem_length(info->path), info->path, endings[i]);
+    struct text rest = text_from(path ? "" : label_endings(job));
+    struct text ending;
+    for (bool more = several; !out->count && text_field(&rest, '/', &more, &ending);) {
+        file =
+            path ? label_path_split(job, chosen.columns, path)
+                 : job_format(job, "%.*s%.*s", (int)volume_stem_length(info->path), info->path, TEXT_SHOW(ending, 80U));
         bool before = inputs_search(!path);
         if (job_ok(job) && (path || job_has_file(job, file))) {
             take_names(job, out, file, path != NULL, &chosen, is_listed);

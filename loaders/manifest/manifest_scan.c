@@ -8,6 +8,7 @@
 #include "loaders/volumes/grey.h"
 #include "loaders/volumes/volume_table.h"
 #include "loaders/volumes/volume_values.h"
+#include "sources/endings.h"
 
 #include <string.h>
 

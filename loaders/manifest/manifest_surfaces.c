@@ -6,6 +6,7 @@
 #include "base/path.h"
 #include "conus/own.h"
 #include "loaders/manifest/manifest_scan.h"
+#include "sources/endings.h"
 
 #include <string.h>
 
@@ -173,20 +174,19 @@ static void drop_streamlines(struct names *names, const struct manifest_draft *d
 /* `folder` is "" or a name with '/' at its end. */
 static void look_for_surfaces(struct job *job, struct manifest_draft *draft, const char *folder)
 {
-    static const char *const endings[] = {".surf.gii", ".gii", ".obj", ".ply", ".stl", ".off", ".mz3", ".vtk", ".vtp"};
     const char *path = job_format(job, "%s%s", draft->folder, folder);
     bool any = false;
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        if (i == 1 && any) {
+    for (const char *ending = NULL; (ending = ending_next(ending, ROLE_SURFACE));) {
+        if (any && strcmp(ending, ".gii") == 0) {
             continue; /* beside .surf.gii other GIFTI files are no surfaces */
         }
-        struct names names = job_names(job, path, endings[i]);
+        struct names names = job_names(job, path, ending);
         if (!folder[0]) {
             drop_streamlines(&names, draft);
         }
         if (names.count) {
             any = true;
-            take_surfaces(job, draft, folder, endings[i], &names);
+            take_surfaces(job, draft, folder, ending, &names);
         }
     }
     if (!any) {

@@ -3,7 +3,6 @@
  * are all above 0 at the same places, as images of one thing are, or values that look like labels. */
 #include "loaders/maps/named_maps.h"
 
-#include "base/files/folder.h"
 #include "base/memory.h"
 #include "base/tolerance.h"
 #include "loaders/labels/label_cells.h"
@@ -12,6 +11,7 @@
 #include "loaders/volumes/grey.h"
 #include "loaders/volumes/volume_input.h"
 #include "loaders/volumes/volume_values.h"
+#include "sources/endings.h"
 
 #include <math.h>
 #include <stdio.h>

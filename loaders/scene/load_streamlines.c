@@ -3,7 +3,6 @@
 #include "loaders/scene/load_streamlines.h"
 
 #include "atlas/fit/tract_fit.h"
-#include "base/files/folder.h"
 #include "base/memory.h"
 #include "base/path.h"
 #include "base/text_number.h"
@@ -22,7 +21,7 @@ static const char *name_bundle(struct job *job, const char *wanted, const char *
     }
     const size_t length = path_plain_length(path, strlen(path));
     const size_t above = path_length_above(path, length);
-    return job_format(job, "%.*s", (int)format_stem_length(path + above, length - above, ROLE_TRACTS), path + above);
+    return job_format(job, "%.*s", (int)stem_length(path + above, length - above, ROLE_TRACTS), path + above);
 }
 
 double streamlines_radius(struct job *job, double wanted, const char *path)

@@ -9,6 +9,7 @@
 #include "loaders/cifti/cifti_file.h"
 #include "loaders/labels/fsl_atlas.h"
 #include "loaders/labels/label_volumes.h"
+#include "loaders/labels/labels_on_job.h"
 #include "loaders/manifest/manifest_draft.h"
 #include "loaders/manifest/manifest_scan.h"
 #include "loaders/manifest/manifest_surfaces.h"
@@ -21,6 +22,7 @@
 #include "loaders/tracts/tract_file.h"
 #include "loaders/transform/field_file.h"
 #include "loaders/transform/transform_file.h"
+#include "sources/endings.h"
 
 #include <limits.h>
 #include <string.h>
@@ -149,7 +151,7 @@ static void look_at_no_volume(struct job *job, struct manifest_draft *draft, con
         look_for_transform(job, draft, name);
         return;
     }
-    size_t length = format_stem_length(name, strlen(name), ROLE_TRACTS);
+    size_t length = stem_length(name, strlen(name), ROLE_TRACTS);
     bool taken = has_item_named(draft, ITEM_STREAMLINES | ITEM_PATHWAY, name, length);
     const struct scene_item item = {.kind = ITEM_STREAMLINES,
                                     .file = (char *)name,
@@ -438,12 +440,14 @@ static void take_labelled(struct job *job, struct manifest_draft *draft, const s
 static bool take_cifti(struct job *job, struct manifest_draft *draft, const char *name)
 {
     struct scene scene = {0};
+    const struct notes before = label_notes_swap(job, (struct notes){0});
     const struct attempt attempt = job_try(job);
     const struct cifti_file *file = cifti_file_open(job, job_beside(job, draft->folder, name));
     plan_cifti(job, &scene, file);
     const bool is = job_ok(job) && file;
-    const struct notes *notes = attempt_notes(job, &attempt);
+    struct notes notes = label_notes_swap(job, (struct notes){0}); /* also of one that is refused */
     const char *why = attempt_end(job, &attempt, ATTEMPT_DROP);
+    (void)label_notes_swap(job, before);
     if (is) {
         const struct label_table *table = &file->choice->table;
         const struct scene_item *voxels = scene_next(&scene, ITEM_PARCELLATION, NULL);
@@ -456,9 +460,10 @@ static bool take_cifti(struct job *job, struct manifest_draft *draft, const char
     } else {
         manifest_draft_leave_out(job, draft, name, why);
     }
-    for (size_t i = 0; notes && i < notes->count; i++) {
-        manifest_draft_log(job, draft, "%s", notes->lines[i]);
+    for (size_t i = 0; i < notes.count; i++) {
+        manifest_draft_log(job, draft, "%s", notes.lines[i]);
     }
+    notes_finish(&notes);
     return is;
 }
 

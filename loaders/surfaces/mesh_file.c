@@ -18,7 +18,6 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
 static bool is_own(enum format_id id)
 {
@@ -38,9 +37,7 @@ bool mesh_format_keeps_vertices(const struct format *format)
 char *mesh_file_name(const char *path)
 {
     const char *file = path_base(path);
-    size_t length = format_stem_length(file, strlen(file), ROLE_SURFACE);
-    length -= length > 5 && strncasecmp(file + length - 5, ".surf", 5) == 0 ? 5 : 0;
-    return memory_text(file, length);
+    return memory_text(file, stem_length(file, strlen(file), ROLE_SURFACE));
 }
 
 char mesh_file_side(char stated, const char *path)

@@ -4,6 +4,7 @@
 
 #include "base/files/folder.h"
 #include "base/order.h"
+#include "sources/endings.h"
 
 #include <math.h>
 #include <string.h>

@@ -199,6 +199,10 @@ static void read_header(struct job *job, conus_volume_info *out, const char *pat
     struct volume_input *v = volume_open(job, path, &(struct volume_wish){.is_header_only = is_header_only});
     if (v && !is_header_only) {
         volume_choose(job, v, false, true);
+    } else if (v) {
+        const size_t place = job_in(job, v->keys.path, JOB_ALONE);
+        volume_number_check(job, v);
+        job_out(job, place);
     }
     *out = v ? v->header.info : (conus_volume_info){0};
     out->path = NULL;

@@ -124,11 +124,20 @@ bool volume_fits_series(const struct job *job, const struct volume_input *v)
     return v->source && v->header.info.volume_count <= room_of(job, v) / v->header.volume_size;
 }
 
+void volume_number_check(struct job *job, const struct volume_input *v)
+{
+    const uint64_t number = (uint64_t)keys_value(&v->keys, KEY_VOLUME)->numbers[0];
+    const size_t count = v->header.info.volume_count;
+    if (number >= count) {
+        job_fail(job, CONUS_ERROR_ARGUMENT, "volume: found %llu, allowed are 0 to %zu", (unsigned long long)number,
+                 count - 1);
+    }
+}
+
 void volume_choose(struct job *job, struct volume_input *v, bool is_series, bool is_held)
 {
     struct volume_header *header = &v->header;
     const bool is_chosen = v->keys.given & KEY_BIT(KEY_VOLUME);
-    const uint64_t number = (uint64_t)keys_value(&v->keys, KEY_VOLUME)->numbers[0];
     const size_t count = header->info.volume_count;
     const uint64_t limit = memory_limit(job->max_memory);
     const uint64_t held = is_held ? header->volume_size : 0; /* else labels count what they take */
@@ -136,16 +145,16 @@ void volume_choose(struct job *job, struct volume_input *v, bool is_series, bool
     if (!is_series && count > 1 && !is_chosen) {
         job_fail(job, CONUS_ERROR_ARGUMENT,
                  "volume: the file has %zu, choose one by adding \",volume=K\", K from 0 to %zu", count, count - 1);
-    } else if (!is_series && number >= count) {
-        job_fail(job, CONUS_ERROR_ARGUMENT, "volume: found %llu, allowed are 0 to %zu", (unsigned long long)number,
-                 count - 1);
-    } else if (header->offset + v->scratch > limit || held > room_of(job, v)) {
+    } else if (!is_series) {
+        volume_number_check(job, v);
+    }
+    if (job_ok(job) && (header->offset + v->scratch > limit || held > room_of(job, v))) {
         job_fail(job, CONUS_ERROR_MEMORY,
                  "dim: %zu x %zu x %zu voxels of %s take %zu bytes unpacked, allowed are %llu (--max-memory)",
                  header->info.dim[0], header->info.dim[1], header->info.dim[2], header->info.datatype,
                  header->volume_size, (unsigned long long)limit);
     }
-    header->info.volume = is_series || !job_ok(job) ? 0 : (size_t)number;
+    header->info.volume = is_series || !job_ok(job) ? 0 : (size_t)keys_value(&v->keys, KEY_VOLUME)->numbers[0];
     if (v->reader->around && job_ok(job)) {
         v->reader->around(job, v);
     }

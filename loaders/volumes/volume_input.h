@@ -88,6 +88,9 @@ struct volume_wish {
  * job->max_memory. */
 struct volume_input *volume_open(struct job *job, const char *given, const struct volume_wish *wish);
 
+/** Fails where the keys choose a volume that the file does not have. */
+void volume_number_check(struct job *job, const struct volume_input *v);
+
 /** Checks the volume that the keys choose, or of a @p series the first, and that job->max_memory allows what is held:
  * all of it if @p is_held. Then takes what is around the voxels. */
 void volume_choose(struct job *job, struct volume_input *v, bool is_series, bool is_held);

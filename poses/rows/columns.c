@@ -98,7 +98,7 @@ static conus_status read_unit(double *out, const struct source_keys *keys, enum 
     const struct key_value *unit = keys_value(keys, id);
     *out = unit->text.size ? space_unit_mm(text_trim(unit->text)) : 0;
     return !unit->text.size || *out > 0 ? CONUS_OK
-                                        : fail(CONUS_ERROR_ARGUMENT, "%s: found \"%.*s\", %s", keys_name_of(unit),
+                                        : fail(CONUS_ERROR_ARGUMENT, "%s: found \"%.*s\", %s", keys_name(unit),
                                                POSE_QUOTE(unit->text), keys_allowed(unit));
 }
 

@@ -312,6 +312,8 @@ numbers() {
     [ "$(at t.off,space=i.nrrd,volume=0 -12)" = t ] # which is the image's
     run -2 "$CONUS" info t.off,space=i.nrrd,resolution=25
     [[ "$output" == *"i.nrrd: resolution is for TIFF stacks and OME-Zarr"* ]]
+    run -2 "$CONUS" info t.off,space=i.nrrd,volume=1
+    [[ "$output" == *"i.nrrd: volume: found 1, allowed are 0 to 0"* ]]
     "$CONUS" query t.off,space=lps --origin=-12,-3,50 --direction 0,0,-1 --angle 1 --format tsv 2>notes | grep -q t
     [ ! -s notes ] || ! grep -q "RAS was taken" notes
     run -2 "$CONUS" info i.nrrd,space=lps

@@ -214,6 +214,11 @@ static void files_decide(void **state)
         assert_non_null(strstr(keys.why, "found \""));
         assert_string_equal(path + keys_file_length(path, KEYS_PATHWAY), unknown[i] + strlen("c.nii"));
     }
+    put("e,x=1.csv"); /* its name has what looks like a key: "e" is not there */
+    snprintf(path, sizeof path, "%s,colour=3", test_scratch("e,x=1.csv"));
+    assert_false(keys_read(&keys, path, KEYS_POSES));
+    assert_non_null(strstr(keys.why, "found \"colour=3\", allowed are x, y, z"));
+    assert_string_equal(path + keys_file_length(path, KEYS_POSES), ",colour=3");
     make_folder("n");
     snprintf(path, sizeof path, "%s", test_scratch("n,o.nii"));
     assert_true(keys_read(&keys, path, KEYS_PATHWAY)); /* beside a folder */

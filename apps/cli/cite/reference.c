@@ -9,6 +9,7 @@
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
+#include "sources/endings.h"
 
 #include <jansson.h>
 #include <stdio.h>
@@ -149,11 +150,8 @@ void references_finish(struct references *references)
 char *cited_stem(const char *path)
 {
     char *name = strdup(path_name(path));
-    static const char *const endings[] = {".gz", ".nii", ".json", ".atlas", ".xml", ".mgz", ".nrrd", ".tif", ".tiff"};
-    for (size_t i = 0; name && i < sizeof endings / sizeof endings[0]; i++) {
-        if (path_ends_in(name, endings[i])) {
-            name[strlen(name) - strlen(endings[i])] = '\0';
-        }
+    if (name) {
+        name[stem_length(name, strlen(name), ROLES_ATLAS)] = '\0';
     }
     return name;
 }

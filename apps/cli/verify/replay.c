@@ -208,14 +208,17 @@ static void put_atlas(struct writing *out, const char *name, const char *given, 
     put_named(out, name, given, record_atlas(out->replay->record, index), conus_catalogue_find);
 }
 
-/* A file of the same name in a folder of its own, with its key (NULL = none). */
-static void put_output(struct writing *out, const struct option *option, const char *given, const char *key)
+/* A file of the same name in a folder of its own, with its key. */
+static void put_output(struct writing *out, const struct option_use *use)
 {
+    const struct option *option = use->option;
+    const char *given = use->value;
+    const char *key = use->key;
     const char *name = output_is_stdout(given) ? "rows" : path_name(given);
     conus_format format;
     char *path = stage_output(&out->replay->stage, option->name, name);
     char *keyed = NULL;
-    if (path && key && asprintf(&keyed, "%s,%s=%s", path, keys_name(option->keys), key) < 0) {
+    if (path && key && asprintf(&keyed, "%s,%s=%s", path, use->key_name, key) < 0) {
         keyed = NULL;
     }
     if (option->role == OPTION_WRITES_ANSWER) {
@@ -257,7 +260,7 @@ static void put_use(struct writing *out, const struct option_use *use)
     case OPTION_WRITES_ANSWER:
     case OPTION_WRITES:
     case OPTION_WRITES_ROWS:
-        put_output(out, use->option, use->value, use->key);
+        put_output(out, use);
         break;
     case OPTION_OF_RUN:
         if (strcmp(name, "shard") == 0) { /* the part that the result is */
@@ -288,7 +291,7 @@ static void put_words(struct writing *out)
         put_option(out, "max-memory", size);
     }
     if (!out->has_output) {
-        put_output(out, option_find(replay->command, "output"), NULL, NULL);
+        put_output(out, &(struct option_use){.option = option_find(replay->command, "output")});
     }
     put_word(out, strdup("--")); /* since a path may begin with a dash */
     put_atlas(out, NULL, arguments->operands[0], 0);

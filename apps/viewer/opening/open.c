@@ -9,6 +9,7 @@
 #include "settings/atlas_input.h"
 #include "settings/atlases.h"
 #include "settings/notes.h"
+#include "sources/endings.h"
 #include "viewer/model/additions.h"
 #include "viewer/model/hemispheres.h"
 #include "viewer/model/plans.h"
@@ -84,8 +85,7 @@ static bool json_names(const char *path, const char *key)
 static bool is_list(const char *path)
 {
     conus_pose_stream *stream = NULL;
-    bool is = path_ending_length(path, ".csv/.tsv/.txt/.xml/.fcsv/.mrk.json/.elc/.sfp/.pos/.dat") &&
-              !conus_pose_stream_open(&stream, path, NULL);
+    bool is = ending_length(path, strlen(path), ROLE_POSES) && !conus_pose_stream_open(&stream, path, NULL);
     conus_pose_stream_destroy(stream);
     return is;
 }

@@ -9,6 +9,7 @@
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
+#include "sources/endings.h"
 #include "sources/keys.h"
 #include "viewer/window/state_file.h"
 
@@ -20,21 +21,7 @@
 
 bool folder_can_open(const char *name)
 {
-    static const char *const endings[] = {".nii", ".mgz",  ".mgh",  ".nrrd", ".nhdr", ".mha",  ".mhd",
-                                          ".img", ".hdr",  ".head", ".brik", ".tif",  ".tiff", ".gii",
-                                          ".obj", ".ply",  ".stl",  ".off",  ".mz3",  ".vtk",  ".annot",
-                                          ".vtp", ".json", ".xml",  ".trk",  ".tck",  ".trx",  ".tt"};
-    char plain[SYSTEM_NAME + 1];
-    snprintf(plain, sizeof plain, "%s", name);
-    if (path_ends_in(plain, ".gz")) {
-        plain[strlen(plain) - 3] = '\0';
-    }
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        if (path_ends_in(plain, endings[i])) {
-            return true;
-        }
-    }
-    return false;
+    return ending_length(name, strlen(name), ROLES_ATLAS | ROLE_TRACTS);
 }
 
 bool folder_fits(const char *name, const char *text)

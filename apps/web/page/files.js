@@ -2,9 +2,9 @@
 // Files: those inside the page, those that are dropped or chosen, and which of them is the atlas.
 
 const LIMIT = 2 ** 31;
-/** Endings of what can be an atlas, the likeliest first; others (tables, colours) lie beside one. */
-const ATLASES = [/\.atlas\.json$/, /\.nii(\.gz)?$/, /\.mg[hz]$/, /\.n(rrd|hdr)$/, /\.mh[ad]$/, /\.head$/, /\.tiff?$/, /\.gii(\.gz)?$/, /\.annot$/,
-  /\.(pial|white|inflated)$/, /\.(obj|ply|stl|vt[kp]|off|mz3)$/, /\.(trk|tck|trx|tt\.gz)$/, /\.xml$/];
+/** Endings of what can be an atlas, the likeliest first, in the order of sources/endings.c; others (tables, colours) lie beside one. */
+const ATLASES = [".atlas.json", ".dlabel.nii", ".nii", ".hdr", ".img", ".mgz", ".mgh", ".seg.nrrd", ".nrrd", ".nhdr", ".mha", ".mhd", ".head", ".brik", ".tiff", ".tif",
+  ".surf.gii", ".label.gii", ".gii", ".annot", ".pial", ".white", ".inflated", ".obj", ".ply", ".stl", ".off", ".mz3", ".vtk", ".vtp", ".trk", ".tck", ".trx", ".tt", ".xml"];
 
 /** The bytes of a block of base64. @param {Element} block */
 function decoded(block) {
@@ -61,6 +61,6 @@ export async function read(files) {
 
 /** Which of the names may be the atlas, the likeliest first. @param {string[]} names */
 export function candidates(names) {
-  const place = (/** @type {string} */ name) => ATLASES.findIndex((ending) => ending.test(name.toLowerCase()));
+  const place = (/** @type {string} */ name) => ATLASES.findIndex((ending) => name.toLowerCase().replace(/\.gz$/, "").endsWith(ending));
   return names.filter((name) => place(name) >= 0).sort((a, b) => place(a) - place(b) || a.length - b.length || (a < b ? -1 : 1));
 }

@@ -62,6 +62,7 @@ static void knows_sizes_and_kinds(void **state)
     use_folder("kinds");
     write_volume("a.nii", 1002);
     write_volume("image.nii", 0);
+    write_text("image.json", "{}"); /* BIDS has one beside each image: it says nothing of labels */
     write_text("all.atlas.json", "{}");
     conus_catalogue *catalogue = look();
     assert_int_equal(conus_catalogue_count(catalogue), 2);

@@ -137,6 +137,27 @@ static void a_first_manifest_of_voxels(void **state)
     assert_areas_with(test_in("m.atlas.json"), NULL, "7 Thalamus L v2; 10001 target L 4");
 }
 
+static void hear(void *user, const conus_note *note)
+{
+    buffer_format(user, "%s|", note->line);
+}
+
+/* Which of its maps would have been taken is said, too. */
+static void a_refused_file_is_told_with_its_notes(void **state)
+{
+    (void)state;
+    struct buffer heard = {0};
+    test_folder("refused");
+    write_labels("x.dlabel.nii", &(struct cifti_spec){0});
+    write_surface("l.surf.gii", "CortexLeft", NULL, NULL, 10, 4);
+    assert_ok(
+        conus_manifest_write(test_in("m.atlas.json"), &(conus_manifest_options){.log = hear, .log_user = &heard}));
+    assert_ok(buffer_status(&heard));
+    assert_non_null(strstr(heard.data, "x.dlabel.nii: left out, since it does not load"));
+    assert_non_null(strstr(heard.data, "x.dlabel.nii: 2 maps: number 0 (from 0) was used"));
+    buffer_finish(&heard);
+}
+
 static conus_status attempt_manifest(void *data)
 {
     conus_status status = conus_manifest_write(data, NULL);
@@ -156,9 +177,8 @@ static void every_failing_allocation(void **state)
 TEST_GROUP(load_cifti)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_surface_must_say_what_it_is),
-        cmocka_unit_test(a_first_manifest_of_a_folder),
-        cmocka_unit_test(a_first_manifest_of_voxels),
+        cmocka_unit_test(a_surface_must_say_what_it_is), cmocka_unit_test(a_first_manifest_of_a_folder),
+        cmocka_unit_test(a_first_manifest_of_voxels),    cmocka_unit_test(a_refused_file_is_told_with_its_notes),
         cmocka_unit_test(every_failing_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -583,6 +583,39 @@ static void test_the_matrix_as_text(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* A row of cells of 1 mm, each an area: one more than a matrix may have. Streamlines connect areas all the same. */
+static void test_a_matrix_of_too_many_areas_is_refused(void **state)
+{
+    (void)state;
+    enum { AREAS = 8192 + 1 };
+    uint32_t *labels = memory_zeroed(AREAS, sizeof *labels);
+    assert_non_null(labels);
+    for (uint32_t i = 0; i < AREAS; i++) {
+        labels[i] = i + 1;
+    }
+    const conus_volume_info grid = scene_plain_grid((const size_t[]){AREAS, 1, 1}, NULL);
+    conus_atlas *atlas = scene_parcellation(&grid, labels);
+    struct tractogram lines = all_lines();
+    assert_ok(atlas_add_tractogram(atlas, &lines, "lines"));
+    conus_table *table = connect(atlas, -1, NULL);
+    conus_selector *selector = NULL;
+    conus_report *report = NULL;
+    const char *text = NULL;
+    size_t size = 0;
+    const conus_report_options options = {.rows = CONUS_ROWS_CONNECTIONS, .format = CONUS_FORMAT_TSV};
+    assert_true(conus_table_rows(table) > 0);
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    assert_ok(conus_report_create(&report, selector, &options));
+    assert_fails(conus_report_matrix(&text, &size, report, table), CONUS_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(conus_message(), "a table of 8193 areas, allowed are up to 8192"));
+    assert_null(text);
+    conus_report_destroy(report);
+    conus_selector_destroy(selector);
+    conus_table_destroy(table);
+    conus_atlas_destroy(atlas);
+    memory_free(labels);
+}
+
 static conus_status connect_once(void *user)
 {
     const conus_report_options options = {.rows = CONUS_ROWS_CONNECTIONS, .format = CONUS_FORMAT_JSON};
@@ -624,6 +657,7 @@ TEST_GROUP(connectivity)
         cmocka_unit_test(test_a_level_joins_areas),
         cmocka_unit_test(test_a_report_has_a_row_for_each_connection),
         cmocka_unit_test(test_the_matrix_as_text),
+        cmocka_unit_test(test_a_matrix_of_too_many_areas_is_refused),
         cmocka_unit_test(test_hidden_areas_and_bundles_are_not_there),
         cmocka_unit_test(test_without_bundles_there_is_nothing),
         cmocka_unit_test(test_the_matrix_has_the_areas_that_are_named_in_their_order),
