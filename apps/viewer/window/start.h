@@ -58,7 +58,8 @@ const char *start_path(const struct start *start, size_t index);
 /** What is known of path @p index of the lists, or of the installed atlas with this index; all 0 = nothing. */
 struct known_atlas start_known(struct start *start, size_t index, bool is_installed);
 /** Index of the first path of the lists that has a picture, which where none has is being drawn of the sample, and is
- * there some frames later: @p wake is called then. With @p keeps that is kept for the next time. SIZE_MAX = none will have one. */
+ * there some frames later: @p wake is called then. With @p keeps that is kept for the next time. SIZE_MAX = none will
+ * have one. */
 size_t start_pictured(struct start *start, void (*wake)(void), bool keeps);
 /** Ends what draws that picture, as where the page goes away. */
 void start_stop(struct start *start);
