@@ -191,7 +191,7 @@ struct known_atlas start_known(struct start *start, size_t index, bool is_instal
     return known ? *known : (struct known_atlas){0};
 }
 
-static const double CLOSER = 4; /* clicks of the wheel: a brain fills the picture */
+static const double CLOSER = 2; /* clicks of the wheel: a brain fills the picture */
 
 /* Opens the atlas of a path, and asks for its picture. */
 static void begin_picture(struct start *start, size_t index, void (*wake)(void))
