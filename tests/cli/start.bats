@@ -490,6 +490,6 @@ END
     [ ! -e state/conus/pictures/aal.nii.gz ]
     pixels <<'PYTHON'
 light = [(oiio.ImageBuf(name).get_pixels()[..., :3].min(2) > 0.35).mean() for name in ('without.png', 'with.png')]
-assert light[0] + 0.01 < light[1] < 0.3, light
+assert light[0] + 0.004 < light[1] < 0.3, light
 PYTHON
 }
