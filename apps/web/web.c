@@ -146,17 +146,22 @@ static void forget_answers(void)
     page.cut = NULL;
 }
 
-static void write_notes(FILE *out)
+/* Those that are warnings, or all others. */
+static void write_notes(FILE *out, const char *key, bool warn)
 {
-    fputs(", \"notes\": [", out);
+    const char *before = "";
+    fprintf(out, ", \"%s\": [", key);
     for (size_t i = 0; i < conus_atlas_note_count(page.atlas); i++) {
-        fputs(i ? ", " : "", out);
-        write_string(out, conus_atlas_note(page.atlas, i));
+        if ((conus_atlas_note_severity(page.atlas, i) == CONUS_SEVERITY_WARNING) == warn) {
+            fputs(before, out);
+            write_string(out, conus_atlas_note(page.atlas, i));
+            before = ", ";
+        }
     }
     fputs("]", out);
 }
 
-/* name, sha256, source of the names, number of objects, box, grey window and notes. */
+/* name, sha256, source of the names, number of objects, box, grey window, notes and warnings. */
 static const char *describe_atlas(void)
 {
     double low[3] = {0};
@@ -188,7 +193,8 @@ static const char *describe_atlas(void)
             fprintf(out, ", \"window\": [%.9g, %.9g]", window[0], window[1]);
         }
     }
-    write_notes(out);
+    write_notes(out, "notes", false);
+    write_notes(out, "warnings", true);
     fputs("}", out);
     return end_text(out);
 }

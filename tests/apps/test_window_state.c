@@ -263,21 +263,21 @@ static void the_last_opened_comes_first(void **state)
     assert_int_equal(recent.count, 1);
 }
 
-/* The picture has 200 x 150 pixels, so each of the thumbnail's 96 x 72 is the mean of 2 x 2 of them, from 4, 3 on: with
- * red = x and green = y its first pixel has (4 + 5) / 2 = 4 and (3 + 4) / 2 = 3, its last (194 + 195) / 2 and
- * (145 + 146) / 2. */
+/* The picture has 900 x 620 pixels, so each of the thumbnail's 400 x 300 is the mean of those that it touches of the
+ * middle's 827 x 620, 2.07 a side: with red = x / 4 and green = y / 4 its first pixel has those at 36 to 38 and 0 to 2,
+ * its last those at 860 to 862 and 617 to 619: red 9 and 215, green 0 and 154. */
 static void a_picture_of_an_atlas_is_kept_by_its_name_and_size(void **state)
 {
-    static uint8_t rgba[150][200][4];
+    static uint8_t rgba[620][900][4];
     static struct thumbnail kept;
-    const struct painted picture = {.width = 200, .height = 150, .rgba = rgba[0][0]};
+    const struct painted picture = {.width = 900, .height = 620, .rgba = rgba[0][0]};
     char path[SYSTEM_PATH];
     char atlas[SYSTEM_PATH];
     size_t size;
     (void)state;
-    for (size_t y = 0; y < 150; y++) {
-        for (size_t x = 0; x < 200; x++) {
-            memcpy(rgba[y][x], (const uint8_t[]){(uint8_t)x, (uint8_t)y, 7, 255}, 4);
+    for (size_t y = 0; y < 620; y++) {
+        for (size_t x = 0; x < 900; x++) {
+            memcpy(rgba[y][x], (const uint8_t[]){(uint8_t)(x / 4), (uint8_t)(y / 4), 7, 255}, 4);
         }
     }
     find_state(path, "pictures/pair.nii");
@@ -287,11 +287,11 @@ static void a_picture_of_an_atlas_is_kept_by_its_name_and_size(void **state)
     thumbnail_keep(atlas, 116, &picture);
     assert_true(thumbnail_load(&kept, atlas));
     assert_int_equal(kept.areas, 116);
-    assert_memory_equal(kept.rgba[0][0], ((const uint8_t[]){4, 3, 7, 255}), 4);
-    assert_memory_equal(kept.rgba[THUMBNAIL_HEIGHT - 1][THUMBNAIL_WIDTH - 1], ((const uint8_t[]){194, 145, 7, 255}), 4);
-    char *text = state_file_read(&size, "pictures/pair.nii", 1 << 16);
+    assert_memory_equal(kept.rgba[0][0], ((const uint8_t[]){9, 0, 7, 255}), 4);
+    assert_memory_equal(kept.rgba[THUMBNAIL_HEIGHT - 1][THUMBNAIL_WIDTH - 1], ((const uint8_t[]){215, 154, 7, 255}), 4);
+    char *text = state_file_read(&size, "pictures/pair.nii", 1 << 20);
     assert_non_null(text);
-    assert_int_equal(size, strlen("conus_picture 1 0000000000000005 00000074\n") + 4 * 96 * 72);
+    assert_int_equal(size, strlen("conus_picture 1 0000000000000005 00000074\n") + 4 * 400 * 300);
     assert_memory_equal(text, "conus_picture 1 0000000000000005 00000074\n", 42); /* 0x74 = 116 */
     for (size_t part = 0; part < size; part++) {
         assert_false(thumbnail_parse(&kept, 5, text, part));

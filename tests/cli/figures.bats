@@ -109,6 +109,28 @@ END
     run -1 cmp -s cut.svg light.svg
 }
 
+# The form, 520 x 357 pixels, is in the middle of the window, and its button Preview 117 to the right of its left edge and
+# 315 below its top. Of a white sheet of 120 x 90 more than half is white; the window has no other white.
+@test "the form shows a preview until something changes" {
+    conus phantom nested -o . --size 32
+    live nested.nii.gz --size 700x480 --scale 1
+    tell 'sheet pixels 120 90' 'background white' 'orbit 90 0' 'zoom -20' settle
+    press ctrl+p
+    tell 'screenshot without.png'
+    click_at 207 377
+    pass
+    tell 'screenshot with.png'
+    pass
+    tell 'background black' 'wait 4' 'screenshot again.png'
+    pass
+    leave
+    pixels <<'PYTHON'
+white = lambda name: int((oiio.ImageBuf(name).get_pixels()[60:420, 90:610, :3].min(2) > 0.95).sum())
+before, shown, after = (white(name + '.png') for name in ('without', 'with', 'again'))
+assert before + 5400 < shown < before + 10800 and after < shown - 5400, (before, shown, after)
+PYTHON
+}
+
 @test "Ctrl+P asks for a name, Enter saves, and a file that is there is not replaced at once" {
     conus phantom nested -o . --size 32
     live nested.nii.gz

@@ -478,3 +478,18 @@ END
     run -0 "$CONUS" batch --help
     [[ "${lines[0]}" == 'usage: conus batch ATLAS --poses FILE'* ]]
 }
+
+# More of the page is light where there is a picture of the first atlas of the lists; of a script none is kept.
+@test "the page shows the sample's brain" {
+    own_folders
+    mkdir -p data/mricron/templates
+    conus phantom nested -o .
+    printf 'shot without\n' | view --size 1000x640
+    cp nested.nii.gz data/mricron/templates/aal.nii.gz
+    printf 'shot with\n' | view --size 1000x640
+    [ ! -e state/conus/pictures/aal.nii.gz ]
+    pixels <<'PYTHON'
+light = [(oiio.ImageBuf(name).get_pixels()[..., :3].min(2) > 0.35).mean() for name in ('without.png', 'with.png')]
+assert light[0] + 0.004 < light[1] < 0.3, light
+PYTHON
+}

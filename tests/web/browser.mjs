@@ -18,7 +18,7 @@ const files = ["aal.nii.gz", "aal.nii.txt", "aal.nii.lut"].map((name) => path.jo
 const skip = !fs.existsSync(files[0]) && "mricron-data is not installed";
 const template = path.join(PAGE, "page.html");
 const WAIT = { timeout: 60000 };
-const README = [["1", "Frontal_Inf_Oper_L", "90.51 %", "188"], ["2", "Precentral_L", "7.60 %", "16"], ["3", "Postcentral_L", "1.89 %", "4"]];
+const README = [["1", "Frontal_Inf_Oper_L", "90.61 %", "2921"], ["2", "Precentral_L", "7.29 %", "238"], ["3", "Postcentral_L", "2.10 %", "69"]];
 let browser;
 
 const run = (...words) => execFileSync(CONUS, words, { cwd: folder }).toString();
@@ -244,6 +244,26 @@ test("an image below the areas, and its grey values", { skip }, async (t) => {
   assert.match(await page.locator("#error").innerText(), /^White: white is not a number/);
 });
 
+test("warnings stand beside the answer, and a start on the surface is 40 mm before it", { skip }, async (t) => {
+  const page = await visit(template, t);
+  const table = fs.readFileSync(files[1], "utf8").replace(/_([LR])\b/g, (_, side) => (side === "L" ? "_R" : "_L"));
+  fs.mkdirSync(path.join(folder, "swapped"));
+  fs.copyFileSync(files[0], path.join(folder, "swapped/aal.nii.gz"));
+  fs.writeFileSync(path.join(folder, "swapped/aal.nii.txt"), table);
+  await settle(page, () => page.locator("#files").setInputFiles(["aal.nii.gz", "aal.nii.txt"].map((name) => path.join(folder, "swapped", name))));
+  assert.match(await page.locator("#warnings").innerText(), /^Warning: .*(left|right)/);
+  await settle(page, () => page.locator("#files").setInputFiles([files[0], files[1]]));
+  assert.equal(await page.locator("#warnings").isVisible(), false);
+  const box = await page.locator('[data-pane="3"] .over').boundingBox();
+  await settle(page, async () => {
+    await page.keyboard.down("Shift");
+    await page.mouse.click(box.x + 0.45 * box.width, box.y + 0.45 * box.height);
+    await page.keyboard.up("Shift");
+  });
+  const [, away] = (await page.locator("#said").innerText()).match(/([\d.]+)\smm from the start/);
+  assert.ok(Math.abs(Number(away) - 40) < 4, away); // of the nearest ray of a cone, on a curved surface
+});
+
 test("an atlas that is elsewhere is aimed at", async (t) => {
   fs.mkdirSync(path.join(folder, "mouse"));
   execFileSync("python3", [path.resolve(import.meta.url.slice(7), "../../cli/ccf.py")], { cwd: path.join(folder, "mouse") });
@@ -333,7 +353,7 @@ test("3-D and the table's chips have one colour for one area", { skip }, async (
   const place = (name) => README.findIndex((row) => row[1] === name) + 1;
   const over = page.locator('[data-pane="3"] .over');
   const box = await over.boundingBox();
-  const shares = JSON.parse(await page.evaluate(() => JSON.stringify(rows))).filter((row) => row.kind !== "unassigned").map((row) => row.share);
+  const shares = (await rows(page)).map((row) => parseFloat(row[2]) / 100);
   const weight = (at) => 0.4 + 0.6 * Math.round(8 * Math.min(Math.max((shares[at] - 0.02) / 0.48, 0), 1)) / 8;
   const ofAnswer = (name) => named(`RANK_${place(name)}`).map((v, c) => Math.floor(weight(place(name) - 1) * v + (1 - weight(place(name) - 1)) * named("NOT_HIT")[c] + 0.5));
   for (const [kind, colour] of [["of the answer", (name) => (place(name) ? ofAnswer(name) : named("NOT_HIT"))],

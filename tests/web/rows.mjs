@@ -78,7 +78,7 @@ async function compare(files, atlas, layers) {
   });
   fs.writeFileSync(path.join(folder, "poses.tsv"), ["x\ty\tz\ttx\tty\ttz\tangle",
     ...asked.map(({ origin, toward, angle }) => [...origin, ...toward, angle].join("\t"))].join("\n") + "\n");
-  const theirs = run("batch", files[0][0], "--poses", "poses.tsv", "--layers", layers, "--format", "ndjson", "--quiet");
+  const theirs = run("batch", files[0][0], "--poses", "poses.tsv", "--layers", layers, "--resolution", "16", "--format", "ndjson", "--quiet");
   const [a, b] = [ours, theirs].map((text) => text.trim().split("\n"));
   assert.equal(a.length, b.length);
   assert.deepEqual(a.flatMap((row, i) => (row === b[i] ? [] : [[row, b[i]]])), []);
@@ -113,6 +113,6 @@ test("the question of the README", { skip: !real.length && "mricron-data is not 
   conus.ask(-90, 20, 20, 0, -10, 10, 20, 16, 0);
   const rows = conus.rows(NDJSON).trim().split("\n").map((row) => JSON.parse(row));
   assert.deepEqual(rows.slice(0, 3).map((row) => [row.name, row.pixels]), [["Frontal_Inf_Oper_L", 188], ["Precentral_L", 16], ["Postcentral_L", 4]]);
-  const native = run("query", real[0][0], "--origin", "-90,20,20", "--toward", "0,-10,10", "--angle", "20", "--format", "ndjson", "--quiet");
+  const native = run("query", real[0][0], "--origin", "-90,20,20", "--toward", "0,-10,10", "--angle", "20", "--resolution", "16", "--format", "ndjson", "--quiet");
   assert.equal(conus.rows(NDJSON), native);
 });

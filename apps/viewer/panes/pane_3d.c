@@ -25,6 +25,8 @@ static const ui_colour dark = {LOOK_RGB(LOOK_UNDER), 255};
 /* The view rests when the mouse, or else a tracker or a replay, has stood still for so long. */
 static const double view_rest_ms = 120, others_rest_ms = 300;
 
+static const double LATE_MS = 400; /* from when on a picture of an answer from before says so */
+
 static const float click = 4; /* pixels: a mouse that moves as far from where it was pressed turns the view */
 
 static const char device_caption[] = "what the device sees";
@@ -161,6 +163,7 @@ static void take_picture(struct window *window)
         times_add(times, TIMED_PICTURE, picture.milliseconds);
         times->first_picture = times->first_picture > 0 ? times->first_picture : clock_ms() - times->started;
         texture_set(&window->pictures.painted, picture.rgba, picture.width, picture.height, coarse);
+        window->pictures.late_at = 0;
         window->pictures.drawn = picture.what;
         window->pictures.around = (ui_colour){picture.rgba[0], picture.rgba[1], picture.rgba[2], 255};
         window->pictures.painted_ms = picture.milliseconds;
@@ -170,6 +173,19 @@ static void take_picture(struct window *window)
         }
         free(picture.rgba);
     }
+}
+
+/* Notes since when the picture is of another answer, plan or scene than the lists are: if that lasts, it is said. */
+static void note_lateness(struct window *window)
+{
+    struct pictures *pictures = &window->pictures;
+    const struct painting *drawn = &pictures->drawn, *asked = &pictures->asked;
+    const bool is_late = pictures->painted.name &&
+                         (drawn->answer_number != asked->answer_number || drawn->plan_number != asked->plan_number ||
+                          drawn->scene_number != asked->scene_number);
+    const double now = clock_ms();
+    pictures->late_at = !is_late ? 0 : pictures->late_at > 0 ? pictures->late_at : now + LATE_MS;
+    pictures->says_late = is_late && now >= pictures->late_at;
 }
 
 /* Finds the eye by which the pane is seen, and where the picture lies in it: one of another size than the pane has now
@@ -376,12 +392,13 @@ static void draw_waiting(const struct window *window)
     char error[256];
     static const char drawing[] = "drawing\u2026";
     const float at[2] = {box->x + 20, box->y + box->height / 2};
-    const float middle[2] = {box->x + (box->width - ui_text_width(drawing)) / 2, at[1]};
+    const float middle[2] = {box->x + (box->width - ui_text_width(drawing)) / 2,
+                             window->pictures.painted.name ? box->y + 4 * ui_line() : at[1]};
     if (!window->viewer->painter) {
         ui_draw_text(at, theme_shaded[THEME_ORANGE], "not enough memory to draw");
     } else if (painter_error(window->viewer->painter, error, sizeof error)) {
         ui_draw_text(at, theme_shaded[THEME_ORANGE], error);
-    } else if (!window->pictures.painted.name) {
+    } else if (!window->pictures.painted.name || window->pictures.says_late) {
         ui_draw_text(middle, light, drawing);
     }
 }
@@ -691,6 +708,7 @@ void pane_3d(struct window *window)
     use_release(window);
     note_moves(window, by_mouse);
     ask_painter(window, window->pictures.moving);
+    note_lateness(window);
     reserve_places(window);
     ui_clip(*box);
     pane_chosen(window);
@@ -698,9 +716,9 @@ void pane_3d(struct window *window)
     pane_points(window, PANE_3D, box, NULL);
     pane_cones(window);
     pane_cross(window);
+    draw_names(window, FIRST_TOOL); /* the answer has the best places */
     pane_chosen_names(window);
     draw_measured(window);
-    draw_names(window, FIRST_TOOL);
     draw_names(window, SECOND_TOOL);
     draw_waiting(window);
     draw_notices(window);

@@ -36,8 +36,9 @@ static bool drag_grey(struct window *window, const struct ui_mouse *mouse)
     return true;
 }
 
-/* Writes into a cut's lower left corner, beside the brain and the lower letter: what is chosen, if the cut shows it,
- * and above it the grey values, unless they are those that were found. */
+/* Writes into a cut's lower left corner, beside the brain and the lower letter: what is chosen, if the cut shows it
+ * and the 3-D pane, which names it, is not there, and above it the grey values, unless they are those that were found.
+ */
 static void draw_corner(const struct window *window, const struct ui_box *box, bool shows_chosen)
 {
     static const char *const ends[2] = {"black", "white"};
@@ -344,7 +345,7 @@ void pane_cut(struct window *window, enum plane plane)
     draw_title(&cut);
     draw_letters(&cut);
     draw_measured(window, &cut);
-    draw_corner(window, box, pane->top.is_there);
+    draw_corner(window, box, pane->top.is_there && !screen_shows_pane(&window->screen, PANE_3D));
     ui_clip_end();
     if (touched && window->frame.hover.object) {
         hover_tip(window);

@@ -72,6 +72,10 @@ static void choose_name(struct window *window)
         figure_form_save(window);
     }
     ui_same_line();
+    if (ui_button("Preview", "draws it here, as small as there is room")) {
+        figure_form_preview(window);
+    }
+    ui_same_line();
     if (form->saved[0] && ui_button("Copy its path", NULL)) {
         figure_form_copy(window);
     }
@@ -86,7 +90,10 @@ void panel_figure(struct window *window)
 {
     static const char *const panes[] = {"axial cut", "coronal cut", "sagittal cut", "3-D"};
     struct sheet before = window->sheet;
-    window_panel(window, "Save a figure (Ctrl+P; Escape closes this)", 520, plans_is_on(window->viewer) ? 387 : 357);
+    const struct texture *preview = figure_form_previewed(window);
+    const float wide = preview ? (float)preview->width : 0, high = preview ? (float)preview->height : 0;
+    window_panel(window, "Save a figure (Ctrl+P; Escape closes this)", 520,
+                 (plans_is_on(window->viewer) ? 387 : 357) + high / window->screen.scale);
     ui_choose("Of", &window->forms.figure.pane, panes, PANE_COUNT);
     ui_tip("drawn anew at this size: the place, the cone and the look that the pane has now");
     choose_size(&window->sheet);
@@ -98,6 +105,9 @@ void panel_figure(struct window *window)
         ui_text_wrapped(THEME_HINT, "without the plan's target, no-go areas and verdict: P saves the window with them");
     }
     ui_separator();
+    if (preview) {
+        ui_picture(preview->name, wide, high);
+    }
     choose_name(window);
     ui_panel_end();
     window->viewer->version += !sheet_is_same(&before, &window->sheet);

@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ABOUT = 512 };
+enum { ABOUT = 512, PICTURED = 1000 /* beside the numbers of rows */ };
 
 static const float number_width = 26;
 static const float least_wide = 700, gap = 24; /* from here on the lists stand side by side, so far apart */
@@ -56,7 +56,7 @@ struct offer {
     size_t id;
     const char *key; /**< That opens it; NULL = none. */
     const char *name, *tip;
-    struct known_atlas known;
+    uint32_t picture; /**< 0 = none. */
     bool is_picked;
 };
 
@@ -70,8 +70,8 @@ static bool draw_offer(const struct window *window, const struct offer *offer, c
         ui_text_coloured(THEME_ACCENT, "%s", offer->key);
         ui_same_line_at(number_width * scale);
     }
-    if (window->start.has_pictures) {
-        ui_picture(offer->known.picture.name, high / THUMBNAIL_HEIGHT * THUMBNAIL_WIDTH, high);
+    if (offer->picture) {
+        ui_picture(offer->picture, high / THUMBNAIL_HEIGHT * THUMBNAIL_WIDTH, high);
         ui_same_line();
     }
     ui_group();
@@ -81,6 +81,26 @@ static bool draw_offer(const struct window *window, const struct offer *offer, c
     ui_tint_end();
     ui_group_end();
     return clicked;
+}
+
+/* Draws the first brain that has a picture, so large as the lists below leave room: a click opens it. */
+static void draw_brain(struct window *window, float height)
+{
+    const float least = 100 * window->screen.scale;
+    const size_t index = start_pictured(&window->start, window->wake, window->files.remembers);
+    const float high = floorf(
+        fminf(fminf(height, THUMBNAIL_HEIGHT * window->screen.scale), ui_room() * THUMBNAIL_HEIGHT / THUMBNAIL_WIDTH));
+    char words[SYSTEM_PATH];
+    if (index == SIZE_MAX || high < least) {
+        return;
+    }
+    start_words(words, &window->start, index);
+    bool clicked = panel_row(window, PICTURED, false, words, high);
+    ui_picture(start_known(&window->start, index, false).picture.name, high / THUMBNAIL_HEIGHT * THUMBNAIL_WIDTH, high);
+    ui_gap(ui_line() / 4);
+    if (clicked) {
+        window_request_file(window, start_path(&window->start, index));
+    }
 }
 
 /* ", 1 mm", ", 1 x 1 x 2 mm"; "" of surfaces. */
@@ -135,10 +155,14 @@ static void draw_entry(struct window *window, size_t index)
     char about[ABOUT];
     const char key[2] = {(char)('1' + index), '\0'};
     const char *name = start_words(words, start, index);
-    const struct offer offer = {
-        .id = index, .key = key, .name = name, .tip = words, .known = start_known(start, index, false)};
+    const struct known_atlas known = start_known(start, index, false);
+    const struct offer offer = {.id = index,
+                                .key = key,
+                                .name = name,
+                                .tip = words,
+                                .picture = index < start->recent.count ? known.picture.name : 0};
     if (is_alone(start, index)) {
-        write_about(about, name, start_installed(start, start_path(start, index)), offer.known.areas);
+        write_about(about, name, start_installed(start, start_path(start, index)), known.areas);
     } else {
         snprintf(about, sizeof about, "%.*s", (int)(name - words), words);
     }
@@ -196,11 +220,10 @@ static void draw_installed(struct window *window, size_t index, bool picked)
     const conus_installed *atlas = conus_catalogue_atlas(start->catalogue, index);
     char words[SYSTEM_PATH];
     char about[ABOUT];
-    const struct offer offer = {
-        .id = index, .name = atlas->name, .tip = words, .known = start_known(start, index, true), .is_picked = picked};
+    const struct offer offer = {.id = index, .name = atlas->name, .tip = words, .is_picked = picked};
     snprintf(words, sizeof words, "%s", atlas->path);
     conus_plain_text(words);
-    write_about(about, atlas->name, atlas, offer.known.areas);
+    write_about(about, atlas->name, atlas, start_known(start, index, true).areas);
     bool chosen = draw_offer(window, &offer, about);
     if (picked && start->scrolls) {
         ui_scroll_here();
@@ -236,28 +259,12 @@ static void draw_catalogue(struct window *window, float height)
     ui_scroll_end();
 }
 
-/* Whether any atlas of the lists has a picture. */
-static bool has_pictures(struct start *start)
-{
-    bool has = false;
-    for (size_t i = 0; start_path(start, i); i++) {
-        has = has || start_known(start, i, false).picture.name;
-    }
-    for (size_t i = 0; i < conus_catalogue_count(start->catalogue); i++) {
-        has = has || start_known(start, i, true).picture.name;
-    }
-    return has;
-}
-
 /* What an atlas is opened for, while nothing that was opened before has the place. */
 static void draw_guide(const struct window *window)
 {
     static const char *const asks[][2] = {{"Mouse", "What does the cone hit? A click holds it"},
                                           {"L", "What lies behind that? All depths of the cone"},
-                                          {"J", "How sure is it? Other angles, a pose with errors"},
                                           {"/", "Where is an area? Search by name or label"},
-                                          {"Enter", "Keep the answer; Ctrl+S saves the session"},
-                                          {"Ctrl+P", "A figure for print; Ctrl+E exports the list"},
                                           {"Drop", "A T1, streamlines, a second atlas: into the window"}};
     if (window->start.recent.count) {
         return;
@@ -268,9 +275,17 @@ static void draw_guide(const struct window *window)
     }
 }
 
+/* Of what stands below the large picture. */
+static float known_height(const struct window *window)
+{
+    const struct start *start = &window->start;
+    const size_t offers = start->recent.count + (start->found[0] || start->has_no_sample);
+    const float guide = start->recent.count ? 0 : 6;
+    return (2.3F * (float)offers + 4 + guide) * ui_line();
+}
+
 static void draw_lists(struct window *window, float height)
 {
-    window->start.has_pictures = has_pictures(&window->start);
     float width = ui_room();
     float half = floorf((width - gap * window->screen.scale) / 2);
     if (width < least_wide * window->screen.scale) {
@@ -281,6 +296,7 @@ static void draw_lists(struct window *window, float height)
         return;
     }
     ui_column("known", half, height);
+    draw_brain(window, height - known_height(window));
     draw_known(window);
     draw_guide(window);
     ui_scroll_end();
@@ -309,10 +325,6 @@ void panel_start(struct window *window)
     ui_gap(fmaxf(0.08F * height - margin, 0));
     ui_heading("conus");
     ui_text_wrapped(THEME_PLAIN, "Which areas of the brain does this beam, probe or pointing hand reach?");
-    ui_gap(ui_line() / 2);
-    ui_text_wrapped(THEME_PLAIN,
-                    "First open an atlas: click one below. Then move the mouse over the brain: a cone follows it, "
-                    "and the list on the right names the areas that it hits. A click holds the cone.");
     ui_gap(ui_line() / 2);
     draw_field(window);
     ui_gap(ui_line() / 2);

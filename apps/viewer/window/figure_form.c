@@ -3,6 +3,7 @@
 #include "viewer/window/figure_form.h"
 
 #include "base/look.h"
+#include "base/look_sizes.h"
 #include "base/path.h"
 #include "base/system/system.h"
 #include "conus/own.h"
@@ -194,18 +195,30 @@ static conus_status draw_cut(conus_image **out, const struct window *window, enu
     return conus_cuts_image(out, viewer->drawn->atlas, &whole, 1, &view, NULL, &sheet);
 }
 
+/* As figure_write(), but gives the image; none where there is a refusal. */
+static conus_status draw_figure(conus_image **out, const char **refusal, const struct window *window, size_t pane,
+                                const struct figure_settings *settings, bool shapes)
+{
+    return pane == PANE_3D ? draw_3d(out, refusal, window, settings, shapes)
+                           : draw_cut(out, window, (enum plane)pane, settings, shapes);
+}
+
+static const char *reason_of(conus_status status)
+{
+    return conus_message()[0] || status != CONUS_ERROR_MEMORY ? conus_message() : "not enough memory";
+}
+
 bool figure_write(const struct window *window, size_t pane, const struct figure_settings *settings, const char *path,
                   char why[FIGURE_REASON])
 {
     conus_image *image = NULL;
     const char *refusal = NULL;
     const bool shapes = path_ends_in(path, ".svg") || path_ends_in(path, ".pdf");
-    conus_status status = pane == PANE_3D ? draw_3d(&image, &refusal, window, settings, shapes)
-                                          : draw_cut(&image, window, (enum plane)pane, settings, shapes);
+    conus_status status = draw_figure(&image, &refusal, window, pane, settings, shapes);
     status = status || refusal ? status : conus_image_write(image, path);
     conus_image_destroy(image);
     if (status) {
-        refusal = conus_message()[0] || status != CONUS_ERROR_MEMORY ? conus_message() : "not enough memory";
+        refusal = reason_of(status);
     }
     snprintf(why, FIGURE_REASON, "%s", refusal ? refusal : "");
     return !refusal;
@@ -214,7 +227,7 @@ bool figure_write(const struct window *window, size_t pane, const struct figure_
 const char *const figure_panes[PANE_COUNT] = {"axial", "coronal", "sagittal", "3d"};
 
 /* The frame in which the figure is asked for, and one more that shows a word about it. */
-enum { FRAMES_BEFORE = 4, FREE_NAMES = 10000 };
+enum { PREVIEW_WIDTH = 496, PREVIEW_HEIGHT = 240 /* at scale 1 */, FRAMES_BEFORE = 4, FREE_NAMES = 10000 };
 
 void figure_form_open(struct window *window)
 {
@@ -282,6 +295,57 @@ void figure_form_save(struct window *window)
     say(window, "saving ", form->name);
 }
 
+void figure_form_preview(struct window *window)
+{
+    struct figure_form *form = &window->forms.figure;
+    form->frames = FRAMES_BEFORE;
+    form->previews = true;
+    window->frame.frames_wanted = FRAMES_BEFORE + 2;
+    say(window, "drawing\u2026", "");
+}
+
+/* The same sheet with fewer pixels, at most as many as given, and letters that are as much smaller. */
+static void shrink(struct figure_settings *settings, const double most[2])
+{
+    conus_view view = {0};
+    figure_view(&view, settings);
+    const double part = fmin(fmin(most[0] / view.width, most[1] / view.height), 1);
+    const double em = fmax(LOOK_FIGURE_LEAST, fmin(view.width, view.height) / (double)LOOK_FIGURE_PART);
+    settings->dpi = part * (view.dpi > 0 ? view.dpi : em * 72 / LOOK_FIGURE_POINTS);
+    settings->width_mm = settings->height_mm = 0;
+    settings->size[0] = (uint32_t)fmax(part * view.width, 1);
+    settings->size[1] = (uint32_t)fmax(part * view.height, 1);
+}
+
+static void draw_preview(struct window *window, struct figure_settings *settings)
+{
+    struct figure_form *form = &window->forms.figure;
+    conus_image *image = NULL;
+    const char *refusal = NULL;
+    const float scale = window->screen.scale;
+    shrink(settings, (const double[]){PREVIEW_WIDTH * scale, PREVIEW_HEIGHT * scale});
+    conus_status status = draw_figure(&image, &refusal, window, form->pane, settings, false);
+    uint8_t *rgba = image ? painted_bytes(image) : NULL;
+    if (rgba) {
+        texture_set(&window->pictures.preview, rgba, conus_image_width(image), conus_image_height(image), false);
+        form->previewed_version = window->viewer->version;
+        form->previewed_pane = form->pane;
+        say(window, "", "");
+    } else {
+        complain(window, "", status ? reason_of(status) : refusal ? refusal : "not enough memory");
+    }
+    free(rgba);
+    conus_image_destroy(image);
+}
+
+const struct texture *figure_form_previewed(const struct window *window)
+{
+    const struct figure_form *form = &window->forms.figure;
+    const struct texture *preview = &window->pictures.preview;
+    const bool is_same = form->previewed_version == window->viewer->version && form->previewed_pane == form->pane;
+    return preview->name && is_same ? preview : NULL;
+}
+
 void figure_form_step(struct window *window)
 {
     struct figure_form *form = &window->forms.figure;
@@ -294,6 +358,11 @@ void figure_form_step(struct window *window)
     }
     form->frames = 0;
     figure_of_window(&settings, window);
+    if (form->previews) {
+        form->previews = false;
+        draw_preview(window, &settings);
+        return;
+    }
     if (!figure_write(window, form->pane, &settings, form->name, why)) {
         complain(window, "", why);
         return;

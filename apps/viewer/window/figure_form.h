@@ -15,6 +15,10 @@ void figure_form_open(struct window *window);
  * is replaced only when this is called again for it. A name without .png, .exr, .svg or .pdf gets .png,
  * but that of a picture of another kind is refused. */
 void figure_form_save(struct window *window);
+/** Draws what would be saved, small, some frames later. */
+void figure_form_preview(struct window *window);
+/** The preview, where all is as it was then; NULL = there is none. */
+const struct texture *figure_form_previewed(const struct window *window);
 /** Once in each frame, after it was drawn. */
 void figure_form_step(struct window *window);
 /** Puts the path of the newest figure on the clipboard, as text. */

@@ -6,6 +6,8 @@
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
+#include "viewer/model/viewer.h"
+#include "viewer/ui/theme.h"
 #include "viewer/window/state_file.h"
 #include "viewer/window/thumbnail.h"
 
@@ -149,11 +151,13 @@ void start_look(struct start *start)
     if (is_there && !is_offered(start, aal->path)) {
         memcpy(start->found, aal->path, strlen(aal->path) + 1);
     }
+    start->paints = PATH_LIMIT;
     start->known = calloc(PATH_LIMIT + conus_catalogue_count(start->catalogue), sizeof *start->known);
 }
 
 void start_finish(struct start *start)
 {
+    start_stop(start);
     for (size_t i = 0; start->known && i < PATH_LIMIT + conus_catalogue_count(start->catalogue); i++) {
         texture_drop(&start->known[i].picture);
     }
@@ -175,15 +179,88 @@ struct known_atlas start_known(struct start *start, size_t index, bool is_instal
 {
     const char *path = is_installed ? conus_catalogue_atlas(start->catalogue, index)->path : start_path(start, index);
     struct known_atlas *known = start->known ? start->known + (is_installed ? PATH_LIMIT : 0) + index : NULL;
-    struct thumbnail thumbnail;
-    if (known && !known->is_looked_for && thumbnail_load(&thumbnail, path)) {
-        known->areas = thumbnail.areas;
-        texture_set(&known->picture, thumbnail.rgba[0][0], THUMBNAIL_WIDTH, THUMBNAIL_HEIGHT, true);
-    }
-    if (known) {
+    if (known && !known->is_looked_for) {
+        struct thumbnail *thumbnail = malloc(sizeof *thumbnail);
+        if (thumbnail && thumbnail_load(thumbnail, path)) {
+            known->areas = thumbnail->areas;
+            texture_set(&known->picture, thumbnail->rgba[0][0], THUMBNAIL_WIDTH, THUMBNAIL_HEIGHT, true);
+        }
+        free(thumbnail);
         known->is_looked_for = true;
     }
     return known ? *known : (struct known_atlas){0};
+}
+
+static const double CLOSER = 2; /* clicks of the wheel: a brain fills the picture */
+
+/* Opens the atlas of a path, and asks for its picture. */
+static void begin_picture(struct start *start, size_t index, void (*wake)(void))
+{
+    struct view_source source = {.path = start_path(start, index)};
+    struct viewer *viewer = calloc(1, sizeof *viewer);
+    start->paints = index;
+    if (!viewer || conus_atlas_load(&source.atlas, source.path, NULL) ||
+        viewer_create(viewer, &source, 1, NULL, NULL, wake)) {
+        conus_atlas_destroy(source.atlas);
+        free(viewer);
+        return;
+    }
+    struct painting what = {.width = THUMBNAIL_WIDTH,
+                            .height = THUMBNAIL_HEIGHT,
+                            .answer = viewer_pictured(viewer),
+                            .is_dark = theme_used() == THEME_DARK};
+    orbit_zoom(&viewer->orbit, CLOSER);
+    eye_of_orbit(&what.eye, &viewer->orbit, (double[]){THUMBNAIL_WIDTH, THUMBNAIL_HEIGHT});
+    painter_ask(viewer->painter, &what);
+    start->painted = viewer;
+}
+
+void start_stop(struct start *start)
+{
+    if (start->painted) {
+        viewer_finish(start->painted);
+        free(start->painted);
+        start->painted = NULL;
+    }
+}
+
+/* Takes what was drawn so far; keeps the last and finest. */
+static void take_picture(struct start *start, bool keeps)
+{
+    struct painted picture;
+    struct known_atlas *known = &start->known[start->paints];
+    char why[START_WHY];
+    bool ends = painter_error(start->painted->painter, why, sizeof why);
+    if (painter_take(start->painted->painter, &picture)) {
+        known->areas = (uint32_t)start->painted->drawn->object_count;
+        texture_set(&known->picture, picture.rgba, picture.width, picture.height, true);
+        if (picture.fine && keeps) {
+            thumbnail_keep(start_path(start, start->paints), known->areas, &picture);
+        }
+        free(picture.rgba);
+        ends = ends || picture.fine;
+    }
+    if (ends) {
+        start_stop(start);
+    }
+}
+
+size_t start_pictured(struct start *start, void (*wake)(void), bool keeps)
+{
+    size_t index = 0;
+    if (start->painted) {
+        take_picture(start, keeps);
+    }
+    while (start_path(start, index) && !start_known(start, index, false).picture.name) {
+        index++;
+    }
+    if (start_path(start, index)) {
+        return index;
+    }
+    if (start->known && start->found[0] && start->paints == PATH_LIMIT) {
+        begin_picture(start, start->recent.count, wake);
+    }
+    return start->painted ? start->paints : SIZE_MAX;
 }
 
 const conus_installed *start_installed(const struct start *start, const char *path)

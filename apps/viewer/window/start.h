@@ -40,10 +40,11 @@ struct start {
     struct recent recent;
     char
         found[SYSTEM_PATH]; /**< The sample, Debian's AAL atlas, if it is there and not among the recent ones; or "". */
-    bool has_pictures;      /**< Any atlas of the page has one, for which the lists leave room. */
     bool has_no_sample;     /**< That atlas is not installed: a phantom is the sample. */
     conus_catalogue *catalogue;  /**< The installed atlases; NULL = not looked for. */
     struct known_atlas *known;   /**< What start_known() found, first that of the paths; NULL = no memory. */
+    struct viewer *painted;      /**< Draws the picture of path `paints`; NULL = no picture is drawn. */
+    size_t paints;               /**< Past the paths: none was asked for yet. */
     size_t picked;               /**< Index of the installed atlas that Enter opens; past the last = none. */
     bool scrolls;                /**< The list is to scroll to it. */
     char picked_by[SYSTEM_PATH]; /**< The text when it was picked. */
@@ -56,6 +57,12 @@ void start_finish(struct start *start);
 const char *start_path(const struct start *start, size_t index);
 /** What is known of path @p index of the lists, or of the installed atlas with this index; all 0 = nothing. */
 struct known_atlas start_known(struct start *start, size_t index, bool is_installed);
+/** Index of the first path of the lists that has a picture, which where none has is being drawn of the sample, and is
+ * there some frames later: @p wake is called then. With @p keeps that is kept for the next time. SIZE_MAX = none will
+ * have one. */
+size_t start_pictured(struct start *start, void (*wake)(void), bool keeps);
+/** Ends what draws that picture, as where the page goes away. */
+void start_stop(struct start *start);
 /** The installed atlas that is the file @p path; NULL = none. */
 const conus_installed *start_installed(const struct start *start, const char *path);
 /** Whether the list of installed atlases has this one: what is typed fits, or nothing is typed and it stands in no

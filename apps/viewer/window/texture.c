@@ -4,20 +4,25 @@
 
 #include <epoxy/gl.h>
 
+enum { LEVELS = 4 /* each half as large as the one before: of small pictures of it */ };
+
 void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height, bool smooth)
 {
     if (texture->width != width || texture->height != height) {
         glDeleteTextures(1, &texture->name);
         glCreateTextures(GL_TEXTURE_2D, 1, &texture->name);
-        glTextureStorage2D(texture->name, 1, GL_RGBA8, (GLsizei)width, (GLsizei)height);
+        glTextureStorage2D(texture->name, LEVELS, GL_RGBA8, (GLsizei)width, (GLsizei)height);
         glTextureParameteri(texture->name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
         glTextureParameteri(texture->name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
         texture->width = width;
         texture->height = height;
     }
-    glTextureParameteri(texture->name, GL_TEXTURE_MIN_FILTER, smooth ? GL_LINEAR : GL_NEAREST);
+    glTextureParameteri(texture->name, GL_TEXTURE_MIN_FILTER, smooth ? GL_LINEAR_MIPMAP_LINEAR : GL_NEAREST);
     glTextureParameteri(texture->name, GL_TEXTURE_MAG_FILTER, smooth ? GL_LINEAR : GL_NEAREST);
     glTextureSubImage2D(texture->name, 0, 0, 0, (GLsizei)width, (GLsizei)height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+    if (smooth) {
+        glGenerateTextureMipmap(texture->name);
+    }
 }
 
 void texture_drop(struct texture *texture)

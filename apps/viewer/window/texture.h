@@ -11,7 +11,8 @@ struct texture {
     uint32_t width, height;
 };
 
-/** Puts bytes of sRGB, top row first, on a texture; @p smooth: where it is enlarged, pixels run into each other. */
+/** Puts bytes of sRGB, top row first, on a texture; @p smooth: where it has another size, pixels run into each other.
+ */
 void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height, bool smooth);
 /** Ends the picture on a texture. */
 void texture_drop(struct texture *texture);

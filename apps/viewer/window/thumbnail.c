@@ -6,9 +6,12 @@
 #include "viewer/window/state_file.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+static const double LEAST = 0.25; /* pixels of a picture for one of its own: of fewer none is kept */
 
 enum { HEAD = 42 /* characters */, PIXELS = sizeof((struct thumbnail *)0)->rgba, NAME = 512 };
 
@@ -73,27 +76,33 @@ static void average(uint8_t out[4], const struct painted *picture, const uint32_
     }
 }
 
+/* Where the pixels of a picture end that begin at `from`: one at least. */
+static uint32_t end_of(double to, uint32_t from)
+{
+    return (uint32_t)fmax(to, from + 1);
+}
+
 void thumbnail_keep(const char *path, uint32_t areas, const struct painted *picture)
 {
-    /* the largest part of its shape in the middle, in whole pixels of the picture for each of its own */
-    const uint32_t by_width = picture->width / THUMBNAIL_WIDTH;
-    const uint32_t by_height = picture->height / THUMBNAIL_HEIGHT;
-    const uint32_t edge = by_width < by_height ? by_width : by_height;
-    const uint32_t left = (picture->width - edge * THUMBNAIL_WIDTH) / 2;
-    const uint32_t top = (picture->height - edge * THUMBNAIL_HEIGHT) / 2;
+    /* the largest part of its shape in the middle */
+    const double edge = fmin((double)picture->width / THUMBNAIL_WIDTH, (double)picture->height / THUMBNAIL_HEIGHT);
+    const double left = (picture->width - edge * THUMBNAIL_WIDTH) / 2;
+    const double top = (picture->height - edge * THUMBNAIL_HEIGHT) / 2;
     char name[NAME];
-    char text[HEAD + PIXELS];
+    char *text = malloc(HEAD + PIXELS);
     uint64_t bytes;
-    if (!edge || !find_file(name, &bytes, path)) {
+    if (!text || edge < LEAST || !find_file(name, &bytes, path)) {
+        free(text);
         return;
     }
     write_head(text, bytes, areas);
     for (uint32_t y = 0; y < THUMBNAIL_HEIGHT; y++) {
         for (uint32_t x = 0; x < THUMBNAIL_WIDTH; x++) {
-            const uint32_t from[2] = {left + x * edge, top + y * edge};
-            const uint32_t to[2] = {from[0] + edge, from[1] + edge};
+            const uint32_t from[2] = {(uint32_t)(left + x * edge), (uint32_t)(top + y * edge)};
+            const uint32_t to[2] = {end_of(left + (x + 1) * edge, from[0]), end_of(top + (y + 1) * edge, from[1])};
             average((uint8_t *)text + HEAD + 4 * (size_t)(y * THUMBNAIL_WIDTH + x), picture, from, to);
         }
     }
-    state_file_write(name, text, sizeof text);
+    state_file_write(name, text, HEAD + PIXELS);
+    free(text);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What the start page knows of an atlas that was open before: a small picture, and how many areas it has. It is
+/** @file What the start page knows of an atlas that was open before: a picture, and how many areas it has. It is
  * a file of the window's state, pictures/NAME after the atlas's file: "conus_picture 1 BYTES AREAS\n" with the atlas's
  * size (16 hexadecimal digits), its areas (8 of them), and the pixels. */
 #ifndef CONUS_VIEWER_WINDOW_THUMBNAIL_H
@@ -7,7 +7,7 @@
 
 #include "viewer/pictures/painter.h"
 
-enum { THUMBNAIL_WIDTH = 96, THUMBNAIL_HEIGHT = 72 };
+enum { THUMBNAIL_WIDTH = 400, THUMBNAIL_HEIGHT = 300 };
 
 struct thumbnail {
     uint32_t areas;

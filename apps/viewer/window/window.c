@@ -333,6 +333,7 @@ static void pictures_drop(struct pictures *pictures)
 {
     texture_drop(&pictures->painted);
     texture_drop(&pictures->device_view);
+    texture_drop(&pictures->preview);
     for (enum outline which = 0; which < OUTLINE_COUNT; which++) {
         texture_drop(&pictures->shadows[which].texture);
         cells_finish(&pictures->shadows[which].cells);
@@ -387,6 +388,7 @@ void window_show(struct window *window, struct viewer *viewer)
     window->files.stops = false;
     window->screen.enlarged = -1;
     window->start.on = !viewer;
+    start_stop(&window->start);
     window->dialog.on = false;
     window_lay_out(window);
 }
@@ -490,12 +492,19 @@ static bool is_behind(const struct window *window)
              frame->shown_head != viewer->head.number || frame->shown_second != viewer->tools[SECOND_TOOL].version));
 }
 
+/* Whether the next frame has to say that the picture is of an answer from before. */
+static bool becomes_late(const struct window *window, double now)
+{
+    return window->pictures.late_at > 0 && !window->pictures.says_late && now >= window->pictures.late_at;
+}
+
 bool window_needs_frame(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     bool update = viewer && viewer->painter && painter_has_update(viewer->painter);
+    update = (window->start.painted && painter_has_update(window->start.painted->painter)) || update;
     bool rests = window->pictures.moving && clock_ms() >= window->pictures.moving_until;
-    return update || rests || is_behind(window);
+    return update || rests || becomes_late(window, clock_ms()) || is_behind(window);
 }
 
 double window_idle_s(const struct window *window)
@@ -503,7 +512,10 @@ double window_idle_s(const struct window *window)
     if (is_behind(window)) {
         return 0;
     }
-    return window->pictures.moving ? fmax(window->pictures.moving_until - clock_ms(), 1) / 1e3 : INFINITY;
+    const struct pictures *pictures = &window->pictures;
+    const double until = fmin(pictures->moving ? pictures->moving_until : INFINITY,
+                              pictures->late_at > 0 && !pictures->says_late ? pictures->late_at : INFINITY);
+    return fmax(until - clock_ms(), 1) / 1e3;
 }
 
 void window_panel(const struct window *window, const char *title, float width, float height)
@@ -528,7 +540,7 @@ bool window_is_settled(const struct window *window)
     const struct viewer *viewer = window->viewer;
     const struct pictures *pictures = &window->pictures;
     if (window->start.on || window->dialog.on) {
-        return true;
+        return !window->start.painted;
     }
     bool settled = pictures->painted_fine || !screen_shows_pane(&window->screen, PANE_3D);
     settled = settled && !(studies_is_on(viewer) && studies_is_old(viewer)) && !plans_is_behind(viewer);

@@ -128,8 +128,11 @@ struct figure_form {
     char replaced[FIGURE_NAME]; /**< The file that is there already, and may be replaced. */
     char saved[FIGURE_NAME];    /**< Path of the newest figure; "" = none. */
     char update[FIGURE_NAME + 32];
-    bool failed;     /**< The update is an error. */
-    unsigned frames; /**< Frames until the file is written; 0 = none will be. */
+    bool failed;                /**< The update is an error. */
+    unsigned frames;            /**< Frames until the file is written, or a preview drawn; 0 = none will be. */
+    bool previews;              /**< A preview. */
+    unsigned previewed_version; /**< The viewer's, of the newest preview, */
+    size_t previewed_pane;      /**< and its pane. */
 };
 
 enum { ADDED_TEXT = SYSTEM_PATH };
@@ -211,6 +214,7 @@ struct screen {
 struct pictures {
     struct cut_pane cuts[PLANE_COUNT];
     struct texture painted, device_view;
+    struct texture preview; /**< Of a figure; name 0 = none. */
     struct shadow shadows[OUTLINE_COUNT];
     struct point_layer points[PANE_COUNT];
     struct cone_sight cones[TOOL_COUNT];
@@ -231,6 +235,9 @@ struct pictures {
     unsigned noted_head;   /**< Likewise of the head's changes. */
     double moving_until;   /**< By clock_ms(): until then pictures shall be quick. */
     bool moving;           /**< The newest was asked for as one of these. */
+    double
+        late_at; /**< By clock_ms(): from then on `painted` says that it is of an answer from before; 0 = it is not. */
+    bool says_late;
 };
 
 /** The state of the newest frame: versions that it shows, mouse and keys in it. */

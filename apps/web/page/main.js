@@ -144,6 +144,8 @@ const identity = () => (atlas ? `${atlas.name}@${atlas.sha256.slice(0, 8)}` : ""
 function describeAtlas() {
   const names = atlas.source ? `names: ${atlas.source}` : "areas have no names, only numbers";
   $("#atlas").textContent = `${atlas.name}${atlas.sha256 && ` (${atlas.sha256.slice(0, 8)})`}, ${atlas.objects} ${atlas.objects === 1 ? "object" : "objects"}; ${names}${atlas.notes.map((/** @type {string} */ note) => `. ${inPage(note)}`).join("")}`;
+  $("#warnings").hidden = !atlas.warnings.length;
+  $("#warnings").textContent = atlas.warnings.map((/** @type {string} */ warning) => `Warning: ${inPage(warning)}.`).join(" ");
   $("#version").textContent = `conus ${atlas.version}`;
   $("#window").hidden = !atlas.window;
   GREYS.forEach((id, i) => {
@@ -465,7 +467,7 @@ panes.forEach((pane, number) => {
       else if (pane instanceof View) {
         const hit = pane.pick(at);
         if (hit && (event.shiftKey || end === "origin")) {
-          put("origin", /** @type {any} */ (hit.position.map((v, a) => v - 30 * hit.inward[a])));
+          put("origin", /** @type {any} */ (hit.position.map((v, a) => v - pane.away * hit.inward[a])));
           put("toward", /** @type {any} */ (hit.position.map((v, a) => v + 30 * hit.inward[a])));
         } else if (hit) put(end, hit.position);
       }

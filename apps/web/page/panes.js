@@ -335,6 +335,11 @@ export class View extends Pane {
     this.zoom = 1;
   }
 
+  /** How far before the surface a click puts the start, mm: of a small atlas half its radius, as the window has it. */
+  get away() {
+    return Math.min(40, 0.36 * this.radius);
+  }
+
   get eye() {
     const far = 0.85 * this.radius / Math.sin(this.angle * Math.PI / 360) / this.zoom;
     const flat = Math.cos(this.tilt);
