@@ -806,8 +806,12 @@ static void choose_families(struct head *head)
              "phi and theta are angles from bregma, which only an atlas of the Allen CCF has (--space bregma)");
     FAULT_IF(head->lacks_space && position && !named, head,
              "%s are from bregma, mm (--space bregma), or of the CCF, um (--space ccf), where the atlas is one of the "
-             "Allen CCF",
-             FAMILY_SHOWN(head, position));
+             "Allen CCF%s",
+             FAMILY_SHOWN(head, position),
+             out->is_of_points
+                 ? "; ',x=ML,y=AP,z=DV' behind FILE takes them as mm in the atlas, to the right, front and "
+                   "top"
+                 : "");
     FAULT_IF(has_tilt && out->has[ROLE_TILT_ML] != out->has[ROLE_TILT_AP] && !head->words.tilt[0].size &&
                  !head->words.tilt[1].size,
              head, "only one of the columns tilt_ml and tilt_ap: is the other one 0?");
@@ -826,17 +830,23 @@ static void choose_families(struct head *head)
     FAULT_IF(has_matrix && position, head, "x y z are needed, and only, without m00...m33");
     if (!has_matrix && !position) {
         FAULT_IF(head->is_on_its_side, head, "%s", on_its_side);
-        FAULT_IF(!head->is_on_its_side, head, "%s %s %s are needed: no columns say where rows are", axis_shown(head, 0),
-                 axis_shown(head, 1), axis_shown(head, 2));
-        FAULT_IF(find_name(head, "i", 0) != COLUMN_NONE && find_name(head, "j", 0) != COLUMN_NONE, head, "i j k are %s",
-                 space_why_voxels);
+        bool are_voxels = find_name(head, "i", 0) != COLUMN_NONE && find_name(head, "j", 0) != COLUMN_NONE;
+        bool are_others = false;
+        FAULT_IF(!head->is_on_its_side, head, "%s %s %s are needed: no columns say where rows are%s",
+                 axis_shown(head, 0), axis_shown(head, 1), axis_shown(head, 2),
+                 head->row_count ? "" : ", and no row has three numbers");
+        FAULT_IF(are_voxels, head, "i j k are %s", space_why_voxels);
         FAULT_IF(!head->is_on_its_side && !head->row_count && head->out->has[ROLE_NAME], head,
                  "a list of names has those of areas or positions (C3)");
         for (size_t i = 0; i < head->family_count; i++) {
             const struct family *family = &head->families[i];
-            FAULT_IF(family->kind == UNKNOWN || family->kind == TURNED, head,
-                     "%s may be something else: call them x y z where they are positions", FAMILY_SHOWN(head, family));
+            bool is_other = family->kind == UNKNOWN || family->kind == TURNED;
+            FAULT_IF(is_other, head, "%s may be something else: call them x y z where they are positions",
+                     FAMILY_SHOWN(head, family));
+            are_others = are_others || is_other;
         }
+        FAULT_IF(head->row_count && !head->is_on_its_side && !are_voxels && !are_others && !head->words.at[0].size,
+                 head, "',x=COLUMN,y=COLUMN,z=COLUMN' behind FILE says which they are");
     }
     FAULT_IF(up && !target && !direction, head, "ux uy uz go with tx ty tz or dx dy dz");
     if (out->is_straight && position && !named) {
@@ -1235,6 +1245,19 @@ static bool has_triad(const struct head *head)
     return has;
 }
 
+/* Whether three words of a line are those of axes, x y z or others: "# AP LAT VERT", which are no x y z. */
+static bool names_axes(const struct head *head)
+{
+    static const char words[] =
+        "x/y/z/i/j/k/r/l/a/p/s/ap/pa/ml/lr/rl/dv/si/is/lat/vert/lateral/vertical/row/col/column/"
+        "slice/left/right/anterior/posterior/superior/inferior/dorsal/ventral";
+    size_t count = 0;
+    for (size_t i = 0; i < head->line.given; i++) {
+        count += text_is_one_of(text_from(head->names[i]), words, true);
+    }
+    return count >= 3;
+}
+
 /* A header split as the rows are; between blanks also by two, or by one. */
 static bool split_header(struct head *head, struct text text, size_t cells)
 {
@@ -1415,7 +1438,8 @@ static bool find_header(struct head *head)
         bool fits = !table->cells || head->line.given == table->cells || head->line.given + 1 == table->cells ||
                     head->line.count == table->cells;
         find_columns(head);
-        bool has = has_triad(head) && numbers < (table->cells ? 3 : 1);
+        bool is_of_axes = is_comment && head->line.given == table->cells && names_axes(head);
+        bool has = (has_triad(head) || is_of_axes) && numbers < (table->cells ? 3 : 1);
         if (has && (fits || !best.size) && (!is_comment || fits || head->line.given >= 3)) {
             best = inside;
             line_of_best = number;
@@ -1704,8 +1728,9 @@ static void plan(struct head *head, bool *is_short)
     if (out->place && out->has_header) {
         find_columns(head);
     }
-    FAULT_IF(out->has_header && out->table.comma == TABLE_COMMA_UNCLEAR, head,
-             "a comma before three digits, or commas of two kinds: 1,250 may be 1250 or 1.25");
+    FAULT_IF(
+        out->has_header && out->table.comma == TABLE_COMMA_UNCLEAR, head,
+        "a comma before three digits, or commas of two kinds: 1,250 may be 1250 or 1.25; write points, or no commas");
     FAULT_IF(out->has_header && has_row_of_units(head), head,
              "a row of units below it: write them behind the names, as in x (mm)");
     (void)JOB_CALL(head->job, buffer_status(&head->faults));

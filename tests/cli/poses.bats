@@ -52,7 +52,7 @@ answered() {
 
 @test "hostile: binary" {
     sphere --size 16
-    fails 3 'sphere.nii.gz: is an atlas, not a file of poses' query sphere.nii.gz --pose sphere.nii.gz
+    fails 3 'sphere.nii.gz: is an atlas by its name, not a file of poses' query sphere.nii.gz --pose sphere.nii.gz
     printf %b "$HEADER$FIRST" | gzip >poses.tsv.gz
     fails 3 'poses.tsv.gz: packed by gzip' query sphere.nii.gz --pose poses.tsv.gz
     head -c 100000 /dev/zero | tr '\0' '\377' >poses.bin
