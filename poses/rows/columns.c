@@ -804,14 +804,20 @@ static void choose_families(struct head *head)
     }
     FAULT_IF(has_angles && !is_of_rodents, head,
              "phi and theta are angles from bregma, which only an atlas of the Allen CCF has (--space bregma)");
-    FAULT_IF(head->lacks_space && position && !named, head,
-             "%s are from bregma, mm (--space bregma), or of the CCF, um (--space ccf), where the atlas is one of the "
-             "Allen CCF%s",
-             FAMILY_SHOWN(head, position),
-             out->is_of_points
-                 ? "; ',x=ML,y=AP,z=DV' behind FILE takes them as mm in the atlas, to the right, front and "
-                   "top"
-                 : "");
+    if (head->lacks_space && position && !named) {
+        const struct text *cells = head->line.cells;
+        const size_t *at = position->at;
+        FAULT(head,
+              "%s are from bregma, mm (--space bregma), or of the CCF, um (--space ccf), where the atlas is one of the "
+              "Allen CCF",
+              FAMILY_SHOWN(head, position));
+        if (out->is_of_points && is_whole(position)) {
+            buffer_format(&head->faults,
+                          "; ',x=%.*s,y=%.*s,z=%.*s' behind FILE takes them as positions in the atlas, to the right, "
+                          "front and top",
+                          POSE_QUOTE(cells[at[1]]), POSE_QUOTE(cells[at[0]]), POSE_QUOTE(cells[at[2]]));
+        }
+    }
     FAULT_IF(has_tilt && out->has[ROLE_TILT_ML] != out->has[ROLE_TILT_AP] && !head->words.tilt[0].size &&
                  !head->words.tilt[1].size,
              head, "only one of the columns tilt_ml and tilt_ap: is the other one 0?");
@@ -1633,6 +1639,10 @@ static void note_places(const struct head *head)
     const struct columns *out = head->out;
     const struct text column = out->has_header ? head->line.cells[out->place - 1] : text_from("");
     bool are_called_so = head->words.place.size && out->role_of[out->place - 1] == ROLE_NAME && out->count > 1;
+    if (!head->options->atlas) {
+        job_note(head->job, "names of the 10-10 system, taken as positions on the scalp of MNI 152");
+        return;
+    }
     job_note(head->job, "%s%.*s%s names places: each row is the point that --point NAME means%s",
              out->has_header ? "column \"" : "each line", POSE_QUOTE(column), out->has_header ? "\"" : "",
              are_called_so ? ", and is called so; ',name=COLUMN' behind FILE calls rows by another" : "");
@@ -1721,7 +1731,7 @@ static void plan(struct head *head, bool *is_short)
     find_rows(head);
     out->has_header = options->format != CONUS_POSE_FORMAT_POINTS && find_header(head);
     bool has_none = (!head->family_count || head->lacks_space) && !out->has[ROLE_M00] && !head->is_named;
-    if (options->atlas && !out->is_bids && (has_none || head->words.place.size) &&
+    if (!out->is_bids && (head->words.place.size ? options->atlas != NULL : has_none) &&
         options->format <= CONUS_POSE_FORMAT_POINTS) {
         columns_find_places(head, roles[sizeof roles / sizeof roles[0] - 1].names);
     }
@@ -1772,6 +1782,8 @@ static void plan_units(struct head *head)
     out->scale = beside > 0 ? beside : out->scale;
     if (!out->place) { /* names have neither space nor unit */
         columns_hear_words(head);
+    } else if (!head->options->atlas) {
+        out->said.space = pose_space_named(text_from("MNI 152 (10-10)"), POSE_BRAIN_MNI152);
     }
     out->scale = unit > 0 ? unit / mm : out->scale;
     out->has_unit = out->scale > 0;
