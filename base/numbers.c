@@ -251,7 +251,11 @@ static bool join_pieces(struct run runs[3], struct scan *scan, enum numbers_comm
     if (!is_split && (scan->count > PIECE_LIMIT || scan->count - within != scan->wanted)) {
         bool is_short = scan->count == scan->wanted; /* as in "12,5 30" */
         refuse_part(scan, is_short ? at : pieces[scan->wanted < PIECE_LIMIT ? scan->wanted : 0].whole,
-                    is_short ? mixed : "is a number too many");
+                    is_short ? mixed
+                    : scan->count == 2 * scan->wanted
+                        ? "is a number too many; where commas are decimal, blanks or semicolons "
+                          "stand between numbers: \"-42,5 12,0 30,1\""
+                        : "is a number too many");
         return false;
     }
     if (!is_split && separates) {
@@ -311,8 +315,9 @@ static bool settle_commas(struct scan *scan, const struct run *runs, enum number
     }
     if (!out->comma) {
         out->is_doubtful = true;
-        refuse_part(scan, text_of_run(scan, doubtful),
-                    "has a comma before three digits: a decimal comma, or one of thousands?");
+        refuse_part(
+            scan, text_of_run(scan, doubtful),
+            "has a comma before three digits: a decimal comma, or one of thousands? Write a point, or no comma");
     }
     return out->comma;
 }

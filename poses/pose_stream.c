@@ -290,7 +290,7 @@ static void find_format(struct job *job, conus_pose_stream *stream)
         found = stream->list.coordsystem ? found : CONUS_POSE_FORMAT_TABLE;
     }
     bool is_own_word = stream->words.at[0].size && !pose_brackets_are_rows(head); /* the user knows the columns */
-    if (!is_own_word && pose_lists_know(head, stream->path, &stream->options)) {
+    if (!is_own_word && pose_lists_know(head, stream->path)) {
         found = CONUS_POSE_FORMAT_LIST;
     } else if (known && !known->id) {
         job_bad(job, "%s", known->words);

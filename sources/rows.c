@@ -428,8 +428,10 @@ conus_status format_refuse(const struct format *format, const struct bytes *stor
         return fail(CONUS_ERROR_DATA, "content: the file is empty; needed is %s", needed);
     }
     if (!format || strcmp(format->words, "plain text") == 0) {
-        return fail(CONUS_ERROR_DATA, "content: found %s\"%s\"; needed is %s", format ? "plain text, " : "",
-                    sample_of(stored).text, needed);
+        const bool is_packed = format && stored->size > 1 && stored->data[0] == 0x1f && stored->data[1] == 0x8b;
+        return is_packed ? fail(CONUS_ERROR_DATA, "content: found plain text, packed by gzip; needed is %s", needed)
+                         : fail(CONUS_ERROR_DATA, "content: found %s\"%s\"; needed is %s", format ? "plain text, " : "",
+                                sample_of(stored).text, needed);
     }
     return fail(CONUS_ERROR_DATA, "this is %s%s%s; needed is %s", format->words, format->way ? ": " : "",
                 format->way ? format->way : "", needed);

@@ -204,6 +204,7 @@ const struct command cmd_atlases = {
                 "  conus query aal --origin=-90,20,20 --toward=0,-10,10\n"
                 "  conus info fsl:harvard-oxford-cortical\n"
                 "  CONUS_ATLAS_PATH=~/atlases:/data/atlases conus atlases --format tsv\n",
+    .of_one = "conus info",
     .groups = groups,
     .settings_size = sizeof(struct list_settings),
     .run = run_atlases,

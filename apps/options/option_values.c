@@ -259,7 +259,8 @@ static bool read_choice(const struct option *option, size_t *field, const char *
         size_t used = strlen(list);
         snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", choice);
     }
-    return refuse("--%s: \"%s\" is none of its choices: %s", option->name, text, list);
+    return refuse("--%s: \"%s\" is none of its choices: %s%s", option->name, text, list,
+                  option->otherwise ? option->otherwise : "");
 }
 
 static bool read_text(const struct option *option, const char **field, const char *text)

@@ -318,7 +318,9 @@ static int print_unexpected(const struct arguments *arguments, const char *word)
         return print_usage_error("unexpected argument \"%s\"; a file of poses is given as --%s %s", word,
                                  found->option->name, word);
     }
-    return print_usage_error("unexpected argument \"%s\"", word);
+    const char *of_one = arguments->command->of_one;
+    return of_one ? print_usage_error("unexpected argument \"%s\"; %s %s describes it", word, of_one, word)
+                  : print_usage_error("unexpected argument \"%s\"", word);
 }
 
 static int take_short(struct cursor *cursor, const char *word)

@@ -122,6 +122,7 @@ struct option {
     enum key_kind keys;   /**< Of an output that may have one behind its name: option_key() gives its value; or 0. */
     const char *const *choices;             /**< NULL-terminated, or: */
     const char *(*choice_at)(size_t index); /**< NULL past the last. */
+    const char *otherwise;                  /**< Ends the refusal of what is none of them: "; it ..."; may be NULL. */
 };
 
 struct option_group {
@@ -170,6 +171,7 @@ struct command {
     const char *description;             /**< Paragraphs for --help. */
     const char *examples;                /**< Lines for --help; -h shows the first two. */
     const char *see_also;                /**< Lines for --help about other commands; may be NULL. */
+    const char *of_one;                  /**< Of a command without operands: "conus info", that of one; may be NULL. */
     const struct option_group *groups;   /**< Ends with a NULL title. */
     size_t settings_size;                /**< Bytes of the settings that @p run gets, zeroed before parsing. */
     void (*more_help)(FILE *out);        /**< Ends --help; may be NULL. */

@@ -156,8 +156,9 @@ static bool is_atlas(const char *path)
 int pose_settings_check_file(const char *path, const char *option, const struct arguments *arguments)
 {
     return path && arguments->operand_count && is_atlas(path)
-               ? print_data_error("%s: is an atlas, not a file of poses; the atlas comes first: conus %s %s --%s %s",
-                                  path, arguments->command->name, path, option, arguments->operands[0])
+               ? print_data_error(
+                     "%s: is an atlas by its name, not a file of poses; the atlas comes first: conus %s %s --%s %s",
+                     path, arguments->command->name, path, option, arguments->operands[0])
                : EXIT_DONE;
 }
 

@@ -310,10 +310,12 @@ bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
                refuse("--focus needs --aperture-diameter MM with it: how wide the beam is at the transducer");
     }
     if (has_origin && !option_given(arguments, "toward") && !option_given(arguments, "direction") && !is_inward) {
-        return refuse("--origin needs --toward PLACE or --direction X,Y,Z with it");
+        return refuse("--origin needs --toward PLACE or --direction X,Y,Z%s with it",
+                      option_find(command, "inward") ? ", or --inward," : "");
     }
     if (!has_origin && aim_needed && !option_given(arguments, "pose")) {
-        return refuse("no cone given: --origin PLACE with --toward PLACE or --direction X,Y,Z, or --pose FILE");
+        return refuse("no cone given: --origin PLACE with --toward PLACE or --direction X,Y,Z, or --pose FILE%s",
+                      option_find(command, "point") ? "; or no point: --point PLACE" : "");
     }
     return true;
 }

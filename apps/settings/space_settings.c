@@ -13,7 +13,9 @@ const struct option space_options[] = {
          "what the three numbers of all positions, given and reported, are: mm to the right, anterior, superior (ras) "
          "or left, posterior, superior (lps); of the Allen CCF, micrometres AP, DV, ML from its corner (ccf), or mm "
          "AP, ML, DV from bregma, to anterior, right, dorsal (bregma):",
-     .choice_at = conus_space_name},
+     .choice_at = conus_space_name,
+     .otherwise = "; whose brain it is the atlas says, and positions are in that without --space; --atlas-transform "
+                  "moves an atlas to another brain"},
     {OPTION_VALUED("bregma", struct space_settings, bregma, "AP,DV,ML"),
      .help = "with --space bregma: where bregma lies in the Allen CCF, micrometres (default 5400,332,5739, the "
              "International Brain Laboratory's)",

@@ -166,7 +166,8 @@ typedef struct conus_pose_options {
                       answer that has a row for each row of the table; otherwise it is passed over, with a note. */
     const conus_atlas *atlas;      /**< With @p find_place: where it finds places whose names stand in a table or a list
                                       in place of coordinates ("area,value", or a name a line), each row a point. It must
-                                      outlive the stream and lie where it is asked. NULL = such a file is refused. */
+                                      outlive the stream and lie where it is asked. NULL = only names of positions of a
+                                      cap are places, on the head of MNI 152. */
     conus_place_finder find_place; /**< conus_place_find() where @p atlas is given. */
     bool inward; /**< A point is a pose that points straight into the head: from a position of a cap that is called by
                     its name against the normal there, elsewhere as conus_atlas_inward() of @p atlas says. */

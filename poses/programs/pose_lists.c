@@ -3,7 +3,6 @@
  * positions of a brain have a row, too, with the reason. */
 #include "poses/programs/pose_programs.h"
 
-#include "conus/own.h"
 #include "poses/rows/pose_row.h"
 #include "poses/rows/space_words.h"
 
@@ -158,81 +157,12 @@ static const struct layout *find_layout(struct text head, const char *path)
     return found;
 }
 
-/* The position that a line names, "C3" or "1020:C3"; NULL if it names none. */
-static const struct position *position_in(struct text line)
-{
-    static const char prefix[] = "1020:";
-    size_t skipped = text_starts(line, prefix) ? sizeof prefix - 1 : 0;
-    return position_find(text_trim((struct text){line.data + skipped, line.size - skipped}));
-}
-
-/* The next line with a name; `number` is that of the line before. False past the last. */
-static bool next_name(struct text *line, size_t *number, struct text *rest)
-{
-    bool found = false;
-    while (!found && text_line(rest, line)) {
-        *line = text_trim(*line);
-        found = line->size && line->data[0] != '#';
-        ++*number;
-    }
-    return found;
-}
-
-static bool is_header_of_names(struct text line)
-{
-    return text_is_one_of(line, "name/names/label/labels/channel/channels/electrode/electrodes/position/positions",
-                          false);
-}
-
-/* Whether the atlas calls an area as a position is called: the area is meant then. */
-static bool is_area(struct text name, const conus_pose_options *options)
-{
-    char text[POSE_QUOTE_LIMIT];
-    conus_place place = {0};
-    snprintf(text, sizeof text, "%.*s", TEXT_SHOW(name, POSE_QUOTE_LIMIT - 1));
-    conus_status status = options->atlas ? options->find_place(&place, options->atlas, text, NULL) : CONUS_OK;
-    return status == CONUS_ERROR_MEMORY || (!status && place.object); /* without memory the rows will say so */
-}
-
-/* Whether all lines are names of positions of a cap and of no area, below a header or not. */
-static bool names_positions(struct text text, const conus_pose_options *options)
-{
-    struct text line;
-    size_t number = 0;
-    size_t lines = 0;
-    size_t names = 0;
-    while (names == lines && next_name(&line, &number, &text)) {
-        bool is_header = number == 1 && is_header_of_names(line);
-        lines += !is_header;
-        names += !is_header && position_in(line) && !is_area(line, options);
-    }
-    return names > 0 && names == lines;
-}
-
-static void read_names(const struct pose_reading *to, struct text text)
-{
-    conus_pose_list *list = to->list;
-    struct text line;
-    size_t number = 0;
-    job_note(to->job, "names of the 10-10 system, taken as positions on the scalp of MNI 152");
-    list->space = pose_space_named(text_from("MNI 152 (10-10)"), POSE_BRAIN_MNI152);
-    while (job_ok(to->job) && next_name(&line, &number, &text)) {
-        const struct position *position = position_in(line);
-        if (position) {
-            pose_add_point(to, number, position->point, false, line, NULL);
-        }
-        if (position && job_ok(to->job)) {
-            memcpy(list->rows[list->count - 1].normal, position->outward, sizeof position->outward);
-        }
-    }
-}
-
-bool pose_lists_know(struct text head, const char *path, const conus_pose_options *options)
+bool pose_lists_know(struct text head, const char *path)
 {
     struct text begin = pose_brackets_behind_comments(head);
     bool is_json = begin.size && begin.data[0] == '[' && text_find(begin, "{");
-    return is_elc(head) || is_json || names_positions(head, options) || pose_brackets_are_rows(head) ||
-           find_layout(head, path) || pose_brackets_in_cells(head);
+    return is_elc(head) || is_json || pose_brackets_are_rows(head) || find_layout(head, path) ||
+           pose_brackets_in_cells(head);
 }
 
 static bool is_passed_over(const struct layout *layout, struct text line)
@@ -392,8 +322,6 @@ void pose_lists_parse(struct pose_reading *to, struct text text)
     pose_refuse_axis(to, "points");
     if (is_elc(text)) {
         parse_elc(to, text);
-    } else if (names_positions(text, to->options)) {
-        read_names(to, text);
     } else if (layout) {
         parse_layout(to, layout, text);
     } else {

@@ -61,7 +61,7 @@ bool pose_lead_dbs_is(struct pose_reading *to, struct text text);
  * A list that is known, but holds no positions of a brain, is refused. */
 void pose_lists_parse(struct pose_reading *to, struct text text);
 /** Whether a text with this @p head is such a list, by its words or by how the name @p path ends; NULL: it has none. */
-bool pose_lists_know(struct text head, const char *path, const conus_pose_options *options);
+bool pose_lists_know(struct text head, const char *path);
 
 /** Numbers in brackets (Python, MATLAB, JSON), points or matrices; JSON of names or objects that are points; lines of
  * "name: (x, y, z)". */

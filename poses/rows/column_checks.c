@@ -259,7 +259,7 @@ static void judge(const struct census *c, const struct head *head, double longes
     }
     if (is_unsaid && of_people && is_known && c->farthest < longest / 14) {
         job_warn(job,
-                 "all positions lie within %g mm of the origin: are they in centimetres? ',unit=cm' "
+                 "all positions lie within %.3g mm of the origin: are they in centimetres? ',unit=cm' "
                  "behind FILE takes them so",
                  longest / 14);
     } else if (is_list && of_people && is_known && !c->negatives && !are_right) {

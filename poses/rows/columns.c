@@ -805,10 +805,20 @@ static void choose_families(struct head *head)
     }
     FAULT_IF(has_angles && !is_of_rodents, head,
              "phi and theta are angles from bregma, which only an atlas of the Allen CCF has (--space bregma)");
-    FAULT_IF(head->lacks_space && position && !named, head,
-             "%s are from bregma, mm (--space bregma), or of the CCF, um (--space ccf), where the atlas is one of the "
-             "Allen CCF",
-             FAMILY_SHOWN(head, position));
+    if (head->lacks_space && position && !named) {
+        const struct text *cells = head->line.cells;
+        const size_t *at = position->at;
+        FAULT(head,
+              "%s are from bregma, mm (--space bregma), or of the CCF, um (--space ccf), where the atlas is one of the "
+              "Allen CCF",
+              FAMILY_SHOWN(head, position));
+        if (out->is_of_points && is_whole(position)) {
+            buffer_format(&head->faults,
+                          "; ',x=%.*s,y=%.*s,z=%.*s' behind FILE takes them as positions in the atlas, to the right, "
+                          "front and top",
+                          POSE_QUOTE(cells[at[1]]), POSE_QUOTE(cells[at[0]]), POSE_QUOTE(cells[at[2]]));
+        }
+    }
     FAULT_IF(has_tilt && out->has[ROLE_TILT_ML] != out->has[ROLE_TILT_AP] && !head->words.tilt[0].size &&
                  !head->words.tilt[1].size,
              head, "only one of the columns tilt_ml and tilt_ap: is the other one 0?");
@@ -827,17 +837,23 @@ static void choose_families(struct head *head)
     FAULT_IF(has_matrix && position, head, "x y z are needed, and only, without m00...m33");
     if (!has_matrix && !position) {
         FAULT_IF(head->is_on_its_side, head, "%s", on_its_side);
-        FAULT_IF(!head->is_on_its_side, head, "%s %s %s are needed: no columns say where rows are", axis_shown(head, 0),
-                 axis_shown(head, 1), axis_shown(head, 2));
-        FAULT_IF(find_name(head, "i", 0) != COLUMN_NONE && find_name(head, "j", 0) != COLUMN_NONE, head, "i j k are %s",
-                 space_why_voxels);
+        bool are_voxels = find_name(head, "i", 0) != COLUMN_NONE && find_name(head, "j", 0) != COLUMN_NONE;
+        bool are_others = false;
+        FAULT_IF(!head->is_on_its_side, head, "%s %s %s are needed: no columns say where rows are%s",
+                 axis_shown(head, 0), axis_shown(head, 1), axis_shown(head, 2),
+                 head->row_count ? "" : ", and no row has three numbers");
+        FAULT_IF(are_voxels, head, "i j k are %s", space_why_voxels);
         FAULT_IF(!head->is_on_its_side && !head->row_count && head->out->has[ROLE_NAME], head,
                  "a list of names has those of areas or positions (C3)");
         for (size_t i = 0; i < head->family_count; i++) {
             const struct family *family = &head->families[i];
-            FAULT_IF(family->kind == UNKNOWN || family->kind == TURNED, head,
-                     "%s may be something else: call them x y z where they are positions", FAMILY_SHOWN(head, family));
+            bool is_other = family->kind == UNKNOWN || family->kind == TURNED;
+            FAULT_IF(is_other, head, "%s may be something else: call them x y z where they are positions",
+                     FAMILY_SHOWN(head, family));
+            are_others = are_others || is_other;
         }
+        FAULT_IF(head->row_count && !head->is_on_its_side && !are_voxels && !are_others && !head->words.at[0].size,
+                 head, "',x=COLUMN,y=COLUMN,z=COLUMN' behind FILE says which they are");
     }
     FAULT_IF(up && !target && !direction, head, "ux uy uz go with tx ty tz or dx dy dz");
     if (out->is_straight && position && !named) {
@@ -1236,6 +1252,19 @@ static bool has_triad(const struct head *head)
     return has;
 }
 
+/* Whether three words of a line are those of axes, x y z or others: "# AP LAT VERT", which are no x y z. */
+static bool names_axes(const struct head *head)
+{
+    static const char words[] =
+        "x/y/z/i/j/k/r/l/a/p/s/ap/pa/ml/lr/rl/dv/si/is/lat/vert/lateral/vertical/row/col/column/"
+        "slice/left/right/anterior/posterior/superior/inferior/dorsal/ventral";
+    size_t count = 0;
+    for (size_t i = 0; i < head->line.given; i++) {
+        count += text_is_one_of(text_from(head->names[i]), words, true);
+    }
+    return count >= 3;
+}
+
 /* A header split as the rows are; between blanks also by two, or by one. */
 static bool split_header(struct head *head, struct text text, size_t cells)
 {
@@ -1416,7 +1445,8 @@ static bool find_header(struct head *head)
         bool fits = !table->cells || head->line.given == table->cells || head->line.given + 1 == table->cells ||
                     head->line.count == table->cells;
         find_columns(head);
-        bool has = has_triad(head) && numbers < (table->cells ? 3 : 1);
+        bool is_of_axes = is_comment && head->line.given == table->cells && names_axes(head);
+        bool has = (has_triad(head) || is_of_axes) && numbers < (table->cells ? 3 : 1);
         if (has && (fits || !best.size) && (!is_comment || fits || head->line.given >= 3)) {
             best = inside;
             line_of_best = number;
@@ -1610,6 +1640,10 @@ static void note_places(const struct head *head)
     const struct columns *out = head->out;
     const struct text column = out->has_header ? head->line.cells[out->place - 1] : text_from("");
     bool are_called_so = head->words.place.size && out->role_of[out->place - 1] == ROLE_NAME && out->count > 1;
+    if (!head->options->atlas) {
+        job_note(head->job, "names of the 10-10 system, taken as positions on the scalp of MNI 152");
+        return;
+    }
     job_note(head->job, "%s%.*s%s names places: each row is the point that --point NAME means%s",
              out->has_header ? "column \"" : "each line", POSE_QUOTE(column), out->has_header ? "\"" : "",
              are_called_so ? ", and is called so; ',name=COLUMN' behind FILE calls rows by another" : "");
@@ -1698,15 +1732,16 @@ static void plan(struct head *head, bool *is_short)
     find_rows(head);
     out->has_header = options->format != CONUS_POSE_FORMAT_POINTS && find_header(head);
     bool has_none = (!head->family_count || head->lacks_space) && !out->has[ROLE_M00] && !head->is_named;
-    if (options->atlas && !out->is_bids && (has_none || head->words.place.size) &&
+    if (!out->is_bids && (head->words.place.size ? options->atlas != NULL : has_none) &&
         options->format <= CONUS_POSE_FORMAT_POINTS) {
         columns_find_places(head, roles[sizeof roles / sizeof roles[0] - 1].names);
     }
     if (out->place && out->has_header) {
         find_columns(head);
     }
-    FAULT_IF(out->has_header && out->table.comma == TABLE_COMMA_UNCLEAR, head,
-             "a comma before three digits, or commas of two kinds: 1,250 may be 1250 or 1.25");
+    FAULT_IF(
+        out->has_header && out->table.comma == TABLE_COMMA_UNCLEAR, head,
+        "a comma before three digits, or commas of two kinds: 1,250 may be 1250 or 1.25; write points, or no commas");
     FAULT_IF(out->has_header && has_row_of_units(head), head,
              "a row of units below it: write them behind the names, as in x (mm)");
     (void)JOB_CALL(head->job, buffer_status(&head->faults));
@@ -1748,6 +1783,8 @@ static void plan_units(struct head *head)
     out->scale = beside > 0 ? beside : out->scale;
     if (!out->place) { /* names have neither space nor unit */
         columns_hear_words(head);
+    } else if (!head->options->atlas) {
+        out->said.space = pose_space_named(text_from("MNI 152 (10-10)"), POSE_BRAIN_MNI152);
     }
     out->scale = unit > 0 ? unit / mm : out->scale;
     out->has_unit = out->scale > 0;

@@ -45,8 +45,9 @@ static bool is_name(struct head *head, struct text cell, bool may_be_number)
     double number;
     uint32_t object;
     set_text(text, cell, false, "");
-    if (cell.size > POSE_ID_LIMIT || place_read(&words, cell) || words.form != PLACE_NAME || position_find(cell)) {
-        return cell.size <= POSE_ID_LIMIT && words.form != PLACE_NUMBERS;
+    if (cell.size > POSE_ID_LIMIT || place_read(&words, cell) || words.form != PLACE_NAME || position_find(cell) ||
+        !atlas) {
+        return cell.size <= POSE_ID_LIMIT && words.form != PLACE_NUMBERS && (atlas || position_find(words.name));
     }
     conus_status status = conus_atlas_find(&object, atlas, text);
     if (status == CONUS_ERROR_MEMORY) {
@@ -68,6 +69,7 @@ static struct text without_marks(struct text line)
  * are no three areas. */
 static bool are_lines(size_t *head_lines, struct head *head, const char *words)
 {
+    static const char plurals[] = "names/labels/channels/electrodes/position/positions";
     const struct text word = head->words.place;
     struct text rest = head->text;
     struct text line;
@@ -79,7 +81,8 @@ static bool are_lines(size_t *head_lines, struct head *head, const char *words)
         double value;
         line = without_marks(line);
         bool is_header = !lines && !header &&
-                         (word.size ? text_compare(line, word) == 0 : text_is_one_of(line, words, false)) &&
+                         (word.size ? text_compare(line, word) == 0
+                                    : text_is_one_of(line, words, false) || text_is_one_of(line, plurals, false)) &&
                          !is_name(head, line, false);
         if (!header && text_to_double(line, &value)) {
             return false;
@@ -146,7 +149,7 @@ void columns_find_places(struct head *head, const char *words)
         found = is_it ? i : found;
     }
     FAULT_IF(word.size && found == COLUMN_NONE, head, "column \"%.*s\" is not there", POSE_QUOTE(word));
-    if (found == COLUMN_NONE && none.size && !head->row_count && !is_name(head, none, true)) {
+    if (found == COLUMN_NONE && none.size && !head->row_count && head->options->atlas && !is_name(head, none, true)) {
         FAULT(head, "%s", conus_message());
     }
     if (out->place && !word.size && head->row_count) { /* whose numbers may be coordinates */
@@ -156,6 +159,20 @@ void columns_find_places(struct head *head, const char *words)
     }
 }
 
+/* Without an atlas, which would have areas. */
+static conus_status find_position(conus_place *out, const char *text)
+{
+    struct place_words words;
+    const struct position *position = place_read(&words, text_from(text)) ? NULL : position_find(words.name);
+    if (!position) {
+        return fail(CONUS_ERROR_DATA, "\"%.60s\" is no position of a cap, and no atlas says what else it is", text);
+    }
+    *out = (conus_place){.kind = CONUS_PLACE_POSITION};
+    memcpy(out->point, position->point, sizeof out->point);
+    memcpy(out->outward, position->outward, sizeof out->outward);
+    return CONUS_OK;
+}
+
 /* Finds a name, and keeps its point. */
 static conus_status find(struct named_rows *known, const char *text, size_t line, const conus_pose_options *options,
                          struct notes *notes)
@@ -163,12 +180,13 @@ static conus_status find(struct named_rows *known, const char *text, size_t line
     conus_place place;
     double number;
     uint32_t object;
-    if (text_to_double(text_from(text), &number) && !is_called_number(options->atlas, text) &&
+    if (options->atlas && text_to_double(text_from(text), &number) && !is_called_number(options->atlas, text) &&
         !conus_atlas_find(&object, options->atlas, text)) {
         return fail(CONUS_ERROR_DATA, "\"%.60s\" is a number: index:%.60s is the area with this label", text, text);
     }
-    conus_status status =
-        options->find_place(&place, options->atlas, text, &(conus_place_options){.frame = options->frame});
+    conus_status status = options->atlas ? options->find_place(&place, options->atlas, text,
+                                                               &(conus_place_options){.frame = options->frame})
+                                         : find_position(&place, text);
     if (!status && place.kind == CONUS_PLACE_NUMBERS) {
         return fail(CONUS_ERROR_DATA, "\"%.60s\" beside names: coordinates need columns, x y z, of their own", text);
     }

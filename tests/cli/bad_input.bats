@@ -78,6 +78,8 @@ refuses() {
     refuses 'content: the file unpacks to nothing: it is empty or cut off; needed is' packed.nii.gz
     echo 'just some text' >text.nii
     refuses 'content: found plain text, "just some text."; needed is a labelled volume' text.nii
+    gzip -c text.nii >text.nii.gz
+    refuses 'content: found plain text, packed by gzip; needed is a labelled volume' text.nii.gz
     echo '<!DOCTYPE html><html><body>404 Not Found</body></html>' >page.nii.gz
     refuses 'this is a web page; needed is a labelled volume' page.nii.gz
 }

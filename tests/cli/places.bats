@@ -28,6 +28,8 @@ first_line() {
     conus phantom sphere -o .
     printf '1 2 3\n' >points.txt
     fails 2 '--point: "1 2 3 4": "4" is a number too many' query sphere.nii.gz --point '1 2 3 4' -o a.tsv
+    fails 2 '"-42,5,12,0,30,1": "0" is a number too many; where commas are decimal, blanks or semicolons stand between' \
+        query sphere.nii.gz --point '-42,5,12,0,30,1'
     fails 2 '"-1,250" has a comma before three digits' query sphere.nii.gz --point '-1,250 2 3' -o a.tsv
     fails 2 '"foo" is no number, sign or known word' query sphere.nii.gz --point 'foo 1 2 3' -o a.tsv
     fails 2 'it has two numbers, a point has three' query sphere.nii.gz --point 1,2

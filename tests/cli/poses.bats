@@ -52,9 +52,9 @@ answered() {
 
 @test "hostile: binary" {
     sphere --size 16
-    fails 3 'sphere.nii.gz: is an atlas, not a file of poses' query sphere.nii.gz --pose sphere.nii.gz
+    fails 3 'sphere.nii.gz: is an atlas by its name, not a file of poses' query sphere.nii.gz --pose sphere.nii.gz
     printf 'v 1 2 3\nv 4 5 6\nv 7 8 9\nf 1 2 3\n' >mesh.obj # lines of a word and three numbers, as points have them
-    fails 3 'mesh.obj: is an atlas, not a file of poses' query sphere.nii.gz --pose mesh.obj
+    fails 3 'mesh.obj: is an atlas by its name, not a file of poses' query sphere.nii.gz --pose mesh.obj
     printf %b "$HEADER$FIRST" | gzip >poses.tsv.gz
     fails 3 'poses.tsv.gz: packed by gzip' query sphere.nii.gz --pose poses.tsv.gz
     head -c 100000 /dev/zero | tr '\0' '\377' >poses.bin

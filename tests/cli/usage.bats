@@ -105,18 +105,23 @@ END
     fails 2 '"map.nii.gz"; --pathway map.nii.gz adds what is bright in an image, and conus overlap asks which areas' \
         query sphere.nii.gz map.nii.gz
     fails 2 '"bundle.tck"; a tractogram is given as --streamlines bundle.tck' query sphere.nii.gz bundle.tck
+    fails 2 'unexpected argument "sphere"; conus info sphere describes it' atlases sphere
+    fails 2 '"mni" is none of its choices: ras, lps, ccf, bregma; whose brain it is the atlas says' \
+        query sphere.nii.gz --point 1,2,3 --space mni
+    fails 2 '--origin needs --toward PLACE or --direction X,Y,Z, or --inward, with it' query sphere.nii.gz --origin 1,2,3
+    fails 2 'or no point: --point PLACE' query sphere.nii.gz
     fails 2 'unexpected argument "more.tsv"' batch sphere.nii.gz --poses poses.tsv more.tsv
     [[ $stderr != *'given as'* ]]
     for command in 'query --pose' 'batch --poses' 'track --poses' 'sweep --pose'; do
         read -r name option <<<"$command"
-        fails 3 "sphere.nii.gz: is an atlas, not a file of poses; the atlas comes first: conus $name sphere.nii.gz $option poses.tsv" \
+        fails 3 "sphere.nii.gz: is an atlas by its name, not a file of poses; the atlas comes first: conus $name sphere.nii.gz $option poses.tsv" \
             "$name" poses.tsv $option sphere.nii.gz
         fails 3 "bundle.tck: is a tractogram, not a file of poses; --streamlines bundle.tck adds it to the atlas" \
             "$name" sphere.nii.gz $option bundle.tck
     done
     mkdir own
     cp sphere.nii.gz own/ball_atlas.nii.gz
-    CONUS_ATLAS_PATH=$PWD/own fails 3 'ball_atlas: is an atlas, not a file of poses; the atlas comes first: conus query ball_atlas --pose poses.tsv' \
+    CONUS_ATLAS_PATH=$PWD/own fails 3 'ball_atlas: is an atlas by its name, not a file of poses; the atlas comes first: conus query ball_atlas --pose poses.tsv' \
         query poses.tsv --pose ball_atlas
     fails 3 'none.tsv: cannot' query sphere.nii.gz --pose none.tsv
 }

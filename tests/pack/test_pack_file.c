@@ -344,6 +344,7 @@ static void no_number_leads_out_of_a_pack_with_right_sums(void **state)
     assert_seen(&bytes, AT(volume->objects16), 4, "volume 0 (from 0): a voxel has an object");
     assert_seen(&bytes, AT(volume->objects16) + 1, 1, "volume 0 (from 0): a voxel has an object");
     assert_seen(&bytes, AT(volume->distances) + DISTANCES_HEAD, 0, "volume 0 (from 0): a distance");
+    assert_seen(&bytes, AT(volume->distances) + DISTANCES_HEAD + 63, 0, "volume 0 (from 0): a distance"); /* a line */
     assert_seen(&bytes, AT(volume->distances) + 1, 9, "volume 0 (from 0): a distance");
     assert_seen(&bytes, AT(atlas->volumes[1].steps) + 8, 1, "volume 1 (from 0): a step");
     assert_seen(&bytes, AT(atlas->meshes[0].triangles), 4, "surface 0 (from 0)");
@@ -355,6 +356,23 @@ static void no_number_leads_out_of_a_pack_with_right_sums(void **state)
 #undef AT
     conus_atlas_destroy(atlas);
     bytes_finish(&bytes);
+}
+
+/* Each number is put into the first, an inner and the last voxel, which sound numbers hold. */
+static void assert_taken(const conus_atlas *atlas, uint16_t *numbers, const bool taken[4])
+{
+    static const uint16_t tried[] = {0, 1, 2, 3, 4, 255, 256, 32767, 32768, 65533, 65534, 65535};
+    const size_t count = atlas->volumes[0].voxel_count;
+    const size_t places[] = {0, count / 2 + 3, count - 1};
+    for (size_t i = 0; i < sizeof tried / sizeof tried[0]; i++) {
+        for (size_t k = 0; k < 3; k++) {
+            const uint16_t was = numbers[places[k]];
+            numbers[places[k]] = tried[i];
+            const bool is_sound = pack_check_atlas(atlas) == CONUS_OK;
+            assert_true(is_sound == (tried[i] < 4 && taken[tried[i]]));
+            numbers[places[k]] = was;
+        }
+    }
 }
 
 /* The second object is made one of a surface, so the volume's numbers have a gap. */
@@ -377,6 +395,17 @@ static void a_volume_has_numbers_of_its_own_objects_only(void **state)
     }
     volume->objects16 = numbers;
     assert_ok(pack_check_atlas(atlas));
+    assert_taken(atlas, numbers, (const bool[4]){true, true, false, true});
+    atlas->places[1].is_mesh = false;
+    assert_taken(atlas, numbers, (const bool[4]){true, true, true, true});
+    for (size_t v = 0; v < volume->voxel_count; v++) {
+        numbers[v] = numbers[v] == 3 ? 3 : 0;
+    }
+    atlas->places[0].is_mesh = atlas->places[1].is_mesh = true;
+    assert_taken(atlas, numbers, (const bool[4]){true, false, false, true});
+    memset(numbers, 0, volume->voxel_count * sizeof *numbers);
+    atlas->places[2].is_mesh = true;
+    assert_taken(atlas, numbers, (const bool[4]){true});
     volume->objects16 = (uint16_t *)packed;
     memory_free(numbers);
     conus_atlas_destroy(atlas);

@@ -574,14 +574,11 @@ static bool line_is_in_box(const struct distance_map *map, int a, size_t line)
 
 static bool has_zero(const uint8_t line[DISTANCE_LINE])
 {
-    const uint64_t ones = UINT64_C(0x0101010101010101);
-    uint64_t zeros = 0;
-    for (int w = 0; w < DISTANCE_LINE; w += (int)sizeof zeros) {
-        uint64_t word;
-        memcpy(&word, line + w, sizeof word);
-        zeros |= (word - ones) & ~word & (ones << 7);
+    uint8_t least = UINT8_MAX;
+    for (size_t c = 0; c < DISTANCE_LINE; c++) {
+        least = line[c] < least ? line[c] : least;
     }
-    return zeros;
+    return !least;
 }
 
 /* Whether no code but those of the box is 0 in the line at `at`. */
