@@ -26,27 +26,16 @@ struct cite_settings {
 
 static const char *const formats[] = {"text", "bibtex", NULL};
 
-#define FIELD(member) OPTION_AT(struct cite_settings, member)
 enum { TEXT, BIBTEX };
 
 static const struct option own_options[] = {
-    {.name = "format",
-     FIELD(format),
-     .value = "FORMAT",
-     .help = "a paragraph with its references, or the references as BibTeX:",
-     .choices = formats,
-     .words = "BibTeX, references",
-     .common = true},
-    {.name = "sidecar",
-     FIELD(sidecar),
-     .value = "FILE.json",
-     .help = "the sidecar of RESULT, if it is not beside it",
-     .common = true},
-    {.name = "folder",
-     FIELD(folder),
-     .value = "FOLDER",
-     .help = "where the atlas's files are, if they moved or have another name",
-     .common = true},
+    {OPTION_VALUED("format", struct cite_settings, format, "FORMAT"),
+     .help = "a paragraph with its references, or the references as BibTeX:", .choices = formats,
+     .words = "BibTeX, references", .common = true},
+    {OPTION_VALUED("sidecar", struct cite_settings, sidecar, "FILE.json"),
+     .help = "the sidecar of RESULT, if it is not beside it", .common = true},
+    {OPTION_VALUED("folder", struct cite_settings, folder, "FOLDER"),
+     .help = "where the atlas's files are, if they moved or have another name", .common = true},
     {.name = "max-memory",
      .type = OPTION_BYTES,
      .offset = offsetof(struct cite_settings, max_memory),

@@ -20,12 +20,9 @@ struct diff_settings {
 };
 
 static const struct option own_options[] = {
-    {.name = "tolerance",
-     OPTION_AT(struct diff_settings, tolerance),
-     .value = "T",
+    {OPTION_VALUED("tolerance", struct diff_settings, tolerance, "T"),
      .help = "numbers that differ by T or less are the same (default 0); names and labels must be equal",
-     OPTION_FROM_TO(0, 1e30),
-     .common = true},
+     OPTION_FROM_TO(0, 1e30), .common = true},
     {.name = "max-memory",
      .type = OPTION_BYTES,
      .offset = offsetof(struct diff_settings, max_memory),

@@ -98,14 +98,10 @@ struct info_settings {
 static const char *const formats[] = {"table", "tsv", "json", "tree", NULL};
 
 static const struct option own_options[] = {
-    {.name = "format",
-     OPTION_AT(struct info_settings, format),
-     .value = "FORMAT",
+    {OPTION_VALUED("format", struct info_settings, format, "FORMAT"),
      .help = "everything as a table for people, only the areas as tab-separated values, everything as JSON, or the "
              "area tree with its depths:",
-     .choices = formats,
-     .words = "export",
-     .common = true},
+     .choices = formats, .words = "export", .common = true},
     {0},
 };
 

@@ -18,20 +18,14 @@ struct manifest_settings {
 };
 
 static const struct option own_options[] = {
-    {.name = "name",
-     OPTION_AT(struct manifest_settings, name),
-     .value = "NAME",
-     .help = "write DIR/NAME.atlas.json (default: the folder's name)",
-     .words = "save",
-     .common = true},
+    {OPTION_VALUED("name", struct manifest_settings, name, "NAME"),
+     .help = "write DIR/NAME.atlas.json (default: the folder's name)", .words = "save", .common = true},
     {.name = "max-memory",
      .type = OPTION_BYTES,
      .offset = offsetof(struct manifest_settings, max_memory),
      .value = "SIZE",
      .help = "largest file or volume to read, like 512M or 2G (default 8G)"},
-    {.name = "quiet",
-     .letter = 'q',
-     OPTION_AT(struct manifest_settings, common.quiet),
+    {OPTION_NAMED("quiet", struct manifest_settings, common.quiet), .letter = 'q',
      .help = "do not print each file's role on stderr"},
     {0},
 };

@@ -15,30 +15,21 @@ struct overlap_settings {
     const char *clusters;
 };
 
-#define FIELD(member) OPTION_AT(struct overlap_settings, member)
-
 static const struct option region_options[] = {
-    {.name = "threshold",
-     FIELD(threshold),
-     .value = "T",
+    {OPTION_VALUED("threshold", struct overlap_settings, threshold, "T"),
      .help = "voxels, or tetrahedra, with values of at least T belong to the region; of a negative T, those with "
              "values of at most T "
              "(default, of masks only: all that are not 0)",
-     .words = "binarise, cut-off",
-     .common = true},
+     .words = "binarise, cut-off", .common = true},
     {0},
 };
 
 static const struct option cluster_options[] = {
-    {.name = "clusters",
-     FIELD(clusters),
-     .value = "FILE",
+    {OPTION_VALUED("clusters", struct overlap_settings, clusters, "FILE"),
      .help =
          "write a table of the region's clusters, the largest first: each with its size, peak, centre of mass and the "
          "areas that it covers, and with its local maxima",
-     .words = "cluster table, peaks, local maxima",
-     .common = true,
-     .role = OPTION_WRITES_ROWS},
+     .words = "cluster table, peaks, local maxima", .common = true, .role = OPTION_WRITES_ROWS},
     {0},
 };
 

@@ -20,17 +20,10 @@ struct pack_settings {
 };
 
 static const struct option own_options[] = {
-    {.name = "output",
-     .letter = 'o',
-     OPTION_AT(struct pack_settings, output),
-     .value = "NAME.conus",
-     .help = "the file",
-     .required = true,
-     .endings = CONUS_PACK_ENDING,
-     .words = "save, export, cache",
-     .role = OPTION_WRITES,
+    {OPTION_VALUED("output", struct pack_settings, output, "NAME.conus"), .letter = 'o', .help = "the file",
+     .required = true, .endings = CONUS_PACK_ENDING, .words = "save, export, cache", .role = OPTION_WRITES,
      .common = true},
-    {.name = "force", OPTION_AT(struct pack_settings, force), .help = "replace a file", .common = true},
+    {OPTION_NAMED("force", struct pack_settings, force), .help = "replace a file", .common = true},
     {0},
 };
 

@@ -12,25 +12,15 @@ struct verify_choices {
 
 static const char *const formats[] = {"table", "json", NULL};
 
-#define FIELD(member) OPTION_AT(struct verify_choices, member)
-
 static const struct option own_options[] = {
-    {.name = "sidecar",
-     FIELD(verify.sidecar),
-     .value = "FILE.json",
-     .help = "the sidecar of RESULT, if it is not beside it",
-     .common = true},
-    {.name = "folder",
-     FIELD(verify.folder),
-     .value = "FOLDER",
+    {OPTION_VALUED("sidecar", struct verify_choices, verify.sidecar, "FILE.json"),
+     .help = "the sidecar of RESULT, if it is not beside it", .common = true},
+    {OPTION_VALUED("folder", struct verify_choices, verify.folder, "FOLDER"),
      .help = "look here, too, for files that moved or have another name, by their SHA-256; they are looked for in the "
              "folder that conus ran in, as the path of RESULT tells, else in this one",
      .common = true},
-    {.name = "format",
-     FIELD(format),
-     .value = "FORMAT",
-     .help = "what is written: lines for people (the default), or everything for programs:",
-     .choices = formats},
+    {OPTION_VALUED("format", struct verify_choices, format, "FORMAT"),
+     .help = "what is written: lines for people (the default), or everything for programs:", .choices = formats},
     {.name = "max-memory",
      .type = OPTION_BYTES,
      .offset = offsetof(struct verify_choices, verify.max_memory),

@@ -12,13 +12,9 @@
 static const char *const formats[] = {"table", "tsv", "csv", "json", "ndjson", NULL};
 
 const struct option format_options[] = {
-    {.name = "format",
-     OPTION_AT(struct answer_settings, format),
-     .value = "FORMAT",
-     .help = "format of the answer; default by the ending of -o, else a table:",
-     .choices = formats,
-     .words = "CSV, pandas",
-     .role = OPTION_KEPT},
+    {OPTION_VALUED("format", struct answer_settings, format, "FORMAT"),
+     .help = "format of the answer; default by the ending of -o, else a table:", .choices = formats,
+     .words = "CSV, pandas", .role = OPTION_KEPT},
     {0},
 };
 
@@ -26,35 +22,20 @@ static const char *const query_formats[] = {"table", "tsv",      "csv",        "
                                             "bids",  "spikeglx", "open-ephys", "bep032", NULL};
 
 const struct option query_format_options[] = {
-    {.name = "format",
-     OPTION_AT(struct answer_settings, format),
-     .value = "FORMAT",
+    {OPTION_VALUED("format", struct answer_settings, format, "FORMAT"),
      .help = "format of the answer; default by the ending of -o, else a table; the last five are for other "
              "programs (docs/formats.md):",
-     .choices = query_formats,
-     .words = "CSV, pandas",
-     .role = OPTION_KEPT},
+     .choices = query_formats, .words = "CSV, pandas", .role = OPTION_KEPT},
     {0},
 };
 
 const struct option answer_output_options[] = {
-    {.name = "output",
-     .letter = 'o',
-     OPTION_AT(struct answer_settings, output),
-     .value = "FILE",
+    {OPTION_VALUED("output", struct answer_settings, output, "FILE"), .letter = 'o',
      .help = "write the answer to FILE; a .json beside it describes its columns, settings and sources",
-     .words = "save, export, Excel",
-     .common = true,
-     .role = OPTION_WRITES_ANSWER,
-     .format = "table"},
-    {.name = "sidecar",
-     OPTION_AT(struct answer_settings, sidecar),
-     .value = "FILE.json",
-     .help = "write that .json to FILE.json, also of an answer on standard output",
-     .role = OPTION_WRITES_SIDECAR},
-    {.name = "force",
-     OPTION_AT(struct answer_settings, force),
-     .help = "replace files that are there already",
+     .words = "save, export, Excel", .common = true, .role = OPTION_WRITES_ANSWER, .format = "table"},
+    {OPTION_VALUED("sidecar", struct answer_settings, sidecar, "FILE.json"),
+     .help = "write that .json to FILE.json, also of an answer on standard output", .role = OPTION_WRITES_SIDECAR},
+    {OPTION_NAMED("force", struct answer_settings, force), .help = "replace files that are there already",
      .role = OPTION_OF_RUN},
     {0},
 };

@@ -89,27 +89,19 @@ int rows_file_write(const struct rows_file *file, const struct provenance *prove
 }
 
 const struct option endpoints_options[] = {
-    {.name = "endpoints",
-     OPTION_AT(struct ends_settings, endpoints),
-     .value = "FILE",
+    {OPTION_VALUED("endpoints", struct ends_settings, endpoints, "FILE"),
      .help = "write which areas the streamlines in the cone or ball connect: a row for each bundle and pair of areas",
-     .role = OPTION_WRITES_ROWS,
-     .flags = OPTION_OF_REGION},
+     .role = OPTION_WRITES_ROWS, .flags = OPTION_OF_REGION},
     {0},
 };
 
 const struct option connectivity_options[] = {
-    {.name = "connectivity",
-     OPTION_AT(struct ends_settings, connectivity),
-     .value = "FILE",
+    {OPTION_VALUED("connectivity", struct ends_settings, connectivity, "FILE"),
      .help = "write the table, area by area, of how many streamlines connect them: .tsv, .csv, or .json; it has all "
              "areas with voxels or triangles, or those of --only in their order",
-     .words = "connectome, matrix",
-     .role = OPTION_WRITES_ROWS,
+     .words = "connectome, matrix", .role = OPTION_WRITES_ROWS,
      .flags = OPTION_OF_REGION | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE},
-    {.name = "endpoint-radius",
-     OPTION_AT(struct ends_settings, radius),
-     .value = "MM",
+    {OPTION_VALUED("endpoint-radius", struct ends_settings, radius, "MM"),
      .help = "an end of a streamline that is in no area has the nearest one within this radius, up to 100; 0 = none "
              "(default 2)"},
     {0},
