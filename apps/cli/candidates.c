@@ -19,18 +19,18 @@ const struct option candidate_options[] = {
              "spacing=MM (of those nearer to each other the first), within=WHAT, without=WHAT (labels of vertices, a "
              "mask, or a structure of the atlas), flip (normals of the surface point to the other side)",
      .words = "entry, scalp, skull, craniotomy, grid", .common = true, .excludes = "poses", .needs = "toward",
-     .role = OPTION_READS},
+     OPTION_READING(SURFACE)},
     {OPTION_VALUED("toward", struct candidate_settings, toward, "WHAT,..."),
      .help = "to targets: centroid, deepest (the voxel farthest from the border) or voxels of the first --reach; a "
              "FILE of points; or normal, against that of the surface; keys: of=NAME,... (another structure), "
              "spacing=MM",
-     .words = "target", .common = true, .needs = "from", .role = OPTION_READS_NAMES},
+     .words = "target", .common = true, .needs = "from", .role = OPTION_READS_NAMES, .holds = HOLDS_POSES},
     {OPTION_VALUED("tilt", struct candidate_settings, tilt, "MAX,STEP"),
      .help = "and rings of directions around each, up to MAX degrees, STEP degrees apart", .needs = "from",
      .role = OPTION_ASKS},
     {OPTION_VALUED("roll", struct candidate_settings, roll, "STEP"),
      .help = "and each turned about its axis, in steps of STEP degrees, 0.01 to 180", OPTION_FROM_TO(0.01, 180),
-     .words = "turn, shanks, rotation", .needs = "from", .role = OPTION_ASKS},
+     .words = "turn, shanks, rotation", .needs = "from", .role = OPTION_ASKS, .unit = "degrees"},
     {OPTION_VALUED("depth", struct candidate_settings, depth, "MM|target[+MM]"),
      .help = "far end, the tip, of poses that have none in a column far, mm from the device's position; or the "
              "target, and MM behind it",

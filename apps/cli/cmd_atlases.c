@@ -31,7 +31,7 @@ static const struct option own_options[] = {
      .help = "list the places in which conus looks, instead of the atlases (table, tsv)", .words = "folders",
      .common = true},
     {OPTION_NAMED("quiet", struct list_settings, common.quiet), .letter = 'q',
-     .help = "print only errors and warnings on stderr, no notes"},
+     .help = "print only errors and warnings on stderr, no notes", .role = OPTION_OF_RUN},
     {0},
 };
 

@@ -492,6 +492,7 @@ const struct command cmd_info = {
     .name = "info",
     .summary = "show what an atlas contains and how it was read",
     .operands = {"ATLAS"},
+    .holds = {HOLDS_ATLAS},
     .description =
         "Shows file, size, orientation and transform of every volume, where the names come from, and the\n"
         "areas, pathways and bundles. ATLAS is a labelled volume: .nii, .hdr/.img, .mgz, .nrrd, .mha, .HEAD or an FSL\n"

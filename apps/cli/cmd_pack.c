@@ -21,9 +21,10 @@ struct pack_settings {
 
 static const struct option own_options[] = {
     {OPTION_VALUED("output", struct pack_settings, output, "NAME.conus"), .letter = 'o', .help = "the file",
-     .required = true, .endings = CONUS_PACK_ENDING, .words = "save, export, cache", .role = OPTION_WRITES,
-     .common = true},
-    {OPTION_NAMED("force", struct pack_settings, force), .help = "replace a file", .common = true},
+     .required = true, .endings = CONUS_PACK_ENDING, .words = "save, export, cache", .common = true,
+     OPTION_WRITING(PACK)},
+    {OPTION_NAMED("force", struct pack_settings, force), .help = "replace a file", .common = true,
+     .role = OPTION_OF_RUN},
     {0},
 };
 
@@ -79,6 +80,7 @@ const struct command cmd_pack = {
     .name = "pack",
     .summary = "write an atlas to one file that opens at once",
     .operands = {"ATLAS"},
+    .holds = {HOLDS_ATLAS},
     .form = "-o NAME.conus",
     .description =
         "Writes ATLAS, with what is added to it, as it is in memory: a pack. All commands take it as an ATLAS,\n"

@@ -19,15 +19,15 @@ struct phantom_settings {
 static const struct option own_options[] = {
     {OPTION_VALUED("output", struct phantom_settings, output, "DIR"), .letter = 'o',
      .help = "folder for the files, KIND.nii.gz and so on; made if missing", .required = true, .words = "save, export",
-     .common = true},
-    {OPTION_VALUED("size", struct phantom_settings, size, "N"),
-     .help = "voxels along the longest edge, 16 to 512 (default 64)", OPTION_FROM_TO(16, 512), .common = true},
-    {OPTION_VALUED("spacing", struct phantom_settings, spacing, "X,Y,Z"),
-     .help = "edge lengths of a voxel, mm (default 1,1,1)", OPTION_FROM_TO(0.001, 1000), .common = true},
-    {OPTION_VALUED("oblique", struct phantom_settings, oblique, "DEGREES"),
+     .common = true, OPTION_WRITING(FOLDER)},
+    {OPTION_VALUED("size", struct phantom_settings, size, "N"), .help = "voxels along the longest edge, 16 to 512",
+     .standard = "64", OPTION_FROM_TO(16, 512), .common = true},
+    {OPTION_VALUED("spacing", struct phantom_settings, spacing, "X,Y,Z"), .help = "edge lengths of a voxel, mm",
+     .standard = "1,1,1", OPTION_FROM_TO(0.001, 1000), .common = true, .unit = "mm"},
+    {OPTION_DEGREES("oblique", struct phantom_settings, oblique),
      .help = "turn the grid by this angle about (1,1,1); the shapes stay where they are", OPTION_FROM_TO(-180, 180)},
     {OPTION_VALUED("flip", struct phantom_settings, flip, "AXES"),
-     .help = "letters of x, y, z: voxel indices grow towards left, posterior, inferior there"},
+     .help = "letters of x, y, z: voxel indices grow towards left, posterior, inferior there", .role = OPTION_ASKS},
     {0},
 };
 

@@ -233,7 +233,8 @@ static const struct option translucent_options[] = {
     {OPTION_VALUED("pathway-transfer", struct translucent_settings, pathways, "[PATHWAY=]NAME|FILE"),
      .help =
          "draw pathways, or this one, as haze, by colours and opacities of their values: own (their colour), a preset "
-         "of --transfer or a file; may be repeated"},
+         "of --transfer or a file; may be repeated",
+     OPTION_READING(COLOURS)},
     {OPTION_VALUED("legend-area", struct translucent_settings, listed, "NAME"),
      .help = "an area, by name, abbreviation or label, with all below it in the area tree, or a pathway or bundle: it "
              "stands out, and has a row in the legend beside what the cone hits; may be repeated",
@@ -416,35 +417,35 @@ static const struct option picture_options[] = {
              "{query} or {row} in its name is drawn for each, which stand for the pose's name and number; one without "
              "them shows all poses, and points, as balls",
      .required = true, .words = "save, export, figure, image", .common = true, .role = OPTION_WRITES_ANSWER,
-     .endings = ".png .svg .pdf .exr"},
+     .endings = ".png .svg .pdf .exr", .holds = HOLDS_PICTURE},
     {OPTION_VALUED("caption", struct render_settings, caption, "FILE"),
      .help = "also write a text for the caption: what is shown, what each colour is with the atlas's own names and "
              "numbers, warnings, and the paragraph of conus cite",
-     .words = "legend, methods, description", .role = OPTION_WRITES},
+     .words = "legend, methods, description", OPTION_WRITING(TEXT)},
     {OPTION_VALUED("camera", struct render_settings, camera, "FILE"),
-     .help = "camera at the one pose in this file (docs/formats.md)", .words = "viewpoint", .role = OPTION_READS,
-     .excludes = "camera-origin"},
+     .help = "camera at the one pose in this file (docs/formats.md)", .words = "viewpoint", .excludes = "camera-origin",
+     OPTION_READING(POSES)},
     {OPTION_VALUED("camera-origin", struct render_settings, camera_origin, PLACE_VALUE),
-     .help = "or place of the camera (default: as --view says)", .role = OPTION_ASKS, .flags = OPTION_IS_PLACE,
+     .help = "or place of the camera", .otherwise = "as --view says", .role = OPTION_ASKS, .flags = OPTION_IS_PLACE,
      .needs = "camera-toward"},
     {OPTION_VALUED("camera-toward", struct render_settings, camera_toward, PLACE_VALUE),
      .help = "place at which the camera points", .role = OPTION_ASKS, .flags = OPTION_IS_PLACE,
      .needs = "camera-origin"},
     {OPTION_VALUED("camera-up", struct render_settings, camera_up, "X,Y,Z"), .help = "up direction of the camera",
      .needs = "camera-origin"},
-    {OPTION_VALUED("field-of-view", struct render_settings, field_of_view, "DEGREES"),
-     .help = "angle from the lower to the upper edge, more than 0 and less than 180 (default 30)",
+    {OPTION_DEGREES("field-of-view", struct render_settings, field_of_view),
+     .help = "angle from the lower to the upper edge, more than 0 and less than 180", .standard = "30",
      OPTION_BETWEEN(0, 180)},
     {OPTION_VALUED("frustum", struct render_settings, frustum, "L,R,B,T"),
      .help = "or edges of the camera's picture (left, right, bottom, top) at depth 1: off-axis, for a screen that "
              "the eye is not centred on",
      OPTION_FROM_TO(-1000, 1000), .excludes = "field-of-view"},
     {OPTION_VALUED("slices", struct render_settings, slices, "N"),
-     .help = "planes across the view at which the volumes are sampled (default sqrt(2) times the longest edge)",
+     .help = "planes across the view at which the volumes are sampled", .otherwise = "sqrt(2) times the longest edge",
      OPTION_FROM_TO(1, 65536)},
     {OPTION_VALUED("transfer", struct render_settings, transfer, "NAME|FILE"),
      .help = "colours and opacities of the context by its values: a preset or a file (docs/formats.md)",
-     .needs = "context"},
+     .needs = "context", OPTION_READING(COLOURS)},
     {OPTION_NAMED("shell", struct render_settings, has_shell),
      .help = "a glass shell around all areas and the head in the context volume, in place of this volume and of areas "
              "that are not hit, unless --transfer and --opacity say otherwise",
@@ -459,7 +460,7 @@ static const struct option picture_options[] = {
 
 static const struct option row_options[] = {
     {OPTION_VALUED("poses", struct render_settings, aim.pose, "FILE"), .help = "the same as --pose",
-     .role = OPTION_READS_POSES},
+     .role = OPTION_READS_POSES, .holds = HOLDS_POSES},
     {OPTION_VALUED("row", struct render_settings, choice.number, "N"), .help = "only the file's N-th pose, from 1",
      OPTION_FROM_TO(1, UINT32_MAX), .needs = "poses|pose", .excludes = "query-id"},
     {OPTION_VALUED("query-id", struct render_settings, choice.id, "NAME"),
@@ -470,9 +471,9 @@ static const struct option row_options[] = {
      .words = "probe, electrode, needle, segments, trajectory, neuropixels", .needs = "poses|pose|origin",
      .excludes = "angle,radius,cuts,legend,legend-rows,legend-area,no-legend"},
     {OPTION_VALUED("colour-by", struct render_settings, colour_by, "COLUMN"),
-     .help = "balls of points have a colour for each text of this column of the table, with a row in the legend "
-             "(default: for each electrode, where names are those of contacts like LA1, LA2)",
-     .words = "color, group", .needs = "poses|pose", .excludes = "strips"},
+     .help = "balls of points have a colour for each text of this column of the table, with a row in the legend",
+     .otherwise = "for each electrode, where names are those of contacts like LA1, LA2", .words = "color, group",
+     .needs = "poses|pose", .excludes = "strips"},
     {0},
 };
 
@@ -1333,6 +1334,7 @@ const struct command cmd_render = {
     .name = "render",
     .summary = "draw the atlas, a cone in it and the cone's first hits",
     .operands = {"ATLAS"},
+    .holds = {HOLDS_ATLAS},
     .form = "-o FILE",
     .description = "Draws areas, pathways and bundles, the context around them, and a cone with its axis, contacts\n"
                    "and a legend of its first hits, by OpenGL 4.5 or, without it, by rays on the processor.",

@@ -29,50 +29,49 @@ const struct option figure_options[] = {
              "mm wide unless --size or --width-mm is given; what other options say counts; auto is print with "
              "--width-mm, else screen:",
      .choices = styles, .words = "paper, publication, journal"},
-    {OPTION_VALUED("size", struct figure_settings, size, "WxH"), .help = "pixels, each 1 to 16384 (default 1400x1050)",
-     .low = 1, .high = SIDE_LIMIT, .excludes = "width-mm"},
-    {OPTION_VALUED("width-mm", struct figure_settings, width_mm, "MM"),
+    {OPTION_VALUED("size", struct figure_settings, size, "WxH"), .help = "pixels, each 1 to 16384",
+     .otherwise = "1400x1050, in print 180 mm wide, of cuts as they need", .low = 1, .high = SIDE_LIMIT,
+     .excludes = "width-mm", .unit = "pixels"},
+    {OPTION_MM("width-mm", struct figure_settings, width_mm),
      .help = "or the width on paper, mm, such as a column's 85", .low = 1, .high = 10000},
-    {OPTION_VALUED("height-mm", struct figure_settings, height_mm, "MM"),
-     .help = "with --width-mm: the height (default three quarters of the width)", .low = 1, .high = 10000,
-     .needs = "width-mm"},
+    {OPTION_MM("height-mm", struct figure_settings, height_mm), .help = "with --width-mm: the height",
+     .otherwise = "three quarters of the width", .low = 1, .high = 10000, .needs = "width-mm"},
     {OPTION_VALUED("dpi", struct figure_settings, dpi, "N"),
-     .help = "pixels per inch, which the file says, with letters of 7 points (default with --width-mm 300)", .low = 10,
-     .high = 10000},
+     .help = "pixels per inch, which the file says, with letters of 7 points", .otherwise = "with --width-mm 300",
+     .low = 10, .high = 10000, .unit = "1/inch"},
     {OPTION_VALUED("view", struct figure_settings, side, "SIDE"),
      .help = "the whole atlas from this side; beside is 60 degrees off the cone's axis, across at right "
              "angles to it, from above; auto is cone, in print beside, of a beam across:",
      .choices = sides, .excludes = "camera,camera-origin"},
     {OPTION_VALUED("background", struct figure_settings, background, "COLOUR"),
-     .help = "light (default, in print white), white, black, transparent, or #RRGGBB", .words = "colour, color"},
+     .help = "light, white, black, transparent, or #RRGGBB", .otherwise = "light, in print white",
+     .words = "colour, color"},
     {OPTION_VALUED("legend", struct figure_settings, legend, "WHERE"),
      .help = "where the legend is: auto is right of a picture that is wide enough, else below; without a cone it names "
              "what is drawn:",
      .choices = figure_legends, .excludes = "no-legend"},
     {OPTION_VALUED("legend-rows", struct figure_settings, legend_rows, "N"),
-     .help = "of the objects in the legend only the first N (default 12), and a row that counts the others", .low = 1,
-     .high = UINT32_MAX, .excludes = "no-legend"},
+     .help = "of the objects in the legend only the first N, and a row that counts the others",
+     .otherwise = "12, of probes all", .low = 1, .high = UINT32_MAX, .excludes = "no-legend"},
     {OPTION_NAMED("no-legend", struct figure_settings, no_legend),
      .help = "leave out the text, that of directions and scale, too"},
     {OPTION_VALUED("streamline-colour", struct figure_settings, streamline_colour, "bundle|direction|NAME"),
      .help = "what colours streamlines: their bundle, their direction (red: left-right, green: back-front, blue: "
-             "up-down) or a number that their file has for points or streamlines, by its name (default: bundle)",
-     .words = "color, fibre"},
+             "up-down) or a number that their file has for points or streamlines, by its name",
+     .standard = "bundle", .words = "color, fibre"},
     {OPTION_NAMED("safe-colours", struct figure_settings, safe_colours),
      .help = "colours of areas, pathways and bundles that people with any colour vision can tell apart, in pictures "
              "without a cone: those by rank are such",
      .words = "colour-blind"},
     {OPTION_VALUED("palette", struct figure_settings, palette, "rank|file|NAME|COLOURS|FILE"),
-     .help =
-         "colours of areas, pathways and bundles, different ones where areas touch: safe, bright, muted, set2, "
-         "dark2, tab10, a list of #RRGGBB, or a file with such a list; file: those of the atlas; rank (default with a "
-         "cone): what is hit has a colour by its place in the answer, all else is grey",
-     .words = "color, colormap", .excludes = "safe-colours"},
+     .help = "colours of areas, pathways and bundles, different ones where areas touch: safe, bright, muted, set2, "
+             "dark2, tab10, a list of #RRGGBB, or a file with such a list; file: those of the atlas; rank: what is hit "
+             "has a colour by its place in the answer, all else is grey",
+     .otherwise = "rank with a cone, else file", .words = "color, colormap", .excludes = "safe-colours",
+     OPTION_READING(COLOURS)},
     {OPTION_VALUED("unselected", struct figure_settings, unselected, "COLOUR"),
-     .help =
-         "white, black or #RRGGBB: one tone of areas and pathways that are not hit (default: a grey, or by --palette "
-         "their colours, paler)",
-     .words = "color, grey, gray"},
+     .help = "white, black or #RRGGBB: one tone of areas and pathways that are not hit",
+     .otherwise = "a grey, or by --palette their colours, paler", .words = "color, grey, gray"},
     {0},
 };
 

@@ -14,9 +14,9 @@ const struct option space_options[] = {
          "AP, ML, DV from bregma, to anterior, right, dorsal (bregma):",
      .choice_at = conus_space_name},
     {OPTION_VALUED("bregma", struct space_settings, bregma, "AP,DV,ML"),
-     .help = "with --space bregma: where bregma lies in the Allen CCF, micrometres (default 5400,332,5739, the "
-             "International Brain Laboratory's)",
-     .needs = "space=bregma"},
+     .help = "with --space bregma: where bregma lies in the Allen CCF, micrometres; the default is the International "
+             "Brain Laboratory's",
+     .standard = "5400,332,5739", .needs = "space=bregma", .unit = "um"},
     {0},
 };
 

@@ -19,14 +19,15 @@ enum { DEFAULT_WIDTH = 1500, DEFAULT_HEIGHT = 940 };
 static const char *const themes[] = {"auto", "dark", "light", NULL};
 
 static const struct option own_options[] = {
-    {OPTION_VALUED("size", struct view_settings, size, "WxH"),
-     .help = "size of the window, pixels (default 1500x940, no larger than the screen)", .low = 1, .high = 16384},
-    {OPTION_VALUED("scale", struct view_settings, scale, "FACTOR"),
-     .help = "scale of texts and panels, 0.5 to 4 (default: the screen's)", .low = 0.5, .high = 4},
+    {OPTION_VALUED("size", struct view_settings, size, "WxH"), .help = "size of the window, pixels",
+     .otherwise = "1500x940, no larger than the screen", .low = 1, .high = 16384, .unit = "pixels"},
+    {OPTION_VALUED("scale", struct view_settings, scale, "FACTOR"), .help = "scale of texts and panels, 0.5 to 4",
+     .otherwise = "the screen's", .low = 0.5, .high = 4},
     {OPTION_VALUED("session", struct view_settings, session, "FILE.json"),
-     .help = "open as a saved session was left; without ATLAS its own atlas, with the options that it had"},
+     .help = "open as a saved session was left; without ATLAS its own atlas, with the options that it had",
+     OPTION_READING(SESSION)},
     {OPTION_VALUED("script", struct view_settings, script, "FILE"),
-     .help = "do what the file says (docs/viewer.md), then close"},
+     .help = "do what the file says (docs/viewer.md), then close", OPTION_READING(TEXT)},
     {OPTION_NAMED("safe-colours", struct view_settings, safe_colours),
      .help = "colours for any colour vision, instead of the atlas's own"},
     {OPTION_VALUED("theme", struct view_settings, theme, "NAME"),
@@ -224,7 +225,9 @@ static const struct command cmd_view = {
     .name = "view",
     .summary = "browse an atlas in a window and point at it",
     .operands = {"ATLAS"},
+    .holds = {HOLDS_ATLAS},
     .optional = true,
+    .resumes = true,
     .description =
         "Four panes: the brain in 3-D and its axial, coronal and sagittal cuts. The cone follows the mouse, from the\n"
         "surface under it, or a wand moved by keys; the areas that it hits are named, ranked and highlighted. A click\n"

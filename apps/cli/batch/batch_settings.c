@@ -15,10 +15,10 @@ static const char *const formats[] = {"tsv", "csv", "ndjson", "afni", "bids", "s
 static const struct option pose_options[] = {
     {OPTION_VALUED("poses", struct batch_settings, poses, "FILE"),
      .help = "poses to answer (docs/formats.md); - is standard input", .words = "input, coil, trajectory",
-     .common = true, .required = true, .role = OPTION_READS_POSES},
-    {OPTION_VALUED("angle", struct batch_settings, aim.angle, "DEGREES"),
-     .help = "full opening angle of the cones without one of their own, more than 0 and less than 180 (default 10)",
-     OPTION_FROM_TO(0, 180), .words = "width, opening", .common = true},
+     .common = true, .required = true, .role = OPTION_READS_POSES, .holds = HOLDS_POSES},
+    {OPTION_DEGREES("angle", struct batch_settings, aim.angle),
+     .help = "full opening angle of the cones without one of their own, more than 0 and less than 180",
+     .standard = OPTION_DIGITS(DEFAULT_ANGLE), OPTION_FROM_TO(0, 180), .words = "width, opening", .common = true},
     {OPTION_NAMED("inward", struct batch_settings, aim.inward),
      .help = "points of the file look straight into the head: positions of a cap that are called by their names (C3) "
              "against the scalp's normal there, others against that of the context's head within 5 mm, or else to the "
@@ -34,11 +34,11 @@ static const struct option pose_options[] = {
 static const struct option output_options[] = {
     {OPTION_VALUED("output", struct batch_settings, output, "FILE"), .letter = 'o',
      .help = "write the rows to FILE, and a .json beside it that describes them; else they go to standard output",
-     .words = "save, export, Excel", .common = true, .role = OPTION_WRITES_ANSWER, .format = "tsv"},
+     .words = "save, export, Excel", .common = true, .role = OPTION_WRITES_ANSWER, .format = "tsv",
+     .holds = HOLDS_ROWS},
     {OPTION_VALUED("format", struct batch_settings, format, "FORMAT"),
-     .help = "format of the rows; default by the ending of -o; the last four are for other programs "
-             "(docs/formats.md):",
-     .choices = formats, .role = OPTION_KEPT},
+     .help = "format of the rows; the last four are for other programs (docs/formats.md):",
+     .otherwise = "by the ending of -o, else tsv", .choices = formats, .role = OPTION_KEPT},
     {OPTION_NAMED("summary", struct batch_settings, summary),
      .help = "one row per pose: the best area, pathway or bundle, the runner-up, and by how much", .words = "best",
      .common = true},
@@ -49,10 +49,10 @@ static const struct option output_options[] = {
 
 static const struct option run_options[] = {
     {OPTION_VALUED("threads", struct batch_settings, threads, "N"),
-     .help = "number of threads, 1 to 1024 (default: one per available processor); the rows do not depend on it",
+     .help = "number of threads, 1 to 1024; the rows do not depend on it", .otherwise = "one per available processor",
      OPTION_FROM_TO(1, 1024), .words = "parallel, cores, jobs", .common = true, .role = OPTION_KEPT},
     {OPTION_VALUED("block", struct batch_settings, block, "N"),
-     .help = "poses per block, 1 to 65536 (default 256); the rows do not depend on it", OPTION_FROM_TO(1, 65536),
+     .help = "poses per block, 1 to 65536; the rows do not depend on it", .standard = "256", OPTION_FROM_TO(1, 65536),
      .role = OPTION_KEPT},
     {OPTION_VALUED("progress", struct batch_settings, progress, "KIND"),
      .help = "on standard error: a line on a terminal, JSON for programs, or nothing:", .choices = progress_kinds,

@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "cli/verify/verify.h"
 #include "conus/version.h"
+#include "options/messages.h"
 #include "options/output.h"
 #include "options/provenance.h"
 
@@ -73,10 +74,23 @@ static bool engines_equal(const char *name, const json_t *a, const json_t *b)
            memcmp(one, other, length) == 0 && are_instructions(one, one + length);
 }
 
+/* Whether an option was recorded as it is where it is not given, which is not recorded now. */
+static bool is_standard(const struct comparing *comparing, const char *name, const json_t *a, const json_t *b)
+{
+    static const char options[] = "Question.options.";
+    const bool is_option = !b && json_is_string(a) && strncmp(name, options, sizeof options - 1) == 0;
+    const struct option *option = is_option ? option_find(comparing->replay->command, name + sizeof options - 1) : NULL;
+    messages_hold(true);
+    bool is = option && option_is_standard(option, json_string_value(a), NULL);
+    messages_hold(false);
+    return is;
+}
+
 /* Compares values where at least one is neither an object nor a list. */
 static void compare_values(struct comparing *out, const char *name, const json_t *a, const json_t *b)
 {
-    if (out->said || is_free(out, name) || numbers_equal(a, b) || engines_equal(name, a, b)) {
+    if (out->said || is_free(out, name) || numbers_equal(a, b) || engines_equal(name, a, b) ||
+        is_standard(out, name, a, b)) {
         return;
     }
     char *one = json_text(a);

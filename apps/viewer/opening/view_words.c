@@ -13,7 +13,7 @@
 
 const struct option scene_options[] = {
     {OPTION_VALUED("transfer", struct view_settings, transfer, "NAME|FILE"),
-     .help = "transfer function of the context in 3-D, as for conus render"},
+     .help = "transfer function of the context in 3-D, as for conus render", .holds = HOLDS_COLOURS},
     {0},
 };
 
@@ -21,15 +21,17 @@ const struct option needle_options[] = {
     {OPTION_VALUED("pose", struct view_settings, pose, "FILE"),
      .help =
          "points and poses, such as contacts, optodes or coils: all are drawn as balls with their names, and one is "
-         "chosen to be asked about"},
+         "chosen to be asked about",
+     .holds = HOLDS_POSES},
     {OPTION_VALUED("poses", struct view_settings, poses, "FILE"),
      .help = "poses to replay, on a time line; with constraints, the candidates of a plan, as for conus plan: the best "
-             "are listed"},
-    {OPTION_VALUED("depth", struct view_settings, depth, "MM"),
+             "are listed",
+     .holds = HOLDS_POSES},
+    {OPTION_MM("depth", struct view_settings, depth),
      .help = "far end of the first tool, its tip, mm from the device's position (F4, F5), and that of candidates that "
              "have none in a column far",
      .low = 0, .high = 1e6, .open = true},
-    {OPTION_VALUED("radius", struct view_settings, radius, "MM"),
+    {OPTION_MM("radius", struct view_settings, radius),
      .help = "the first tool is a needle of this radius, mm, in place of a cone", .low = 0, .high = 1e6, .open = true},
     {0},
 };
@@ -49,8 +51,11 @@ static const struct option_group groups[] = {
     {0},
 };
 
-static const struct command cmd_words = {
-    .program = "conus-view", .name = "session", .groups = groups, .settings_size = sizeof(struct view_settings)};
+static const struct command cmd_words = {.program = "conus-view",
+                                         .name = "session",
+                                         .resumes = true,
+                                         .groups = groups,
+                                         .settings_size = sizeof(struct view_settings)};
 
 /* Whether a session keeps the option; poses to replay are no part of it. */
 static bool is_kept(const struct option *option, bool has_plan)
