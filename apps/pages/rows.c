@@ -141,7 +141,7 @@ int pages_put_rows(FILE *out, const struct program *program)
         json_array_append_new(commands, command_json(program->commands[i]));
     }
     json_t *root =
-        json_pack("{s:s, s:s, s:o}", "program", program->name, "summary", program->summary, "commands", commands);
+        json_pack("{s:s, s:s*, s:o}", "program", program->name, "summary", program->summary, "commands", commands);
     char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
     int code = text ? EXIT_DONE : print_no_memory();
     fprintf(out, "%s\n", text ? text : "");
