@@ -14,13 +14,13 @@
 #include <string.h>
 
 const struct option candidate_options[] = {
-    {OPTION_VALUED("from", struct candidate_settings, from, "FILE[,KEY=VALUE]..."),
+    {OPTION_VALUED("from", struct candidate_settings, from, "FILE,..."),
      .help = "or candidates from entries: vertices of a surface, voxels at the border of a mask, or points; keys: "
              "spacing=MM (of those nearer to each other the first), within=WHAT, without=WHAT (labels of vertices, a "
              "mask, or a structure of the atlas), flip (normals of the surface point to the other side)",
      .words = "entry, scalp, skull, craniotomy, grid", .common = true, .excludes = "poses", .needs = "toward",
      OPTION_READING(SURFACE)},
-    {OPTION_VALUED("toward", struct candidate_settings, toward, "WHAT[,KEY=VALUE]..."),
+    {OPTION_VALUED("toward", struct candidate_settings, toward, "WHAT,..."),
      .help = "to targets: centroid, deepest (the voxel farthest from the border) or voxels of the first --reach; a "
              "FILE of points; or normal, against that of the surface; keys: of=NAME,... (another structure), "
              "spacing=MM",
