@@ -32,6 +32,30 @@ static bool name_fits(const char *name, const char *pattern)
     return *name == *pattern;
 }
 
+/* Whether a value of the recorded question's options is one that is not recorded now: as without the option. */
+static bool is_standard(const struct comparing *comparing, const char *key, const json_t *value)
+{
+    const struct option *option = option_find(comparing->replay->command, key);
+    messages_hold(true);
+    bool is = option && option_is_standard(option, json_string_value(value), NULL);
+    messages_hold(false);
+    return is;
+}
+
+/* Whether an earlier version recorded such an option, which then counted in the fingerprint. */
+static bool has_standards(const struct comparing *comparing)
+{
+    json_t *options = json_object_get(json_object_get(comparing->replay->record->root, "Question"), "options");
+    const char *key;
+    json_t *value;
+    bool has = false;
+    json_object_foreach(options, key, value)
+    {
+        has = has || is_standard(comparing, key, value);
+    }
+    return has;
+}
+
 /* docs/commands.md lists them with the reasons. */
 static bool is_free(const struct comparing *comparing, const char *name)
 {
@@ -39,7 +63,7 @@ static bool is_free(const struct comparing *comparing, const char *name)
     return name_fits(name, "Checksum") || name_fits(name, "GeneratedBy[].Version") ||
            name_fits(name, "GeneratedBy[].CommandLine") ||
            (name_fits(name, "Batch.fingerprint") &&
-            (replay->is_moved || strcmp(replay->record->version, conus_version()) != 0));
+            (replay->is_moved || strcmp(replay->record->version, conus_version()) != 0 || has_standards(comparing)));
 }
 
 static char *json_text(const json_t *value)
@@ -74,23 +98,12 @@ static bool engines_equal(const char *name, const json_t *a, const json_t *b)
            memcmp(one, other, length) == 0 && are_instructions(one, one + length);
 }
 
-/* Whether an option was recorded as it is where it is not given, which is not recorded now. */
-static bool is_standard(const struct comparing *comparing, const char *name, const json_t *a, const json_t *b)
-{
-    static const char options[] = "Question.options.";
-    const bool is_option = !b && json_is_string(a) && strncmp(name, options, sizeof options - 1) == 0;
-    const struct option *option = is_option ? option_find(comparing->replay->command, name + sizeof options - 1) : NULL;
-    messages_hold(true);
-    bool is = option && option_is_standard(option, json_string_value(a), NULL);
-    messages_hold(false);
-    return is;
-}
-
 /* Compares values where at least one is neither an object nor a list. */
 static void compare_values(struct comparing *out, const char *name, const json_t *a, const json_t *b)
 {
+    static const char options[] = "Question.options.";
     if (out->said || is_free(out, name) || numbers_equal(a, b) || engines_equal(name, a, b) ||
-        is_standard(out, name, a, b)) {
+        (!b && strncmp(name, options, sizeof options - 1) == 0 && is_standard(out, name + sizeof options - 1, a))) {
         return;
     }
     char *one = json_text(a);
