@@ -56,6 +56,9 @@ if(TARGET conus-view)
   install(FILES ${desktop}/conus-view.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps COMPONENT runtime)
 endif()
 
+# MATLAB and Octave
+install(FILES packaging/matlab/conus.m DESTINATION ${CMAKE_INSTALL_DATADIR}/conus/matlab COMPONENT runtime)
+
 # Documents
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
 install(FILES README.md CHANGELOG.md SECURITY.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT doc)

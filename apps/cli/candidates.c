@@ -15,51 +15,28 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FIELD(member) OPTION_AT(struct candidate_settings, member)
-
 const struct option candidate_options[] = {
-    {.name = "from",
-     FIELD(from),
-     .value = "FILE,...",
+    {OPTION_VALUED("from", struct candidate_settings, from, "FILE,..."),
      .help = "or candidates from entries: vertices of a surface, voxels at the border of a mask, or points; keys: "
              "spacing=MM (of those nearer to each other the first), within=WHAT, without=WHAT (labels of vertices, a "
              "mask, or a structure of the atlas), flip (normals of the surface point to the other side)",
-     .words = "entry, scalp, skull, craniotomy, grid",
-     .common = true,
-     .excludes = "poses",
-     .needs = "toward",
-     .role = OPTION_READS},
-    {.name = "toward",
-     FIELD(toward),
-     .value = "WHAT,...",
+     .words = "entry, scalp, skull, craniotomy, grid", .common = true, .excludes = "poses", .needs = "toward",
+     OPTION_READING(SURFACE)},
+    {OPTION_VALUED("toward", struct candidate_settings, toward, "WHAT,..."),
      .help = "to targets: centroid, deepest (the voxel farthest from the border) or voxels of the first --reach; a "
              "FILE of points; or normal, against that of the surface; keys: of=NAME,... (another structure), "
              "spacing=MM",
-     .words = "target",
-     .common = true,
-     .needs = "from",
-     .role = OPTION_READS_NAMES},
-    {.name = "tilt",
-     FIELD(tilt),
-     .value = "MAX,STEP",
-     .help = "and rings of directions around each, up to MAX degrees, STEP degrees apart",
-     .needs = "from",
+     .words = "target", .common = true, .needs = "from", .role = OPTION_READS_NAMES, .holds = HOLDS_POSES},
+    {OPTION_VALUED("tilt", struct candidate_settings, tilt, "MAX,STEP"),
+     .help = "and rings of directions around each, up to MAX degrees, STEP degrees apart", .needs = "from",
      .role = OPTION_ASKS},
-    {.name = "roll",
-     FIELD(roll),
-     .value = "STEP",
-     .help = "and each turned about its axis, in steps of STEP degrees, 0.01 to 180",
-     OPTION_FROM_TO(0.01, 180),
-     .words = "turn, shanks, rotation",
-     .needs = "from",
-     .role = OPTION_ASKS},
-    {.name = "depth",
-     FIELD(depth),
-     .value = "MM|target[+MM]",
+    {OPTION_VALUED("roll", struct candidate_settings, roll, "STEP"),
+     .help = "and each turned about its axis, in steps of STEP degrees, 0.01 to 180", OPTION_FROM_TO(0.01, 180),
+     .words = "turn, shanks, rotation", .needs = "from", .role = OPTION_ASKS, .unit = "degrees"},
+    {OPTION_VALUED("depth", struct candidate_settings, depth, "MM|target[+MM]"),
      .help = "far end, the tip, of poses that have none in a column far, mm from the device's position; or the "
              "target, and MM behind it",
-     .excludes = "range",
-     .role = OPTION_ASKS},
+     .excludes = "range", .role = OPTION_ASKS},
     {0},
 };
 

@@ -23,23 +23,15 @@ struct list_settings {
 static const char *const formats[] = {"table", "tsv", "json", "names", NULL};
 
 static const struct option own_options[] = {
-    {.name = "format",
-     OPTION_AT(struct list_settings, format),
-     .value = "FORMAT",
+    {OPTION_VALUED("format", struct list_settings, format, "FORMAT"),
      .help = "a table for people, tab-separated values, everything as JSON, or only what may stand for ATLAS, one a "
              "line:",
-     .choices = formats,
-     .words = "export",
+     .choices = formats, .words = "export", .common = true},
+    {OPTION_NAMED("places", struct list_settings, places),
+     .help = "list the places in which conus looks, instead of the atlases (table, tsv)", .words = "folders",
      .common = true},
-    {.name = "places",
-     OPTION_AT(struct list_settings, places),
-     .help = "list the places in which conus looks, instead of the atlases (table, tsv)",
-     .words = "folders",
-     .common = true},
-    {.name = "quiet",
-     .letter = 'q',
-     OPTION_AT(struct list_settings, common.quiet),
-     .help = "print only errors and warnings on stderr, no notes"},
+    {OPTION_NAMED("quiet", struct list_settings, common.quiet), .letter = 'q',
+     .help = "print only errors and warnings on stderr, no notes", .role = OPTION_OF_RUN},
     {0},
 };
 

@@ -12,6 +12,7 @@ const struct command cmd_batch = {
     .name = "batch",
     .summary = "answer many poses, on one machine or many",
     .operands = {"ATLAS"},
+    .holds = {HOLDS_ATLAS},
     .form = "--poses FILE",
     .description =
         "Answers every pose as conus query does, many at a time, in memory that does not grow with their\n"

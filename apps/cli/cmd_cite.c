@@ -25,32 +25,24 @@ struct cite_settings {
 
 static const char *const formats[] = {"text", "bibtex", NULL};
 
-#define FIELD(member) OPTION_AT(struct cite_settings, member)
 enum { TEXT, BIBTEX };
 
 static const struct option own_options[] = {
-    {.name = "format",
-     FIELD(format),
-     .value = "FORMAT",
-     .help = "a paragraph with its references, or the references as BibTeX:",
-     .choices = formats,
-     .words = "BibTeX, references",
-     .common = true},
-    {.name = "sidecar",
-     FIELD(sidecar),
-     .value = "FILE.json",
-     .help = "the sidecar of RESULT, if it is not beside it",
-     .common = true},
-    {.name = "folder",
-     FIELD(folder),
-     .value = "FOLDER",
-     .help = "where the atlas's files are, if they moved or have another name",
-     .common = true},
+    {OPTION_VALUED("format", struct cite_settings, format, "FORMAT"),
+     .help = "a paragraph with its references, or the references as BibTeX:", .choices = formats,
+     .words = "BibTeX, references", .common = true},
+    {OPTION_VALUED("sidecar", struct cite_settings, sidecar, "FILE.json"),
+     .help = "the sidecar of RESULT, if it is not beside it", .common = true, OPTION_READING(SIDECAR)},
+    {OPTION_VALUED("folder", struct cite_settings, folder, "FOLDER"),
+     .help = "where the atlas's files are, if they moved or have another name", .common = true, OPTION_READING(FOLDER)},
     {.name = "max-memory",
      .type = OPTION_BYTES,
      .offset = offsetof(struct cite_settings, max_memory),
      .value = "SIZE",
-     .help = "largest file of ATLAS to read, like 512M or 2G (default 8G)"},
+     .help = "largest file of ATLAS to read, like 512M or 2G",
+     .standard = "8G",
+     .unit = "bytes",
+     .role = OPTION_KEPT},
     {0},
 };
 
@@ -219,6 +211,7 @@ const struct command cmd_cite = {
     .name = "cite",
     .summary = "write the methods paragraph of a result, and its references",
     .operands = {"RESULT|ATLAS"},
+    .holds = {HOLDS_ROWS},
     .description =
         "For a RESULT with its .json beside it: writes a paragraph that says what was asked, and the references:\n"
         "conus, the method where rays were traced, and the atlas, as its own files ask. It says what the .json does:\n"

@@ -165,6 +165,7 @@ const struct command cmd_connect = {
     .name = "connect",
     .summary = "list which areas the streamlines of bundles connect",
     .operands = {"ATLAS", "FILE"},
+    .holds = {HOLDS_ATLAS, HOLDS_TRACTS},
     .optional_last = true,
     .repeats = true,
     .description =

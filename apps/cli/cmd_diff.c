@@ -20,17 +20,17 @@ struct diff_settings {
 };
 
 static const struct option own_options[] = {
-    {.name = "tolerance",
-     OPTION_AT(struct diff_settings, tolerance),
-     .value = "T",
-     .help = "numbers that differ by T or less are the same (default 0); names and labels must be equal",
-     OPTION_FROM_TO(0, 1e30),
-     .common = true},
+    {OPTION_VALUED("tolerance", struct diff_settings, tolerance, "T"),
+     .help = "numbers that differ by T or less are the same; names and labels must be equal", .standard = "0",
+     OPTION_FROM_TO(0, 1e30), .common = true},
     {.name = "max-memory",
      .type = OPTION_BYTES,
      .offset = offsetof(struct diff_settings, max_memory),
      .value = "SIZE",
-     .help = "largest table to read, like 512M or 2G (default 4G)"},
+     .help = "largest table to read, like 512M or 2G",
+     .standard = "4G",
+     .unit = "bytes",
+     .role = OPTION_KEPT},
     {0},
 };
 
@@ -128,6 +128,7 @@ const struct command cmd_diff = {
     .name = "diff",
     .summary = "compare two results or two pictures",
     .operands = {"A", "B"},
+    .holds = {HOLDS_ROWS, HOLDS_ROWS},
     .description =
         "Compares two TSV or CSV results row by row, matched by query, atlas, kind and index, and names\n"
         "what was added, removed or changed; or two pictures, .exr or .png, channel by channel. Exit code 0: the\n"

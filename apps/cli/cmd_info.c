@@ -97,14 +97,10 @@ struct info_settings {
 static const char *const formats[] = {"table", "tsv", "json", "tree", NULL};
 
 static const struct option own_options[] = {
-    {.name = "format",
-     OPTION_AT(struct info_settings, format),
-     .value = "FORMAT",
+    {OPTION_VALUED("format", struct info_settings, format, "FORMAT"),
      .help = "everything as a table for people, only the areas as tab-separated values, everything as JSON, or the "
              "area tree with its depths:",
-     .choices = formats,
-     .words = "export",
-     .common = true},
+     .choices = formats, .words = "export", .common = true},
     {0},
 };
 
@@ -495,6 +491,7 @@ const struct command cmd_info = {
     .name = "info",
     .summary = "show what an atlas contains and how it was read",
     .operands = {"ATLAS"},
+    .holds = {HOLDS_ATLAS},
     .description =
         "Shows file, size, orientation and transform of every volume, where the names come from, and the\n"
         "areas, pathways and bundles. ATLAS is a labelled volume: .nii, .hdr/.img, .mgz, .nrrd, .mha, .HEAD or an FSL\n"

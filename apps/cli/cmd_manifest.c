@@ -17,21 +17,18 @@ struct manifest_settings {
 };
 
 static const struct option own_options[] = {
-    {.name = "name",
-     OPTION_AT(struct manifest_settings, name),
-     .value = "NAME",
-     .help = "write DIR/NAME.atlas.json (default: the folder's name)",
-     .words = "save",
-     .common = true},
+    {OPTION_VALUED("name", struct manifest_settings, name, "NAME"), .help = "write DIR/NAME.atlas.json",
+     .otherwise = "the folder's name", .words = "save", .common = true, .role = OPTION_ASKS},
     {.name = "max-memory",
      .type = OPTION_BYTES,
      .offset = offsetof(struct manifest_settings, max_memory),
      .value = "SIZE",
-     .help = "largest file or volume to read, like 512M or 2G (default 8G)"},
-    {.name = "quiet",
-     .letter = 'q',
-     OPTION_AT(struct manifest_settings, common.quiet),
-     .help = "do not print each file's role on stderr"},
+     .help = "largest file or volume to read, like 512M or 2G",
+     .standard = "8G",
+     .unit = "bytes",
+     .role = OPTION_KEPT},
+    {OPTION_NAMED("quiet", struct manifest_settings, common.quiet), .letter = 'q',
+     .help = "do not print each file's role on stderr", .role = OPTION_OF_RUN},
     {0},
 };
 
@@ -83,6 +80,7 @@ const struct command cmd_manifest = {
     .name = "manifest",
     .summary = "write a first manifest of the volumes and surfaces in a folder",
     .operands = {"DIR"},
+    .holds = {HOLDS_FOLDER},
     .description =
         "Reads the volumes, FSL atlases, surfaces and BrainGlobe folders in DIR, and the surfaces in the\n"
         "folders in it, and writes a manifest that joins them: DIR/NAME.atlas.json, an ATLAS for all other\n"

@@ -16,30 +16,20 @@ struct overlap_settings {
     const char *clusters;
 };
 
-#define FIELD(member) OPTION_AT(struct overlap_settings, member)
-
 static const struct option region_options[] = {
-    {.name = "threshold",
-     FIELD(threshold),
-     .value = "T",
+    {OPTION_VALUED("threshold", struct overlap_settings, threshold, "T"),
      .help = "voxels, or tetrahedra, with values of at least T belong to the region; of a negative T, those with "
-             "values of at most T "
-             "(default, of masks only: all that are not 0)",
-     .words = "binarise, cut-off",
-     .common = true},
+             "values of at most T",
+     .otherwise = "of masks only, all that are not 0", .words = "binarise, cut-off", .common = true},
     {0},
 };
 
 static const struct option cluster_options[] = {
-    {.name = "clusters",
-     FIELD(clusters),
-     .value = "FILE",
+    {OPTION_VALUED("clusters", struct overlap_settings, clusters, "FILE"),
      .help =
          "write a table of the region's clusters, the largest first: each with its size, peak, centre of mass and the "
          "areas that it covers, and with its local maxima",
-     .words = "cluster table, peaks, local maxima",
-     .common = true,
-     .role = OPTION_WRITES_ROWS},
+     .words = "cluster table, peaks, local maxima", .common = true, .role = OPTION_WRITES_ROWS, .holds = HOLDS_ROWS},
     {0},
 };
 
@@ -274,7 +264,8 @@ static int run_overlap(const void *given, const struct arguments *arguments)
     if (settings->clusters && output_is_stdout(settings->clusters)) {
         code = code ? code : print_usage_error("--clusters needs a file: the answer is on standard output");
     }
-    code = code ? code : rows_file_init(&overlap.clusters, &clusters, settings->clusters, CONUS_FORMAT_TABLE);
+    code =
+        code ? code : rows_file_init(&overlap.clusters, &clusters, settings->clusters, CONUS_FORMAT_TABLE, arguments);
     outputs_add_sidecar(&overlap.request.outputs, "clusters", overlap.clusters.sidecar);
     code = code ? code : answer_overlap(&overlap);
     rows_file_finish(&overlap.clusters);
@@ -286,6 +277,7 @@ const struct command cmd_overlap = {
     .name = "overlap",
     .summary = "list the areas and pathways that a region of interest covers, with volumes and peaks",
     .operands = {"ATLAS", "ROI"},
+    .holds = {HOLDS_ATLAS, HOLDS_VOLUME},
     .repeats = true,
     .description =
         "ROI is a volume on a grid of its own, in the space of ATLAS: a mask (a lesion, a stimulated volume) or a\n"

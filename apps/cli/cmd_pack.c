@@ -19,17 +19,11 @@ struct pack_settings {
 };
 
 static const struct option own_options[] = {
-    {.name = "output",
-     .letter = 'o',
-     OPTION_AT(struct pack_settings, output),
-     .value = "NAME.conus",
-     .help = "the file",
-     .required = true,
-     .endings = CONUS_PACK_ENDING,
-     .words = "save, export, cache",
-     .role = OPTION_WRITES,
-     .common = true},
-    {.name = "force", OPTION_AT(struct pack_settings, force), .help = "replace a file", .common = true},
+    {OPTION_VALUED("output", struct pack_settings, output, "NAME.conus"), .letter = 'o', .help = "the file",
+     .required = true, .endings = CONUS_PACK_ENDING, .words = "save, export, cache", .common = true,
+     OPTION_WRITING(PACK)},
+    {OPTION_NAMED("force", struct pack_settings, force), .help = "replace a file", .common = true,
+     .role = OPTION_OF_RUN},
     {0},
 };
 
@@ -85,6 +79,7 @@ const struct command cmd_pack = {
     .name = "pack",
     .summary = "write an atlas to one file that opens at once",
     .operands = {"ATLAS"},
+    .holds = {HOLDS_ATLAS},
     .form = "-o NAME.conus",
     .description =
         "Writes ATLAS, with what is added to it, as it is in memory: a pack. All commands take it as an ATLAS,\n"

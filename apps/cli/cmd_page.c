@@ -25,6 +25,7 @@
 #include <string.h>
 
 enum { FILE_LIMIT = 4096, SIZE_LIMIT = 100000000 };
+#define PAGE_ANGLE 20
 
 /* From the program's folder: that of a release or a wheel, and an installation's. */
 static const char *const template_names[] = {"page.html", "../share/conus/page.html"};
@@ -34,78 +35,43 @@ static const char mark[] = "<!-- atlas -->";
 static const char *const layer_names[] = {"visible", "all", NULL};
 
 static const struct option output_options[] = {
-    {.name = "output",
-     .letter = 'o',
-     OPTION_AT(struct page_settings, output),
-     .value = "FILE.html",
-     .help = "the page",
-     .required = true,
-     .endings = ".html",
-     .words = "save, export, share",
-     .common = true},
+    {OPTION_VALUED("output", struct page_settings, output, "FILE.html"), .letter = 'o', .help = "the page",
+     .required = true, .endings = ".html", .words = "save, export, share", .common = true, OPTION_WRITING(PAGE)},
     {0},
 };
 
 static const struct option page_options[] = {
-    {.name = "origin",
-     OPTION_AT(struct page_settings, origin),
-     .value = PLACE_VALUE,
-     .help = "where the cone begins: " PLACE_HELP,
-     .role = OPTION_ASKS,
-     .flags = OPTION_IS_PLACE,
-     .needs = "toward",
-     .common = true},
-    {.name = "toward",
-     OPTION_AT(struct page_settings, toward),
-     .value = PLACE_VALUE,
-     .help = "a place that the cone's axis goes through",
-     .role = OPTION_ASKS,
-     .flags = OPTION_IS_PLACE,
-     .needs = "origin",
-     .common = true},
-    {.name = "angle",
-     OPTION_AT(struct page_settings, angle),
-     .value = "DEGREES",
-     .help = "full opening angle of the cone, 0.001 to 170 (default 20)",
-     OPTION_FROM_TO(0.001, 170),
-     .needs = "origin",
-     .common = true},
-    {.name = "layers",
-     OPTION_AT(struct page_settings, layers),
-     .value = "LAYERS",
-     .help = "first hits, or all in the cone:",
-     .choices = layer_names,
-     .needs = "origin"},
-    {.name = "resolution",
-     OPTION_AT(struct page_settings, resolution),
-     .value = "N",
-     .help = "rays along a side of the buffer, 1 to 256 (default " OPTION_DIGITS(CONUS_RESOLUTION_DEFAULT) ")",
-     OPTION_FROM_TO(1, 256),
-     .needs = "origin"},
-    {.name = "context",
-     OPTION_AT(struct page_settings, context),
-     .value = "FILE",
+    {OPTION_VALUED("origin", struct page_settings, origin, PLACE_VALUE), .help = "where the cone begins: " PLACE_HELP,
+     .role = OPTION_ASKS, .flags = OPTION_IS_PLACE, .needs = "toward", .common = true},
+    {OPTION_VALUED("toward", struct page_settings, toward, PLACE_VALUE),
+     .help = "a place that the cone's axis goes through", .role = OPTION_ASKS, .flags = OPTION_IS_PLACE,
+     .needs = "origin", .common = true},
+    {OPTION_DEGREES("angle", struct page_settings, angle), .help = "full opening angle of the cone, 0.001 to 170",
+     .standard = OPTION_DIGITS(PAGE_ANGLE), OPTION_FROM_TO(0.001, 170), .needs = "origin", .common = true},
+    {OPTION_VALUED("layers", struct page_settings, layers, "LAYERS"),
+     .help = "first hits, or all in the cone:", .choices = layer_names, .needs = "origin"},
+    {OPTION_VALUED("resolution", struct page_settings, resolution, "N"),
+     .help = "rays along a side of the buffer, 1 to 256", .standard = OPTION_DIGITS(CONUS_RESOLUTION_DEFAULT),
+     OPTION_FROM_TO(1, 256), .needs = "origin"},
+    {OPTION_VALUED("context", struct page_settings, context, "FILE"),
      .help = "an image that the cuts show below the areas, put into the page, too: a file, or the name of an installed "
              "one",
-     .words = "T1, MRI"},
-    {.name = "template",
-     OPTION_AT(struct page_settings, template),
-     .value = "FILE.html",
-     .help = "the page without an atlas (default: page.html beside this program, or in ../share/conus)"},
-    {.name = "large", OPTION_AT(struct page_settings, large), .help = "write a page whose files have more than 100 MB"},
+     .words = "T1, MRI", .role = OPTION_READS_IMAGE, .holds = HOLDS_VOLUME},
+    {OPTION_VALUED("template", struct page_settings, template, "FILE.html"), .help = "the page without an atlas",
+     .otherwise = "page.html beside this program, or in ../share/conus", OPTION_READING(PAGE)},
+    {OPTION_NAMED("large", struct page_settings, large), .help = "write a page whose files have more than 100 MB",
+     .role = OPTION_OF_RUN},
     {0},
 };
 
 static const struct option force_options[] = {
-    {.name = "force", OPTION_AT(struct page_settings, force), .help = "replace a file"},
+    {OPTION_NAMED("force", struct page_settings, force), .help = "replace a file", .role = OPTION_OF_RUN},
     {0},
 };
 
 static const struct option quiet_option[] = {
-    {.name = "quiet",
-     .letter = 'q',
-     OPTION_AT(struct page_settings, common.quiet),
-     .help = "print only errors and warnings on stderr, no notes"},
+    {OPTION_NAMED("quiet", struct page_settings, common.quiet), .letter = 'q',
+     .help = "print only errors and warnings on stderr, no notes", .role = OPTION_OF_RUN},
     {0},
 };
 
@@ -514,7 +480,7 @@ int page_write(struct page_settings settings, const struct arguments *arguments,
     struct atlas_name context = {0};
     char *template = NULL;
     struct system_text text = {0};
-    settings.angle = settings.angle > 0 ? settings.angle : 20;
+    settings.angle = settings.angle > 0 ? settings.angle : PAGE_ANGLE;
     settings.resolution = settings.resolution ? settings.resolution : CONUS_RESOLUTION_DEFAULT;
     if (!settings.force && system_allows(settings.output, 0)) {
         return print_usage_error("%s is there already; --force replaces it", settings.output);
@@ -563,6 +529,7 @@ const struct command cmd_page = {
     .name = "page",
     .summary = "write a web page with the atlas and an answer inside",
     .operands = {"ATLAS"},
+    .holds = {HOLDS_ATLAS},
     .form = "-o FILE.html",
     .description = "Writes one HTML file that shows the atlas, and what a cone hits, in any browser: it needs no\n"
                    "network and no installation, and whoever has the file can move the cone. The page computes\n"

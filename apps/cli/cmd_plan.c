@@ -33,168 +33,101 @@ struct plan_settings {
     size_t progress; /* enum progress_kind */
 };
 
-#define FIELD(member) OPTION_AT(struct plan_settings, member)
-
 static const struct option pose_options[] = {
-    {.name = "poses",
-     OPTION_AT(struct request_settings, aim.pose),
-     .value = "FILE",
+    {OPTION_VALUED("poses", struct request_settings, aim.pose, "FILE"),
      .help = "the candidates: poses of needles (docs/formats.md); - is standard input",
-     .words = "input, trajectory, electrode, candidates",
-     .common = true,
-     .role = OPTION_READS_POSES},
+     .words = "input, trajectory, electrode, candidates", .common = true, .role = OPTION_READS_POSES,
+     .holds = HOLDS_POSES},
     {0},
 };
 
 static const struct option needle_options[] = {
-    {.name = "range",
-     OPTION_AT(struct request_settings, engine.range.ends),
-     .value = "NEAR,FAR",
-     .help = "or both ends of the needle",
-     OPTION_FROM_TO(0, 1e9)},
-    {.name = "radius",
-     OPTION_AT(struct request_settings, engine.radius),
-     .value = "MM",
-     .help = "radius of the needle, mm (default: its axis alone)",
-     OPTION_BETWEEN(0, 1e9),
-     .words = "needle, diameter"},
+    {OPTION_VALUED("range", struct request_settings, engine.range.ends, "NEAR,FAR"),
+     .help = "or both ends of the needle", OPTION_FROM_TO(0, 1e9), .unit = "mm"},
+    {OPTION_MM("radius", struct request_settings, engine.radius), .help = "radius of the needle, mm",
+     .otherwise = "its axis alone", OPTION_BETWEEN(0, 1e9), .words = "needle, diameter"},
     {0},
 };
 
 static const struct option contact_options[] = {
-    {.name = "contacts",
-     FIELD(contacts),
-     .value = "COUNT,COLUMNS,PITCH,TIP",
+    {OPTION_VALUED("contacts", struct plan_settings, contacts, "COUNT,COLUMNS,PITCH,TIP"),
      .help = "contacts on the axis, which contacts=N and probability=P of --reach are about: COUNT of them, COLUMNS in "
              "a row, PITCH mm from row to row, the first TIP mm from the far end",
-     .words = "electrode, probe",
-     .role = OPTION_ASKS},
+     .words = "electrode, probe", .role = OPTION_ASKS},
     {0},
 };
 
 static const struct option jitter_options[] = {
-    {.name = "jitter",
-     FIELD(jitter),
-     .value = "DEGREES,MM|entry=MM,target=MM[,depth=MM]",
+    {OPTION_VALUED("jitter", struct plan_settings, jitter, "DEGREES,MM|entry=MM,target=MM[,depth=MM]"),
      .help = "report how probable it is that the listed poses break nothing, and hold each constraint, under normal "
              "errors: standard deviations of the axis's tilt about two axes and of the position along three, or of the "
              "device's position and the far end along two directions across the axis, and of the depth",
-     .words = "uncertain, uncertainty, probability, accuracy, p_ok",
-     .role = OPTION_ASKS},
-    {.name = "samples",
-     FIELD(samples),
-     .value = "N",
-     .help = "with --jitter: number of poses with errors, a power of two from 16 to 1048576 (default 1024)",
-     OPTION_FROM_TO(16, 1048576),
-     .needs = "jitter"},
+     .words = "uncertain, uncertainty, probability, accuracy, p_ok", .role = OPTION_ASKS},
+    {OPTION_VALUED("samples", struct plan_settings, samples, "N"),
+     .help = "with --jitter: number of poses with errors, a power of two from 16 to 1048576",
+     .standard = OPTION_DIGITS(JITTER_SAMPLES), OPTION_FROM_TO(16, 1048576), .needs = "jitter"},
     {0},
 };
 
 static const struct option list_options[] = {
-    {.name = "top",
-     FIELD(top),
-     .value = "N|all",
-     .help = "list the best N poses (default 20)",
-     .words = "best, limit",
-     .role = OPTION_ASKS},
-    {.name = "rank",
-     FIELD(rank),
-     .value = "KEY[/STEP],...",
+    {OPTION_VALUED("top", struct plan_settings, top, "N|all"), .help = "list the best N poses", .standard = "20",
+     .words = "best, limit", .role = OPTION_ASKS},
+    {OPTION_VALUED("rank", struct plan_settings, rank, "KEY[/STEP],..."),
      .help = "order of the list: the larger key first, of -KEY the smaller; a later key decides between equal ones, "
-             "with /STEP between those in one step (default leeway,-depth)",
-     .words = "sort",
-     .role = OPTION_ASKS},
-    {.name = "score",
-     FIELD(score),
-     .value = "FORMULA",
-     .help = "formula of keys, numbers, + - * / and parentheses, which is the key score",
-     .role = OPTION_ASKS},
-    {.name = "infeasible",
-     FIELD(infeasible),
+             "with /STEP between those in one step",
+     .standard = "leeway,-depth", .words = "sort", .role = OPTION_ASKS},
+    {OPTION_VALUED("score", struct plan_settings, score, "FORMULA"),
+     .help = "formula of keys, numbers, + - * / and parentheses, which is the key score", .role = OPTION_ASKS},
+    {OPTION_NAMED("infeasible", struct plan_settings, infeasible),
      .help = "list poses that break a constraint, too, behind the others, with what they break"},
-    {.name = "poses-out",
-     FIELD(poses_out),
-     .value = "FILE",
+    {OPTION_VALUED("poses-out", struct plan_settings, poses_out, "FILE"),
      .help = "write the listed poses: a table (.tsv) that is read as the same poses again, lines for 3D Slicer "
              "(.mrk.json) or as --streamlines of conus render (.vtk), or the first one as a 4 x 4 matrix (.txt)",
-     .words = "export, slicer, paraview",
-     .role = OPTION_WRITES,
-     .endings = ".tsv .mrk.json .vtk .txt"},
+     .words = "export, slicer, paraview", .endings = ".tsv .mrk.json .vtk .txt", OPTION_WRITING(POSES)},
     {0},
 };
 
 static const struct option best_map_options[] = {
-    {.name = "map",
-     FIELD(map),
-     .value = "FILE[,fill=nearest]",
+    {OPTION_VALUED("map", struct plan_settings, map, "FILE[,fill=nearest]"),
      .help =
          "with entries from a surface (.func.gii, .shape.gii) or a mask (.nii.gz): write of each entry's best pose "
          "leeway_mm, slack_mm, depth_mm, entry_angle_deg, reach1_mm and candidate, and how many poses are feasible; "
          "with fill vertices that the spacing leaves out have the numbers of the nearest entry",
-     .words = "scalp, overlay, func.gii, colours",
-     .needs = "from",
-     .role = OPTION_WRITES,
-     .endings = ".func.gii .shape.gii .nii.gz .nii",
-     .keys = KEYS_VERTEX_MAP},
-    {.name = "target-map",
-     FIELD(target_map),
-     .value = "FILE",
+     .words = "scalp, overlay, func.gii, colours", .needs = "from", .endings = ".func.gii .shape.gii .nii.gz .nii",
+     .keys = KEYS_VERTEX_MAP, OPTION_WRITING(SURFACE)},
+    {OPTION_VALUED("target-map", struct plan_settings, target_map, "FILE"),
      .help = "with --toward voxels: write of each target voxel how many poses are feasible, and the leeway_mm of the "
              "best one",
-     .words = "overlay, nifti",
-     .needs = "toward",
-     .role = OPTION_WRITES,
-     .endings = ".nii.gz .nii"},
-    {.name = "structure",
-     FIELD(structure),
-     .value = "NAME",
-     .help = "what the surface of --map is for Workbench, CortexLeft say (default: as its file says)",
-     .needs = "map",
-     .role = OPTION_ASKS},
+     .words = "overlay, nifti", .needs = "toward", .endings = ".nii.gz .nii", OPTION_WRITING(VOLUME)},
+    {OPTION_VALUED("structure", struct plan_settings, structure, "NAME"),
+     .help = "what the surface of --map is for Workbench, CortexLeft say", .otherwise = "as its file says",
+     .needs = "map", .role = OPTION_ASKS},
     {0},
 };
 
 static const struct option rows_options[] = {
-    {.name = "constraints",
-     FIELD(constraint_rows),
-     .value = "FILE",
+    {OPTION_VALUED("constraints", struct plan_settings, constraint_rows, "FILE"),
      .help = "write a row for each listed pose and constraint: what was measured, the limit, the slack",
-     .role = OPTION_WRITES_ROWS},
-    {.name = "profile",
-     FIELD(profile),
-     .value = "FILE[,step=MM]",
+     .role = OPTION_WRITES_ROWS, .holds = HOLDS_ROWS},
+    {OPTION_VALUED("profile", struct plan_settings, profile, "FILE[,step=MM]"),
      .help = "write how far each listed needle is from what it is to avoid, at every MM of depth (default 1)",
-     .words = "curve, distance",
-     .role = OPTION_WRITES_ROWS,
-     .keys = KEYS_PROFILE},
-    {.name = "tolerance",
-     FIELD(tolerance),
-     .value = "FILE",
+     .words = "curve, distance", .role = OPTION_WRITES_ROWS, .keys = KEYS_PROFILE, .holds = HOLDS_ROWS},
+    {OPTION_VALUED("tolerance", struct plan_settings, tolerance, "FILE"),
      .help = "write by how much each listed pose may be off along each degree of freedom before a constraint breaks",
-     .words = "deviation, robustness, degrees of freedom",
-     .role = OPTION_WRITES_ROWS},
-    {.name = "pivot",
-     FIELD(pivot),
-     .value = "entry|tip|MM",
-     .help = "what the needle turns about there: the device's position, the far end, or a depth (default entry)",
-     .role = OPTION_ASKS,
-     .needs = "tolerance"},
+     .words = "deviation, robustness, degrees of freedom", .role = OPTION_WRITES_ROWS, .holds = HOLDS_ROWS},
+    {OPTION_VALUED("pivot", struct plan_settings, pivot, "entry|tip|MM"),
+     .help = "what the needle turns about there: the device's position, the far end, or a depth", .standard = "entry",
+     .role = OPTION_ASKS, .needs = "tolerance"},
     {0},
 };
 
 static const struct option run_options[] = {
-    {.name = "threads",
-     FIELD(threads),
-     .value = "N",
-     .help = "number of threads, 1 to 1024 (default: one per available processor); the answer does not depend on it",
-     OPTION_FROM_TO(1, 1024),
-     .words = "parallel, cores",
+    {OPTION_VALUED("threads", struct plan_settings, threads, "N"),
+     .help = "number of threads, 1 to 1024; the answer does not depend on it",
+     .otherwise = "one per available processor", OPTION_FROM_TO(1, 1024), .words = "parallel, cores",
      .role = OPTION_KEPT},
-    {.name = "progress",
-     FIELD(progress),
-     .value = "KIND",
-     .help = "on standard error: a line on a terminal, JSON for programs, or nothing:",
-     .choices = progress_kinds,
+    {OPTION_VALUED("progress", struct plan_settings, progress, "KIND"),
+     .help = "on standard error: a line on a terminal, JSON for programs, or nothing:", .choices = progress_kinds,
      .role = OPTION_OF_RUN},
     {0},
 };
@@ -288,7 +221,7 @@ static int start_rows(struct planning *planning)
     int code = EXIT_DONE;
     for (size_t i = 0; i < ROWS_FILES && !code; i++) {
         code = rows_file_init(&planning->files[i], &rows_kinds[i], paths[i],
-                              answer_has_format ? CONUS_FORMAT_TABLE : request->format);
+                              answer_has_format ? CONUS_FORMAT_TABLE : request->format, request->arguments);
         outputs_add_sidecar(&request->outputs, rows_kinds[i].option, planning->files[i].sidecar);
     }
     for (size_t i = 0; i < ROWS_FILES && !code; i++) {
@@ -764,6 +697,7 @@ const struct command cmd_plan = {
     .name = "plan",
     .summary = "list the poses that reach some structures and stay clear of others, the safest first",
     .operands = {"ATLAS"},
+    .holds = {HOLDS_ATLAS},
     .form = "--poses FILE|--from FILE --toward WHAT --reach NAME,...",
     .description =
         "Tries poses of a file, or needles from every entry to every target, against all constraints, and lists those\n"

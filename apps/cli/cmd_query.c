@@ -34,51 +34,31 @@ struct query_settings {
 static const char *const voxel_kinds[] = {"pathways", "all", NULL};
 
 static const struct option point_options[] = {
-    {.name = "point",
-     OPTION_AT(struct query_settings, points),
-     .value = PLACE_VALUE,
+    {OPTION_VALUED("point", struct query_settings, points, PLACE_VALUE),
      .help = "instead of a cone, what is at this point, or else nearest to it; with --radius MM what is within MM of "
              "it; may be repeated",
-     .words = "coordinate, whereami",
-     .common = true,
-     .role = OPTION_ASKS,
-     .flags = OPTION_IS_PLACE},
+     .words = "coordinate, whereami", .common = true, .role = OPTION_ASKS, .flags = OPTION_IS_PLACE},
     {0},
 };
 
 static const struct option probe_options[] = {
-    {.name = "probes",
-     OPTION_AT(struct query_settings, probes),
-     .value = "FILE.tsv",
+    {OPTION_VALUED("probes", struct query_settings, probes, "FILE.tsv"),
      .help = "with --format bep032: write the table of the probes, with the smallest area that contains all contacts",
-     .role = OPTION_WRITES,
-     .needs = "probe",
-     .endings = ".tsv"},
-    {.name = "coordsystem",
-     OPTION_AT(struct query_settings, coordsystem),
-     .value = "FILE.json",
+     .needs = "probe", .endings = ".tsv", OPTION_WRITING(ROWS)},
+    {OPTION_VALUED("coordsystem", struct query_settings, coordsystem, "FILE.json"),
      .help = "with --format bep032: positions are those in --space, in place of those on the probe, and FILE.json "
              "describes the space",
-     .role = OPTION_WRITES,
-     .needs = "probe",
-     .endings = ".json"},
+     .needs = "probe", .endings = ".json", OPTION_WRITING(SIDECAR)},
     {0},
 };
 
 static const struct option voxels_options[] = {
-    {.name = "voxels",
-     OPTION_AT(struct query_settings, voxels),
-     .value = "FILE.tsv",
+    {OPTION_VALUED("voxels", struct query_settings, voxels, "FILE.tsv"),
      .help = "write the voxels hit first, or with --layers all or --point those in the cone or ball and the points of "
              "streamlines there, with indices, positions and values",
-     .role = OPTION_WRITES,
-     .flags = OPTION_OF_REGION},
-    {.name = "voxels-of",
-     OPTION_AT(struct query_settings, voxels_of),
-     .value = "KIND",
-     .help = "whose voxels:",
-     .choices = voxel_kinds,
-     .needs = "voxels"},
+     .flags = OPTION_OF_REGION, OPTION_WRITING(ROWS)},
+    {OPTION_VALUED("voxels-of", struct query_settings, voxels_of, "KIND"),
+     .help = "whose voxels:", .choices = voxel_kinds, .needs = "voxels"},
     {0},
 };
 
@@ -760,7 +740,7 @@ static int start_axes(struct query_run *run)
     int code = EXIT_DONE;
     for (size_t i = 0; i < AXIS_FILES && !code; i++) {
         code = rows_file_init(&run->axes[i], &settings_axis_rows[i], files[i],
-                              answer_has_format ? CONUS_FORMAT_TABLE : request->format);
+                              answer_has_format ? CONUS_FORMAT_TABLE : request->format, request->arguments);
         run->axes[i].within = within;
         outputs_add_sidecar(&request->outputs, settings_axis_rows[i].option, run->axes[i].sidecar);
     }
@@ -813,6 +793,7 @@ const struct command cmd_query = {
     .name = "query",
     .summary = "list the areas, pathways and bundles in a cone, with shares and contact positions",
     .operands = {"ATLAS"},
+    .holds = {HOLDS_ATLAS},
     .form = "(--origin PLACE (--toward PLACE | --direction X,Y,Z) | --point PLACE | --pose FILE)",
     .description =
         "Traces N x N rays from a device's position into the atlas and reports every area, pathway and bundle that a\n"

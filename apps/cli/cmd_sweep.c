@@ -17,32 +17,18 @@ struct sweep_settings {
     uint32_t samples;
 };
 
-#define FIELD(member) OPTION_AT(struct sweep_settings, member)
-
 static const struct option sweep_options[] = {
-    {.name = "angles",
-     FIELD(angles),
-     .value = "A,B,...|LOW:HIGH:STEP",
-     .help = "report the shares at each of these full opening angles, degrees",
-     .words = "widths",
-     .common = true,
-     .role = OPTION_ASKS,
-     .excludes = "jitter,angle"},
-    {.name = "jitter",
-     FIELD(jitter),
-     .value = "DEGREES,MM",
+    {OPTION_VALUED("angles", struct sweep_settings, angles, "A,B,...|LOW:HIGH:STEP"),
+     .help = "report the shares at each of these full opening angles, degrees", .words = "widths", .common = true,
+     .role = OPTION_ASKS, .excludes = "jitter,angle"},
+    {OPTION_VALUED("jitter", struct sweep_settings, jitter, "DEGREES,MM"),
      .help = "or report the probabilities under normal errors of the pose: standard deviations of the axis's tilt "
              "about two axes, and of the position along three; or --jitter columns: those of columns error_deg and "
              "error_mm of --pose FILE",
-     .words = "uncertain, uncertainty, confidence",
-     .common = true,
-     .role = OPTION_ASKS},
-    {.name = "samples",
-     FIELD(samples),
-     .value = "N",
-     .help = "with --jitter: number of random poses, a power of two from 16 to 1048576 (default 1024)",
-     OPTION_FROM_TO(16, 1048576),
-     .needs = "jitter"},
+     .words = "uncertain, uncertainty, confidence", .common = true, .role = OPTION_ASKS},
+    {OPTION_VALUED("samples", struct sweep_settings, samples, "N"),
+     .help = "with --jitter: number of random poses, a power of two from 16 to 1048576",
+     .standard = OPTION_DIGITS(JITTER_SAMPLES), OPTION_FROM_TO(16, 1048576), .needs = "jitter"},
     {0},
 };
 
@@ -241,7 +227,8 @@ static void say_unused_errors(const struct sweep *sweep)
 static int answer_all(struct sweep *sweep)
 {
     struct request *request = &sweep->request;
-    request->steps = sweep->rows == CONUS_ROWS_CHANCES ? (sweep->jitter.samples ? sweep->jitter.samples : 1024) : 0;
+    request->steps =
+        sweep->rows == CONUS_ROWS_CHANCES ? (sweep->jitter.samples ? sweep->jitter.samples : JITTER_SAMPLES) : 0;
     if (request->poses) {
         say_unused_errors(sweep);
         return request_each_row(request, answer_row, sweep);
@@ -312,6 +299,7 @@ const struct command cmd_sweep = {
     .name = "sweep",
     .summary = "give answers over many angles, or under errors of the pose",
     .operands = {"ATLAS"},
+    .holds = {HOLDS_ATLAS},
     .form = "(--origin X,Y,Z (--toward X,Y,Z | --direction X,Y,Z) | --pose FILE)",
     .description =
         "Opens a cone from 0 to --angle and says at which angle it admits each area, occluded ones, too, and how\n"

@@ -24,78 +24,53 @@ struct track_settings {
     bool selected;
 };
 
-#define FIELD(member) OPTION_AT(struct track_settings, member)
-
 static const struct option pose_options[] = {
-    {.name = "poses",
-     OPTION_AT(struct request_settings, aim.pose),
-     .value = "FILE",
+    {OPTION_VALUED("poses", struct request_settings, aim.pose, "FILE"),
      .help = "poses of the device over time, for instance a table with columns time_s and, if wanted, trigger "
              "(docs/formats.md); - is standard input",
-     .words = "input",
-     .common = true,
-     .role = OPTION_READS_POSES},
+     .words = "input", .common = true, .role = OPTION_READS_POSES, .holds = HOLDS_POSES},
     {0},
 };
 
 static const struct option live_options[] = {
-    {.name = "seconds",
-     FIELD(seconds),
-     .value = "S",
-     .help = "listen for this many seconds (default: until interrupted by Ctrl-C)",
-     OPTION_BETWEEN(0, 1e9),
-     .role = OPTION_LIVE,
-     .needs = "listen|connect"},
+    {OPTION_VALUED("seconds", struct track_settings, seconds, "S"), .help = "listen for this many seconds",
+     .otherwise = "until interrupted by Ctrl-C", OPTION_BETWEEN(0, 1e9), .role = OPTION_LIVE, .needs = "listen|connect",
+     .unit = "s"},
     {0},
 };
 
 static const struct option history_options[] = {
-    {.name = "delay",
-     FIELD(constants.delay),
-     .value = "SECONDS",
-     .help = "a press confirms what was selected this long before it, 0 to 10 s, at most the window (default 0.15)",
-     OPTION_FROM_TO(0, 10)},
-    {.name = "window",
-     FIELD(constants.window),
-     .value = "SECONDS",
+    {OPTION_VALUED("delay", struct track_settings, constants.delay, "SECONDS"),
+     .help = "a press confirms what was selected this long before it, 0 to 10 s, at most the window",
+     .standard = "0.15", OPTION_FROM_TO(0, 10), .unit = "s"},
+    {OPTION_VALUED("window", struct track_settings, constants.window, "SECONDS"),
      .help = "time over which the scores time and stability are measured; after a longer gap between poses the history "
-             "starts afresh (default 2)",
-     OPTION_BETWEEN(0, 1e6)},
-    {.name = "stickiness",
-     FIELD(constants.stickiness),
-     .value = "C",
-     .help = "IntenSelect's c_s: part of the score that a frame keeps, between 0 and 1 (default 0.5)",
+             "starts afresh",
+     .standard = "2", OPTION_BETWEEN(0, 1e6), .unit = "s"},
+    {OPTION_VALUED("stickiness", struct track_settings, constants.stickiness, "C"),
+     .help = "IntenSelect's c_s: part of the score that a frame keeps, between 0 and 1", .standard = "0.5",
      OPTION_BETWEEN(0, 1)},
-    {.name = "snappiness",
-     FIELD(constants.snappiness),
-     .value = "C",
-     .help = "IntenSelect's c_g: part of the new score that a frame adds, 0.001 to 1 (default 0.5)",
+    {OPTION_VALUED("snappiness", struct track_settings, constants.snappiness, "C"),
+     .help = "IntenSelect's c_g: part of the new score that a frame adds, 0.001 to 1", .standard = "0.5",
      OPTION_FROM_TO(0.001, 1)},
-    {.name = "rate",
-     FIELD(constants.rate),
-     .value = "HZ",
-     .help = "frames per second for c_s and c_g, independent of the poses' rate (default 60)",
-     OPTION_BETWEEN(0, 1e6)},
-    {.name = "growth",
-     FIELD(constants.growth),
-     .value = "RATE",
-     .help = "rate at which a score of IntenSelect+ grows, per second (default 7.5)",
-     OPTION_BETWEEN(0, 1e6)},
-    {.name = "decay",
-     FIELD(constants.decay),
-     .value = "RATE",
-     .help = "rate at which a score of IntenSelect+ decays, per second (default 5)",
-     OPTION_BETWEEN(0, 1e6)},
-    {.name = "exponent",
-     FIELD(constants.exponent),
-     .value = "K",
-     .help = "exponent k of IntenSelect and IntenSelect+, 0.01 to 1; with 1 the distance does not matter (default 0.8)",
-     OPTION_FROM_TO(0.01, 1)},
+    {OPTION_VALUED("rate", struct track_settings, constants.rate, "HZ"),
+     .help = "frames per second for c_s and c_g, independent of the poses' rate", .standard = "60",
+     OPTION_BETWEEN(0, 1e6), .unit = "Hz"},
+    {OPTION_VALUED("growth", struct track_settings, constants.growth, "RATE"),
+     .help = "rate at which a score of IntenSelect+ grows, per second", .standard = "7.5", OPTION_BETWEEN(0, 1e6),
+     .unit = "1/s"},
+    {OPTION_VALUED("decay", struct track_settings, constants.decay, "RATE"),
+     .help = "rate at which a score of IntenSelect+ decays, per second", .standard = "5", OPTION_BETWEEN(0, 1e6),
+     .unit = "1/s"},
+    {OPTION_VALUED("exponent", struct track_settings, constants.exponent, "K"),
+     .help = "exponent k of IntenSelect and IntenSelect+, 0.01 to 1; with 1 the distance does not matter",
+     .standard = "0.8", OPTION_FROM_TO(0.01, 1)},
     {0},
 };
 
 static const struct option output_options[] = {
-    {.name = "selected", FIELD(selected), .help = "write only the selected and the confirmed object of each step"},
+    {OPTION_NAMED("selected", struct track_settings, selected),
+     .help = "write only the selected and the confirmed object of each step"},
     {0},
 };
 
@@ -369,6 +344,7 @@ const struct command cmd_track = {
     .name = "track",
     .summary = "answer a moving device's poses with a history",
     .operands = {"ATLAS"},
+    .holds = {HOLDS_ATLAS},
     .form = "(--poses FILE | --listen PORT | --connect HOST)",
     .description =
         "Answers one pose after the other, as conus query does, and ranks what it hits together with\n"

@@ -12,30 +12,23 @@ struct verify_choices {
 
 static const char *const formats[] = {"table", "json", NULL};
 
-#define FIELD(member) OPTION_AT(struct verify_choices, member)
-
 static const struct option own_options[] = {
-    {.name = "sidecar",
-     FIELD(verify.sidecar),
-     .value = "FILE.json",
-     .help = "the sidecar of RESULT, if it is not beside it",
-     .common = true},
-    {.name = "folder",
-     FIELD(verify.folder),
-     .value = "FOLDER",
+    {OPTION_VALUED("sidecar", struct verify_choices, verify.sidecar, "FILE.json"),
+     .help = "the sidecar of RESULT, if it is not beside it", .common = true, OPTION_READING(SIDECAR)},
+    {OPTION_VALUED("folder", struct verify_choices, verify.folder, "FOLDER"),
      .help = "look here, too, for files that moved or have another name, by their SHA-256; they are looked for in the "
              "folder that conus ran in, as the path of RESULT tells, else in this one",
-     .common = true},
-    {.name = "format",
-     FIELD(format),
-     .value = "FORMAT",
-     .help = "what is written: lines for people (the default), or everything for programs:",
-     .choices = formats},
+     .common = true, OPTION_READING(FOLDER)},
+    {OPTION_VALUED("format", struct verify_choices, format, "FORMAT"),
+     .help = "what is written: lines for people, or everything for programs:", .choices = formats},
     {.name = "max-memory",
      .type = OPTION_BYTES,
      .offset = offsetof(struct verify_choices, verify.max_memory),
      .value = "SIZE",
-     .help = "largest file to read, like 512M or 8G (default 4G), whatever the sidecar asks for"},
+     .help = "largest file to read, like 512M or 8G, whatever the sidecar asks for",
+     .standard = "4G",
+     .unit = "bytes",
+     .role = OPTION_KEPT},
     {0},
 };
 
@@ -55,6 +48,7 @@ const struct command cmd_verify = {
     .name = "verify",
     .summary = "answer a result again from its sidecar and compare",
     .operands = {"RESULT"},
+    .holds = {HOLDS_ROWS},
     .description =
         "RESULT is what query, batch, sweep, track, overlap, connect or plan wrote, with its .json beside it. Checks\n"
         "the SHA-256 of all that was read, answers again in a folder of its own, and compares. Exit code 0:\n"

@@ -89,6 +89,7 @@ const struct command cmd_view = {
     .name = "view",
     .summary = "browse an atlas in a window and point at it (the program conus-view)",
     .operands = {"ATLAS"},
+    .holds = {HOLDS_ATLAS},
     .description =
         "The window, conus-view, is not installed here (on Linux: Debian package conus-view). In its place,\n"
         "the browser shows a page with the atlas and what a cone hits, which conus page would write to a\n"

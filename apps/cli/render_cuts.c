@@ -13,7 +13,7 @@
 
 enum { AXIAL, CORONAL, SAGITTAL, PLANES, WORD_SIZE = 64, CUT_LIMIT = 400, MOSAIC = 12 };
 
-static const double DEFAULT_FILL = 0.6;
+#define DEFAULT_FILL 0.6
 
 /* A contact is on the face of a voxel, where rounding would choose between the area and what is before it. */
 static const double INTO = 0.001; /* mm */
@@ -22,34 +22,18 @@ static const double INTO = 0.001; /* mm */
 static const char *const names[PLANES] = {"axial", "coronal", "sagittal"};
 static const double axes[PLANES][2][3] = {{{1, 0, 0}, {0, 1, 0}}, {{1, 0, 0}, {0, 0, 1}}, {{0, 1, 0}, {0, 0, 1}}};
 
-#define FIELD(member) OPTION_AT(struct cut_settings, member)
-
 const struct option cut_options[] = {
-    {.name = "cuts",
-     FIELD(cuts),
-     .value = "PLANES",
+    {OPTION_VALUED("cuts", struct cut_settings, cuts, "PLANES"),
      .help = "flat cuts on one sheet, such as axial,coronal,sagittal through the best hit's middle, or axial:-10,0,10 "
              "at these places, or mosaic:N, N axial cuts (default 12); 3d among them adds the view in space",
-     .words = "slices, mosaic, montage, sections",
-     .role = OPTION_ASKS},
-    {.name = "at",
-     FIELD(at),
-     .value = PLACE_VALUE,
-     .help = "the place through which cuts go (default: the best hit's middle, where most points are, or "
-             "the atlas's middle)",
-     .role = OPTION_ASKS,
-     .flags = OPTION_IS_PLACE,
-     .needs = "cuts"},
-    {.name = "fill",
-     FIELD(fill),
-     .value = "A",
-     .help = "opacity of areas in cuts, 0 (outlines only) to 1 (default 0.6)",
-     OPTION_FROM_TO(0, 1),
-     .needs = "cuts"},
-    {.name = "radiological",
-     FIELD(radiological),
-     .help = "show the head's left on the right of axial and coronal cuts",
-     .words = "flip, convention",
+     .words = "slices, mosaic, montage, sections", .role = OPTION_ASKS},
+    {OPTION_VALUED("at", struct cut_settings, at, PLACE_VALUE), .help = "the place through which cuts go",
+     .otherwise = "the best hit's middle, where most points are, or the atlas's middle", .role = OPTION_ASKS,
+     .flags = OPTION_IS_PLACE, .needs = "cuts"},
+    {OPTION_VALUED("fill", struct cut_settings, fill, "A"), .help = "opacity of areas in cuts, 0 (outlines only) to 1",
+     .standard = OPTION_DIGITS(DEFAULT_FILL), OPTION_FROM_TO(0, 1), .needs = "cuts"},
+    {OPTION_NAMED("radiological", struct cut_settings, radiological),
+     .help = "show the head's left on the right of axial and coronal cuts", .words = "flip, convention",
      .needs = "cuts"},
     {0},
 };

@@ -14,7 +14,7 @@
 #include <string.h>
 
 static const double RADIANS = 0.017453292519943295; /* of a degree */
-static const double FULL_TURN = 360;
+#define FULL_TURN 360
 
 /* Where the first camera is, degrees above the horizon, and how much room is around the ball. */
 static const double ABOVE = 15;
@@ -24,23 +24,14 @@ static const double ROOM = 1.1;
 static const double UPWARD_DEGREES = 15;
 static const double FILLED = 0.92;
 
-#define FIELD(member) OPTION_AT(struct turn_settings, member)
-
 const struct option turn_options[] = {
-    {.name = "frames",
-     FIELD(frames),
-     .value = "N",
+    {OPTION_VALUED("frames", struct turn_settings, frames, "N"),
      .help = "a turntable: so many pictures, the camera going around the atlas; {frame} in --output stands for the "
              "number of each",
-     OPTION_FROM_TO(1, 9999),
-     .words = "turntable, animation, movie, rotate, spin",
-     .excludes = "view,frustum"},
-    {.name = "turn",
-     FIELD(degrees),
-     .value = "DEGREES",
-     .help = "how far it goes in all frames, positive from the front over the left to the back (default 360)",
-     OPTION_FROM_TO(-3600, 3600),
-     .needs = "frames"},
+     OPTION_FROM_TO(1, 9999), .words = "turntable, animation, movie, rotate, spin", .excludes = "view,frustum"},
+    {OPTION_DEGREES("turn", struct turn_settings, degrees),
+     .help = "how far it goes in all frames, positive from the front over the left to the back",
+     .standard = OPTION_DIGITS(FULL_TURN), OPTION_FROM_TO(-3600, 3600), .needs = "frames"},
     {0},
 };
 

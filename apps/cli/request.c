@@ -13,13 +13,9 @@
 #include <string.h>
 
 const struct option request_level_options[] = {
-    {.name = "level",
-     OPTION_AT(struct request_settings, engine.level),
-     .value = "LEVEL",
+    {OPTION_VALUED("level", struct request_settings, engine.level, "LEVEL"),
      .help = "report areas at this depth of the area tree (1 = its roots), or as these areas: names, @FILE",
-     .words = "hierarchy, ontology",
-     .common = true,
-     .role = OPTION_READS_NAMES},
+     .words = "hierarchy, ontology", .common = true, .role = OPTION_READS_NAMES, .holds = HOLDS_NAMES},
     {0},
 };
 

@@ -4,6 +4,7 @@
 
 #include "options/messages.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { HELP_COLUMN = 30, HELP_WIDTH = 100, BRIEF_EXAMPLES = 2 };
@@ -33,10 +34,10 @@ const char *help_exit_code(size_t code)
     return code < sizeof meanings / sizeof *meanings ? meanings[code] : NULL;
 }
 
-/* Writes words from `column` on, wrapped so that every line begins at HELP_COLUMN. */
-static size_t put_wrapped(FILE *out, const char *text, size_t column)
+/* Writes words from HELP_COLUMN on, wrapped so that every line begins there. */
+static void put_wrapped(FILE *out, const char *text)
 {
-    while (*text) {
+    for (size_t column = HELP_COLUMN; *text;) {
         size_t length = strcspn(text, " ");
         if (column > HELP_COLUMN && column + 1 + length > HELP_WIDTH) {
             fprintf(out, "\n%*s", HELP_COLUMN, "");
@@ -49,7 +50,6 @@ static size_t put_wrapped(FILE *out, const char *text, size_t column)
         column += length;
         text += length + strspn(text + length, " ");
     }
-    return column;
 }
 
 /* Writes its name, and spaces up to HELP_COLUMN, on a line of its own where it is long. */
@@ -71,21 +71,31 @@ static void put_name(FILE *out, const struct option *option)
     fprintf(out, "%*s", (int)(HELP_COLUMN - column), "");
 }
 
+void option_describe(char out[OPTION_HELP], const struct option *option, bool choices)
+{
+    const char *standard = option->type == OPTION_CHOICE ? NULL : option_standard(option);
+    const char *choice;
+    int used = snprintf(out, OPTION_HELP, "%s", option->help);
+    for (size_t i = 0; choices && option->type == OPTION_CHOICE && (choice = option_choice(option, i)); i++) {
+        used += snprintf(out + used, OPTION_HELP - (size_t)used, "%s%s%s", i ? ", " : " ", choice,
+                         i || option->otherwise ? "" : " (default)");
+    }
+    if (standard || option->otherwise) {
+        used += snprintf(out + used, OPTION_HELP - (size_t)used, " (default%s %s)", standard ? "" : ":",
+                         standard ? standard : option->otherwise);
+    }
+    if (choices && option->words) {
+        used += snprintf(out + used, OPTION_HELP - (size_t)used, " (also: %s)", option->words);
+    }
+    assert(used < OPTION_HELP);
+}
+
 static void put_option(FILE *out, const struct option *option)
 {
+    char text[OPTION_HELP];
+    option_describe(text, option, true);
     put_name(out, option);
-    size_t column = put_wrapped(out, option->help, HELP_COLUMN);
-    const char *choice; /* the first is the default */
-    for (size_t i = 0; option->type == OPTION_CHOICE && (choice = option_choice(option, i)); i++) {
-        char words[64];
-        snprintf(words, sizeof words, "%s%s%s", choice, i ? "" : " (default)", option_choice(option, i + 1) ? "," : "");
-        column = put_wrapped(out, words, column);
-    }
-    if (option->words) {
-        column = put_wrapped(out, "(also:", column);
-        put_wrapped(out, option->words, column);
-        fputc(')', out);
-    }
+    put_wrapped(out, text);
     fputc('\n', out);
 }
 
@@ -116,8 +126,10 @@ void help_brief(FILE *out, const struct command *command)
     for (const struct option_group *group = command->groups; group->title; group++) {
         for (const struct option *option = group->options; option->name; option++) {
             if (option->common) {
+                char text[OPTION_HELP];
+                option_describe(text, option, false);
                 put_name(out, option);
-                fprintf(out, "%.*s\n", (int)brief_size(option->help), option->help);
+                fprintf(out, "%.*s\n", (int)brief_size(text), text);
             }
         }
     }

@@ -139,22 +139,22 @@ static bool read_numbers(const struct option *option, double *field, size_t coun
     return true;
 }
 
-/* A number with or without the unit of the option's value behind it: "5", "5mm", "0.5 cm". */
+/* A number with or without the option's unit behind it: "5", "5mm", "0.5 cm". */
 static bool read_number(const struct option *option, double *field, const char *text)
 {
     static const struct {
-        const char *value, *unit;
+        const char *unit, *word;
         double factor;
     } units[] = {
-        {"MM", "mm", 1}, {"MM", "cm", 10}, {"DEGREES", "deg", 1}, {"DEGREES", "degrees", 1}, {"DEGREES", "°", 1}};
+        {"mm", "mm", 1}, {"mm", "cm", 10}, {"degrees", "deg", 1}, {"degrees", "degrees", 1}, {"degrees", "°", 1}};
     char word[NUMBERS_SIZE];
     double number = 0;
     bool is_number = number_parse(text, &number);
-    for (size_t i = 0; !is_number && option->value && i < sizeof units / sizeof units[0]; i++) {
-        const size_t unit = strlen(units[i].unit);
+    for (size_t i = 0; !is_number && option->unit && i < sizeof units / sizeof units[0]; i++) {
+        const size_t unit = strlen(units[i].word);
         size_t length = strlen(text);
-        if (strcmp(option->value, units[i].value) == 0 && length > unit && length < sizeof word &&
-            strcasecmp(text + length - unit, units[i].unit) == 0) {
+        if (strcmp(option->unit, units[i].unit) == 0 && length > unit && length < sizeof word &&
+            strcasecmp(text + length - unit, units[i].word) == 0) {
             length -= unit;
             length -= text[length - 1] == ' ';
             memcpy(word, text, length);
@@ -236,6 +236,12 @@ const char *option_choice(const struct option *option, size_t index)
     return option->choices ? option->choices[index] : option->choice_at(index);
 }
 
+const char *option_standard(const struct option *option)
+{
+    bool is_choice = option->type == OPTION_CHOICE && !option->otherwise;
+    return option->standard || !is_choice ? option->standard : option_choice(option, 0);
+}
+
 static const char *choice_of(const void *option, size_t index)
 {
     return option_choice(option, index);
@@ -260,7 +266,7 @@ static bool read_choice(const struct option *option, size_t *field, const char *
         snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", choice);
     }
     return refuse("--%s: \"%s\" is none of its choices: %s%s", option->name, text, list,
-                  option->otherwise ? option->otherwise : "");
+                  option->advice ? option->advice : "");
 }
 
 static bool read_text(const struct option *option, const char **field, const char *text)
@@ -321,4 +327,29 @@ bool option_cut_keys(struct source_keys *out, const char *option, char *text, en
     return text ? (keys_cut(out, text, kind) && *text) ||
                       refuse("--%s: %s", option, *text ? out->why : "\"\" names no file")
                 : refuse("--%s: not enough memory", option);
+}
+
+/* Bytes of the fields of options that may have a standard value. */
+static const size_t field_sizes[] = {
+    [OPTION_NUMBER] = sizeof(double),     [OPTION_COUNT] = sizeof(uint32_t), [OPTION_VECTOR] = 3 * sizeof(double),
+    [OPTION_SIZE] = 2 * sizeof(uint32_t), [OPTION_CHOICE] = sizeof(size_t),  [OPTION_BYTES] = sizeof(uint64_t),
+    [OPTION_TEXT] = sizeof(const char *)};
+
+bool option_is_standard(const struct option *option, const char *text, void *field)
+{
+    union {
+        double numbers[3];
+        uint64_t whole;
+        const char *text;
+    } standard = {0}, given = {0};
+    const char *is = option_standard(option);
+    if (!is || !text || !option_read(option, &standard, is) || !option_read(option, &given, text)) {
+        return false;
+    }
+    const size_t size = field_sizes[option->type];
+    bool same = option->type == OPTION_TEXT ? strcmp(is, text) == 0 : memcmp(&standard, &given, size) == 0;
+    if (same && field) {
+        memset(field, 0, size);
+    }
+    return same;
 }

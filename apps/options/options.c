@@ -379,6 +379,23 @@ static int take_word(struct cursor *cursor, const char *word)
     return cursor->operands_only ? CONTINUE : take_long(cursor, word);
 }
 
+/* Takes back what is given as it is where it is not given. */
+static void drop_standards(struct arguments *arguments, void *settings)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < arguments->use_count; i++) {
+        struct option_use use = arguments->uses[i];
+        struct found found = find_name(arguments->command, settings, use.option->name, strlen(use.option->name));
+        if (option_is_standard(use.option, use.value, found.field)) {
+            arguments->given[found.ordinal] = false;
+            free(use.file);
+        } else {
+            arguments->uses[kept++] = use;
+        }
+    }
+    arguments->use_count = kept;
+}
+
 /* All operands and all options that must be given. */
 static int check_complete(const struct arguments *arguments)
 {
@@ -429,28 +446,24 @@ static bool check_needs(const struct arguments *arguments, const struct option *
     return !*first;
 }
 
-static bool exclude(const struct arguments *arguments, const char *a, const char *b)
+bool option_excludes(const struct option *option, const struct option *other)
 {
-    if (option_find(arguments->command, a) && option_given(arguments, a) && option_find(arguments->command, b) &&
-        option_given(arguments, b)) {
-        return refuse("--%s and --%s exclude each other", a, b);
-    }
-    return true;
+    return is_among(option->excludes, other->name) ||
+           (option->flags & (OPTION_OF_CONE | OPTION_OF_RAYS) && strcmp(other->name, "point") == 0) ||
+           (option->flags & OPTION_OF_ONE_ATLAS && strcmp(other->name, "atlas") == 0);
 }
 
 static bool check_excludes(const struct arguments *arguments, const struct option *option)
 {
-    char name[OPTION_LIMIT];
-    for (const char *at = option->excludes; at && *at; at += *at == ',') {
-        size_t length = strcspn(at, ",");
-        snprintf(name, sizeof name, "%.*s", (int)length, at);
-        at += length;
-        if (!exclude(arguments, option->name, name)) {
-            return false;
+    const struct option *other;
+    for (size_t i = 0; (other = option_at(arguments->command, i)); i++) {
+        if (arguments->given[i] && option_excludes(option, other)) {
+            bool by_name = is_among(option->excludes, other->name);
+            return refuse("--%s and --%s exclude each other", by_name ? option->name : other->name,
+                          by_name ? other->name : option->name);
         }
     }
-    return (!(option->flags & (OPTION_OF_CONE | OPTION_OF_RAYS)) || exclude(arguments, "point", option->name)) &&
-           (!(option->flags & OPTION_OF_ONE_ATLAS) || exclude(arguments, "atlas", option->name));
+    return true;
 }
 
 static bool check_ending(const struct arguments *arguments, const struct option *option)
@@ -507,6 +520,9 @@ int options_parse(struct arguments *out, void *settings, const struct command *c
             printf("conus %s\n", conus_version());
             return EXIT_DONE;
         }
+    }
+    if (!command->resumes) {
+        drop_standards(out, settings);
     }
     int code = check_complete(out);
     return code == CONTINUE ? check_relations(out) : code;

@@ -54,6 +54,29 @@ enum option_role {
     OPTION_ENDS,           /**< Ends the program: --help, --version. */
 };
 
+/** What is in a file that an option or an operand names; JSON has its word (apps/pages). */
+enum option_content {
+    HOLDS_NOTHING, /**< It names no file. */
+    HOLDS_ATLAS,
+    HOLDS_VOLUME,
+    HOLDS_LABELS, /**< Numbers and names: a table of labels. */
+    HOLDS_POSES,
+    HOLDS_PROBE,
+    HOLDS_SURFACE,
+    HOLDS_TRACTS,
+    HOLDS_TRANSFORM,
+    HOLDS_NAMES,
+    HOLDS_ROWS,
+    HOLDS_PICTURE,
+    HOLDS_COLOURS,
+    HOLDS_FOLDER,
+    HOLDS_SIDECAR,
+    HOLDS_SESSION,
+    HOLDS_PAGE,
+    HOLDS_PACK,
+    HOLDS_TEXT,
+};
+
 /** The type of the option whose values a field takes: that of the field. An OPTION_BYTES says its own. */
 #define OPTION_TYPE(field)                                                                                             \
     _Generic(&(field),                                                                                                 \
@@ -74,6 +97,13 @@ enum option_role {
 /** Likewise with the name, and with what stands for the value in a help. */
 #define OPTION_NAMED(text, settings, member) .name = (text), OPTION_AT(settings, member)
 #define OPTION_VALUED(text, settings, member, word) OPTION_NAMED(text, settings, member), .value = (word)
+
+/** Likewise of a length or an angle. */
+#define OPTION_MM(text, settings, member) OPTION_VALUED(text, settings, member, "MM"), .unit = "mm"
+#define OPTION_DEGREES(text, settings, member) OPTION_VALUED(text, settings, member, "DEGREES"), .unit = "degrees"
+/** Of a file. */
+#define OPTION_READING(content) .role = OPTION_READS, .holds = HOLDS_##content
+#define OPTION_WRITING(content) .role = OPTION_WRITES, .holds = HOLDS_##content
 
 /** The range of a row's numbers, with both ends, with none, or with the upper one. */
 #define OPTION_FROM_TO(least, most) .low = (least), .high = (most)
@@ -106,14 +136,18 @@ struct option {
     size_t offset;     /**< The field, in its group's settings. */
     const char *value; /**< Stands for the value in the help. */
     const char *help;
-    const char *words; /**< Other names that people use, "save, export", for the help and for hints; may be NULL. */
-    bool common;       /**< One of the command's commonest, which -h lists. */
-    double low, high;  /**< Range of numbers; both 0 = any. */
-    bool open;         /**< The range's ends are outside of it, */
-    bool open_below;   /**< or only the low one. */
+    const char *standard;  /**< Its value where it is not given, which is then as if it were not: option_standard(). */
+    const char *otherwise; /**< Or in words, where that is no one value: to give any counts. */
+    const char *unit;      /**< Of its numbers: "mm", "degrees", "s", "Hz", ...; NULL = they have none. */
+    const char *words;     /**< Other names that people use, "save, export", for the help and for hints; may be NULL. */
+    bool common;           /**< One of the command's commonest, which -h lists. */
+    double low, high;      /**< Range of numbers; both 0 = any. */
+    bool open;             /**< The range's ends are outside of it, */
+    bool open_below;       /**< or only the low one. */
     bool required;
     enum option_role role;
-    unsigned flags;       /**< enum option_flags */
+    enum option_content holds; /**< Of the file that it names. */
+    unsigned flags;            /**< enum option_flags */
     const char *needs;    /**< Options without which it has no effect: one of "pose|poses", or "sampling=slices". Those
                                that the command does not have do not count. */
     const char *excludes; /**< "pose,poses": options that cannot stand beside it. */
@@ -122,7 +156,7 @@ struct option {
     enum key_kind keys;   /**< Of an output that may have one behind its name: option_key() gives its value; or 0. */
     const char *const *choices;             /**< NULL-terminated, or: */
     const char *(*choice_at)(size_t index); /**< NULL past the last. */
-    const char *otherwise;                  /**< Ends the refusal of what is none of them: "; it ..."; may be NULL. */
+    const char *advice;                     /**< Ends the refusal of what is none of them: "; it ..."; may be NULL. */
 };
 
 struct option_group {
@@ -161,20 +195,22 @@ struct arguments {
 struct command {
     const char *program; /**< That has it; NULL = conus. */
     const char *name;
-    const char *summary;                 /**< One line, no final period. */
-    const char *operands[OPERAND_LIMIT]; /**< "ATLAS"; NULL where there are fewer. */
-    bool optional;                       /**< The operands may be missing. */
-    bool optional_last;                  /**< The last one may. */
-    bool answers;                        /**< Its results can be verified: asked again by the command line. */
-    bool repeats;                        /**< The last operand may stand any number of times. */
-    const char *form;                    /**< Text that must follow the operands; may be NULL. */
-    const char *description;             /**< Paragraphs for --help. */
-    const char *examples;                /**< Lines for --help; -h shows the first two. */
-    const char *see_also;                /**< Lines for --help about other commands; may be NULL. */
-    const char *of_one;                  /**< Of a command without operands: "conus info", that of one; may be NULL. */
-    const struct option_group *groups;   /**< Ends with a NULL title. */
-    size_t settings_size;                /**< Bytes of the settings that @p run gets, zeroed before parsing. */
-    void (*more_help)(FILE *out);        /**< Ends --help; may be NULL. */
+    const char *summary;                      /**< One line, no final period. */
+    const char *operands[OPERAND_LIMIT];      /**< "ATLAS"; NULL where there are fewer. */
+    enum option_content holds[OPERAND_LIMIT]; /**< Of the files that they name. */
+    bool optional;                            /**< The operands may be missing. */
+    bool optional_last;                       /**< The last one may. */
+    bool answers;                             /**< Its results can be verified: asked again by the command line. */
+    bool repeats;                             /**< The last operand may stand any number of times. */
+    bool resumes;                      /**< What is not given may be as it was left: to give a standard value counts. */
+    const char *form;                  /**< Text that must follow the operands; may be NULL. */
+    const char *description;           /**< Paragraphs for --help. */
+    const char *examples;              /**< Lines for --help; -h shows the first two. */
+    const char *see_also;              /**< Lines for --help about other commands; may be NULL. */
+    const char *of_one;                /**< Of a command without operands: "conus info", that of one; may be NULL. */
+    const struct option_group *groups; /**< Ends with a NULL title. */
+    size_t settings_size;              /**< Bytes of the settings that @p run gets, zeroed before parsing. */
+    void (*more_help)(FILE *out);      /**< Ends --help; may be NULL. */
     int (*run)(const void *settings, const struct arguments *arguments); /**< Gives the exit code. */
     int (*hand_over)(char **words); /**< Becomes the program that has this command, with its own options. Gives the
                                          exit code where that fails, -1 where there is none: it is run here then. */
@@ -206,6 +242,9 @@ const struct option *option_find(const struct command *command, const char *name
 /** The command's option at @p index; NULL past the last. */
 const struct option *option_at(const struct command *command, size_t index);
 
+/** Whether the row of @p option says that it cannot stand beside @p other. */
+bool option_excludes(const struct option *option, const struct option *other);
+
 /** The first option that was given and has one of @p flags; NULL if there is none. */
 const struct option *option_with(const struct arguments *arguments, unsigned flags);
 
@@ -214,6 +253,13 @@ char *arguments_text(const struct arguments *arguments);
 
 /** Choice @p index of an option, NULL past the last. */
 const char *option_choice(const struct option *option, size_t index);
+
+/** What the option is where it is not given, as it would be given: the first choice where its row says nothing else.
+ * To give it is to give nothing: the field is zero, option_given() is false. NULL = there is no such value. */
+const char *option_standard(const struct option *option);
+
+/** Whether @p text, which the option takes, says that value; the @p field, unless that is NULL, is zero then. */
+bool option_is_standard(const struct option *option, const char *text, void *field);
 
 /** Reads @p text into the option's field at @p field. Prints an error and returns false when it is not what is allowed.
  */
@@ -230,6 +276,11 @@ bool count_parse(const char *text, uint64_t limit, uint64_t *out);
 /** Cuts the @p text FILE,key=value of an option, which then is FILE. Prints an error and returns false where it is
  * none; @p text NULL: there is no memory. */
 bool option_cut_keys(struct source_keys *out, const char *option, char *text, enum key_kind kind);
+
+enum { OPTION_HELP = 2048 };
+
+/** What an option is, on one line, and what it is where it is not given; with @p choices those, and other words. */
+void option_describe(char out[OPTION_HELP], const struct option *option, bool choices);
 
 /** --help of one command. */
 void help_command(FILE *out, const struct command *command);

@@ -57,6 +57,11 @@ int outputs_begin(const struct arguments *arguments)
     return print_status(status);
 }
 
+bool sidecar_is_none(const char *given)
+{
+    return given && strcmp(given, "none") == 0;
+}
+
 void outputs_collect(struct outputs *out, const struct arguments *arguments)
 {
     const struct option *option;
@@ -64,7 +69,7 @@ void outputs_collect(struct outputs *out, const struct arguments *arguments)
     for (enum option_role role = OPTION_WRITES_ANSWER; role <= OPTION_WRITES_ROWS; role++) {
         for (size_t i = 0; (option = option_at(arguments->command, i)); i++) {
             const char *path = option->role == role ? option_text(arguments, option->name) : NULL;
-            if (!output_is_stdout(path)) {
+            if (!output_is_stdout(path) && !(role == OPTION_WRITES_SIDECAR && sidecar_is_none(path))) {
                 add_output(out, "--%s", option->name, path, role == OPTION_WRITES_SIDECAR);
             }
         }

@@ -24,6 +24,9 @@ struct outputs {
     size_t count;
 };
 
+/** Whether the value of --sidecar says that there is none. */
+bool sidecar_is_none(const char *given);
+
 /** Lists the files that options of the command line name: the answer, the sidecar, those that belong to it, and rows.
  * Their paths are the command line's. */
 void outputs_collect(struct outputs *out, const struct arguments *arguments);

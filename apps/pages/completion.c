@@ -235,8 +235,10 @@ static void fish_put_option(FILE *out, const struct option *option)
         fputs(" -x", out);
         break;
     }
+    char text[OPTION_HELP];
+    option_describe(text, option, false);
     fputs(" -d ", out);
-    put_quoted(out, option->help, fish_special);
+    put_quoted(out, text, fish_special);
     fputc('\n', out);
 }
 
@@ -320,6 +322,8 @@ static void zsh_put_values(FILE *out, const struct option *option)
 /* Writes one form of an option, "-o" or "--output", as a word of _arguments. */
 static void zsh_put_form(FILE *out, const struct option *option, const char *form)
 {
+    char text[OPTION_HELP];
+    option_describe(text, option, false);
     fputs(" \\\n        ", out);
     if (option->type == OPTION_LIST) {
         fputs("'*'", out);
@@ -327,7 +331,7 @@ static void zsh_put_form(FILE *out, const struct option *option, const char *for
         fprintf(out, "'(-%c --%s)'", option->letter, option->name);
     }
     fprintf(out, "%s%s'['", form, option->value ? (form[1] == '-' ? "=" : "+") : "");
-    put_quoted(out, option->help, zsh_special);
+    put_quoted(out, text, zsh_special);
     fprintf(out, "']%s'", option->value ? ":" : "");
     zsh_put_values(out, option);
 }

@@ -130,18 +130,9 @@ static void put_option(FILE *out, const struct option *option)
         fputs("\\fR", out);
     }
     fputc('\n', out);
-    put_text(out, option->help);
-    const char *choice;
-    for (size_t i = 0; option->type == OPTION_CHOICE && (choice = option_choice(option, i)); i++) {
-        fputs(i ? ", " : " ", out);
-        put_text(out, choice);
-        fputs(i ? "" : " (default)", out);
-    }
-    if (option->words) {
-        fputs(" (also: ", out);
-        put_text(out, option->words);
-        fputc(')', out);
-    }
+    char text[OPTION_HELP];
+    option_describe(text, option, true);
+    put_text(out, text);
     fputc('\n', out);
 }
 

@@ -83,6 +83,10 @@ static int write_man_pages(const struct program *program, const char *folder)
 
 bool pages_answer(int *code, const struct program *program, int count, char **words)
 {
+    if (count == 3 && strcmp(words[1], "help") == 0 && strcmp(words[2], "--json") == 0) {
+        *code = pages_put_rows(stdout, program);
+        return true;
+    }
     if (count != 3 || strcmp(words[1], "--write-pages") != 0) {
         return false;
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The man pages and shell completions of a program, from the tables that its parser and --help use. The build runs
- * each program with --write-pages and installs what it writes. */
+ * The man pages, shell completions and JSON of a program, from the tables that its parser and --help use. The build
+ * runs each program with --write-pages and installs what it writes. */
 #ifndef CONUS_PAGES_PAGES_H
 #define CONUS_PAGES_PAGES_H
 
@@ -17,10 +17,14 @@ struct program {
     bool unnamed;                          /**< The one command is not named on the command line. */
 };
 
-/** Whether the command line is PROGRAM --write-pages FOLDER. Then writes the files, makes the folder where it is
+/** Whether the command line is PROGRAM help --json, which writes the tables as JSON (docs/commands.md), or PROGRAM
+ * --write-pages FOLDER. Then writes the files, makes the folder where it is
  * missing, prints an error for what fails, and sets @p code. Man pages are NAME.1 and NAME-COMMAND.1, completions
  * NAME.bash, NAME.fish and _NAME. */
 bool pages_answer(int *code, const struct program *program, int count, char **words);
+
+/** The commands and options as JSON. Returns the exit code and prints an error unless it is 0. */
+int pages_put_rows(FILE *out, const struct program *program);
 
 void completion_bash(FILE *out, const struct program *program);
 void completion_fish(FILE *out, const struct program *program);

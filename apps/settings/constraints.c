@@ -25,14 +25,14 @@ const struct option constraint_options[] = {
              "repeated; share=P, pierced=P in place of the margin: at most so much of the cone or cylinder",
      .words = "risk, vessels, clearance, safety", .common = true, .role = OPTION_ASKS},
     {OPTION_VALUED("length", struct constraint_settings, length, "MIN,MAX"), .help = "the needle is so long, mm",
-     .role = OPTION_PLAIN, OPTION_FROM_TO(0, 1e9)},
+     .role = OPTION_PLAIN, OPTION_FROM_TO(0, 1e9), .unit = "mm"},
     {OPTION_VALUED("lean", struct constraint_settings, lean, "X,Y,Z,MAX"),
      .help = "the axis and this direction enclose at most MAX degrees, as an arc or a manipulator allows; may be "
              "repeated",
      .words = "tilt, angle", .role = OPTION_ASKS},
     {OPTION_VALUED("apart", struct constraint_settings, apart, "FILE,MM"),
      .help = "the axis stays farther than MM from those of the poses in FILE, 0 to 100; may be repeated",
-     .words = "conflict, electrodes", .role = OPTION_READS},
+     .words = "conflict, electrodes", OPTION_READING(POSES)},
     {OPTION_VALUED("first", struct constraint_settings, first, "NAME,..."),
      .help = "the first object that the axis passes is one of these: a gyrus; may be repeated", .words = "entry",
      .role = OPTION_ASKS},
@@ -43,7 +43,7 @@ const struct option constraint_options[] = {
 const struct option entry_options[] = {
     {OPTION_VALUED("entry-angle", struct constraint_settings, entry_angle, "MAX"),
      .help = "the axis and the inward normal of the surface at its entry enclose at most MAX degrees",
-     OPTION_FROM_TO(0, 180), .words = "perpendicular, drill", .needs = "from", .role = OPTION_PLAIN},
+     OPTION_FROM_TO(0, 180), .words = "perpendicular, drill", .needs = "from", .role = OPTION_PLAIN, .unit = "degrees"},
     {0},
 };
 

@@ -72,13 +72,14 @@ const struct option probe_settings_options[] = {
              ".imro) or Open Ephys (settings.xml) describes, and within --radius MM (default 0.000001) of it: the tip "
              "is where the pose is, or at the far end of --range, and the shank "
              "points along the axis; several poses are insertions of one probe",
-     .words = "ProbeInterface, Neuropixels, SpikeGLX, Open Ephys, electrodes, contacts", .role = OPTION_READS,
-     .excludes = "point,angle,aperture-diameter,segments,clearance,image,mask,streamlines-out,connectivity"},
-    {OPTION_VALUED("probe-tip", struct probe_settings, tip, "MM"),
+     .words = "ProbeInterface, Neuropixels, SpikeGLX, Open Ephys, electrodes, contacts",
+     .excludes = "point,angle,aperture-diameter,segments,clearance,image,mask,streamlines-out,connectivity",
+     OPTION_READING(PROBE)},
+    {OPTION_MM("probe-tip", struct probe_settings, tip),
      .help = "distance from the tip to the lowest contact, in place of the contour in the probe's file; of a recording "
              "to the lowest row that the probe has",
      OPTION_ABOVE_TO(0, 1000), .needs = "probe"},
-    {OPTION_VALUED("probe-roll", struct probe_settings, roll, "DEGREES"),
+    {OPTION_DEGREES("probe-roll", struct probe_settings, roll),
      .help = "turn the probe about its shank, the device's +y towards its +x, as conus plan --roll does; at 0 the "
              "probe's x axis is the device's +x",
      OPTION_FROM_TO(-360, 360), .needs = "probe"},

@@ -45,12 +45,12 @@ const struct option atlas_options[] = {
     {OPTION_VALUED("labels", struct atlas_settings, labels, "FILE[,label=COLUMN,name=COLUMN]"),
      .help = "label table; replaces the one found beside or inside the atlas; columns of a header row that are not "
              "called as usual are given by their names",
-     .words = "lookup table, LUT, names", .role = OPTION_READS},
+     .words = "lookup table, LUT, names", OPTION_READING(LABELS)},
     {OPTION_NAMED("labels-anyway", struct atlas_settings, labels_anyway),
      .help = "treat every value as a label, even if the volume looks like an image"},
     {OPTION_VALUED("probability", struct atlas_settings, probability, "T"),
-     .help = "of an atlas of probabilities: a voxel belongs to an area with a probability of at least T (default 0.25, "
-             "or as the manifest says)",
+     .help = "of an atlas of probabilities: a voxel belongs to an area with a probability of at least T",
+     .otherwise = "0.25, or as the manifest says; to give T says that the values are probabilities",
      OPTION_ABOVE_TO(0, 1)},
     {OPTION_VALUED("pathway", struct atlas_settings, pathways, "FILE[,KEY=VALUE]..."),
      .help =
@@ -59,14 +59,14 @@ const struct option atlas_options[] = {
          "file, from 0); "
          "or as several, each a band of values: band=LOW:HIGH:NAME (from LOW to below HIGH; either may be left out), "
          "once for each; may be repeated",
-     .words = "tract, probability map", .role = OPTION_READS},
+     .words = "tract, probability map", OPTION_READING(VOLUME)},
     {OPTION_VALUED("streamlines", struct atlas_settings, streamlines, "FILE[,KEY=VALUE]..."),
      .help =
          "add a tractogram as a bundle, or as one for each of its groups; keys: radius=R (a ray hits what is nearer "
          "than R mm to a streamline; default 0.5), name=S, space=ras or space=lps (the axes of a file that does not "
          "state them, as DIPY's VTK in LPS), moves (it lies where ATLAS's files do, and --atlas-transform moves it, "
          "too); may be repeated",
-     .words = "fibre, fiber, tractography, tractogram", .role = OPTION_READS},
+     .words = "fibre, fiber, tractography, tractogram", OPTION_READING(TRACTS)},
     {OPTION_VALUED("atlas-transform", struct atlas_settings, transforms, "FILE[,KEY]..."),
      .help =
          "bring the atlas to the poses: an affine (ITK, FreeSurfer, MNI, FSL, 4 x 4), a B-spline (ITK), a "
@@ -75,15 +75,16 @@ const struct option atlas_options[] = {
          "atlas), relative or absolute (a field's vectors), space=ras or space=lps (their axes), grid=IMAGE (voxels "
          "for the labels), transform=K (number K, from 0, of a list of ITK's); may be repeated, points go through "
          "the first one first",
-     .words = "warp, registration, normalise", .role = OPTION_READS},
+     .words = "warp, registration, normalise", OPTION_READING(TRANSFORM)},
     {.name = "max-memory",
      .type = OPTION_BYTES,
      .offset = offsetof(struct atlas_settings, max_memory),
      .value = "SIZE",
-     .help =
-         "largest file or volume to accept, like 512M or 2G (default 8G; 1G for files of poses that are read whole)",
+     .help = "largest file or volume to accept, like 512M or 2G",
+     .otherwise = "8G, and 1G for files of poses that are read whole",
      .words = "RAM",
-     .role = OPTION_KEPT},
+     .role = OPTION_KEPT,
+     .unit = "bytes"},
     {0},
 };
 
@@ -103,11 +104,11 @@ const struct option shown_options[] = {
      .help = "keep only these areas, pathways and bundles, by name, abbreviation or label, with all below them in the "
              "area tree; all others are as if never loaded; put a name with a comma in double quotes; @FILE is a file "
              "with one name per line; may be repeated",
-     .words = "region, ROI, filter, include", .role = OPTION_READS_NAMES},
+     .words = "region, ROI, filter, include", .role = OPTION_READS_NAMES, .holds = HOLDS_NAMES},
     {OPTION_VALUED("hide", struct atlas_settings, hide, "NAME,..."),
      .help = "remove these areas, pathways and bundles, named as for --only: not hit, not drawn, not occluding; may be "
              "repeated",
-     .words = "exclude, remove", .role = OPTION_READS_NAMES},
+     .words = "exclude, remove", .role = OPTION_READS_NAMES, .holds = HOLDS_NAMES},
     {0},
 };
 
@@ -116,7 +117,7 @@ const struct option more_atlas_options[] = {
      .help = "another atlas in the same space, a file or a name, that gets the same question; --labels, --pathway, "
              "--streamlines (except in conus connect), --only, --hide and --level apply to the first atlas only; may "
              "be repeated",
-     .role = OPTION_READS_ATLAS},
+     .role = OPTION_READS_ATLAS, .holds = HOLDS_ATLAS},
     {0},
 };
 
@@ -124,7 +125,7 @@ const struct option context_options[] = {
     {OPTION_VALUED("context", struct context_settings, path, "FILE"),
      .help = "scalar map that blocks rays, such as a skull, or in which --inward finds the head: a file, or the name "
              "of an installed image",
-     .role = OPTION_READS_IMAGE, .flags = OPTION_OF_RAYS, .needs = "context-blocks|inward"},
+     .role = OPTION_READS_IMAGE, .flags = OPTION_OF_RAYS, .needs = "context-blocks|inward", .holds = HOLDS_VOLUME},
     {OPTION_VALUED("context-blocks", struct context_settings, blocks, "T"),
      .help = "context voxels with values of at least T block rays", OPTION_BETWEEN(0, FLT_MAX), .needs = "context"},
     {0},
@@ -134,19 +135,18 @@ const struct option context_choice_options[] = {
     {OPTION_VALUED("context", struct context_choice, files, "FILE"),
      .help = "scalar map, such as a T1, or surface, such as a scalp, to draw around the areas, in the place of a "
              "manifest's volume: a file, or the name of an installed image, ch2bet; may be repeated for more surfaces",
-     .role = OPTION_READS_IMAGE},
+     .role = OPTION_READS_IMAGE, .holds = HOLDS_VOLUME},
     {OPTION_VALUED("context-opacity", struct context_choice, opacity, "O"),
-     .help = "opacity of the context's surfaces, above 0 to 1 (default 0.25)", OPTION_ABOVE_TO(0, 1),
+     .help = "opacity of the context's surfaces, above 0 to 1", .standard = "0.25", OPTION_ABOVE_TO(0, 1),
      .needs = "context"},
     {0},
 };
 
 const struct option map_options[] = {
     {OPTION_VALUED("map", struct context_choice, map, "FILE,array=NAME[,range=A:B]"),
-     .help =
-         "colour the surface of --context by an array of a GIFTI file (.func.gii, .shape.gii), from A, dark blue, to "
-         "B, yellow (default: the least and the largest); the surface is opaque unless --context-opacity is given",
-     .words = "overlay, colours, func.gii, metric", .role = OPTION_READS},
+     .help = "colour the surface of --context by an array of a GIFTI file (.func.gii, .shape.gii), from A, dark blue, "
+             "to B, yellow, else the least and the largest; the surface is opaque unless --context-opacity is given",
+     .words = "overlay, colours, func.gii, metric", OPTION_READING(SURFACE)},
     {0},
 };
 
@@ -165,15 +165,14 @@ const struct option aim_options[] = {
              "against that of the context's head within 5 mm, or else to the atlas's nearest",
      .words = "EEG, fNIRS, optode, perpendicular", .flags = OPTION_OF_CONE, .needs = "origin|pose",
      .excludes = "toward,direction"},
-    {OPTION_VALUED("up", struct aim_settings, up, "X,Y,Z"),
-     .help = "up direction of the device (default superior; anterior if it points up or down)", .flags = OPTION_OF_CONE,
-     .needs = "origin"},
+    {OPTION_VALUED("up", struct aim_settings, up, "X,Y,Z"), .help = "up direction of the device",
+     .otherwise = "superior, or anterior if it points up or down", .flags = OPTION_OF_CONE, .needs = "origin"},
     {OPTION_VALUED("pose", struct aim_settings, pose, "FILE"),
      .help =
          "poses from a file instead, - for standard input: a table with a header, a 4x4 matrix, or what Brainsight, "
          "Localite, 3D Slicer, SimNIBS, InVesalius, Lead-DBS or BIDS write (docs/formats.md)",
      .words = "coil, trajectory, electrode, points", .common = true, .role = OPTION_READS_POSES,
-     .flags = OPTION_OF_CONE, .excludes = "poses"},
+     .flags = OPTION_OF_CONE, .excludes = "poses", .holds = HOLDS_POSES},
     {0},
 };
 
@@ -190,7 +189,7 @@ const struct option beam_options[] = {
 };
 
 const struct option aperture_options[] = {
-    {OPTION_VALUED("aperture-diameter", struct aim_settings, aperture, "MM"),
+    {OPTION_MM("aperture-diameter", struct aim_settings, aperture),
      .help = "diameter of the transducer's aperture; in a file of poses each row is a beam, from focus_x focus_y "
              "focus_z (or target_x ...) to transducer_x transducer_y transducer_z",
      OPTION_BETWEEN(0, 1e6), .flags = OPTION_OF_CONE, .needs = "focus|pose|poses",
@@ -199,15 +198,15 @@ const struct option aperture_options[] = {
 };
 
 const struct option angle_options[] = {
-    {OPTION_VALUED("angle", struct aim_settings, angle, "DEGREES"),
-     .help = "full opening angle of the cone, more than 0 and less than 180 (default 10)", .words = "width, opening",
-     .common = true, .flags = OPTION_OF_CONE},
+    {OPTION_DEGREES("angle", struct aim_settings, angle),
+     .help = "full opening angle of the cone, more than 0 and less than 180", .standard = OPTION_DIGITS(DEFAULT_ANGLE),
+     .words = "width, opening", .common = true, .flags = OPTION_OF_CONE},
     {0},
 };
 
 const struct option pixel_options[] = {
     {OPTION_VALUED("resolution", struct engine_settings, resolution, "N"),
-     .help = "trace N x N rays, one per pixel, N from 1 to 1024 (default " OPTION_DIGITS(CONUS_RESOLUTION_DEFAULT) ")",
+     .help = "trace N x N rays, one per pixel, N from 1 to 1024", .standard = OPTION_DIGITS(CONUS_RESOLUTION_DEFAULT),
      OPTION_FROM_TO(1, 1024), .words = "rays", .flags = OPTION_OF_RAYS},
     {OPTION_VALUED("aperture", struct engine_settings, aperture, "SHAPE"),
      .help = "pixels that count: those in the circle, or all:", .choices = apertures, .flags = OPTION_OF_RAYS},
@@ -222,16 +221,16 @@ const struct option engine_options[] = {
      .help = "visit every voxel along a ray, or only planes across the view, which can miss thin objects:",
      .choices = samplings, .flags = OPTION_OF_RAYS},
     {OPTION_VALUED("slice-fraction", struct engine_settings, slice_fraction, "F"),
-     .help = "with --sampling slices: part of the picture's slices that the selection takes, more than 0 to 1 "
-             "(default 0.2, the paper's fifth)",
-     OPTION_ABOVE_TO(0, 1), .flags = OPTION_OF_RAYS, .needs = "sampling=slices"},
+     .help = "with --sampling slices: part of the picture's slices that the selection takes, more than 0 to 1; the "
+             "paper takes a fifth",
+     .standard = "0.2", OPTION_ABOVE_TO(0, 1), .flags = OPTION_OF_RAYS, .needs = "sampling=slices"},
     {OPTION_VALUED("level", struct engine_settings, level, "N|AREA,..."),
      .help =
          "report areas rolled up the area tree: to depth N (roots have 1), or to the nearest of these areas, by name, "
          "abbreviation or label; put a name with a comma in double quotes; @FILE is a file with one area per line",
-     .words = "hierarchy, ontology", .role = OPTION_READS_NAMES},
+     .words = "hierarchy, ontology", .role = OPTION_READS_NAMES, .holds = HOLDS_NAMES},
     {OPTION_VALUED("score", struct engine_settings, score, "FORMULA"),
-     .help = "score that ranks the objects: a name below (default share), or a formula like 0.5*share+0.5*centre",
+     .help = "score that ranks the objects: a name below, or a formula like 0.5*share+0.5*centre", .standard = "share",
      .words = "sort, rank", .role = OPTION_ASKS, .flags = OPTION_OF_RAYS},
     {0},
 };
@@ -240,15 +239,11 @@ const struct option shape_options[] = {
     {OPTION_VALUED("layers", struct engine_settings, layers, "WHICH"),
      .help = "first hits only, or all hits in the cone with path lengths, volumes and values:", .choices = layers,
      .words = "behind, occluded, depth", .flags = OPTION_OF_RAYS},
-    {.name = "range",
-     .type = OPTION_RANGE,
-     .offset = offsetof(struct engine_settings, range),
-     .value = "NEAR,FAR|NEAR,target[+MM]",
+    {OPTION_VALUED("range", struct engine_settings, range.ends, "NEAR,FAR|NEAR,target[+MM]"),
      .help = "count only between these two depths along the axis, mm from the apex: a focal spot, the length of a "
              "probe; target is the point of --toward or of each pose's row, or MM behind it",
-     OPTION_FROM_TO(0, 1e9),
-     .flags = OPTION_OF_CONE | OPTION_TO_TARGET},
-    {OPTION_VALUED("radius", struct engine_settings, radius, "MM"),
+     OPTION_FROM_TO(0, 1e9), .flags = OPTION_OF_CONE | OPTION_TO_TARGET, .unit = "mm"},
+    {OPTION_MM("radius", struct engine_settings, radius),
      .help = "radius of a cylinder that replaces the cone, mm, more than 0: a needle, a probe", OPTION_BETWEEN(0, 1e9),
      .words = "cylinder, needle, sphere, ball"},
     {0},
@@ -256,9 +251,9 @@ const struct option shape_options[] = {
 
 const struct option slices_options[] = {
     {OPTION_VALUED("slices", struct engine_settings, slices, "N"),
-     .help = "with --sampling slices: slices of the picture; the selection takes --slice-fraction of them (default "
-             "sqrt(2) times the longest edge of the volume)",
-     OPTION_FROM_TO(1, 65536), .flags = OPTION_OF_RAYS, .needs = "sampling=slices"},
+     .help = "with --sampling slices: slices of the picture; the selection takes --slice-fraction of them",
+     .otherwise = "sqrt(2) times the longest edge of the volume", OPTION_FROM_TO(1, 65536), .flags = OPTION_OF_RAYS,
+     .needs = "sampling=slices"},
     {0},
 };
 
@@ -503,13 +498,13 @@ const struct option axis_options[] = {
     {OPTION_VALUED("segments", struct axis_settings, files[0], "FILE"),
      .help = "write what the axis passes, in order of depth: a row for each stretch inside an area, pathway or "
              "bundle, or between them",
-     .words = "probe, shank, track", .role = OPTION_WRITES_ROWS, .flags = OPTION_OF_CONE},
+     .words = "probe, shank, track", .role = OPTION_WRITES_ROWS, .flags = OPTION_OF_CONE, .holds = HOLDS_ROWS},
     {OPTION_VALUED("clearance", struct axis_settings, files[1], "FILE[,within=MM]"),
      .help = "write how far the device stays from each area, pathway and bundle, the nearest first, and where; as a "
              "needle of --radius (a cone has none) from the near to the far end of --range; up to MM away, 0 to 1000 "
              "(default 10)",
      .words = "margin, safety, needle, avoid", .role = OPTION_WRITES_ROWS, .flags = OPTION_OF_CONE,
-     .keys = KEYS_CLEARANCE},
+     .keys = KEYS_CLEARANCE, .holds = HOLDS_ROWS},
     {OPTION_VALUED("order", struct axis_settings, order, "ORDER"),
      .help = "order of the rows of an answer: the best first, or the nearest (with --layers all by entry, else by "
              "distance):",

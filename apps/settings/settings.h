@@ -98,7 +98,9 @@ extern const struct option engine_options[];     /**< engine_settings, without -
 extern const struct option shape_options[];      /**< engine_settings: --layers, --range, --radius */
 extern const struct option slices_options[];     /**< engine_settings: --slices of the ID pass */
 
-enum { DEFAULT_ANGLE = 10 };
+/** What options are where they are not given: degrees, and poses of --jitter. */
+#define DEFAULT_ANGLE 10
+#define JITTER_SAMPLES 1024
 
 /** Message for a pose that is only a point where a cone is wanted. */
 #define POINT_HAS_NO_DIRECTION "a point, without the direction that a cone needs"

@@ -14,12 +14,12 @@ const struct option space_options[] = {
          "or left, posterior, superior (lps); of the Allen CCF, micrometres AP, DV, ML from its corner (ccf), or mm "
          "AP, ML, DV from bregma, to anterior, right, dorsal (bregma):",
      .choice_at = conus_space_name,
-     .otherwise = "; whose brain it is the atlas says, and positions are in that without --space; --atlas-transform "
-                  "moves an atlas to another brain"},
+     .advice = "; whose brain it is the atlas says, and positions are in that without --space; --atlas-transform "
+               "moves an atlas to another brain"},
     {OPTION_VALUED("bregma", struct space_settings, bregma, "AP,DV,ML"),
-     .help = "with --space bregma: where bregma lies in the Allen CCF, micrometres (default 5400,332,5739, the "
-             "International Brain Laboratory's)",
-     .needs = "space=bregma"},
+     .help = "with --space bregma: where bregma lies in the Allen CCF, micrometres; the default is the International "
+             "Brain Laboratory's",
+     .standard = "5400,332,5739", .needs = "space=bregma", .unit = "um"},
     {0},
 };
 

@@ -25,14 +25,15 @@ const struct option station_options_table[] = {
      .help = "or connect to one as a client (default port 18944); tries again until the tracker answers",
      .role = OPTION_LIVE},
     {OPTION_VALUED("tool", struct station_settings, tool, "NAME"),
-     .help =
-         "the tool that points, as the tracker calls it (Pointer, or PointerToTracker); default the first that comes"},
+     .help = "the tool that points, as the tracker calls it (Pointer, or PointerToTracker)",
+     .otherwise = "the first that comes"},
     {OPTION_VALUED("reference", struct station_settings, reference, "NAME"),
      .help = "poses are relative to this tool, for instance one on the head"},
     {OPTION_VALUED("tool-axis", struct station_settings, axis, "AXIS"),
      .help = "axis of the tool along which it points:", .choices = axes},
     {OPTION_VALUED("world-from-tracker", struct station_settings, world_from_tracker, "FILE"),
-     .help = "4x4 matrix, rows of four numbers, from the tracker's (or the reference's) mm to the atlas's mm"},
+     .help = "4x4 matrix, rows of four numbers, from the tracker's (or the reference's) mm to the atlas's mm",
+     .holds = HOLDS_TRANSFORM},
     {OPTION_NAMED("tracker-lps", struct station_settings, lps),
      .help = "the tracker's positions are LPS: x to the left, y to the back"},
     {OPTION_VALUED("enlarge", struct station_settings, enlarged, "FACTOR"),
@@ -47,26 +48,27 @@ const struct option screen_options_table[] = {
      .help = "the tool on the viewer's head: the 3-D pane shows what this eye sees through the screen",
      .needs = "screen-mm"},
     {OPTION_VALUED("screen-mm", struct station_settings, screen_mm, "WxH"), .help = "size of the whole screen, mm",
-     OPTION_FROM_TO(1, 1000000), .needs = "head"},
+     OPTION_FROM_TO(1, 1000000), .needs = "head", .unit = "mm"},
     {OPTION_VALUED("screen-pose", struct station_settings, screen_pose, "FILE"),
-     .help = "4x4 matrix from the screen's mm (origin in its middle, x right, y up, z to the viewer) to the "
-             "tracker's mm (default the identity)",
-     .needs = "head"},
+     .help =
+         "4x4 matrix from the screen's mm (origin in its middle, x right, y up, z to the viewer) to the tracker's mm",
+     .otherwise = "the identity", .needs = "head", .holds = HOLDS_TRANSFORM},
     {OPTION_VALUED("eye", struct station_settings, eye, "X,Y,Z"),
-     .help = "position of the eye in the head tool's frame, mm (default 0,0,0)", .needs = "head"},
+     .help = "position of the eye in the head tool's frame, mm", .standard = "0,0,0", .needs = "head", .unit = "mm"},
     {0},
 };
 
 const struct option second_options_table[] = {
     {OPTION_VALUED("second-tool", struct station_settings, second_tool, "NAME"),
      .help = "another tool that points, with a cone and a list of its own: of the same tracker, or of the one of "
-             "--second-listen or --second-connect (default the first that comes there)"},
+             "--second-listen or --second-connect",
+     .otherwise = "the first that comes there"},
     {OPTION_VALUED("second-listen", struct station_settings, second_listen, "[ADDRESS:]PORT"),
      .help = "wait for the second tool's own tracker, as with --listen", .excludes = "second-connect"},
     {OPTION_VALUED("second-connect", struct station_settings, second_connect, "HOST[:PORT]"),
      .help = "or connect to it, as with --connect"},
     {OPTION_VALUED("second-world-from-tracker", struct station_settings, second_world_from_tracker, "FILE"),
-     .help = "4x4 matrix of that tracker (default that of --world-from-tracker)"},
+     .help = "4x4 matrix of that tracker", .otherwise = "that of --world-from-tracker", .holds = HOLDS_TRANSFORM},
     {0},
 };
 

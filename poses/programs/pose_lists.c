@@ -3,6 +3,7 @@
  * positions of a brain have a row, too, with the reason. */
 #include "poses/programs/pose_programs.h"
 
+#include "conus/own.h"
 #include "poses/rows/pose_row.h"
 #include "poses/rows/space_words.h"
 

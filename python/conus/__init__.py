@@ -32,8 +32,9 @@ from ._library import (
 from ._pose_file import Poses, pose_formats, read_poses
 from ._picture import Picture, Renderer, transfer_presets
 from ._plan import Plan
-from ._probe import Contacts, Probe, read_probe
+from ._probe import Contacts, Probe, brain_areas, read_probe
 from ._program import Difference, SourceFile, Verification, cite, page, verify
+from ._run import OUT, run
 from ._space import Place
 from ._table import Table
 from ._track import Tracker
@@ -42,8 +43,8 @@ from ._tracts import Tractogram, is_tractogram
 __version__ = _ffi.string(_lib.conus_version()).decode()
 __all__ = [
     "Answers", "ArgumentError", "Atlas", "CancelledError", "Connectivity", "Contacts", "DataError", "Difference", "Error", "FileError",
-    "GLError", "Hit", "InstalledAtlas", "OutOfMemoryError", "Picture", "Place", "Placement", "Plan", "PoseWarning", "Poses", "Probe", "Renderer",
+    "GLError", "Hit", "InstalledAtlas", "OUT", "OutOfMemoryError", "Picture", "Place", "Placement", "Plan", "PoseWarning", "Poses", "Probe", "Renderer",
     "Selection", "Selector", "SourceFile", "Step", "Table", "Tables", "Track", "Tracker", "Tractogram",
-    "UnsupportedError", "Verification", "atlases", "cite", "is_tractogram", "load", "page", "pose_formats", "read_poses", "read_probe",
-    "transfer_presets", "verify",
+    "UnsupportedError", "Verification", "atlases", "brain_areas", "cite", "is_tractogram", "load", "page", "pose_formats", "read_poses", "read_probe",
+    "run", "transfer_presets", "verify",
 ]

@@ -62,16 +62,16 @@ _ERRORS = {
 }
 
 
-# Options of the programs in the library's messages, and their names here. Other options are left as they are.
-_ARGUMENTS = {
-    "--any-space": "any_space", "--atlas-transform": "transforms", "--axis": "axis", "--context": "context", "--folder": "folder",
-    "--hemispheres split": 'hemispheres="split"', "--hemispheres": "hemispheres", "--space": "space",
-    "--labels": "labels", "--labels-anyway": "labels_anyway", "--mask-object": "name", "--max-memory": "max_memory",
-    "--pathway": "pathways", "--point": "point",
-    "--poses-format table": 'format="table"', "--poses-format": "format", "--probability": "probability", "--probe": "probe", "--probe-tip": "tip", "--radius": "radius", "--sidecar": "sidecar",
-    "--sides": "sides", "--sides exchanged": 'sides="exchanged"', "--streamlines": "streamlines",
+# Options of the programs in messages of the library: names that are those of arguments, and others. What is in neither
+# list is left as it is.
+_SAME = """any-space axis context folder hemispheres labels labels-anyway max-memory point probability probe radius
+           sidecar sides space""".split()
+_ARGUMENTS = {f"--{name}": name.replace("-", "_") for name in _SAME} | {
+    "--atlas-transform": "transforms", "--hemispheres split": 'hemispheres="split"', "--mask-object": "name",
+    "--pathway": "pathways", "--pathway FILE,name=NAME": "pathways=[(map, {name: (low, high)})]",
+    "--poses-format table": 'format="table"', "--poses-format": "format", "--probe-tip": "tip",
+    "--sides exchanged": 'sides="exchanged"', "--streamlines": "streamlines",
     "'conus overlap ATLAS MAP'": "atlas.overlap(map)", "as ATLAS": "as source", "is ATLAS": "is source",
-    "--pathway FILE,name=NAME": "pathways=[(map, {name: (low, high)})]",
 }  # fmt: skip
 _OPTION = re.compile(rf"(?<![\w/.-])({'|'.join(sorted(_ARGUMENTS, key=len, reverse=True))})(?![\w/-])(:?)")
 

@@ -2,15 +2,17 @@
 """Probes of ProbeInterface, and the answers at their contacts."""
 from __future__ import annotations
 
+import json
 import math
 import os
+import tempfile
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ._answers import Answers, Array
 from ._conus import ffi, lib
-from ._library import ArgumentError, Bound, byte_count, check, owned, path_of, real
+from ._library import ArgumentError, Bound, Error, byte_count, check, owned, path_of, real
 from ._table import ask_table
 
 if TYPE_CHECKING:
@@ -58,13 +60,27 @@ class Probe(Bound):
         return np.array([list(lib.conus_pose_list_row(rows, i).pose.world_from_device)[12:15] for i in range(len(self))])
 
 
-def read_probe(path: Path, *, tip: float = 0, max_memory: int = 0) -> Probe:
+def is_probe(value: Any) -> bool:
+    """A Probe or ProbeGroup of probeinterface, or the dictionary of its file."""
+    return isinstance(value, dict) or hasattr(value, "contact_positions") or hasattr(value, "probes")
+
+
+def probe_text(source: Any) -> str:
+    """The file of what :func:`is_probe` is."""
+    probes = getattr(source, "probes", [source] if hasattr(source, "contact_positions") else None)
+    if probes is not None:
+        source = {"specification": "probeinterface", "version": "", "probes": [p.to_dict(array_as_list=True) for p in probes]}
+    return json.dumps(source)
+
+
+def read_probe(path: Any, *, tip: float = 0, max_memory: int = 0) -> Probe:
     """Reads the contacts of a file of ProbeInterface, or of a recording: give them to :meth:`Atlas.contacts`.
 
     Parameters
     ----------
     path
-        A file; of a recording SpikeGLX's .ap.meta or .imro, or Open Ephys's settings.xml.
+        A file; of a recording SpikeGLX's .ap.meta or .imro, or Open Ephys's settings.xml. Or what is in memory: a Probe
+        or ProbeGroup of probeinterface, or the dictionary that its file has.
     tip
         mm from the tip to the lowest contact, in place of the contour in the file; 0 = by the contour. Of a recording
         to the lowest row of the probe, recorded or not; 0 = by its part number.
@@ -73,8 +89,20 @@ def read_probe(path: Path, *, tip: float = 0, max_memory: int = 0) -> Probe:
     """
     options, out = ffi.new("conus_probe_options *"), ffi.new("conus_probe **")
     options.tip, options.max_memory = real("tip", tip), byte_count("max_memory", max_memory)
-    check(lib.conus_probe_load(out, path_of("path", path), options))
-    return Probe(out[0], os.fsdecode(path))
+    if isinstance(path, (str, bytes, os.PathLike)):
+        check(lib.conus_probe_load(out, path_of("path", path), options))
+        return Probe(out[0], os.fsdecode(path))
+    if not is_probe(path):
+        raise ArgumentError(f"path: {type(path).__name__}, wanted is a path, a Probe of probeinterface or its dictionary")
+    with tempfile.TemporaryDirectory() as folder:
+        file = os.path.join(folder, "probe.json")
+        with open(file, "x", encoding="utf-8") as written:
+            written.write(probe_text(path))
+        try:
+            check(lib.conus_probe_load(out, path_of("path", file), options))
+        except Error as error:
+            raise type(error)(str(error).replace(file, "probe")) from None
+    return Probe(out[0], "probe")
 
 
 class Contacts(Answers):
@@ -117,3 +145,37 @@ def poses_of_probe(array: Any, probe: Probe) -> Any:
         for a in range(3 if ends and ends[1] >= 0 else 0):
             matrix[12 + a] -= ends[1] * matrix[8 + a]
     return poses
+
+
+def brain_areas(
+    source: Any, atlas: Any, *, origin: Any, direction: Any, up: Any = None, roll: float = 0, outside: str = "none",
+    **options: Any,
+) -> list[str]:
+    """The area of each contact of a probe, or of each channel of a recording of SpikeInterface, in its order.
+
+    ``recording.set_property("brain_area", conus.brain_areas(recording, atlas, origin=tip, direction=axis))``
+
+    Parameters
+    ----------
+    source
+        A recording with one probe, a Probe of probeinterface, or what :func:`read_probe` takes or gives.
+    atlas
+        A name, a path, or what :func:`load` gives.
+    origin, direction, up, roll, options
+        As for :meth:`Atlas.contacts`: ``origin`` is the tip, ``direction`` leads from the base to it, and ``space=`` says
+        what they are in.
+    outside
+        What a contact in no area is called.
+
+    Returns
+    -------
+    list of str
+        A contact on the border of two areas has the first of them in the atlas.
+    """
+    from ._atlas import Atlas, load
+
+    loaded = atlas if isinstance(atlas, Atlas) else load(atlas)
+    given = source.get_probe() if hasattr(source, "get_probe") else source
+    probe = given if isinstance(given, Probe) else read_probe(given)
+    contacts = loaded.contacts(probe, origin, direction=direction, up=up, roll=roll, **options)
+    return [str(loaded.objects.name(int(area))) if area else outside for area in contacts.areas]

@@ -88,7 +88,8 @@ def main() -> NoReturn:
     os.execv(_PACKED, ["conus", *sys.argv[1:]])
 
 
-def _run(*words: str) -> subprocess.CompletedProcess[str]:
+def run_program(*words: str) -> subprocess.CompletedProcess[str]:
+    """The program, done: ``$CONUS``, or that of the wheel, or ``conus`` in ``$PATH``."""
     program = os.environ.get("CONUS") or (_PACKED if os.path.exists(_PACKED) else shutil.which("conus"))
     if not program:
         raise FileError("there is no program conus in $PATH, and $CONUS names none")
@@ -100,7 +101,8 @@ def _run(*words: str) -> subprocess.CompletedProcess[str]:
         raise ArgumentError(f"path: {error}") from None
 
 
-def _refuse(ended: subprocess.CompletedProcess[str]) -> None:
+def refuse(ended: subprocess.CompletedProcess[str]) -> NoReturn:
+    """The exception for what the program said last."""
     lines = ended.stderr.strip().splitlines() or [f"conus ended with {ended.returncode}"]
     errors = {2: ArgumentError, 4: UnsupportedError}
     raise errors.get(ended.returncode, DataError)(python_words(lines[-1].removeprefix("conus: ")))
@@ -112,9 +114,9 @@ def verify(result: Path, *, sidecar: Optional[Path] = None, folder: Optional[Pat
     ``folder`` is where files are that moved or have another name. Runs the program: ``$CONUS``, or
     that of the wheel, or ``conus`` in ``$PATH``.
     """
-    ended = _run("verify", "--format=json", *_arguments(result, sidecar, folder))
+    ended = run_program("verify", "--format=json", *_arguments(result, sidecar, folder))
     if not ended.stdout:
-        _refuse(ended)
+        refuse(ended)
     found = json.loads(ended.stdout)
     return Verification(
         found["verdict"], found["same_rows"],
@@ -132,9 +134,9 @@ def cite(
     ``format`` is "text" or "bibtex". Runs the program: ``$CONUS``, or that of the wheel, or
     ``conus`` in ``$PATH``.
     """
-    ended = _run("cite", f"--format={format}", *_arguments(what, sidecar, folder))
+    ended = run_program("cite", f"--format={format}", *_arguments(what, sidecar, folder))
     if ended.returncode:
-        _refuse(ended)
+        refuse(ended)
     return ended.stdout
 
 
@@ -165,9 +167,9 @@ def page(
     elif origin is not None or toward is not None:
         raise ArgumentError("origin and toward: both are needed, or none")
     words += [f"--{name}={_word(name, path)}" for name, path in (("context", context), ("template", template)) if path]
-    ended = _run("page", *words, "--", _word("atlas", atlas))
+    ended = run_program("page", *words, "--", _word("atlas", atlas))
     if ended.returncode:
-        _refuse(ended)
+        refuse(ended)
     return os.fsdecode(output)
 
 

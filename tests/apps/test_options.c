@@ -146,8 +146,8 @@ static void ranges_may_be_open(void **state)
 static void numbers_may_have_their_unit(void **state)
 {
     (void)state;
-    const struct option radius = {.name = "radius", .type = OPTION_NUMBER, .value = "MM", .high = 100};
-    const struct option angle = {.name = "angle", .type = OPTION_NUMBER, .value = "DEGREES", .high = 180};
+    const struct option radius = {.name = "radius", .type = OPTION_NUMBER, .unit = "mm", .high = 100};
+    const struct option angle = {.name = "angle", .type = OPTION_NUMBER, .unit = "degrees", .high = 180};
     const struct option share = {.name = "share", .type = OPTION_NUMBER, .value = "F"};
     static const struct {
         const char *text;
@@ -223,6 +223,49 @@ static void each_option_counts_for_itself(void **state)
     options_finish(fields, &arguments);
 }
 
+/* As where nothing is given: no field, no use, nothing that excludes another; any other value counts. */
+static void a_standard_value_is_none(void **state)
+{
+    (void)state;
+    static const char *const kinds[] = {"first", "second", NULL};
+    struct {
+        double angle;
+        size_t kind, open;
+        const char *point;
+        bool help, version;
+    } fields = {0};
+#define AT(member) offsetof(__typeof__(fields), member)
+    const struct option options[] = {
+        {.name = "angle",
+         .type = OPTION_NUMBER,
+         .offset = AT(angle),
+         .value = "A",
+         .standard = "10",
+         .excludes = "point"},
+        {.name = "kind", .type = OPTION_CHOICE, .offset = AT(kind), .value = "K", .choices = kinds, .needs = "point"},
+        {.name = "open", .type = OPTION_CHOICE, .offset = AT(open), .value = "K", .choices = kinds, .otherwise = "any"},
+        {.name = "point", .type = OPTION_TEXT, .offset = AT(point), .value = "P"},
+        {.name = "help", .type = OPTION_FLAG, .offset = AT(help)},
+        {.name = "version", .type = OPTION_FLAG, .offset = AT(version)},
+        {0},
+    };
+    const struct option_group groups[] = {{"All", options, 0}, {NULL, NULL, 0}};
+    struct command command = {.name = "test", .groups = groups};
+    struct arguments arguments;
+    char *words[] = {"conus", "test", "--angle=1e1", "--kind", "FIRST", "--open", "first", "--point", "p"};
+    assert_int_equal(options_parse(&arguments, &fields, &command, NULL, 9, words, 2), -1);
+    assert_true(fields.angle == 0 && !option_given(&arguments, "angle") && !option_given(&arguments, "kind"));
+    assert_true(option_given(&arguments, "open") && arguments.use_count == 2);
+    options_finish(&fields, &arguments);
+    char *other[] = {"conus", "test", "--angle", "10.5", "--point", "p"};
+    assert_int_equal(options_parse(&arguments, &fields, &command, NULL, 6, other, 2), 2);
+    options_finish(&fields, &arguments);
+    command.resumes = true;
+    assert_int_equal(options_parse(&arguments, &fields, &command, NULL, 3, words, 2), -1);
+    assert_true(fields.angle == 10 && option_given(&arguments, "angle"));
+    options_finish(&fields, &arguments);
+}
+
 /* Messages are part of the test, not of this program's output. */
 static int silence(void **state)
 {
@@ -242,6 +285,7 @@ TEST_GROUP(options)
         cmocka_unit_test(ranges_may_be_open),
         cmocka_unit_test(the_closest_name_is_suggested),
         cmocka_unit_test(each_option_counts_for_itself),
+        cmocka_unit_test(a_standard_value_is_none),
     };
     return cmocka_run_group_tests(tests, silence, NULL);
 }

@@ -830,7 +830,7 @@ pipe_in() {
     [[ "$stderr" == *'cones of 10 degrees (--angle DEGREES or, for needles, --radius MM is not given); 64 x 64 rays' ]]
     run -0 --separate-stderr conus query sphere.nii.gz --pose needles.csv
     [ "$stderr" = 'conus: note: axes that end at a target are asked as cones of 10 degrees: --radius MM asks a needle of that width, --segments FILE all that the axis passes' ]
-    for width in '--radius 1' '--angle 10' '--segments -' '-q'; do
+    for width in '--radius 1' '--angle 12' '--segments -' '-q'; do
         # shellcheck disable=SC2086 # words
         run -0 --separate-stderr conus query sphere.nii.gz --pose needles.csv $width
         [ -z "$stderr" ]

@@ -4,12 +4,11 @@ hard link, and by a path with "..". Each time the file must have its bytes after
 one line that names both. Prints what went wrong, and how many tries there were. Without CONUS_TEST_LONG each pair of
 an output and a file is tried in one of these ways, in turn.
 
-An output that is not in a row of ROWS, and an option with a file that is neither in a row nor among READ, fails."""
+An output that is not in a row of ROWS fails; the rows of `conus help --json` say which options write."""
 import concurrent.futures
 import gzip
 import json
 import os
-import re
 import shutil
 import struct
 import subprocess
@@ -18,10 +17,6 @@ import tempfile
 
 CONUS = os.path.abspath(sys.argv[1])
 LONG = os.environ.get("CONUS_TEST_LONG")
-
-# Options that name files that are read, of any command.
-READ = """pose probe poses labels pathway streamlines atlas-transform context world-from-tracker from toward apart
-camera merge transfer map@render palette pathway-transfer template sidecar@verify sidecar@cite""".split()
 
 AIM = "--origin 40,0,0 --toward 0,0,0 --angle 20"
 MORE = "--labels own.tsv --streamlines bundle.tck --atlas-transform shift.txt"
@@ -185,15 +180,12 @@ def check_row(inputs, row):
 
 
 def check_options():
-    """Every option with a file is an output of a row, or known to be read."""
+    """Every option that writes a file is an output of a row."""
     rows = {(row[0].split()[0], option) for row in ROWS for option in row[1]} | {("mesh", "output"), ("phantom", "output")}
-    help_text = run(".", ["--help"]).stdout
-    for name in re.findall("^  ([a-z]+)  ", help_text, re.MULTILINE):
-        shown = run(".", ["help", name]).stdout if name not in ("help", "view") else ""
-        for option, value in re.findall(r"^ +(?:-\w, )?--([a-z-]+) ([^ \n]*)", shown, re.MULTILINE):
-            known = option in READ or f"{option}@{name}" in READ or (name, option) in rows
-            if re.search("FILE|DIR", value) and not known:
-                yield f"conus {name} --{option} {value}: no row of ROWS has it"
+    for command in json.loads(run(".", ["help", "--json"]).stdout)["commands"]:
+        for option in command["options"]:
+            if option["role"] == "writes" and (command["name"], option["name"]) not in rows:
+                yield f"conus {command['name']} --{option['name']}: no row of ROWS has it"
 
 
 def main():

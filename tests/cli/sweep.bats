@@ -188,7 +188,7 @@ assert all(math.isclose(float(a), 2 * math.degrees(math.atan(b / 100)), rel_tol=
     fails 2 '--samples: 8 is out of range' sweep nested.nii.gz $aim --jitter 1,1 --samples 8
     fails 2 '--samples has no effect without --jitter' sweep nested.nii.gz $aim --samples 64
     fails 2 '--angles' sweep nested.nii.gz $aim --angles 10 --jitter 1,1
-    fails 2 '--angles' sweep nested.nii.gz $aim --angles 10 --angle 10
+    fails 2 '--angles' sweep nested.nii.gz $aim --angles 10 --angle 12
     fails 2 'which has no angle to sweep' sweep nested.nii.gz $aim --radius 4
     fails 2 'which has no angle to sweep' sweep nested.nii.gz $aim --radius 4 --angles 3
     fails 2 '--aperture has no effect without --angles or --jitter' sweep nested.nii.gz $aim --aperture square

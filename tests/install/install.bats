@@ -144,6 +144,7 @@ consumer_answers() {
     [ -e runtime/share/bash-completion/completions/conus ]
     [ -e runtime/share/zsh/site-functions/_conus ]
     [ -e runtime/share/fish/vendor_completions.d/conus.fish ]
+    [ -e runtime/share/conus/matlab/conus.m ]
     [ ! -e runtime/include ]
     [ -z "$(find runtime -name '*.a' -o -name '*.pc' -o -name libconus.so)" ]
     [ -e devel/include/conus/conus.h ]

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Messages and notes name the arguments of Python, not the options of the programs."""
+import json
 import logging
 import pathlib
 import re
@@ -25,10 +26,9 @@ def library_words():
 
 
 def test_every_option_in_a_message_is_an_argument_here():
-    """Words such as --ref are of other programs, which messages name, too."""
-    commands = ("query", "batch", "sweep", "render", "info", "overlap", "track", "verify")
-    ours = {word for command in commands
-            for word in re.findall(r"(?<!\S)--[a-z][a-z-]*", call_conus(command, "--help").stdout.decode())}
+    """Words such as --ref are of other programs, which messages name, too; --from is flirt's, not that of conus plan."""
+    commands = json.loads(call_conus("help", "--json").stdout)["commands"]
+    ours = {f"--{row['name']}" for command in commands for row in command["options"] if command["name"] != "plan"}
     words = {*library_words()} & ours
     assert len(words) > 8 and len(ours) > 60
     assert words <= {*_ARGUMENTS}, "python/conus/_library.py: _ARGUMENTS"

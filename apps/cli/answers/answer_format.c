@@ -3,8 +3,8 @@
 #include "cli/answers/answer_format.h"
 
 #include "base/path.h"
+#include "base/system/system.h"
 #include "options/messages.h"
-#include "options/output.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -12,13 +12,8 @@
 static const char *const formats[] = {"table", "tsv", "csv", "json", "ndjson", NULL};
 
 const struct option format_options[] = {
-    {.name = "format",
-     OPTION_AT(struct answer_settings, format),
-     .value = "FORMAT",
-     .help = "format of the answer; default by the ending of -o, else a table:",
-     .choices = formats,
-     .words = "CSV, pandas",
-     .role = OPTION_KEPT},
+    {OPTION_VALUED("format", struct answer_settings, format, "FORMAT"), .help = "format of the answer:",
+     .otherwise = "by the ending of -o, else table", .choices = formats, .words = "CSV, pandas", .role = OPTION_KEPT},
     {0},
 };
 
@@ -26,35 +21,22 @@ static const char *const query_formats[] = {"table", "tsv",      "csv",        "
                                             "bids",  "spikeglx", "open-ephys", "bep032", NULL};
 
 const struct option query_format_options[] = {
-    {.name = "format",
-     OPTION_AT(struct answer_settings, format),
-     .value = "FORMAT",
-     .help = "format of the answer; default by the ending of -o, else a table; the last five are for other "
-             "programs (docs/formats.md):",
-     .choices = query_formats,
-     .words = "CSV, pandas",
+    {OPTION_VALUED("format", struct answer_settings, format, "FORMAT"),
+     .help = "format of the answer; the last five are for other programs (docs/formats.md):",
+     .otherwise = "by the ending of -o, else table", .choices = query_formats, .words = "CSV, pandas",
      .role = OPTION_KEPT},
     {0},
 };
 
 const struct option answer_output_options[] = {
-    {.name = "output",
-     .letter = 'o',
-     OPTION_AT(struct answer_settings, output),
-     .value = "FILE",
+    {OPTION_VALUED("output", struct answer_settings, output, "FILE"), .letter = 'o',
      .help = "write the answer to FILE; a .json beside it describes its columns, settings and sources",
-     .words = "save, export, Excel",
-     .common = true,
-     .role = OPTION_WRITES_ANSWER,
-     .format = "table"},
-    {.name = "sidecar",
-     OPTION_AT(struct answer_settings, sidecar),
-     .value = "FILE.json",
-     .help = "write that .json to FILE.json, also of an answer on standard output",
-     .role = OPTION_WRITES_SIDECAR},
-    {.name = "force",
-     OPTION_AT(struct answer_settings, force),
-     .help = "replace files that are there already",
+     .words = "save, export, Excel", .common = true, .role = OPTION_WRITES_ANSWER, .format = "table",
+     .holds = HOLDS_ROWS},
+    {OPTION_VALUED("sidecar", struct answer_settings, sidecar, "FILE.json|none"),
+     .help = "write that .json to FILE.json, also of an answer on standard output; none: no .json beside any file",
+     .role = OPTION_WRITES_SIDECAR, .holds = HOLDS_SIDECAR},
+    {OPTION_NAMED("force", struct answer_settings, force), .help = "replace files that are there already",
      .role = OPTION_OF_RUN},
     {0},
 };
@@ -71,11 +53,25 @@ bool answer_format(conus_format *out, const struct arguments *arguments, const s
                   settings->output);
 }
 
+/* Nothing is written, so that what is there may not seem to describe another answer. */
+static int check_no_sidecar(const char *output)
+{
+    char *path = output_is_stdout(output) ? NULL : provenance_path(output);
+    int code = path && system_allows(path, 0)
+                   ? print_usage_error("--sidecar none: %s is there, and would describe another answer", path)
+                   : EXIT_DONE;
+    free(path);
+    return code;
+}
+
 int answer_sidecar(char **out, conus_format format, const struct answer_settings *settings)
 {
     const char *given = settings->sidecar;
     const char *output = settings->output;
     *out = NULL;
+    if (sidecar_is_none(given)) {
+        return check_no_sidecar(output);
+    }
     if (given && format == CONUS_FORMAT_JSON) {
         return print_usage_error("--sidecar has no effect with JSON, which says everything itself");
     }

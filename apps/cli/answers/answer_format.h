@@ -27,7 +27,7 @@ bool answer_format(conus_format *out, const struct arguments *arguments, const s
 
 /** Finds the path of the sidecar: that of --sidecar; else that of --output with ".json" in place of ".tsv" or ".csv",
  * or behind it. *out is the caller's to free(). It is NULL where no sidecar is written: a report in JSON says
- * everything itself. Returns the exit code and prints an error unless it is 0. */
+ * everything itself, and --sidecar may be none. Returns the exit code and prints an error unless it is 0. */
 int answer_sidecar(char **out, conus_format format, const struct answer_settings *settings);
 
 /** Checks the names of the atlases' files and the words of the command line, where they are recorded: in a sidecar or

@@ -10,7 +10,8 @@
 
 #include <stdlib.h>
 
-int rows_file_init(struct rows_file *out, const struct rows_kind *kind, const char *path, conus_format format)
+int rows_file_init(struct rows_file *out, const struct rows_kind *kind, const char *path, conus_format format,
+                   const struct arguments *arguments)
 {
     *out = (struct rows_file){.kind = kind, .path = path, .format = format};
     if (!path) {
@@ -25,7 +26,9 @@ int rows_file_init(struct rows_file *out, const struct rows_kind *kind, const ch
         return print_usage_error("--format: formats of other programs hold no %s; table, tsv, csv, json and ndjson do",
                                  kind->option);
     }
-    return answer_sidecar(&out->sidecar, out->format, &(struct answer_settings){.output = path});
+    const char *given = option_text(arguments, "sidecar");
+    return answer_sidecar(&out->sidecar, out->format,
+                          &(struct answer_settings){.output = path, .sidecar = sidecar_is_none(given) ? given : NULL});
 }
 
 void rows_file_finish(struct rows_file *file)
@@ -90,29 +93,21 @@ int rows_file_write(const struct rows_file *file, const struct provenance *prove
 }
 
 const struct option endpoints_options[] = {
-    {.name = "endpoints",
-     OPTION_AT(struct ends_settings, endpoints),
-     .value = "FILE",
+    {OPTION_VALUED("endpoints", struct ends_settings, endpoints, "FILE"),
      .help = "write which areas the streamlines in the cone or ball connect: a row for each bundle and pair of areas",
-     .role = OPTION_WRITES_ROWS,
-     .flags = OPTION_OF_REGION},
+     .role = OPTION_WRITES_ROWS, .flags = OPTION_OF_REGION, .holds = HOLDS_ROWS},
     {0},
 };
 
 const struct option connectivity_options[] = {
-    {.name = "connectivity",
-     OPTION_AT(struct ends_settings, connectivity),
-     .value = "FILE",
+    {OPTION_VALUED("connectivity", struct ends_settings, connectivity, "FILE"),
      .help = "write the table, area by area, of how many streamlines connect them: .tsv, .csv, or .json; it has all "
              "areas with voxels or triangles, or those of --only in their order",
-     .words = "connectome, matrix",
-     .role = OPTION_WRITES_ROWS,
-     .flags = OPTION_OF_REGION | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE},
-    {.name = "endpoint-radius",
-     OPTION_AT(struct ends_settings, radius),
-     .value = "MM",
-     .help = "an end of a streamline that is in no area has the nearest one within this radius, up to 100; 0 = none "
-             "(default 2)"},
+     .words = "connectome, matrix", .role = OPTION_WRITES_ROWS,
+     .flags = OPTION_OF_REGION | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE, .holds = HOLDS_ROWS},
+    {OPTION_MM("endpoint-radius", struct ends_settings, radius),
+     .help = "an end of a streamline that is in no area has the nearest one within this radius, up to 100; 0 = none",
+     .standard = "2"},
     {0},
 };
 
@@ -204,7 +199,7 @@ int ends_init(struct ends *out, const struct ends_settings *settings, const stru
         return print_usage_error("--endpoints needs a file: the answer is on standard output");
     }
     static const struct rows_kind connections = {"endpoints", CONUS_ROWS_CONNECTIONS, "connections"};
-    int code = rows_file_init(&out->rows, &connections, settings->endpoints, CONUS_FORMAT_TABLE);
+    int code = rows_file_init(&out->rows, &connections, settings->endpoints, CONUS_FORMAT_TABLE, arguments);
     return code ? code : matrix_file_init(&out->matrix, settings->connectivity);
 }
 

@@ -21,9 +21,10 @@ struct rows_file {
 
 /* Those that return an int give the exit code and print an error unless it is 0. With no path they do nothing. */
 
-/** Finds format and sidecar of the file @p path: the format by the ending, or @p format where that is no file. @p out
- * is the caller's to rows_file_finish() in any case. */
-int rows_file_init(struct rows_file *out, const struct rows_kind *kind, const char *path, conus_format format);
+/** Finds format and sidecar of the file @p path (none where --sidecar says so): the format by the ending, or @p format
+ * where that is no file. @p out is the caller's to rows_file_finish() in any case. */
+int rows_file_init(struct rows_file *out, const struct rows_kind *kind, const char *path, conus_format format,
+                   const struct arguments *arguments);
 void rows_file_finish(struct rows_file *file);
 
 /** Makes the report of the next atlas. @p options has space, command and the atlas's name. */

@@ -17,42 +17,24 @@ static const char *const mask_contents[] = {[CONUS_GRID_MASK_OF_AREAS] = "areas"
                                             NULL};
 
 const struct option selection_file_options[] = {
-    {.name = "image",
-     OPTION_AT(struct selection_file_settings, image),
-     .value = "FILE",
+    {OPTION_VALUED("image", struct selection_file_settings, image, "FILE"),
      .help = "write the image seen from the device: .exr with id, X, Y, Z, t per pixel, or .png in the areas' colours",
-     .words = "figure, picture",
-     .role = OPTION_WRITES,
-     .flags = OPTION_OF_CONE | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE | OPTION_IS_PICTURE,
-     .endings = ".exr .png"},
-    {.name = "mask",
-     OPTION_AT(struct selection_file_settings, mask),
-     .value = "FILE.nii.gz",
+     .words = "figure, picture", .flags = OPTION_OF_CONE | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE | OPTION_IS_PICTURE,
+     .endings = ".exr .png", OPTION_WRITING(PICTURE)},
+    {OPTION_VALUED("mask", struct selection_file_settings, mask, "FILE.nii.gz"),
      .help = "write the voxels in the cone as a volume on the atlas's grid, with a .json beside it",
-     .words = "NIfTI, volume",
-     .role = OPTION_WRITES,
-     .flags = OPTION_OF_REGION | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE,
-     .endings = ".nii.gz .nii"},
-    {.name = "mask-of",
-     OPTION_AT(struct selection_file_settings, mask_content),
-     .value = "WHAT",
-     .help = "content of the mask: 1 in voxels of areas, 1 in all voxels, labels of areas, or values of a pathway; "
-             "without it a name that ends in _dseg means labels, one that ends in _probseg values:",
-     .choices = mask_contents,
+     .words = "NIfTI, volume", .flags = OPTION_OF_REGION | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE,
+     .endings = ".nii.gz .nii", OPTION_WRITING(VOLUME)},
+    {OPTION_VALUED("mask-of", struct selection_file_settings, mask_content, "WHAT"),
+     .help = "content of the mask: 1 in voxels of areas, 1 in all voxels, labels of areas, or values of a pathway:",
+     .otherwise = "as the name ends: _dseg means labels, _probseg values; else areas", .choices = mask_contents,
      .needs = "mask"},
-    {.name = "mask-object",
-     OPTION_AT(struct selection_file_settings, mask_object),
-     .value = "NAME",
+    {OPTION_VALUED("mask-object", struct selection_file_settings, mask_object, "NAME"),
      .help = "only this area with those below it in the tree, or this pathway: a name, abbreviation or label",
-     .role = OPTION_ASKS,
-     .needs = "mask"},
-    {.name = "streamlines-out",
-     OPTION_AT(struct selection_file_settings, streamlines),
-     .value = "FILE.tck",
+     .role = OPTION_ASKS, .needs = "mask"},
+    {OPTION_VALUED("streamlines-out", struct selection_file_settings, streamlines, "FILE.tck"),
      .help = "write the streamlines of bundles that come into the cone or ball, whole, as a tractogram of MRtrix",
-     .role = OPTION_WRITES,
-     .flags = OPTION_OF_REGION | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE,
-     .endings = ".tck"},
+     .flags = OPTION_OF_REGION | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE, .endings = ".tck", OPTION_WRITING(TRACTS)},
     {0},
 };
 
@@ -81,6 +63,9 @@ int selection_files_init(struct selection_files *out, struct outputs *outputs,
                         : stem_ends(path, "_dseg")         ? CONUS_GRID_MAP_OF_LABELS
                         : stem_ends(path, "_probseg")      ? CONUS_GRID_MAP_OF_VALUES
                                                            : CONUS_GRID_MASK_OF_AREAS;
+    if (sidecar_is_none(option_text(arguments, "sidecar"))) {
+        return EXIT_DONE;
+    }
     if (asprintf(&out->mask_sidecar, "%.*s.json", (int)stem_length(path), path) < 0) {
         out->mask_sidecar = NULL;
         return print_no_memory();
@@ -135,7 +120,7 @@ static int write_mask(const struct selection_files *files, conus_report *report,
         return print_status(status);
     }
     provenance_add_output(&own, "mask", files->settings->mask, NULL, 0);
-    return provenance_write(files->mask_sidecar, text, size, &own);
+    return files->mask_sidecar ? provenance_write(files->mask_sidecar, text, size, &own) : EXIT_DONE;
 }
 
 int selection_files_write(const struct selection_files *files, conus_report *report,

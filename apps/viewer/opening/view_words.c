@@ -12,45 +12,27 @@
 #include <string.h>
 
 const struct option scene_options[] = {
-    {.name = "transfer",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct view_settings, transfer),
-     .value = "NAME|FILE",
-     .help = "transfer function of the context in 3-D, as for conus render"},
+    {OPTION_VALUED("transfer", struct view_settings, transfer, "NAME|FILE"),
+     .help = "transfer function of the context in 3-D, as for conus render", .holds = HOLDS_COLOURS},
     {0},
 };
 
 const struct option needle_options[] = {
-    {.name = "pose",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct view_settings, pose),
-     .value = "FILE",
+    {OPTION_VALUED("pose", struct view_settings, pose, "FILE"),
      .help =
          "points and poses, such as contacts, optodes or coils: all are drawn as balls with their names, and one is "
-         "chosen to be asked about"},
-    {.name = "poses",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct view_settings, poses),
-     .value = "FILE",
+         "chosen to be asked about",
+     .holds = HOLDS_POSES},
+    {OPTION_VALUED("poses", struct view_settings, poses, "FILE"),
      .help = "poses to replay, on a time line; with constraints, the candidates of a plan, as for conus plan: the best "
-             "are listed"},
-    {.name = "depth",
-     .type = OPTION_NUMBER,
-     .offset = offsetof(struct view_settings, depth),
-     .value = "MM",
+             "are listed",
+     .holds = HOLDS_POSES},
+    {OPTION_MM("depth", struct view_settings, depth),
      .help = "far end of the first tool, its tip, mm from the device's position (F4, F5), and that of candidates that "
              "have none in a column far",
-     .low = 0,
-     .high = 1e6,
-     .open = true},
-    {.name = "radius",
-     .type = OPTION_NUMBER,
-     .offset = offsetof(struct view_settings, radius),
-     .value = "MM",
-     .help = "the first tool is a needle of this radius, mm, in place of a cone",
-     .low = 0,
-     .high = 1e6,
-     .open = true},
+     .low = 0, .high = 1e6, .open = true},
+    {OPTION_MM("radius", struct view_settings, radius),
+     .help = "the first tool is a needle of this radius, mm, in place of a cone", .low = 0, .high = 1e6, .open = true},
     {0},
 };
 
@@ -69,8 +51,11 @@ static const struct option_group groups[] = {
     {0},
 };
 
-static const struct command cmd_words = {
-    .program = "conus-view", .name = "session", .groups = groups, .settings_size = sizeof(struct view_settings)};
+static const struct command cmd_words = {.program = "conus-view",
+                                         .name = "session",
+                                         .resumes = true,
+                                         .groups = groups,
+                                         .settings_size = sizeof(struct view_settings)};
 
 /* Whether a session keeps the option; poses to replay are no part of it. */
 static bool is_kept(const struct option *option, bool has_plan)

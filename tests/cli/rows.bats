@@ -1,0 +1,57 @@
+#!/usr/bin/env bats
+# The tables of options, which are also JSON: what they say of an option is so.
+load helpers
+
+@test "a default that is given is as good as none, of every option of every command" {
+    run -0 python3 "$BATS_TEST_DIRNAME/rows.py" "$CONUS"
+    [[ $output =~ ^1[0-9][0-9]\ defaults\ given$ ]] || { echo "$output"; return 1; }
+}
+
+@test "no file has a sidecar where there is to be none, and none is left that describes another answer" {
+    conus phantom nested -o . --size 24
+    aim=(--origin 0,0,90 --toward 0,0,0)
+    conus query nested.nii.gz "${aim[@]}" -o a.tsv -q
+    run -2 conus query nested.nii.gz "${aim[@]}" -o a.tsv --force --sidecar none
+    [ "$output" = "conus: --sidecar none: a.json is there, and would describe another answer" ]
+    cp a.tsv wanted.tsv
+    rm a.tsv a.json
+    mkdir none
+    conus query nested.nii.gz "${aim[@]}" -q --sidecar none -o none/a.tsv --segments none/s.tsv --clearance none/c.tsv \
+        --mask none/m.nii.gz
+    [ "$(ls none)" = "$(printf '%s\n' a.tsv c.tsv m.nii.gz s.tsv)" ]
+    cmp wanted.tsv none/a.tsv
+    conus overlap nested.nii.gz nested.nii.gz --threshold 1 -q --sidecar none -o none/o.tsv --clusters none/l.tsv
+    conus sweep nested.nii.gz "${aim[@]}" -q --sidecar none -o none/w.tsv
+    conus query nested.nii.gz "${aim[@]}" -q --sidecar none -o none/a.json
+    [ "$(find none -name '*.json')" = none/a.json ]
+}
+
+@test "JSON has every option of every help, and the help all that JSON says" {
+    conus help --json >rows.json
+    for command in $(conus help | sed -n 's/^  \([a-z]*\)  .*/\1/p' | grep -vx -e help -e view); do
+        conus "$command" --help | sed -n 's/^  \(-., \|    \)--\([a-z0-9-]*\).*/\2/p' >wanted
+        python3 -c 'import json, sys
+rows = next(c["options"] for c in json.load(open("rows.json"))["commands"] if c["name"] == sys.argv[1])
+print(*(row["name"] for row in rows), sep="\n")' "$command" | diff wanted -
+    done
+}
+
+# record VALUE: the result's sidecar as a version would have written it that recorded what was given.
+record() {
+    python3 -c 'import json, sys
+root = json.load(open("a.json"))
+root["Question"]["options"]["angle"] = sys.argv[1]
+json.dump(root, open("old.json", "w"))' "$1"
+    sum=$(python3 "$BATS_TEST_DIRNAME/leaves.py" --seal old.json)
+    sed -i -E "s/(\"Checksum\": \")[0-9a-f]*/\1$sum/" old.json
+}
+
+@test "verify takes a default that was recorded for one that was not" {
+    conus phantom nested -o . --size 24
+    conus query nested.nii.gz --origin 0,0,90 --toward 0,0,0 -o a.tsv -q
+    record 10.0
+    run -0 conus verify a.tsv --sidecar old.json
+    record 10.5
+    run -1 conus verify a.tsv --sidecar old.json
+    [[ $output == *'Question.options.angle is "10.5" there, and missing when it is answered again'* ]]
+}
