@@ -164,6 +164,9 @@ static conus_status fill_matrix(struct report_matrix *out, const conus_table *ta
 {
     enum { AREA_LIMIT = 8192 };
     *out = (struct report_matrix){.areas = conus_table_part(table, "areas"), .pairs = conus_table_part(table, "pairs")};
+    if (!out->pairs) {
+        return fail(CONUS_ERROR_ARGUMENT, "report: a table of areas is of connections with their pairs");
+    }
     const int64_t *a = conus_table_counts(out->pairs, "area_a");
     const int64_t *b = conus_table_counts(out->pairs, "area_b");
     out->count = conus_table_rows(out->areas);
