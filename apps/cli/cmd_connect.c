@@ -68,7 +68,7 @@ static int add_answer(struct connect *connect, size_t index, const conus_report_
     const double radius = ends_radius_of(&connect->settings->ends, connect->request.arguments);
     struct answerer *answerer = &connect->request.answerers[index];
     conus_table *table = NULL;
-    conus_status status = conus_connectivity(&table, answerer->selector, NULL, radius);
+    conus_status status = conus_connectivity(&table, answerer->selector, NULL, radius, true);
     status = status ? status : conus_report_add_table(answerer->report, "1", table);
     int code = print_status(status);
     if (!code) {

@@ -174,7 +174,7 @@ CONUS_CHECKED conus_status conus_report_add_table(conus_report *report, const ch
  * @param[out] text Borrowed from the report until the next text is asked for. UTF-8.
  * @param[out] size Bytes.
  * @param report Of #CONUS_ROWS_CONNECTIONS, as #CONUS_FORMAT_TSV, #CONUS_FORMAT_CSV or #CONUS_FORMAT_JSON.
- * @param table Of conus_connectivity(), as for conus_report_add_table(): its parts are written.
+ * @param table Of conus_connectivity() with pairs, as for conus_report_add_table(): its parts are written.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another report; #CONUS_ERROR_UNSUPPORTED for more than 8192 areas.
  * @threads One at a time for each @p report.
  * @since 0.1

@@ -1137,7 +1137,7 @@ class Selector(Guarded):
             raise ArgumentError("all streamlines are hidden: only names the bundles to keep beside areas")
         out = ffi.new("conus_table **")
         chosen = ffi.NULL if selection is None else selection._p
-        self._call(lib.conus_connectivity, out, self._p, chosen, radius_of(radius))
+        self._call(lib.conus_connectivity, out, self._p, chosen, radius_of(radius), True)
         return Connectivity(out[0])
 
     def overlap(self, roi: Any, threshold: float = 0, *, max_memory: int = 0) -> Table:

@@ -225,8 +225,6 @@ static struct row *add_kinds(struct row *out, const struct connecting *connectin
         *out++ = (struct row){.object = {CONUS_KIND_BUNDLE, all[first].bundle},
                               .a = a,
                               .b = b,
-                              .area_a = connecting->row_of[a],
-                              .area_b = connecting->row_of[b],
                               .streamlines = end - first,
                               .fraction = (double)(end - first) / (double)whole,
                               .length = length / (double)(end - first)};
@@ -392,18 +390,25 @@ static conus_status place_areas(struct connecting *connecting)
     return status || connecting->row_of ? status : CONUS_ERROR_MEMORY;
 }
 
-/* Adds the pairs of all bundles together, which are no bundle's; those of a single bundle are its rows. */
+/* Adds the areas, and the pairs of all bundles together, which are no bundle's; those of a single bundle are its rows.
+ */
 static conus_status add_pairs(conus_table *table, struct connecting *connecting, struct rows *rows)
 {
     conus_table *pairs = NULL;
-    conus_status status = CONUS_OK;
-    if (connecting->bundle_count != 1) {
+    conus_status status = place_areas(connecting);
+    if (!status) {
+        table_add_part(table, "areas", table_hold(connecting->selector->areas));
+    }
+    if (!status && connecting->bundle_count != 1) {
         merge_bundles(connecting);
         memory_free(rows->at);
         status = count_all(rows, connecting);
     }
     for (size_t i = 0; i < rows->count && !status; i++) {
-        rows->at[i].object = (struct table_object){.kind = CONUS_KIND_UNASSIGNED};
+        struct row *row = &rows->at[i];
+        row->object = (struct table_object){.kind = CONUS_KIND_UNASSIGNED};
+        row->area_a = connecting->row_of[row->a];
+        row->area_b = connecting->row_of[row->b];
     }
     status = status ? status : make_table(&pairs, connecting, &pair_fields, rows->at, sizeof *rows->at, rows->count);
     if (!status) {
@@ -412,16 +417,15 @@ static conus_status add_pairs(conus_table *table, struct connecting *connecting,
     return status;
 }
 
-static conus_status build(conus_table **out, struct connecting *connecting)
+static conus_status build(conus_table **out, struct connecting *connecting, bool with_pairs)
 {
     struct rows rows = {0};
     conus_table *table = NULL;
-    conus_status status = place_areas(connecting);
-    status = status ? status : gather(connecting);
+    conus_status status = gather(connecting);
     status = status ? status : find_ends(connecting, connecting->asked->end_radius);
     status = status ? status : count_all(&rows, connecting);
     status = status ? status : make_table(&table, connecting, &connection_fields, rows.at, sizeof *rows.at, rows.count);
-    status = status ? status : add_pairs(table, connecting, &rows);
+    status = status || !with_pairs ? status : add_pairs(table, connecting, &rows);
     area_search_finish(&connecting->search);
     memory_free(rows.at);
     memory_free(connecting->all);
@@ -431,13 +435,12 @@ static conus_status build(conus_table **out, struct connecting *connecting)
         conus_table_destroy(table);
         return status;
     }
-    table_add_part(table, "areas", table_hold(connecting->selector->areas));
     *out = table;
     return CONUS_OK;
 }
 
 conus_status conus_connectivity(conus_table **out, conus_selector *selector, const conus_selection *selection,
-                                double radius)
+                                double radius, bool with_pairs)
 {
     if (!(radius <= RADIUS_LIMIT)) {
         return fail(CONUS_ERROR_ARGUMENT, "radius: %g mm round an end, allowed are up to %g", radius, RADIUS_LIMIT);
@@ -454,5 +457,5 @@ conus_status conus_connectivity(conus_table **out, conus_selector *selector, con
     }
     struct connecting connecting = {
         .selector = selector, .region = selection ? &selection->region : NULL, .asked = &asked};
-    return build(out, &connecting);
+    return build(out, &connecting, with_pairs);
 }

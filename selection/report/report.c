@@ -314,7 +314,7 @@ static void append_rows(struct report_row **out, conus_report *report, size_t co
 {
     *out = report->rows + report->row_count;
     for (size_t i = 0; i < count; i++) {
-        (*out)[i] = (struct report_row){.query = report->query_count - 1};
+        (*out)[i].query = report->query_count - 1;
     }
     report->row_count += count;
 }
@@ -443,6 +443,6 @@ conus_status conus_report_add_error(conus_report *report, const char *query_id, 
         memory_free(query.error);
         return status;
     }
-    row->result.kind = CONUS_KIND_UNASSIGNED;
+    row->result = (conus_result){.kind = CONUS_KIND_UNASSIGNED};
     return CONUS_OK;
 }

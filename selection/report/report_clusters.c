@@ -7,6 +7,21 @@
 #include <stdio.h>
 #include <string.h>
 
+void table_write_region(struct buffer *out, const struct report_query *query)
+{
+    char threshold[TEXT_NUMBER_SIZE];
+    char volume[TABLE_VOLUME_SIZE];
+    const struct table_region *roi = &query->asked.region;
+    buffer_format(out, "region %s: ", query->id);
+    if (roi->threshold == 0) {
+        buffer_text(out, "mask");
+    } else {
+        buffer_format(out, "values of %s and %s", text_number(threshold, roi->threshold),
+                      roi->threshold > 0 ? "more" : "less");
+    }
+    buffer_format(out, ", %s mm^3\n", table_volume(volume, roi->volume_mm3));
+}
+
 static bool is_of_kind(const struct report_row *row, const char *kind)
 {
     return strcmp(conus_table_texts(row->of_table.table, "kind")[row->of_table.index], kind) == 0;

@@ -885,7 +885,7 @@ struct cell report_cell(const conus_report *report, const struct report_column *
             return column->get(report, row);
         }
         if (column->home == HOME_TABLE) {
-            return table_cell(row->of_table.table, column->offset, row->of_table.index);
+            return table_cell(&table_columns(row->of_table.table)[column->offset], row->of_table.index);
         }
         bool of_query = column->home == HOME_QUERY || column->home == HOME_MARKS;
         const void *from = column->home == HOME_ROW       ? (const void *)row

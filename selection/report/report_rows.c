@@ -79,11 +79,27 @@ void report_write_names(struct buffer *out, const conus_report *report)
     buffer_text(out, marks.end);
 }
 
+/* The columns of the table that a row is of; NULL = none. */
+static const conus_column *table_of(const conus_report *report, const struct report_row *row)
+{
+    bool is_of_table = report->fields && !report->queries[row->query].error;
+    return is_of_table ? table_columns(row->of_table.table) : NULL;
+}
+
+/* The value in a column, of tables without a call. */
+static inline struct cell cell_of(const conus_report *report, const struct report_column *column,
+                                  const struct report_row *row, const conus_column *table)
+{
+    return table && column->home == HOME_TABLE ? table_cell(&table[column->offset], row->of_table.index)
+                                               : report_cell(report, column, row);
+}
+
 static void write_table_row(struct buffer *out, const conus_report *report, const struct report_columns *columns,
                             const struct report_row *row)
 {
     const struct table_marks marks = marks_of(report);
-    const unsigned there = report_needs_met(report, row);
+    const conus_column *table = table_of(report, row);
+    const unsigned there = table ? 0 : report_needs_met(report, row); /* tables have what their columns need */
     for (size_t i = 0; i < columns->count; i++) {
         if (i > 0) {
             buffer_append(out, marks.separator, 1);
@@ -92,7 +108,7 @@ static void write_table_row(struct buffer *out, const conus_report *report, cons
             buffer_append(out, "n/a", 3);
             continue;
         }
-        struct cell cell = report_cell(report, columns->at[i], row);
+        struct cell cell = cell_of(report, columns->at[i], row, table);
         if (cell.type == CELL_TEXT) {
             write_table_text(out, report, cell.text);
         } else {
@@ -154,8 +170,9 @@ static void write_json_row(struct buffer *out, const conus_report *report, const
                            const struct report_row *row)
 {
     const char *before = "{";
+    const conus_column *table = table_of(report, row);
     for (size_t i = 0; i < columns->count; i++) {
-        struct cell cell = report_cell(report, columns->at[i], row);
+        struct cell cell = cell_of(report, columns->at[i], row, table);
         buffer_append(out, before, 1);
         before = ",";
         write_string(out, columns->at[i]->name);

@@ -21,15 +21,12 @@ typedef void table_writer(struct buffer *out, const conus_report *report);
 
 static table_writer *table_of(const conus_report *report)
 {
-    return report->options.tracker                          ? report_write_track
-           : report->options.rows == CONUS_ROWS_ANSWERS     ? report_write_table
-           : report->options.rows == CONUS_ROWS_COVERAGES   ? report_write_overlap
-           : report->options.rows == CONUS_ROWS_CLUSTERS    ? report_write_clusters
-           : report->options.rows == CONUS_ROWS_SEGMENTS    ? report_write_segments
-           : report->options.rows == CONUS_ROWS_CLEARANCES  ? report_write_clearances
-           : report->options.rows == CONUS_ROWS_CONNECTIONS ? report_write_connections
-           : report->plan.count > 0                         ? report_write_plan
-                                                            : report_write_sweep;
+    return report->options.tracker                       ? report_write_track
+           : report->options.rows == CONUS_ROWS_ANSWERS  ? report_write_table
+           : report->options.rows == CONUS_ROWS_CLUSTERS ? report_write_clusters
+           : report->fields                              ? report_write_study
+           : report->plan.count > 0                      ? report_write_plan
+                                                         : report_write_shares;
 }
 
 conus_status report_write_part(struct buffer *out, const conus_report *report)
@@ -164,6 +161,9 @@ static conus_status fill_matrix(struct report_matrix *out, const conus_table *ta
 {
     enum { AREA_LIMIT = 8192 };
     *out = (struct report_matrix){.areas = conus_table_part(table, "areas"), .pairs = conus_table_part(table, "pairs")};
+    if (!out->pairs) {
+        return fail(CONUS_ERROR_ARGUMENT, "report: a table of areas is of connections with their pairs");
+    }
     const int64_t *a = conus_table_counts(out->pairs, "area_a");
     const int64_t *b = conus_table_counts(out->pairs, "area_b");
     out->count = conus_table_rows(out->areas);

@@ -24,15 +24,12 @@ typedef void report_take_row(void *user, const conus_report *of, const struct re
 void report_each_row(const conus_report *report, report_take_row *take, void *user);
 
 /* Tables for people. */
-void report_write_table(struct buffer *out, const conus_report *report);       /**< Answers.          */
-void report_write_track(struct buffer *out, const conus_report *report);       /**< A track.          */
-void report_write_clusters(struct buffer *out, const conus_report *report);    /**< Clusters of regions. */
-void report_write_overlap(struct buffer *out, const conus_report *report);     /**< Coverages.        */
-void report_write_segments(struct buffer *out, const conus_report *report);    /**< Segments.        */
-void report_write_clearances(struct buffer *out, const conus_report *report);  /**< Clearances.        */
-void report_write_connections(struct buffer *out, const conus_report *report); /**< Connections.   */
-void report_write_plan(struct buffer *out, const conus_report *report);        /**< All rows of plans. */
-void report_write_sweep(struct buffer *out, const conus_report *report);       /**< All other rows.   */
+void report_write_table(struct buffer *out, const conus_report *report);    /**< Answers. */
+void report_write_track(struct buffer *out, const conus_report *report);    /**< A track. */
+void report_write_shares(struct buffer *out, const conus_report *report);   /**< Shares at several angles. */
+void report_write_clusters(struct buffer *out, const conus_report *report); /**< Clusters of regions. */
+void report_write_plan(struct buffer *out, const conus_report *report);     /**< All rows of plans. */
+void report_write_study(struct buffer *out, const conus_report *report);    /**< All other rows of tables. */
 
 /* report_json.c */
 conus_status report_write_json_matrix(struct buffer *out, const conus_report *report,

@@ -7,6 +7,16 @@
 
 #include <string.h>
 
+void cell_point(double out[3], enum column_type type, const double world[3], const conus_atlas *atlas,
+                const conus_frame *frame)
+{
+    memcpy(out, world, 3 * sizeof *out);
+    if (type >= COLUMN_OWN_X && frame->space < CONUS_SPACE_CCF) { /* which is the atlas's own */
+        conus_atlas_own_point(out, atlas, out);
+    }
+    conus_frame_from_world(out, frame, out);
+}
+
 struct cell cell_at(enum column_type type, const void *place, const conus_atlas *atlas, const conus_frame *frame)
 {
     const uint32_t *count = place;
@@ -28,18 +38,11 @@ struct cell cell_at(enum column_type type, const void *place, const conus_atlas 
     case COLUMN_X:
     case COLUMN_Y:
     case COLUMN_Z:
-        memcpy(point, numbers, sizeof point);
-        conus_frame_from_world(point, frame, point);
-        return number_cell(point[type - COLUMN_X]);
     case COLUMN_OWN_X:
     case COLUMN_OWN_Y:
     case COLUMN_OWN_Z:
-        memcpy(point, numbers, sizeof point);
-        if (frame->space < CONUS_SPACE_CCF) { /* which is the atlas's own */
-            conus_atlas_own_point(point, atlas, point);
-        }
-        conus_frame_from_world(point, frame, point);
-        return number_cell(point[type - COLUMN_OWN_X]);
+        cell_point(point, type, numbers, atlas, frame);
+        return number_cell(point[(type - COLUMN_X) % 3]);
     default:
         return number_cell(*numbers);
     }

@@ -62,6 +62,10 @@ static inline bool column_is_place(enum column_type type)
     return type >= COLUMN_X;
 }
 
+/** The point at @p world in the frame's space; of a column with OWN in its type that in the atlas's files. */
+void cell_point(double out[3], enum column_type type, const double world[3], const conus_atlas *atlas,
+                const conus_frame *frame);
+
 /** The value at @p place, which is of the type. */
 struct cell cell_at(enum column_type type, const void *place, const conus_atlas *atlas, const conus_frame *frame);
 

@@ -7,11 +7,12 @@
 #include "base/name_set.h"
 #include "conus/own.h"
 
+#include <assert.h>
 #include <stdatomic.h>
 #include <string.h>
 
-/* So many words of a column are compared one by one before others are looked up. */
-enum { FEW_WORDS = 16 };
+/* So many words of a column are compared one by one before others are looked up; so many texts are known by address. */
+enum { FEW_WORDS = 16, KNOWN_TEXTS = 128 };
 
 /* Batches make a table for each pose: the arrays of all columns lie behind it in one block. */
 struct conus_table {
@@ -115,20 +116,35 @@ static struct cell field_cell(const struct table_field *field, const struct made
 }
 
 /* Infinities are kept: only where cell_at() has the unit of files, n/a stands for both. */
-static double field_number(const struct table_field *field, const struct made_of *of, size_t index)
-{
-    const double *at = (const double *)(const void *)(of->rows + index * of->size + field->offset);
-    bool is_plain = !field->get && field->type == COLUMN_NUMBER;
-    struct cell cell = is_plain ? no_cell() : field_cell(field, of, index);
-    return is_plain ? *at : cell.type == CELL_NUMBER ? cell.number : NAN;
-}
-
 static void fill_numbers(conus_column *column, const struct table_field *field, struct made_of *of)
 {
     double *numbers = take(&of->eights, of, sizeof *numbers);
+    const char *at = of->rows + field->offset;
+    bool is_plain = !field->get && field->type == COLUMN_NUMBER;
     column->numbers = numbers;
-    for (size_t i = 0; i < of->count; i++) {
-        numbers[i] = field_number(field, of, i);
+    for (size_t i = 0; i < of->count && is_plain; i++, at += of->size) {
+        numbers[i] = *(const double *)(const void *)at;
+    }
+    for (size_t i = 0; i < of->count && !is_plain; i++) {
+        struct cell cell = field_cell(field, of, i);
+        numbers[i] = cell.type == CELL_NUMBER ? cell.number : NAN;
+    }
+}
+
+/* x, y and z of a point, whose fields are side by side. */
+static void fill_points(conus_column *columns, const struct table_field *field, struct made_of *of)
+{
+    double *numbers[3];
+    for (int a = 0; a < 3; a++) {
+        columns[a].numbers = numbers[a] = take(&of->eights, of, sizeof **numbers);
+    }
+    const char *at = of->rows + field->offset;
+    for (size_t i = 0; i < of->count; i++, at += of->size) {
+        double point[3];
+        cell_point(point, field->type, (const double *)(const void *)at, of->source->atlas, of->source->frame);
+        for (int a = 0; a < 3; a++) {
+            numbers[a][i] = isfinite(point[a]) ? point[a] : NAN;
+        }
     }
 }
 
@@ -172,26 +188,40 @@ static conus_status fill_texts(conus_column *column, const struct table_field *f
     column->words = words;
     column->word_count = 1;
     words[0] = NULL;
+    const char *met[KNOWN_TEXTS] = {NULL}; /* and where in codes: rows repeat the atlas's names */
+    size_t met_at[KNOWN_TEXTS];
     struct name_set known = {0};
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < of->count && !status; i++) {
-        struct cell cell = field_cell(field, of, i);
-        codes[i] = 0;
-        status = cell.text ? find_code(&codes[i], words, &column->word_count, &known, cell.text) : CONUS_OK;
+        const char *text = field_cell(field, of, i).text;
+        const uintptr_t address = (uintptr_t)text;
+        const size_t slot = (address >> 3 ^ address >> 10) % KNOWN_TEXTS;
+        if (!text || met[slot] == text) {
+            codes[i] = text ? codes[met_at[slot]] : 0;
+            continue;
+        }
+        status = find_code(&codes[i], words, &column->word_count, &known, text);
+        met[slot] = text;
+        met_at[slot] = i;
     }
     name_set_finish(&known);
     return status;
 }
 
-static conus_status fill_column(conus_column *column, const struct table_field *field, struct made_of *of)
+/* Fills a column, or the three of a point. */
+static conus_status fill_columns(conus_column *columns, const struct table_field *fields, size_t count,
+                                 struct made_of *of)
 {
-    const char *unit = column_is_place(field->type) ? conus_space_unit(of->source->frame->space) : field->unit;
-    *column = (conus_column){.name = field->name, .unit = unit ? unit : "", .help = field->help};
-    column->type = type_of(field);
-    if (column->type == CONUS_TYPE_TEXT) {
-        return fill_texts(column, field, of);
+    for (size_t i = 0; i < count; i++) {
+        const char *unit = count == 3 ? conus_space_unit(of->source->frame->space) : fields[i].unit;
+        columns[i] = (conus_column){.name = fields[i].name, .unit = unit ? unit : "", .help = fields[i].help};
+        columns[i].type = type_of(&fields[i]);
     }
-    (column->type == CONUS_TYPE_COUNT ? fill_counts : fill_numbers)(column, field, of);
+    assert(count == 1 || (fields[2].type == fields->type + 2 && fields[2].offset == fields->offset));
+    if (columns->type == CONUS_TYPE_TEXT) {
+        return fill_texts(columns, fields, of);
+    }
+    (columns->type == CONUS_TYPE_COUNT ? fill_counts : count == 3 ? fill_points : fill_numbers)(columns, fields, of);
     return CONUS_OK;
 }
 
@@ -251,9 +281,11 @@ static conus_status fill(conus_table *table, const struct table_fields *fields, 
 {
     conus_status status = CONUS_OK;
     table->row_count = of->count;
-    for (size_t i = 0; i < fields->count && !status; i++) {
+    for (size_t i = 0, count; i < fields->count && !status; i += count) {
+        count = column_is_place(fields->at[i].type) ? 3 : 1;
         if (table_has_field(of->source->atlas, &fields->at[i])) {
-            status = fill_column(&table->columns[table->column_count++], &fields->at[i], of);
+            status = fill_columns(&table->columns[table->column_count], &fields->at[i], count, of);
+            table->column_count += count;
         }
     }
     uint32_t *objects = status ? NULL : take(&of->fours, of, sizeof *objects);
@@ -331,17 +363,9 @@ const struct table_question *table_question(const conus_table *table)
     return &table->asked;
 }
 
-struct cell table_cell(const conus_table *table, size_t column, size_t row)
+const conus_column *table_columns(const conus_table *table)
 {
-    const conus_column *of = &table->columns[column];
-    switch (of->type) {
-    case CONUS_TYPE_TEXT:
-        return text_cell(of->texts[row]);
-    case CONUS_TYPE_COUNT:
-        return of->missing && of->missing[row] ? no_cell() : integer_cell((uint64_t)of->counts[row]);
-    default:
-        return number_cell(of->numbers[row]);
-    }
+    return table->columns;
 }
 
 size_t conus_table_rows(const conus_table *table)

@@ -54,7 +54,7 @@ struct table_field {
     bool unless_zeros; /**< Files have it only where some row is not 0. */
 };
 
-/** The columns of a study, in their order, but `query`. */
+/** The columns of a study, in their order, but `query`. x, y and z of a point are side by side. */
 struct table_fields {
     const struct table_field *at;
     size_t count;
@@ -115,7 +115,19 @@ bool table_fits(const conus_table *table, const conus_frame *frame);
 
 const struct table_question *table_question(const conus_table *table);
 
-/** A cell, by the place of its column. */
-struct cell table_cell(const conus_table *table, size_t column, size_t row);
+/** All columns, side by side. */
+const conus_column *table_columns(const conus_table *table);
+
+/** A cell. */
+static inline struct cell table_cell(const conus_column *column, size_t row) /* called for each cell of a batch */
+{
+    if (column->texts) {
+        return text_cell(column->texts[row]);
+    }
+    if (column->counts) {
+        return column->missing && column->missing[row] ? no_cell() : integer_cell((uint64_t)column->counts[row]);
+    }
+    return number_cell(column->numbers[row]);
+}
 
 #endif

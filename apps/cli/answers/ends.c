@@ -216,7 +216,7 @@ int ends_add(struct ends *ends, size_t index, const char *id, conus_selector *se
     if (!ends->rows.path && !ends->matrix.path) {
         return EXIT_DONE;
     }
-    conus_status status = conus_connectivity(&table, selector, selection, ends->radius);
+    conus_status status = conus_connectivity(&table, selector, selection, ends->radius, ends->matrix.path);
     if (!status && ends->rows.path) {
         status = conus_report_add_table(ends->rows.reports[index], id, table);
     }

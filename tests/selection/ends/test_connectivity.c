@@ -53,7 +53,7 @@ static conus_table *connect(const conus_atlas *atlas, double radius, const char 
     conus_selector *selector = NULL;
     conus_table *table = NULL;
     assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.level = level}));
-    assert_ok(conus_connectivity(&table, selector, NULL, radius));
+    assert_ok(conus_connectivity(&table, selector, NULL, radius, true));
     conus_selector_destroy(selector);
     return table;
 }
@@ -345,8 +345,8 @@ static char *report_of(const conus_atlas *atlas, conus_format format)
     const conus_report_options options = {.rows = CONUS_ROWS_CONNECTIONS, .format = format};
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     assert_ok(conus_select_ball(&nothing, selector, (const double[]){12, 5, 0}, 1));
-    assert_ok(conus_connectivity(&tables[0], selector, NULL, 0));
-    assert_ok(conus_connectivity(&tables[1], selector, nothing, 0));
+    assert_ok(conus_connectivity(&tables[0], selector, NULL, 0, true));
+    assert_ok(conus_connectivity(&tables[1], selector, nothing, 0, true));
     assert_ok(conus_report_create(&report, selector, &options));
     assert_ok(conus_report_add_table(report, "all", tables[0]));
     assert_ok(conus_report_add_table(report, "ball", tables[1]));
@@ -484,9 +484,21 @@ static void test_only_streamlines_in_the_region(void **state)
     conus_table *table = NULL;
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     assert_ok(conus_select_ball(&selection, selector, (const double[]){10, 5, 0}, 1));
-    assert_ok(conus_connectivity(&table, selector, selection, 0));
+    assert_ok(conus_connectivity(&table, selector, selection, 0, true));
     assert_int_equal(conus_table_rows(table), 1);
     check(table, 0, (struct connection){6, 1, 2, 1, 1, 22});
+    conus_table_destroy(table);
+    assert_ok(conus_connectivity(&table, selector, selection, 0, false));
+    check(table, 0, (struct connection){6, 1, 2, 1, 1, 22});
+    assert_null(conus_table_part(table, "pairs"));
+    assert_null(conus_table_part(table, "areas"));
+    conus_report *report = NULL;
+    const char *text = NULL;
+    size_t size = 0;
+    const conus_report_options options = {.rows = CONUS_ROWS_CONNECTIONS, .format = CONUS_FORMAT_TSV};
+    assert_ok(conus_report_create(&report, selector, &options));
+    assert_fails(conus_report_matrix(&text, &size, report, table), CONUS_ERROR_ARGUMENT);
+    conus_report_destroy(report);
     conus_table_destroy(table);
     conus_selection_destroy(selection);
     conus_selector_destroy(selector);
@@ -505,7 +517,7 @@ static void test_a_cone_picks_streamlines(void **state)
     assert_ok(conus_pose_along(&pose, (const double[]){15, 30, 0}, (const double[]){0, -1, 0}, NULL));
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     assert_ok(conus_select(&selection, selector, &pose, 10 * MATH3_PI / 180));
-    assert_ok(conus_connectivity(&table, selector, selection, 0));
+    assert_ok(conus_connectivity(&table, selector, selection, 0, true));
     assert_int_equal(conus_table_rows(table), 2);
     check(table, 0, (struct connection){5, 2, 3, 1, 1, 10});
     check(table, 1, (struct connection){6, 2, 3, 1, 1, 8});
@@ -526,7 +538,7 @@ static void test_a_selection_of_another_atlas_is_refused(void **state)
     assert_ok(conus_selector_create(&selectors[0], atlases[0], NULL));
     assert_ok(conus_selector_create(&selectors[1], atlases[1], NULL));
     assert_ok(conus_select_ball(&selection, selectors[0], (const double[]){0, 0, 0}, 1));
-    assert_fails(conus_connectivity(&table, selectors[1], selection, 0), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_connectivity(&table, selectors[1], selection, 0, true), CONUS_ERROR_ARGUMENT);
     assert_null(table);
     conus_selection_destroy(selection);
     for (size_t i = 0; i < 2; i++) {
@@ -544,7 +556,7 @@ static void test_a_radius_has_limits(void **state)
     conus_table *table = NULL;
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     for (size_t i = 0; i < 3; i++) {
-        assert_fails(conus_connectivity(&table, selector, NULL, bad[i]), CONUS_ERROR_ARGUMENT);
+        assert_fails(conus_connectivity(&table, selector, NULL, bad[i], true), CONUS_ERROR_ARGUMENT);
         assert_null(table);
     }
     conus_selector_destroy(selector);
@@ -627,7 +639,7 @@ static conus_status connect_once(void *user)
     conus_table *table = NULL;
     conus_status status = conus_selector_create(&selector, user, NULL);
     status = status ? status : conus_select_ball(&selection, selector, (const double[]){5, 0, 0}, 9);
-    status = status ? status : conus_connectivity(&table, selector, selection, 0);
+    status = status ? status : conus_connectivity(&table, selector, selection, 0, true);
     status = status ? status : conus_report_create(&report, selector, &options);
     status = status ? status : conus_report_add_table(report, "1", table);
     status = status ? status : conus_report_matrix(&text, &size, report, table);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The tables for people of reports on how sure an answer is: shares, admissions and chances. */
+/* The table for people of shares at several angles. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"
@@ -7,69 +7,6 @@
 #include "selection/report/report_writers.h"
 
 #include <stdio.h>
-
-static void write_admission(struct buffer *out, const conus_report *report, const struct report_row *row, int width)
-{
-    char label[TABLE_LABEL_SIZE];
-    int digits = table_digits(report);
-    double margin = report_number(row, "margin_deg");
-    buffer_format(out, "%9.3f  ", report_number(row, "angle_deg"));
-    if (isfinite(margin)) {
-        buffer_format(out, "%9.3f  ", margin);
-    } else {
-        buffer_format(out, "%9s  ", "");
-    }
-    table_write_name(out, table_name(report, row->of_table.object), width);
-    buffer_format(out, "  %10s  %9.2f  %8.*f %8.*f %8.*f\n", table_label(label, report, row->of_table.object),
-                  report_number(row, "distance_mm"), digits, report_number(row, "x"), digits, report_number(row, "y"),
-                  digits, report_number(row, "z"));
-}
-
-static void write_chance(struct buffer *out, const conus_report *report, const struct report_row *row, int width)
-{
-    char rank[16] = "";
-    char label[TABLE_LABEL_SIZE];
-    char share[TABLE_SHARE_SIZE];
-    char varies[TABLE_SHARE_SIZE];
-    double in_cone = report_number(row, "p_in_cone");
-    if (row->of_table.object) {
-        snprintf(rank, sizeof rank, "%zu", row->of_table.index + 1);
-    }
-    buffer_format(out, "%4s  ", rank);
-    table_write_name(out, table_name(report, row->of_table.object), width);
-    buffer_format(out, "  %10s  %6.2f %%  %6.2f %%  %6.2f %%", table_label(label, report, row->of_table.object),
-                  100 * report_number(row, "p_hit"), 100 * report_number(row, "p_hit_error"),
-                  100 * report_number(row, "p_seen"));
-    if (report->selector.layers && isfinite(in_cone)) {
-        buffer_format(out, "  %6.2f %%", 100 * in_cone);
-    } else if (report->selector.layers) {
-        buffer_format(out, "  %8s", "");
-    }
-    buffer_format(out, "  %6s %%  %6s %%\n",
-                  table_share(share, report_number(row, "mean_share"), report->selector.resolution),
-                  table_share(varies, report_number(row, "sd_share"), report->selector.resolution));
-}
-
-static void write_rows_of(struct buffer *out, const conus_report *report, size_t index, int width)
-{
-    bool chances = report->options.rows == CONUS_ROWS_CHANCES;
-    if (chances) {
-        bool layers = report->selector.layers;
-        buffer_format(out, "%4s  %-*s  %10s  %8s  %8s  %8s%s%s  %8s  %8s\n", "rank", width, "name", "label", "hit",
-                      "error", "seen", layers ? "  " : "", layers ? " in cone" : "", "share", "varies");
-        buffer_format(out, "%4s  %-*s  %10s  %8s  %8s  %8s%s  %8s  %8s\n", "", width, "", "", "", "of hit", "",
-                      layers ? "          " : "", "mean", "by");
-    } else {
-        char axes[TABLE_AXES_SIZE];
-        static const char form[] = "%9s  %9s  %-*s  %10s  %9s  %26s\n";
-        buffer_format(out, form, "angle", "margin", width, "name", "label", "distance",
-                      table_axes(axes, report, "first reached at"));
-        buffer_format(out, form, "degrees", "degrees", width, "", "", "mm", conus_space_unit(report->frame.space));
-    }
-    for (size_t i = report->queries[index].first_row; i < report_row_end(report, index); i++) {
-        (chances ? write_chance : write_admission)(out, report, &report->rows[i], width);
-    }
-}
 
 enum { ANGLES_IN_A_TABLE = 10 };
 
@@ -160,9 +97,8 @@ static void write_shares(struct buffer *out, const conus_report *report, struct 
     memory_free(shares.lines);
 }
 
-void report_write_sweep(struct buffer *out, const conus_report *report)
+void report_write_shares(struct buffer *out, const conus_report *report)
 {
-    bool shares = report->options.rows == CONUS_ROWS_SHARES;
     int width = table_name_width(report);
     for (size_t i = 0; i < report->query_count;) {
         if (report->queries[i].error) {
@@ -170,23 +106,11 @@ void report_write_sweep(struct buffer *out, const conus_report *report)
             i++;
             continue;
         }
-        const struct block block = shares ? block_at(report, i) : (struct block){i, i + 1};
+        const struct block block = block_at(report, i);
         table_write_query(out, report, &report->queries[i]);
         for (const conus_report *of = report; of && block.end <= of->query_count; of = of->next) {
             table_write_atlas(out, of);
-            if (of->options.rows == CONUS_ROWS_SHARES) {
-                write_shares(out, of, block, width);
-            } else {
-                write_rows_of(out, of, block.first, width);
-            }
-        }
-        if (report->options.rows == CONUS_ROWS_CHANCES) {
-            const struct report_query *query = &report->queries[i];
-            buffer_format(out,
-                          "%u poses with errors of %.4g degrees about each axis and %.4g mm along each (standard "
-                          "deviations); ranked by %s; engine %s\n",
-                          query->asked.jitter.samples, degrees_from_radians(query->asked.jitter.tilt),
-                          query->asked.jitter.shift, report->score, report->engine);
+            write_shares(out, of, block, width);
         }
         i = block.end;
         buffer_text(out, i < report->query_count ? "\n" : "");
