@@ -179,8 +179,8 @@ def atlases() -> list[InstalledAtlas]:
     paths, labels = (map(_path_at, ffi.unpack(lib.conus_table_texts(found._p, name), len(found)))
                      for name in (b"path", b"labels"))
     rows = zip(found["name"], found["source"], found["kind"], sizes.tolist(), paths, labels)
-    return [InstalledAtlas(name, source, kind, tuple(size) if size[0] > 0 else None, path, table)
-            for name, source, kind, size, path, table in rows]
+    return [InstalledAtlas(name, source, kind, (x, y, z) if x > 0 else None, path, table)
+            for name, source, kind, (x, y, z), path, table in rows]
 
 
 def _find(source: Path, labels: Any) -> tuple[Path, Any]:
