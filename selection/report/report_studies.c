@@ -4,6 +4,7 @@
 #include "selection/report/report_table.h"
 #include "selection/report/report_writers.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -348,6 +349,7 @@ static void write_answer(struct buffer *out, const conus_report *report, const s
 void report_write_study(struct buffer *out, const conus_report *report)
 {
     struct layout layout = {.view = view_of(report->options.rows)};
+    assert(layout.view->columns);
     for (const struct shown *shown = layout.view->columns; shown->title; shown++) {
         layout.widths[shown - layout.view->columns] = find_width(report, shown, layout.view->columns);
     }
