@@ -55,6 +55,7 @@
 #include <conus/picture.h>
 #include <conus/place.h>
 #include <conus/plan.h>
+#include <conus/plan_together.h>
 #include <conus/pose.h>
 #include <conus/pose_check.h>
 #include <conus/pose_file.h>

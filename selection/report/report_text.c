@@ -28,6 +28,7 @@ static table_writer *table_of(const conus_report *report)
            : report->options.rows == CONUS_ROWS_SEGMENTS    ? report_write_segments
            : report->options.rows == CONUS_ROWS_CLEARANCES  ? report_write_clearances
            : report->options.rows == CONUS_ROWS_CONNECTIONS ? report_write_connections
+           : report->options.rows >= CONUS_ROWS_NEEDLES     ? report_write_plan
            : report->plan.count > 0                         ? report_write_plan
                                                             : report_write_sweep;
 }
