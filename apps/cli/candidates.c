@@ -20,19 +20,19 @@ const struct option candidate_options[] = {
      .help = "or candidates from entries: vertices of a surface, voxels at the border of a mask, or points; keys: "
              "spacing=MM (of those nearer to each other the first), within=WHAT, without=WHAT (labels of vertices, a "
              "mask, or a structure of the atlas), flip (normals of the surface point to the other side)",
-     .words = "entry, scalp, skull, craniotomy, grid", .common = true, .excludes = "poses", .needs = "toward",
+     .words = "entry, scalp, skull, craniotomy, grid", .common = true, .excludes = "poses", .needs = "toward|needles",
      OPTION_READING(SURFACE)},
     {OPTION_VALUED("toward", struct candidate_settings, toward, "WHAT,..."),
      .help = "to targets: centroid, deepest (the voxel farthest from the border) or voxels of the first --reach; a "
              "FILE of points; or normal, against that of the surface; keys: of=NAME,... (another structure), "
              "spacing=MM",
-     .words = "target", .common = true, .needs = "from", .role = OPTION_READS_NAMES, .holds = HOLDS_POSES},
+     .words = "target", .common = true, .needs = "from|needles", .role = OPTION_READS_NAMES, .holds = HOLDS_POSES},
     {OPTION_VALUED("tilt", struct candidate_settings, tilt, "MAX,STEP"),
-     .help = "and rings of directions around each, up to MAX degrees, STEP degrees apart", .needs = "from",
+     .help = "and rings of directions around each, up to MAX degrees, STEP degrees apart", .needs = "from|needles",
      .role = OPTION_ASKS},
     {OPTION_VALUED("roll", struct candidate_settings, roll, "STEP"),
      .help = "and each turned about its axis, in steps of STEP degrees, 0.01 to 180", OPTION_FROM_TO(0.01, 180),
-     .words = "turn, shanks, rotation", .needs = "from", .role = OPTION_ASKS, .unit = "degrees"},
+     .words = "turn, shanks, rotation", .needs = "from|needles", .role = OPTION_ASKS, .unit = "degrees"},
     {OPTION_VALUED("depth", struct candidate_settings, depth, "MM|target[+MM]"),
      .help = "far end, the tip, of poses that have none in a column far, mm from the device's position; or the "
              "target, and MM behind it",
@@ -87,6 +87,9 @@ int candidates_parse(struct candidates *out, const struct candidate_settings *se
     }
     if (is_file) {
         return EXIT_DONE;
+    }
+    if (!settings->toward) {
+        return print_usage_error("no targets given: --toward WHAT");
     }
     if (!settings->depth && !option_given(arguments, "range")) {
         return print_usage_error("no far end: --depth target, or target+MM, MM, or --range NEAR,FAR");
@@ -353,8 +356,10 @@ int candidates_open(struct candidates *candidates, struct request *request, cons
                               .to_target = candidates->to_target,
                               .beyond = candidates->beyond,
                               .frame = &request->frame};
-    int code = load_entries(&candidates->from, request);
-    code = code || is_normal ? code : load_targets(&candidates->toward, request, constraints);
+    int code = candidates->from.sites ? EXIT_DONE : load_entries(&candidates->from, request);
+    if (!code && !is_normal && !candidates->toward.sites) {
+        code = load_targets(&candidates->toward, request, constraints);
+    }
     if (code) {
         return code;
     }
@@ -396,12 +401,11 @@ static void put_id(FILE *out, const char *id, char mark)
 }
 
 /* Whether all poses are turned as one that has only an axis (Eq. 2). */
-static bool have_usual_turns(const conus_plan *plan, const conus_frame *frame)
+static bool have_usual_turns(const struct written_pose *poses, size_t count, const conus_frame *frame)
 {
     bool all = true;
-    for (size_t i = 0; i < conus_plan_count(plan) && all; i++) {
-        const conus_pose *pose = &conus_plan_pose(plan, i)->pose;
-        const double *m = pose->world_from_device;
+    for (size_t i = 0; i < count && all; i++) {
+        const double *m = poses[i].pose->pose.world_from_device;
         conus_pose usual;
         all = !conus_pose_along(&usual, m + 12, (const double[]){-m[8], -m[9], -m[10]}, NULL);
         if (all) {
@@ -428,24 +432,24 @@ static double exact_degrees(double angle)
 }
 
 /* 17 digits are those of one double. */
-static void put_table(FILE *out, const conus_plan *plan, const conus_frame *frame)
+static void put_table(FILE *out, const struct written_pose *poses, size_t count, const conus_frame *frame)
 {
-    bool has_up = !have_usual_turns(plan, frame);
+    bool has_up = !have_usual_turns(poses, count, frame);
     bool has_angle = false;
-    for (size_t i = 0; i < conus_plan_count(plan); i++) {
-        has_angle = has_angle || conus_plan_pose(plan, i)->has_angle;
+    for (size_t i = 0; i < count; i++) {
+        has_angle = has_angle || poses[i].pose->has_angle;
     }
     fprintf(out, "query_id\tx\ty\tz\tdx\tdy\tdz%s\tnear\tfar%s\n", has_up ? "\tux\tuy\tuz" : "",
             has_angle ? "\tangle" : "");
-    for (size_t i = 0; i < conus_plan_count(plan); i++) {
-        const conus_planned *pose = conus_plan_pose(plan, i);
+    for (size_t i = 0; i < count; i++) {
+        const conus_planned *pose = poses[i].pose;
         const double *m = pose->pose.world_from_device;
         const double axis[3] = {-m[8], -m[9], -m[10]};
         double v[3][3];
         conus_frame_from_world(v[0], frame, m + 12);
         conus_frame_direction_from_world(v[1], frame, axis);
         conus_frame_direction_from_world(v[2], frame, m + 4);
-        put_id(out, pose->id, '"');
+        put_id(out, poses[i].id, '"');
         for (int k = 0; k < (has_up ? 9 : 6); k++) {
             fprintf(out, "\t%.17g", v[k / 3][k % 3]);
         }
@@ -459,17 +463,23 @@ static void put_table(FILE *out, const conus_plan *plan, const conus_frame *fram
     }
 }
 
-/* A point of a shank, RAS. */
-static void find_point(double out[3], const conus_planned *pose, const double shank[2], double depth)
+static size_t shanks_of(const struct written_pose *pose)
 {
-    const double *m = pose->pose.world_from_device;
+    return pose->shanks ? pose->shank_count : 1;
+}
+
+/* A point of a shank, RAS. */
+static void find_point(double out[3], const struct written_pose *pose, size_t shank, double depth)
+{
+    const double *m = pose->pose->pose.world_from_device;
+    const double *beside = pose->shanks ? pose->shanks + 2 * shank : (const double[]){0, 0};
     for (int a = 0; a < 3; a++) {
-        out[a] = m[12 + a] + shank[0] * m[a] + shank[1] * m[4 + a] - depth * m[8 + a];
+        out[a] = m[12 + a] + beside[0] * m[a] + beside[1] * m[4 + a] - depth * m[8 + a];
     }
 }
 
 /* One end of a shank: a control point in LPS. */
-static void put_end(FILE *out, const conus_planned *pose, const char *id, const double shank[2], double depth)
+static void put_end(FILE *out, const struct written_pose *pose, const char *id, size_t shank, double depth)
 {
     double at[3];
     find_point(at, pose, shank, depth);
@@ -479,65 +489,67 @@ static void put_end(FILE *out, const conus_planned *pose, const char *id, const 
 }
 
 /* A line for each shank; of several, "e1-t2-s3" is the third. */
-static void put_lines(FILE *out, const conus_plan *plan, const struct constraints *constraints)
+static void put_lines(FILE *out, const struct written_pose *poses, size_t count)
 {
-    static const double axis[2] = {0, 0};
-    const double *shanks = constraints->shanks ? constraints->shanks : axis;
-    size_t count = constraints->shanks ? constraints->shank_count : 1;
+    const char *before = "";
     fputs("{\"@schema\": \"https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/"
           "Schema/markups-schema-v1.0.3.json#\",\n \"markups\": [",
           out);
-    for (size_t i = 0; i < conus_plan_count(plan) * count; i++) {
-        const conus_planned *pose = conus_plan_pose(plan, i / count);
-        char id[320];
-        snprintf(id, sizeof id, "%s", pose->id);
-        if (count > 1) {
-            snprintf(id, sizeof id, "%s-s%zu", pose->id, i % count + 1);
+    for (size_t i = 0; i < count; i++) {
+        for (size_t shank = 0; shank < shanks_of(&poses[i]); shank++) {
+            char id[320];
+            snprintf(id, sizeof id, "%s", poses[i].id);
+            if (shanks_of(&poses[i]) > 1) {
+                snprintf(id, sizeof id, "%s-s%zu", poses[i].id, shank + 1);
+            }
+            fprintf(out, "%s\n  {\"type\": \"Line\", \"coordinateSystem\": \"LPS\", \"controlPoints\": [", before);
+            put_end(out, &poses[i], id, shank, 0);
+            fputs(", ", out);
+            put_end(out, &poses[i], id, shank, poses[i].pose->far);
+            fputs("]}", out);
+            before = ",";
         }
-        fprintf(out, "%s\n  {\"type\": \"Line\", \"coordinateSystem\": \"LPS\", \"controlPoints\": [", i ? "," : "");
-        put_end(out, pose, id, shanks + 2 * (i % count), 0);
-        fputs(", ", out);
-        put_end(out, pose, id, shanks + 2 * (i % count), pose->far);
-        fputs("]}", out);
     }
     fputs("\n ]}\n", out);
 }
 
 /* The same as polylines, which have the leeway of their pose. */
-static void put_polylines(FILE *out, const conus_plan *plan, const struct constraints *constraints)
+static void put_polylines(FILE *out, const struct written_pose *poses, size_t count)
 {
-    static const double axis[2] = {0, 0};
-    const double *shanks = constraints->shanks ? constraints->shanks : axis;
-    size_t count = constraints->shanks ? constraints->shank_count : 1;
-    size_t lines = conus_plan_count(plan) * count;
+    size_t lines = 0;
+    for (size_t i = 0; i < count; i++) {
+        lines += shanks_of(&poses[i]);
+    }
     fprintf(out, "# vtk DataFile Version 3.0\nconus plan; SPACE=RAS\nASCII\nDATASET POLYDATA\nPOINTS %zu double\n",
             2 * lines);
-    for (size_t i = 0; i < 2 * lines; i++) {
-        const conus_planned *pose = conus_plan_pose(plan, i / 2 / count);
-        double at[3];
-        find_point(at, pose, shanks + 2 * (i / 2 % count), i % 2 ? pose->far : 0);
-        fprintf(out, "%.17g %.17g %.17g\n", at[0], at[1], at[2]);
+    for (size_t i = 0; i < count; i++) {
+        for (size_t k = 0; k < 2 * shanks_of(&poses[i]); k++) {
+            double at[3];
+            find_point(at, &poses[i], k / 2, k % 2 ? poses[i].pose->far : 0);
+            fprintf(out, "%.17g %.17g %.17g\n", at[0], at[1], at[2]);
+        }
     }
     fprintf(out, "LINES %zu %zu\n", lines, 3 * lines);
     for (size_t i = 0; i < lines; i++) {
         fprintf(out, "2 %zu %zu\n", 2 * i, 2 * i + 1);
     }
     fprintf(out, "CELL_DATA %zu\nSCALARS leeway_mm double 1\nLOOKUP_TABLE default\n", lines);
-    for (size_t i = 0; i < lines; i++) {
-        fprintf(out, "%.9g\n", conus_plan_pose(plan, i / count)->leeway);
+    for (size_t i = 0; i < count; i++) {
+        for (size_t shank = 0; shank < shanks_of(&poses[i]); shank++) {
+            fprintf(out, "%.9g\n", poses[i].pose->leeway);
+        }
     }
 }
 
-static void put_matrix(FILE *out, const conus_plan *plan)
+static void put_matrix(FILE *out, const struct written_pose *pose)
 {
-    const double *m = conus_plan_pose(plan, 0)->pose.world_from_device;
+    const double *m = pose->pose->pose.world_from_device;
     for (int row = 0; row < 4; row++) {
         fprintf(out, "%.17g %.17g %.17g %.17g\n", m[row], m[4 + row], m[8 + row], m[12 + row]);
     }
 }
 
-int candidates_write(const char *path, const conus_plan *plan, const conus_frame *frame,
-                     const struct constraints *constraints)
+int candidates_write(const char *path, const struct written_pose *poses, size_t count, const conus_frame *frame)
 {
     struct system_text text;
     FILE *out = system_text_open(&text);
@@ -545,13 +557,13 @@ int candidates_write(const char *path, const conus_plan *plan, const conus_frame
         return print_no_memory();
     }
     if (path_ends_in(path, ".tsv")) {
-        put_table(out, plan, frame);
+        put_table(out, poses, count, frame);
     } else if (path_ends_in(path, ".json")) {
-        put_lines(out, plan, constraints);
+        put_lines(out, poses, count);
     } else if (path_ends_in(path, ".vtk")) {
-        put_polylines(out, plan, constraints);
-    } else if (conus_plan_count(plan)) {
-        put_matrix(out, plan);
+        put_polylines(out, poses, count);
+    } else if (count) {
+        put_matrix(out, &poses[0]);
     }
     int code = system_text_close(&text) ? output_write(path, text.data, text.size) : print_no_memory();
     free(text.data);

@@ -43,17 +43,23 @@ int candidates_parse(struct candidates *out, const struct candidate_settings *se
                      const struct arguments *arguments);
 void candidates_finish(struct candidates *candidates);
 
-/** Opens request->stream, once there is a selector. Targets lie in the structure of the first --reach, if they name no
- * other one. Returns the exit code likewise. */
+/** Opens request->stream, once there is a selector; a second time without reading anything again. Targets lie in the
+ * structure of the first --reach, if they name no other one. Returns the exit code likewise. */
 int candidates_open(struct candidates *candidates, struct request *request, const struct constraints *constraints);
 
 /** The files that the candidates come from, as inputs of the answer. */
 void candidates_list_inputs(struct provenance *out, const struct candidates *candidates);
 
-/** Writes the poses of a plan, in the order of its list: a table (.tsv), lines for 3D Slicer, one for each
- * shank (.mrk.json), or the first
+/** A pose that is written. */
+struct written_pose {
+    const char *id;
+    const conus_planned *pose;
+    const double *shanks; /**< [shank_count][2] Beside its axis, mm; NULL = one on it. */
+    size_t shank_count;
+};
+
+/** Writes poses: a table (.tsv), lines for 3D Slicer, one for each shank (.mrk.json), polylines (.vtk), or the first
  * one as a 4 x 4 matrix (.txt). Likewise. */
-int candidates_write(const char *path, const conus_plan *plan, const conus_frame *frame,
-                     const struct constraints *constraints);
+int candidates_write(const char *path, const struct written_pose *poses, size_t count, const conus_frame *frame);
 
 #endif

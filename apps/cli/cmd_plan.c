@@ -1,61 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus plan: which poses reach some structures and stay clear of others, and how far they may be off. */
+#include "cli/cmd_plan.h"
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
 #include "cli/answers/ends.h"
-#include "cli/candidates.h"
 #include "cli/commands.h"
-#include "cli/request.h"
 #include "conus/own.h"
 #include "options/clock.h"
 #include "options/interrupt.h"
 #include "options/messages.h"
 #include "options/progress.h"
-#include "settings/constraints.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-struct plan_settings {
-    struct request_settings request; /* first */
-    struct constraint_settings constraints;
-    struct candidate_settings candidates;
-    const char *poses_out;
-    const char *top;
-    bool infeasible;
-    const char *rank, *score;
-    const char *constraint_rows, *profile, *tolerance, *pivot;
-    const char *jitter, *contacts;
-    uint32_t threads, samples;
-    const char *map, *target_map, *structure;
-    size_t progress; /* enum progress_kind */
-};
-
-static const struct option pose_options[] = {
-    {OPTION_VALUED("poses", struct request_settings, aim.pose, "FILE"),
-     .help = "the candidates: poses of needles (docs/formats.md); - is standard input",
-     .words = "input, trajectory, electrode, candidates", .common = true, .role = OPTION_READS_POSES,
-     .holds = HOLDS_POSES},
-    {0},
-};
-
-static const struct option needle_options[] = {
-    {OPTION_VALUED("range", struct request_settings, engine.range.ends, "NEAR,FAR"),
-     .help = "or both ends of the needle", OPTION_FROM_TO(0, 1e9), .unit = "mm"},
-    {OPTION_MM("radius", struct request_settings, engine.radius), .help = "radius of the needle, mm",
-     .otherwise = "its axis alone", OPTION_BETWEEN(0, 1e9), .words = "needle, diameter"},
-    {0},
-};
-
-static const struct option contact_options[] = {
-    {OPTION_VALUED("contacts", struct plan_settings, contacts, "COUNT,COLUMNS,PITCH,TIP"),
-     .help = "contacts on the axis, which contacts=N and probability=P of --reach are about: COUNT of them, COLUMNS in "
-             "a row, PITCH mm from row to row, the first TIP mm from the far end",
-     .words = "electrode, probe", .role = OPTION_ASKS},
-    {0},
-};
+#define FIELD(member) OPTION_AT(struct plan_settings, member)
 
 static const struct option jitter_options[] = {
     {OPTION_VALUED("jitter", struct plan_settings, jitter, "DEGREES,MM|entry=MM,target=MM[,depth=MM]"),
@@ -133,15 +94,17 @@ static const struct option run_options[] = {
 };
 
 static const struct option_group groups[] = {
-    {"Which poses are tried", pose_options, 0},
+    {"Which poses are tried", plan_pose_options, 0},
     {"", candidate_options, offsetof(struct plan_settings, candidates)},
-    {"", needle_options, 0},
+    {"", plan_needle_options, 0},
     {"", pose_file_options, REQUEST_FIELD(file)},
     {"", space_options, REQUEST_FIELD(aim.space)},
     {"What must hold, all of it", constraint_options, offsetof(struct plan_settings, constraints)},
     {"", entry_options, offsetof(struct plan_settings, constraints)},
-    {"", contact_options, 0},
+    {"", plan_contact_options, 0},
     {"", shank_options, offsetof(struct plan_settings, constraints)},
+    {"Several needles together", needles_options, offsetof(struct plan_settings, needles)},
+    {"", part_options, offsetof(struct plan_settings, needles)},
     {"Measures of the cone", angle_options, REQUEST_FIELD(aim)},
     {"", pixel_options, REQUEST_FIELD(engine)},
     {"What is listed", list_options, 0},
@@ -361,105 +324,13 @@ static int try_poses(struct planning *planning)
     return run_all(planning);
 }
 
-/* "1,043,216" */
-static void put_count(FILE *out, uint64_t count)
-{
-    char digits[24];
-    int length = snprintf(digits, sizeof digits, "%llu", (unsigned long long)count);
-    for (int i = 0; i < length; i++) {
-        fprintf(out, "%s%c", i && (length - i) % 3 == 0 ? "," : "", digits[i]);
-    }
-}
-
-/* How many candidates each constraint leaves, up to the first that leaves none. */
-static void put_funnel(FILE *out, const conus_plan *plan, const conus_report *report)
-{
-    uint64_t left = conus_plan_left(plan, 0);
-    put_count(out, left);
-    fputs(left == 1 ? " candidate: " : " candidates: ", out);
-    for (size_t i = 0; i < conus_plan_constraint_count(plan) && left; i++) {
-        left = conus_plan_left(plan, i + 1);
-        fputs(i ? "; " : "", out);
-        if (left) {
-            put_count(out, left);
-        } else {
-            fputs("none", out);
-        }
-        fprintf(out, "%s%s %s", i ? " of these" : "", left > 1 ? " have" : " has", conus_report_constraint(report, i));
-    }
-}
-
-/* The poses that break one constraint alone, by the least, each on a line. */
-static void put_misses(FILE *out, const conus_plan *plan, const conus_report *report, double radius)
-{
-    size_t count = 0;
-    for (size_t i = 0; i < conus_plan_constraint_count(plan); i++) {
-        const conus_planned *miss = conus_plan_miss(plan, i);
-        const conus_constraint *constraint = conus_plan_constraint(plan, i);
-        if (miss) {
-            bool is_clearance = constraint->kind == CONUS_CONSTRAINT_AVOID && !constraint->measure;
-            double unit = constraint->kind == CONUS_CONSTRAINT_LEAN || constraint->kind == CONUS_CONSTRAINT_ENTRY_ANGLE
-                              ? radians(1)
-                              : 1;
-            double value = miss->verdicts[i].value / unit - (is_clearance ? radius : 0);
-            fprintf(out, "\n%s breaks only one of them, %s: it has %.4g", miss->id, conus_report_constraint(report, i),
-                    value);
-            count++;
-        }
-    }
-    fputs(count ? "" : "\nevery candidate breaks more than one of them", out);
-}
-
-/* Says the lines of a text, each as a message. */
-static void say_lines(struct system_text *text)
-{
-    for (char *rest = system_text_close(text), *line; (line = text_next(&rest, "\n"));) {
-        print_error_line("%s", line);
-    }
-    free(text->data);
-}
-
-static void say_plan(const struct planning *planning)
-{
-    struct system_text text;
-    const conus_plan *plan = planning->plan;
-    const conus_report *report = planning->request.answerers[0].report;
-    FILE *out = system_text_open(&text);
-    if (out) {
-        put_funnel(out, plan, report);
-        if (!conus_plan_left(plan, conus_plan_constraint_count(plan))) {
-            put_misses(out, plan, report, planning->settings->request.engine.radius);
-        }
-        fputs("\nnote: a plan is a list to be checked; conus is no medical device", out);
-    }
-    say_lines(&text);
-}
-
 /* Rows that are no candidates; without any candidate there is nothing to plan. */
 static int check_candidates(struct planning *planning)
 {
-    const conus_plan_faults faults = conus_plan_rejected(planning->plan);
     struct request *request = &planning->request;
-    const char *from = planning->candidates.from.path;
-    const char *path = from ? from : pose_settings_file_name(request->settings->aim.pose);
     pose_settings_say_late(request->stream, request->settings->aim.pose, request->notes_said,
                            &request->settings->common);
-    uint64_t tried = conus_plan_left(planning->plan, 0);
-    uint64_t rows = tried + faults.count;
-    if (!tried && !faults.count) {
-        return print_usage_error("%s: no candidate: no poses in it", path);
-    }
-    if (!tried) {
-        return print_usage_error("%s: no candidate: %s %zu: %s", path, from ? "number" : "line", faults.line,
-                                 faults.why);
-    }
-    if (faults.count && !(from && request->settings->common.quiet)) {
-        print_error_line("%s%s: %llu of %llu %s are no candidates, the first %s %zu: %s", from ? "note: " : "", path,
-                         (unsigned long long)faults.count, (unsigned long long)rows, from ? "poses" : "rows",
-                         from ? "is number" : "in line", faults.line, faults.why);
-    }
-    request->failed = request->failed || (faults.count && !from);
-    return EXIT_DONE;
+    return plan_check_candidates(&request->failed, planning->plan, planning->settings, &planning->candidates);
 }
 
 static conus_status make_reports(struct planning *planning)
@@ -578,6 +449,21 @@ static int check_maps(const struct planning *planning)
                                    planning->candidates.toward.path);
 }
 
+static int write_poses(const struct planning *planning)
+{
+    size_t count = conus_plan_count(planning->plan);
+    struct written_pose *poses = calloc(count + 1, sizeof *poses);
+    for (size_t i = 0; i < count && poses; i++) {
+        const conus_planned *pose = conus_plan_pose(planning->plan, i);
+        poses[i] =
+            (struct written_pose){pose->id, pose, planning->constraints.shanks, planning->constraints.shank_count};
+    }
+    int code = poses ? candidates_write(planning->settings->poses_out, poses, count, &planning->request.frame)
+                     : print_no_memory();
+    free(poses);
+    return code;
+}
+
 static int write_all(struct planning *planning)
 {
     struct request *request = &planning->request;
@@ -592,7 +478,7 @@ static int write_all(struct planning *planning)
         code = rows_file_write(&planning->files[i], &provenance);
     }
     if (!code && settings->poses_out) {
-        code = candidates_write(settings->poses_out, planning->plan, &request->frame, &planning->constraints);
+        code = write_poses(planning);
     }
     code = code || !settings->map ? code : write_map(planning, settings->map, false);
     code = code || !settings->target_map ? code : write_map(planning, settings->target_map, true);
@@ -608,18 +494,12 @@ static int answer_plan(struct planning *planning)
 {
     struct request *request = &planning->request;
     const struct plan_settings *settings = planning->settings;
-    conus_selector_options engine = settings_engine(&settings->request.engine, NULL, &settings->request.common);
-    engine.engine = CONUS_ENGINE_RAYS;
-    engine.layers = constraints_last_measure(&planning->constraints) > CONUS_MEASURE_SHARE ? CONUS_LAYERS_ALL
-                                                                                           : CONUS_LAYERS_VISIBLE;
+    const conus_selector_options engine = plan_engine(settings, &planning->constraints);
     int code = request_load(request, open_poses, request);
     code = code ? code : request_match(request);
     const struct pose_places places = {&request->frame, &settings->request.file, &request->atlases,
                                        &settings->request.common};
-    code = code ? code
-                : constraints_place(&planning->constraints, &places,
-                                    planning->candidates.far > 0 ? planning->candidates.far
-                                                                 : settings->request.engine.range.ends[1]);
+    code = code ? code : constraints_place(&planning->constraints, &places, plan_far(settings, &planning->candidates));
     if (code) {
         return code;
     }
@@ -641,7 +521,8 @@ static int answer_plan(struct planning *planning)
     }
     request_say_notes(request);
     if (!settings->request.common.quiet) {
-        say_plan(planning);
+        plan_say_funnel(planning->plan, request->answerers[0].report, settings->request.engine.radius);
+        print_error_line("note: a plan is a list to be checked; conus is no medical device");
     }
     return request_code(request, write_all(planning));
 }
@@ -649,19 +530,12 @@ static int answer_plan(struct planning *planning)
 static int run_plan(const void *given, const struct arguments *arguments)
 {
     const struct plan_settings *settings = given;
+    if (settings->needles.file) {
+        return plan_needles(settings, arguments);
+    }
     struct planning planning = {.settings = settings, .step = option_key_number(arguments, "profile", 1)};
-    int code = constraints_parse(&planning.constraints, arguments);
-    code = code ? code : candidates_parse(&planning.candidates, &settings->candidates, arguments);
-    if (!code && !planning.constraints.count) {
-        code = print_usage_error("no constraint given: --reach NAME,... or --avoid NAME,...");
-    }
-    code = code ? code : constraints_take_contacts(&planning.constraints, settings->contacts);
-    const struct option *of_cone = option_with(arguments, OPTION_OF_CONE | OPTION_OF_RAYS);
-    if (!code && of_cone && constraints_last_measure(&planning.constraints) < CONUS_MEASURE_SHARE) {
-        code = print_usage_error("--%s has no effect without a measure of the cone, such as share=P", of_cone->name);
-    }
-    bool fits = !code && settings_check_shape(&settings->request.aim, &settings->request.engine, arguments) &&
-                read_top(&planning.top, settings->top) && read_pivot(&planning.pivot, settings->pivot) &&
+    int code = plan_parse(&planning.constraints, &planning.candidates, settings, arguments);
+    bool fits = !code && read_top(&planning.top, settings->top) && read_pivot(&planning.pivot, settings->pivot) &&
                 (!settings->jitter || settings_jitter(&planning.jitter, settings->jitter, settings->samples, true)) &&
                 space_settings_check(arguments, &settings->request.aim.space);
     code = code || fits ? code : EXIT_USAGE;

@@ -94,8 +94,12 @@ char *provenance_path(const char *output)
 
 void provenance_add_input(struct provenance *provenance, const char *path)
 {
-    if (path && *path) {
-        assert(provenance->input_count < PROVENANCE_FILES);
+    bool is_known = !path || !*path;
+    for (size_t i = 0; i < provenance->input_count && !is_known; i++) {
+        is_known = strcmp(provenance->inputs[i], path) == 0;
+    }
+    if (!is_known) {
+        assert(provenance->input_count < PROVENANCE_INPUTS);
         provenance->inputs[provenance->input_count++] = path;
     }
 }

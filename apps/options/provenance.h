@@ -15,7 +15,7 @@
 #include <stddef.h>
 
 /** Limits of one answer. A query writes its answer and nine more files, with every option that names one. */
-enum { PROVENANCE_FILES = 12, SHA256_TEXT = 65 };
+enum { PROVENANCE_INPUTS = 128, PROVENANCE_FILES = 12, SHA256_TEXT = 65 };
 
 /** A file that was written, or is about to be. */
 struct provenance_output {
@@ -34,7 +34,7 @@ struct question {
 
 /** Facts about an answer that the library does not know. Zeroed, there are none. */
 struct provenance {
-    const char *inputs[PROVENANCE_FILES]; /**< Files that were read, besides those of the atlas; words may stand
+    const char *inputs[PROVENANCE_INPUTS]; /**< Files that were read, besides those of the atlas; words may stand
                                              behind those of poses. */
     struct provenance_output outputs[PROVENANCE_FILES];
     size_t input_count, output_count;
@@ -49,7 +49,7 @@ struct provenance {
  * memory; the caller frees it. */
 char *provenance_path(const char *output);
 
-/** Adds a file that was read, unless it is NULL. Anything but a regular file is listed without a checksum. */
+/** Adds a file that was read, once, unless it is NULL. Anything but a regular file is listed without a checksum. */
 void provenance_add_input(struct provenance *provenance, const char *path);
 /** Adds a file that was written; without @p text, a NULL path is none. */
 void provenance_add_output(struct provenance *provenance, const char *option, const char *path, const char *text,

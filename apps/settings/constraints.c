@@ -43,7 +43,8 @@ const struct option constraint_options[] = {
 const struct option entry_options[] = {
     {OPTION_VALUED("entry-angle", struct constraint_settings, entry_angle, "MAX"),
      .help = "the axis and the inward normal of the surface at its entry enclose at most MAX degrees",
-     OPTION_FROM_TO(0, 180), .words = "perpendicular, drill", .needs = "from", .role = OPTION_PLAIN, .unit = "degrees"},
+     OPTION_FROM_TO(0, 180), .words = "perpendicular, drill", .needs = "from|needles", .role = OPTION_PLAIN,
+     .unit = "degrees"},
     {0},
 };
 

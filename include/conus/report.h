@@ -54,7 +54,9 @@ typedef enum conus_rows {
     CONUS_ROWS_CONSTRAINTS, /**< From the same, a row for each of them and each constraint. */
     CONUS_ROWS_PROFILE,     /**< From conus_report_add_profile(). */
     CONUS_ROWS_TOLERANCE,   /**< From conus_report_add_tolerance(). */
-    CONUS_ROWS_CLUSTERS     /**< Tables of conus_clusters(). */
+    CONUS_ROWS_CLUSTERS,    /**< Tables of conus_clusters(). */
+    CONUS_ROWS_NEEDLES,     /**< From conus_report_add_together(), a row for each needle. */
+    CONUS_ROWS_PAIRS        /**< From the same, a row for each two needles. */
 } conus_rows;
 
 /** The order of the answers to a query. */
@@ -230,6 +232,18 @@ CONUS_CHECKED conus_status conus_report_add_profile(conus_report *report, conus_
  */
 CONUS_CHECKED conus_status conus_report_add_tolerance(conus_report *report, conus_plan *plan,
                                                       const conus_tolerance_options *options);
+
+/**
+ * Adds the best combination of several needles. Without one it has no row.
+ * @param report Of #CONUS_ROWS_NEEDLES, whose columns then are those of all needles' constraints, too, or of
+ * #CONUS_ROWS_PAIRS. Nothing else is added to it.
+ * @param together Its needles' selectors have the atlas and the frame of @p report; must outlive the last text of it.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, for a second answer, and for needles of which the
+ * constraints have too many columns together.
+ * @threads One at a time for each @p report.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_add_together(conus_report *report, const conus_together *together);
 
 /**
  * Adds a query without an answer: one row of kind "error" with "line N: " and @p reason for a name, all else missing.

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { DEPTH_LIMIT = 100000, CONSTRAINT_LIMIT = 100 };
+enum { DEPTH_LIMIT = 100000, CONSTRAINT_LIMIT = 100, NEEDLE_COLUMN_LIMIT = 200 };
 
 /* In the order of conus_constraint_kind; behind the number in a column's name comes the ending. */
 static const struct {
@@ -183,9 +183,7 @@ static conus_status begin_plan(conus_report *report, const conus_plan *plan, boo
     struct report_plan added = {0};
     conus_status status = fill(&added, plan);
     if (status) {
-        memory_free(added.constraints);
-        memory_free(added.columns);
-        buffer_finish(&added.words);
+        report_plan_finish(&added);
         return status;
     }
     report->plan = added;
@@ -207,6 +205,124 @@ static conus_status add_pose(struct report_row **rows, conus_report *report, con
         conus_frame_direction_from_world(planned->axis, &report->frame, axis);
         for (int a = 0; a < 3; a++) {
             planned->at[a] = m[12 + a] + axis[a] * pose->far;
+        }
+    }
+    return status;
+}
+
+/* Finds the column of a name among those of all needles so far, which it joins if it is a new one. */
+static conus_status join_column(size_t *place, struct report_needles *needles, const struct report_column *column)
+{
+    static const char OTHERS[] = "what was measured of that constraint of the needle (Plan)";
+    size_t at = 0;
+    while (at < needles->column_count && strcmp(needles->columns[at].name, column->name) != 0) {
+        at++;
+    }
+    struct report_column *joined = &needles->columns[at];
+    if (at == needles->column_count) {
+        *joined = *column;
+        joined->offset = needles->column_count++;
+        joined->home = HOME_NEEDLE;
+    } else if (strcmp(joined->description, column->description) != 0) {
+        joined->description = OTHERS;
+    }
+    *place = at;
+    return needles->column_count <= NEEDLE_COLUMN_LIMIT
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "report: the constraints of all needles have more than %d columns",
+                      NEEDLE_COLUMN_LIMIT);
+}
+
+/* Joins the columns of all needles. */
+static conus_status join_columns(struct report_needles *needles)
+{
+    size_t most = 0;
+    for (size_t i = 0; i < needles->count; i++) {
+        most += needles->at[i].plan.column_count;
+    }
+    needles->columns = memory_zeroed(most, sizeof *needles->columns);
+    for (size_t i = 0; i < needles->count && needles->columns; i++) {
+        struct report_needle *needle = &needles->at[i];
+        needle->places = memory_raw(most, sizeof *needle->places);
+        for (size_t k = 0; k < most && needle->places; k++) {
+            needle->places[k] = SIZE_MAX;
+        }
+        for (size_t k = 0; k < needle->plan.column_count; k++) {
+            size_t place = 0;
+            conus_status status =
+                needle->places ? join_column(&place, needles, &needle->plan.columns[k]) : CONUS_ERROR_MEMORY;
+            if (status) {
+                return status;
+            }
+            needle->places[place] = k;
+        }
+    }
+    return needles->columns ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+/* "A", or "A/B" of a pair. */
+static conus_status name_leeway(struct report_needles *out)
+{
+    struct buffer text = {0};
+    const size_t *of = out->combination->leeway_of;
+    for (size_t i = 0; i < 2 && of[i] < SIZE_MAX; i++) {
+        buffer_format(&text, "%s%s", i ? "/" : "", out->at[of[i]].placed->name);
+    }
+    conus_status status = buffer_status(&text);
+    out->leeway_of = text.size && !status ? memory_text(text.data, text.size) : NULL;
+    status = text.size && !status && !out->leeway_of ? CONUS_ERROR_MEMORY : status;
+    buffer_finish(&text);
+    return status;
+}
+
+static conus_status fill_needles(struct report_needles *out, const conus_together *together)
+{
+    size_t count = conus_together_count(together);
+    out->asked = conus_together_asked(together);
+    out->combination = conus_together_combination(together);
+    out->conflict = conus_together_conflict(together);
+    out->at = memory_zeroed(count, sizeof *out->at);
+    conus_status status = out->at ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; i < count && !status; i++) {
+        out->at[i].placed = conus_together_needle(together, i);
+        status = fill(&out->at[i].plan, out->at[i].placed->plan);
+        out->count++;
+    }
+    status = status ? status : join_columns(out);
+    return status || !out->combination ? status : name_leeway(out);
+}
+
+static conus_status add_pairs(conus_report *report, const conus_together *together)
+{
+    conus_table *table = NULL;
+    conus_status status = conus_together_pairs(&table, together);
+    status = status ? status : conus_report_add_table(report, "pairs", table);
+    conus_table_destroy(table);
+    return status;
+}
+
+conus_status conus_report_add_together(conus_report *report, const conus_together *together)
+{
+    const conus_rows rows = report->options.rows;
+    if (rows < CONUS_ROWS_NEEDLES || report->needles.count) {
+        return fail(CONUS_ERROR_ARGUMENT, "report: several needles, but %s",
+                    rows < CONUS_ROWS_NEEDLES ? "its rows are of something else" : "there are some already");
+    }
+    struct report_needles added = {0};
+    conus_status status = fill_needles(&added, together);
+    if (status) {
+        report_needles_finish(&added);
+        return status;
+    }
+    report->needles = added;
+    if (rows == CONUS_ROWS_PAIRS) {
+        return add_pairs(report, together);
+    }
+    for (size_t i = 0; i < added.count && added.combination && !status; i++) {
+        struct report_row *row;
+        status = add_pose(&row, report, added.at[i].placed->pose, 1);
+        if (!status) {
+            row->planned.needle = i;
         }
     }
     return status;

@@ -231,6 +231,24 @@ conus_status conus_report_join(conus_report *report, conus_report *more)
     return CONUS_OK;
 }
 
+void report_plan_finish(struct report_plan *plan)
+{
+    memory_free(plan->constraints);
+    memory_free(plan->columns);
+    buffer_finish(&plan->words);
+}
+
+void report_needles_finish(struct report_needles *needles)
+{
+    for (size_t i = 0; i < needles->count; i++) {
+        report_plan_finish(&needles->at[i].plan);
+        memory_free(needles->at[i].places);
+    }
+    memory_free(needles->at);
+    memory_free(needles->leeway_of);
+    memory_free(needles->columns);
+}
+
 void conus_report_destroy(conus_report *report)
 {
     if (!report) {
@@ -250,9 +268,8 @@ void conus_report_destroy(conus_report *report)
     memory_free(report->kept);
     memory_free(report->fields);
     report_bep032_destroy(report->bep032);
-    memory_free(report->plan.constraints);
-    memory_free(report->plan.columns);
-    buffer_finish(&report->plan.words);
+    report_plan_finish(&report->plan);
+    report_needles_finish(&report->needles);
     buffer_finish(&report->voxels);
     buffer_finish(&report->text);
     memory_free(report);

@@ -18,6 +18,7 @@ struct report_planned {
     conus_kind kind; /**< Kind and object begin every row; this one has none. */
     uint32_t object;
     size_t constraint;         /**< Index in the plan. */
+    size_t needle;             /**< Index of the needle, of several together. */
     const conus_planned *pose; /**< The plan's. */
     uint64_t order;            /**< Number of the depth, from 1. */
     double depth, distance;    /**< mm from the apex; of the axis there from the structure. */
@@ -46,6 +47,25 @@ struct report_plan {
     struct report_column *columns;      /**< [column_count] */
     size_t column_count;
     struct buffer words; /**< All texts that are made for them. */
+};
+
+/** A needle of several together. */
+struct report_needle {
+    const conus_placed *placed;
+    struct report_plan plan;
+    size_t *places; /**< [report_needles.column_count] Index of the column in the plan's; SIZE_MAX = it has none. */
+};
+
+/** Several needles together, with the columns that some of them have. */
+struct report_needles {
+    struct report_needle *at; /**< [count] */
+    size_t count;
+    const conus_together_options *asked;
+    const conus_combination *combination; /**< NULL = there is none. */
+    const conus_conflict *conflict;       /**< Likewise. */
+    char *leeway_of;                      /**< "A", "A/B"; NULL = nothing has one. */
+    struct report_column *columns;        /**< [column_count] Their offset is their index. */
+    size_t column_count;
 };
 
 /** Whether a constraint is a distance to be kept. */
@@ -114,6 +134,7 @@ struct conus_report {
     struct report_row *rows;
     size_t row_count, row_capacity;
     struct report_plan plan;
+    struct report_needles needles;
     struct text *electrode_lines; /**< For CONUS_FORMAT_BIDS: the header without the added columns, then the rows. */
     size_t electrode_line_count, electrode_line_capacity, electrode_field_count;
     struct report_bep032 *bep032; /**< For CONUS_FORMAT_BEP032; owned. */
@@ -135,8 +156,17 @@ conus_status report_append(struct report_row **rows, conus_report *report, const
 /** CONUS_ERROR_ARGUMENT for a table of other rows than the report's, or with positions in another frame. */
 conus_status report_check_table(const conus_report *report, const conus_table *table);
 
+void report_plan_finish(struct report_plan *plan);
+void report_needles_finish(struct report_needles *needles);
+
 /** Drops all queries and rows, and keeps the memory. */
 void report_clear(conus_report *report);
+
+/** The plan whose pose a row is about. */
+static inline const struct report_plan *report_plan_of(const conus_report *report, const struct report_row *row)
+{
+    return report->needles.count ? &report->needles.at[row->planned.needle].plan : &report->plan;
+}
 
 /** Whether two queries are about one pose. */
 static inline bool report_is_same_pose(const conus_report *report, size_t a, size_t b)

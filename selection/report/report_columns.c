@@ -5,6 +5,7 @@
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
 #include "conus/own.h"
+#include "selection/plan/together/pairs.h"
 #include "selection/report/report_bep032.h"
 
 #include <assert.h>
@@ -222,7 +223,7 @@ static const conus_verdict *verdict_of(const struct report_row *row)
 
 static const struct report_constraint *constraint_of(const conus_report *report, const struct report_row *row)
 {
-    return &report->plan.constraints[row->planned.constraint];
+    return &report_plan_of(report, row)->constraints[row->planned.constraint];
 }
 
 static struct cell rank_cell(uint64_t rank)
@@ -232,8 +233,7 @@ static struct cell rank_cell(uint64_t rank)
 
 static struct cell get_plan_rank(const conus_report *report, const struct report_row *row)
 {
-    (void)report;
-    return rank_cell(row->planned.pose->rank);
+    return rank_cell(report->needles.count ? 0 : row->planned.pose->rank);
 }
 
 static struct cell get_feasible(const conus_report *report, const struct report_row *row)
@@ -243,25 +243,26 @@ static struct cell get_feasible(const conus_report *report, const struct report_
 }
 
 /* The constraint by the name of its structure, or by its kind. */
-static struct cell constraint_cell(const conus_report *report, size_t index)
+static struct cell constraint_cell(const conus_report *report, const struct report_row *row, size_t index)
 {
-    const struct report_constraint *constraint = &report->plan.constraints[index < SIZE_MAX ? index : 0];
+    const struct report_constraint *constraint =
+        &report_plan_of(report, row)->constraints[index < SIZE_MAX ? index : 0];
     return index < SIZE_MAX ? text_cell(constraint->name ? constraint->name : constraint->kind) : no_cell();
 }
 
 static struct cell get_broken(const conus_report *report, const struct report_row *row)
 {
-    return constraint_cell(report, row->planned.pose->broken);
+    return constraint_cell(report, row, row->planned.pose->broken);
 }
 
 static struct cell get_leeway_of(const conus_report *report, const struct report_row *row)
 {
-    return constraint_cell(report, row->planned.pose->leeway_of);
+    return constraint_cell(report, row, row->planned.pose->leeway_of);
 }
 
 static struct cell get_clearance_of(const conus_report *report, const struct report_row *row)
 {
-    return constraint_cell(report, row->planned.pose->clearance_of);
+    return constraint_cell(report, row, row->planned.pose->clearance_of);
 }
 
 static struct cell get_clearance_at(const conus_report *report, const struct report_row *row)
@@ -282,6 +283,74 @@ static struct cell get_target(const conus_report *report, const struct report_ro
     (void)report;
     return rank_cell(row->planned.pose->target);
 }
+
+/* Of several needles together: the combination, of which each row is a needle. */
+
+static struct cell get_combination(const conus_report *report, const struct report_row *row)
+{
+    (void)row;
+    return integer_cell(report->needles.combination->feasible);
+}
+
+static struct cell get_proven(const conus_report *report, const struct report_row *row)
+{
+    (void)row;
+    const conus_combination *combination = report->needles.combination;
+    return combination->feasible ? integer_cell(combination->proven) : no_cell();
+}
+
+static struct cell get_all_leeway(const conus_report *report, const struct report_row *row)
+{
+    (void)row;
+    return number_cell(report->needles.combination->leeway);
+}
+
+static struct cell get_all_leeway_of(const conus_report *report, const struct report_row *row)
+{
+    (void)row;
+    return text_cell(report->needles.leeway_of);
+}
+
+static struct cell get_all_bound(const conus_report *report, const struct report_row *row)
+{
+    (void)row;
+    return number_cell(report->needles.combination->bound);
+}
+
+static struct cell get_all_sum(const conus_report *report, const struct report_row *row)
+{
+    (void)row;
+    return number_cell(report->needles.combination->sum);
+}
+
+static struct cell get_all_depth(const conus_report *report, const struct report_row *row)
+{
+    (void)row;
+    return number_cell(report->needles.combination->depth);
+}
+
+static struct cell get_needle(const conus_report *report, const struct report_row *row)
+{
+    return text_cell(report->needles.at[row->planned.needle].placed->name);
+}
+
+static struct cell get_needle_row(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return integer_cell(row->planned.needle + 1);
+}
+
+static const struct report_column needle_columns[] = {
+    {"combination", NULL, "number of the combination, from 1; 0 of one that breaks something", .get = get_combination},
+    {"proven", NULL, "1 if it is proven that no combination is better, else 0", .get = get_proven},
+    {"all_leeway_mm", "mm", "the least leeway of all needles and pairs", .get = get_all_leeway},
+    {"all_leeway_of", NULL, "the needle that has it, or both of the pair", NAMED(get_all_leeway_of)},
+    {"all_bound", "mm", "no combination has a larger least leeway", .get = get_all_bound},
+    {"all_sum_mm", "mm", "sum of the needles' leeways", .get = get_all_sum},
+    {"all_depth_mm", "mm", "sum of the needles' depths", .get = get_all_depth},
+    {"needle", NULL, "name of the needle", NAMED(get_needle)},
+    {"row", NULL, "number of its row in the table of needles, from 1", .get = get_needle_row},
+};
 
 static const struct report_column plan_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
@@ -477,7 +546,7 @@ static struct cell get_fails_at(const conus_report *report, const struct report_
 
 static struct cell get_breaks(const conus_report *report, const struct report_row *row)
 {
-    return constraint_cell(report, row->planned.tolerance.constraint);
+    return constraint_cell(report, row, row->planned.tolerance.constraint);
 }
 
 static struct cell get_broken_object(const conus_report *report, const struct report_row *row)
@@ -745,7 +814,7 @@ const struct table_fields *report_fields(conus_rows rows)
         [CONUS_ROWS_ADMISSIONS] = &sweep_fields,       [CONUS_ROWS_CHANCES] = &jitter_fields,
         [CONUS_ROWS_CONNECTIONS] = &connection_fields, [CONUS_ROWS_COVERAGES] = &overlap_fields,
         [CONUS_ROWS_CLUSTERS] = &clusters_fields,      [CONUS_ROWS_SEGMENTS] = &segment_fields,
-        [CONUS_ROWS_CLEARANCES] = &clearance_fields};
+        [CONUS_ROWS_CLEARANCES] = &clearance_fields,   [CONUS_ROWS_PAIRS] = &pair_fields};
     return (size_t)rows < COUNT_OF(studies) ? studies[rows] : NULL;
 }
 
@@ -765,7 +834,9 @@ static bool is_worth_a_column(const conus_report *report, const struct report_co
 /* The columns of tables, behind the question's. */
 static void list_fields(struct report_columns *out, const conus_report *report)
 {
-    list_column(out, report->options.rows == CONUS_ROWS_CLUSTERS ? &region_column : &answer_columns[0]);
+    if (report->options.rows != CONUS_ROWS_PAIRS) {
+        list_column(out, report->options.rows == CONUS_ROWS_CLUSTERS ? &region_column : &answer_columns[0]);
+    }
     for (size_t i = 0; i < report->field_count; i++) {
         if (!report->fields[i].unless_zeros || is_worth_a_column(report, &report->fields[i])) {
             list_column(out, &report->fields[i]);
@@ -802,7 +873,13 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
     case CONUS_ROWS_CLEARANCES:
     case CONUS_ROWS_COVERAGES:
     case CONUS_ROWS_CLUSTERS:
+    case CONUS_ROWS_PAIRS:
         list_fields(out, report);
+        break;
+    case CONUS_ROWS_NEEDLES:
+        list_table(out, report, needle_columns, COUNT_OF(needle_columns));
+        list_table(out, report, plan_columns, COUNT_OF(plan_columns));
+        list_table(out, report, report->needles.columns, report->needles.column_count);
         break;
     case CONUS_ROWS_PLAN:
         list_table(out, report, plan_columns, COUNT_OF(plan_columns));
@@ -846,11 +923,11 @@ bool conus_column_is_number(const char *name)
     static const struct {
         const struct report_column *columns;
         size_t count;
-    } tables[] = {ALL_OF(answer_columns),    ALL_OF(track_columns),      ALL_OF(share_columns),
-                  ALL_OF(summary_columns),   ALL_OF(electrode_columns),  ALL_OF(voxel_columns),
-                  ALL_OF(plan_columns),      ALL_OF(constraint_columns), ALL_OF(profile_columns),
-                  ALL_OF(tolerance_columns), ALL_OF(probe_columns),      ALL_OF(bep032_columns),
-                  {&row_column, 1}};
+    } tables[] = {
+        ALL_OF(answer_columns),    ALL_OF(track_columns),     ALL_OF(share_columns), ALL_OF(summary_columns),
+        ALL_OF(electrode_columns), ALL_OF(voxel_columns),     ALL_OF(plan_columns),  ALL_OF(constraint_columns),
+        ALL_OF(profile_columns),   ALL_OF(tolerance_columns), ALL_OF(probe_columns), ALL_OF(bep032_columns),
+        ALL_OF(needle_columns),    {&row_column, 1}};
     for (size_t i = 0; i < COUNT_OF(tables); i++) {
         for (size_t k = 0; k < tables[i].count; k++) {
             if (strcmp(tables[i].columns[k].name, name) == 0) {
@@ -860,7 +937,7 @@ bool conus_column_is_number(const char *name)
         }
     }
     bool is_number = is_of_constraint(name);
-    for (conus_rows rows = CONUS_ROWS_ANSWERS; rows <= CONUS_ROWS_CLUSTERS; rows++) {
+    for (conus_rows rows = CONUS_ROWS_ANSWERS; rows <= CONUS_ROWS_PAIRS; rows++) {
         const struct table_fields *fields = report_fields(rows);
         for (size_t i = 0; fields && i < fields->count; i++) {
             enum column_type type = fields->at[i].type;
@@ -883,6 +960,11 @@ struct cell report_cell(const conus_report *report, const struct report_column *
         }
         if (column->get) {
             return column->get(report, row);
+        }
+        if (column->home == HOME_NEEDLE) {
+            const struct report_needle *needle = &report->needles.at[row->planned.needle];
+            size_t place = needle->places[column->offset];
+            return place < SIZE_MAX ? report_cell(report, &needle->plan.columns[place], row) : no_cell();
         }
         if (column->home == HOME_TABLE) {
             return table_cell(&table_columns(row->of_table.table)[column->offset], row->of_table.index);

@@ -15,7 +15,8 @@ enum column_home {
     HOME_CONTACT,  /**< In the contact of the report's probes that the query is about. */
     HOME_MARKS,    /**< In struct report_query, also of one without an answer, */
     HOME_KEPT,     /**< or in its texts that were kept, at this index, likewise. */
-    HOME_TABLE     /**< In the row's table, the column of this index. */
+    HOME_TABLE,    /**< In the row's table, the column of this index, */
+    HOME_NEEDLE    /**< or in the plan of the row's needle, the column that is there. */
 };
 
 /** Without one of its needs a cell is n/a. */

@@ -361,6 +361,9 @@ static json_t *json_from_settings(const conus_report *report)
     const conus_selector_options *options = &report->selector;
     conus_rows rows = report->options.rows;
     bool has_axes = report_is_of_axes(rows) || rows == CONUS_ROWS_CONNECTIONS || report->plan.count > 0;
+    if (rows >= CONUS_ROWS_NEEDLES) { /* each has its own */
+        return json_object();
+    }
     if (has_axes || rows == CONUS_ROWS_COVERAGES || rows == CONUS_ROWS_CLUSTERS) { /* which have no rays of pixels */
         json_t *few = json_object();
         bool level_is_there = has_axes && report->name; /* in that of each atlas */
@@ -445,6 +448,87 @@ static bool add_plan(json_t *root, const struct report_plan *plan)
     return put_value(root, "Plan", whole_or_null(object, whole && add_errors(object, plan->jitter)));
 }
 
+static json_t *json_from_part(const conus_part *part)
+{
+    return json_pack("{s: f, s: s, s: [[f, f, f], [f, f, f]]}", "radius_mm", part->radius, "from",
+                     part->from_tip ? "tip" : "position", "points", part->x, part->y, part->low, part->x, part->y,
+                     part->high);
+}
+
+/* The question of a needle, and how many candidates answer it. */
+static json_t *json_from_question(const struct report_needle *needle)
+{
+    const conus_placed *placed = needle->placed;
+    json_t *shanks = json_array();
+    json_t *parts = json_array();
+    json_t *constraints = json_array();
+    json_t *funnel = json_array();
+    bool whole = true;
+    for (size_t i = 0; i < placed->shank_count; i++) {
+        json_t *shank = json_pack("[f, f]", placed->shanks[2 * i], placed->shanks[2 * i + 1]);
+        whole = json_array_append_new(shanks, shank) == 0 && whole;
+    }
+    for (size_t i = 0; i < placed->part_count; i++) {
+        whole = json_array_append_new(parts, json_from_part(&placed->parts[i])) == 0 && whole;
+    }
+    for (size_t i = 0; i < needle->plan.count; i++) {
+        const struct report_constraint *constraint = &needle->plan.constraints[i];
+        whole = json_array_append_new(constraints, json_from_constraint(constraint)) == 0 && whole;
+        whole = json_array_append_new(funnel, json_integer((json_int_t)constraint->left)) == 0 && whole;
+    }
+    json_t *object = json_pack("{s: [o], s: f, s: o, s: o, s: I, s: I, s: o, s: o, s: I}", "needles",
+                               json_from_text(placed->name), "radius_mm", placed->radius, "shanks", shanks, "parts",
+                               parts, "candidates", (json_int_t)needle->plan.candidates, "no_candidates",
+                               (json_int_t)needle->plan.rejected, "constraints", constraints, "funnel", funnel,
+                               "feasible", (json_int_t)needle->plan.constraints[needle->plan.count - 1].left);
+    return whole_or_null(object, whole);
+}
+
+/* null where there is none */
+static json_t *json_from_conflict(const struct report_needles *needles)
+{
+    const conus_conflict *conflict = needles->conflict;
+    json_t *names = conflict ? json_array() : NULL;
+    bool whole = true;
+    for (size_t i = 0; conflict && i < conflict->count; i++) {
+        const conus_placed *placed = needles->at[conflict->needles[i]].placed;
+        whole = json_array_append_new(names, json_from_text(placed->name)) == 0 && whole;
+    }
+    return !conflict ? json_null()
+                     : whole_or_null(json_pack("{s: o, s: o, s: o}", "needles", names, "between_mm",
+                                               json_from_end(conflict->between), "entry_distance_mm",
+                                               json_from_end(conflict->entry_distance)),
+                                     whole);
+}
+
+static bool add_needles(json_t *root, const struct report_needles *needles)
+{
+    json_t *rows = json_array();
+    json_t *list = json_array();
+    json_t *combinations = json_array();
+    const conus_combination *combination = needles->combination;
+    bool whole = true;
+    for (size_t i = 0; i < needles->count; i++) {
+        const conus_placed *placed = needles->at[i].placed;
+        json_t *needle =
+            json_pack("{s: o, s: b, s: o, s: o}", "name", json_from_text(placed->name), "given", placed->given,
+                      "largest_leeway_mm", json_from_end(placed->largest), "cut_mm", json_from_end(placed->cut));
+        whole = json_array_append_new(rows, json_from_question(&needles->at[i])) == 0 && whole;
+        whole = json_array_append_new(list, needle) == 0 && whole;
+    }
+    if (combination && combination->feasible) {
+        json_t *entry =
+            json_pack("{s: b, s: o}", "proven", combination->proven, "bound_mm", json_from_end(combination->bound));
+        whole = json_array_append_new(combinations, entry) == 0 && whole;
+    }
+    json_t *object =
+        json_pack("{s: s, s: {s: f, s: f}, s: f, s: I, s: o, s: o, s: o, s: o}", "rank", "leeway,sum,-depth", "between",
+                  "shafts_mm", needles->asked->between, "parts_mm", needles->asked->parts, "entry_distance_mm",
+                  needles->asked->entry_distance, "nodes", combination ? (json_int_t)combination->nodes : 0, "rows",
+                  rows, "needles", list, "combinations", combinations, "conflict", json_from_conflict(needles));
+    return put_value(root, "Plan", whole_or_null(object, whole));
+}
+
 /* The sources; queries are always in RAS. */
 static bool add_sources(json_t *root, const conus_report *report)
 {
@@ -456,7 +540,9 @@ static bool add_sources(json_t *root, const conus_report *report)
                          : put_value(root, "Atlas", json_from_atlas(report->atlas))) &&
            put_value(root, "Settings", json_from_settings(report)) &&
            (!report->plan.count || add_plan(root, &report->plan)) &&
-           (report->is_begun || put_value(root, "Queries", json_from_queries(report))); /* else they are forgotten */
+           (!report->needles.count || add_needles(root, &report->needles)) &&
+           (report->is_begun || report->options.rows == CONUS_ROWS_PAIRS ||
+            put_value(root, "Queries", json_from_queries(report))); /* else they are forgotten */
 }
 
 /* The space of positions in rows: x, y and z are the axes in their order. */

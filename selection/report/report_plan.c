@@ -23,13 +23,21 @@ static bool is_left_out(const conus_report *report, const struct report_column *
 {
     static const char *const names[] = {"feasible", "entry", "target", "dx",        "dy",       "dz",
                                         "tip_x",    "tip_y", "tip_z",  "leeway_of", "slack_mm", NULL};
-    bool is = column->home == HOME_VERDICTS &&
-              (column->offset % sizeof(conus_verdict) == offsetof(conus_verdict, p) ||
-               report_is_clearance(&report->plan.constraints[column->offset / sizeof(conus_verdict)]));
+    static const char *const of_needles[] = {"combination",   "proven",    "all_leeway_mm",
+                                             "all_leeway_of", "all_bound", "all_sum_mm",
+                                             "all_depth_mm",  "row",       NULL};
+    const bool are_needles = report->options.rows == CONUS_ROWS_NEEDLES;
+    bool is = column->home == HOME_NEEDLE ||
+              (column->home == HOME_VERDICTS &&
+               (column->offset % sizeof(conus_verdict) == offsetof(conus_verdict, p) ||
+                report_is_clearance(&report->plan.constraints[column->offset / sizeof(conus_verdict)])));
     for (size_t i = 0; names[i] && !is; i++) {
         is = strcmp(names[i], column->name) == 0;
     }
-    return is && report->options.rows == CONUS_ROWS_PLAN;
+    for (size_t i = 0; are_needles && of_needles[i] && !is; i++) {
+        is = strcmp(of_needles[i], column->name) == 0;
+    }
+    return is && (are_needles || report->options.rows == CONUS_ROWS_PLAN);
 }
 
 enum { CELL_SIZE = 128 };
@@ -69,6 +77,28 @@ static bool read_line(char out[CELL_SIZE], const conus_report *report, const str
     return true;
 }
 
+/* "combination 1: leeway 3.19 mm (A/B), sum 47.2 mm; proven: ..." */
+static void write_combination(struct buffer *out, const struct report_needles *needles)
+{
+    const conus_combination *combination = needles->combination;
+    if (!combination->feasible) {
+        buffer_text(out, "these needles break something\n");
+        return;
+    }
+    buffer_text(out, "combination 1: ");
+    if (needles->leeway_of) {
+        buffer_format(out, "leeway %.2f mm (%s), ", combination->leeway, needles->leeway_of);
+    }
+    buffer_format(out, "sum %.2f mm; ", combination->sum);
+    if (combination->proven) {
+        buffer_text(out, "proven: none has a larger leeway, and with that a larger sum\n");
+    } else if (needles->leeway_of) {
+        buffer_format(out, "not proven: none has a leeway of more than %.2f mm\n", combination->bound);
+    } else {
+        buffer_text(out, "not proven\n");
+    }
+}
+
 void report_write_plan(struct buffer *out, const conus_report *report)
 {
     char text[CELL_SIZE];
@@ -76,6 +106,9 @@ void report_write_plan(struct buffer *out, const conus_report *report)
     size_t lines = report->row_count ? report->row_count + 2 : 0;
     struct report_columns columns;
     report_list_columns(&columns, report);
+    if (lines && report->options.rows == CONUS_ROWS_NEEDLES) {
+        write_combination(out, &report->needles);
+    }
     if (report->options.rows == CONUS_ROWS_PLAN) { /* the rank first */
         const struct report_column *query = columns.at[0];
         columns.at[0] = columns.at[1];
@@ -106,6 +139,8 @@ void report_write_plan(struct buffer *out, const conus_report *report)
         }
         buffer_text(out, "\n");
     }
-    buffer_text(out, lines ? "" : "(no pose holds all constraints)\n");
+    buffer_text(out, lines                        ? ""
+                     : report->needles.count == 0 ? "(no pose holds all constraints)\n"
+                                                  : "(no combination)\n");
     table_write_sources(out, report);
 }

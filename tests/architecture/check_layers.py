@@ -121,12 +121,13 @@ LIBRARY = {
     "selection/lists": "base base/geometry selection/table",
     "selection": "base base/geometry atlas atlas/areas poses/rows selection/region selection/evidence selection/engine selection/measure",
     "selection/study": "base base/geometry atlas/surface atlas poses/rows selection/measure selection/table selection",
+    "selection/plan/together": "base base/geometry selection/table",
     "selection/plan": "base base/geometry atlas/surface atlas/tracts atlas atlas/areas poses poses/rows selection/evidence"
-    " selection/measure selection selection/study selection/report selection/batch",
+    " selection/measure selection selection/study selection/report selection/batch selection/plan/together",
     "selection/ends": "base base/geometry atlas/surface atlas selection/measure selection/engine/voxels selection/table selection",
     "selection/picture": "base base/geometry render/draw render/image render/colour render/flat selection/measure selection"
     " selection/study",
-    "selection/report": "base base/geometry atlas poses/programs selection selection/ends selection/study selection/table",
+    "selection/report": "base base/geometry atlas poses/programs selection selection/ends selection/plan/together selection/study selection/table",
     "pack": "base base/files base/geometry base/system atlas atlas/tracts loaders/maps loaders/scene selection/engine/voxels sources",
     "selection/batch": "base base/geometry base/system poses poses/rows selection selection/study selection/report",
 }

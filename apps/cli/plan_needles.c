@@ -1,0 +1,761 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* conus plan --needles: several needles together. A row of the table is the question of a needle: its cells become
+ * options, which are read by the parser of conus plan. */
+#include "base/path.h"
+#include "base/text.h"
+#include "cli/answers/ends.h"
+#include "cli/cmd_plan.h"
+#include "conus/own.h"
+#include "options/input_file.h"
+#include "options/interrupt.h"
+#include "options/messages.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const struct option needles_options[] = {
+    {OPTION_VALUED("needles", struct needles_settings, file, "FILE"),
+     .help = "plan several needles together: a table with a row for each, a column needle with its name, and columns "
+             "that are called like the options above, which hold for all needles where they are given here",
+     .words = "electrodes, several, combination, SEEG",
+     .excludes = "map,target-map,constraints,profile,tolerance,jitter,top,rank,score,infeasible", OPTION_READING(TEXT)},
+    {OPTION_VALUED("between", struct needles_settings, between, "MM[,parts=MM]"),
+     .help = "any two needles stay farther apart than MM, 0 to 100, and so do their parts from needles and parts; at 0 "
+             "they do not touch",
+     .standard = "0", .unit = "mm", .words = "collision, conflict, distance", .needs = "needles", .role = OPTION_ASKS},
+    {OPTION_MM("entry-distance", struct needles_settings, entry_distance),
+     .help = "the positions of any two needles are so far apart at least, straight, 0 to 100", .standard = "0",
+     OPTION_FROM_TO(0, 100), .words = "bolt, burr hole", .needs = "needles", .role = OPTION_PLAIN},
+    {OPTION_VALUED("given", struct needles_settings, given, "FILE"),
+     .help = "poses that are called like needles: these are where they are, the others are planned round them; with "
+             "all given their plan is checked",
+     .words = "fixed, placed", .needs = "needles", OPTION_READING(POSES)},
+    {OPTION_VALUED("effort", struct needles_settings, effort, "N"),
+     .help = "end the search after N million steps, and say what no combination exceeds; 0 = never", .standard = "100",
+     OPTION_FROM_TO(0, 1e9), .needs = "needles", .role = OPTION_PLAIN},
+    {OPTION_VALUED("pairs", struct needles_settings, pairs, "FILE"),
+     .help = "write how near each two needles come to each other, and where", .needs = "needles",
+     .role = OPTION_WRITES_ROWS, .holds = HOLDS_ROWS},
+    {0},
+};
+
+enum { COLUMN_LIMIT = 64, TABLE_LIMIT = 1 << 20, NEEDLE_MOST = 16, FILES_MOST = 100 };
+
+/* A row of the table: the question of a needle. */
+struct question_row {
+    struct planner *planner;
+    size_t line;
+    const char *name;
+    char **words; /* [word_count] Of a command line; owned, but for the atlas behind them */
+    int word_count;
+    struct arguments arguments;
+    struct plan_settings settings;
+    bool was_parsed;
+    struct constraints constraints;
+    struct candidates candidates;
+    struct request request; /* a view: only its answerer and its stream are its own */
+    struct answerer answerer;
+    conus_part *parts;
+    conus_plan_options options;
+};
+
+struct planner {
+    const struct plan_settings *settings;
+    const struct arguments *arguments;
+    struct request request;
+    struct rows_file pairs;
+    char *text; /* of the table; its cells are in it */
+    struct question_row rows[NEEDLE_MOST];
+    size_t count;
+    conus_pose_list *given;
+    conus_together_options options;
+    conus_together *together;
+};
+
+/* A cell: without quotation marks, doubled ones once; ends with a NUL in its place. */
+static char *cut_cell(struct text cell, enum text_quotes quotes)
+{
+    char *start = (char *)cell.data;
+    size_t size = 0;
+    for (size_t i = 0; i < cell.size; i++) {
+        start[size++] = start[i];
+        i += quotes == TEXT_QUOTED && start[i] == '"' && i + 1 < cell.size && start[i + 1] == '"';
+    }
+    start[size] = '\0';
+    return start;
+}
+
+/* Cuts a line into cells. 0 after an error. */
+static size_t cut_line(char *cells[COLUMN_LIMIT], struct text line, char separator, const char *path, size_t number)
+{
+    bool more = true;
+    size_t count = 0;
+    struct text fields[COLUMN_LIMIT];
+    enum text_quotes quotes[COLUMN_LIMIT];
+    struct text field;
+    enum text_quotes how;
+    while (text_quoted_field(&line, separator, &more, &field, &how)) {
+        if (how == TEXT_FOLLOWED || how == TEXT_UNCLOSED || count == COLUMN_LIMIT) {
+            print_error_line(count == COLUMN_LIMIT
+                                 ? "%s: line %zu: more than 64 cells"
+                                 : "%s: line %zu: a quotation mark is not closed at the end of a cell",
+                             path, number);
+            return 0;
+        }
+        fields[count] = field;
+        quotes[count++] = how;
+    }
+    for (size_t i = 0; i < count; i++) { /* once all are found: an end takes a separator's place */
+        cells[i] = cut_cell(fields[i], quotes[i]);
+    }
+    return count;
+}
+
+static const char *question_name_at(const void *list, size_t index)
+{
+    (void)list;
+    for (size_t t = 0; plan_question_options[t]; t++) {
+        for (const struct option *option = plan_question_options[t]; option->name; option++) {
+            if (!index--) {
+                return option->name;
+            }
+        }
+    }
+    return index ? NULL : "needle";
+}
+
+/* The option that a column is called like, "reach.1" being another "reach"; NULL of the column needle. Prints an error
+ * and returns false for another one. */
+static bool find_column(const struct option **out, char *name, const struct planner *planner)
+{
+    const char *path = planner->settings->needles.file;
+    char *dot = strrchr(name, '.');
+    if (dot && dot[1] && strspn(dot + 1, "0123456789") == strlen(dot + 1)) {
+        *dot = '\0';
+    }
+    for (size_t t = 0; plan_question_options[t]; t++) {
+        for (*out = plan_question_options[t]; (*out)->name; (*out)++) {
+            if (strcmp((*out)->name, name) == 0) {
+                return true;
+            }
+        }
+    }
+    *out = NULL;
+    if (strcmp(name, "needle") == 0) {
+        return true;
+    }
+    const char *near = closest_name(name, question_name_at, NULL);
+    return near ? refuse("%s: column %s: did you mean %s?", path, name, near)
+           : option_find(planner->arguments->command, name)
+               ? refuse("%s: column %s: that is an option of all needles together", path, name)
+               : refuse("%s: column %s is neither needle nor a question's option", path, name);
+}
+
+static bool is_empty(const char *cell)
+{
+    return !*cell || strcmp(cell, "n/a") == 0;
+}
+
+/* Files of a table are where it is. */
+static bool is_beside_table(const struct option *option, const char *cell)
+{
+    bool is_file = option->role == OPTION_READS || option->role == OPTION_READS_POSES ||
+                   (option->role == OPTION_READS_NAMES && conus_atlas_is_path(cell));
+    return is_file && !path_is_whole(cell) && strcmp(cell, "-") != 0;
+}
+
+/* Appends the word --name=value. */
+static bool add_word(struct question_row *row, const struct option *option, const char *folder, size_t folder_size,
+                     const char *value)
+{
+    size_t size = strlen(option->name) + folder_size + (value ? strlen(value) : 0) + 4;
+    char *word = malloc(size);
+    if (word) {
+        snprintf(word, size, value ? "--%s=%.*s%s" : "--%s", option->name, (int)folder_size, folder, value);
+        row->words[row->word_count++] = word;
+    }
+    return word;
+}
+
+/* Makes the command line of a row: its cells, and what is given for all needles and not by a cell that may stand once.
+ */
+static int make_words(struct question_row *row, char *const *cells, const struct option *const *columns, size_t count)
+{
+    const struct planner *planner = row->planner;
+    const struct arguments *all = planner->arguments;
+    const char *path = planner->settings->needles.file;
+    size_t folder = path_folder_length(path);
+    bool whole = true;
+    row->words = calloc(all->use_count + count + 1, sizeof *row->words);
+    if (!row->words) {
+        return print_no_memory();
+    }
+    for (size_t i = 0; i < all->use_count && whole; i++) {
+        const struct option *option = all->uses[i].option;
+        bool is_replaced = false;
+        for (size_t k = 0; k < count; k++) {
+            is_replaced = is_replaced || (columns[k] && columns[k] == option && columns[k]->type != OPTION_LIST &&
+                                          !is_empty(cells[k]));
+        }
+        whole = is_replaced || add_word(row, option, "", 0, all->uses[i].value);
+    }
+    for (size_t k = 0; k < count && whole; k++) {
+        if (columns[k] && !is_empty(cells[k])) {
+            whole = add_word(row, columns[k], path, is_beside_table(columns[k], cells[k]) ? folder : 0, cells[k]);
+        }
+    }
+    return whole ? EXIT_DONE : print_no_memory();
+}
+
+/* RADIUS,H0:H1[,X,Y][,tip] */
+static bool read_part(conus_part *out, const char *text)
+{
+    char *copy = strdup(text);
+    char *rest = copy;
+    char *words[6] = {0};
+    size_t count = 0;
+    double ends[2];
+    *out = (conus_part){0};
+    while (copy && count < 6 && (words[count] = text_next(&rest, ","))) {
+        count++;
+    }
+    out->from_tip = count > 2 && strcmp(words[count - 1], "tip") == 0;
+    count -= out->from_tip;
+    bool is_fine = (count == 2 || count == 4) && number_parse(words[0], &out->radius) &&
+                   numbers_parse(ends, 2, words[1], ':') == 2 &&
+                   (count == 2 || (number_parse(words[2], &out->x) && number_parse(words[3], &out->y)));
+    if (is_fine) {
+        out->low = ends[0];
+        out->high = ends[1];
+    }
+    free(copy);
+    return is_fine || refuse("--part: \"%s\" is not RADIUS,H0:H1[,X,Y][,tip]", text);
+}
+
+static int read_parts(struct question_row *row)
+{
+    const struct option_list *parts = &row->settings.needles.parts;
+    row->parts = calloc(parts->count + 1, sizeof *row->parts);
+    int code = row->parts ? EXIT_DONE : print_no_memory();
+    for (size_t i = 0; row->parts && i < parts->count && !code; i++) {
+        code = read_part(&row->parts[i], parts->items[i]) ? EXIT_DONE : EXIT_USAGE;
+    }
+    return code;
+}
+
+static int parse_row(struct question_row *row)
+{
+    const struct arguments *all = row->planner->arguments;
+    const char *atlas = all->operands[0];
+    int count = row->word_count;
+    /* The operand is found again behind all options, whatever it begins with. */
+    char *words[2] = {"--", (char *)atlas};
+    char **line = calloc((size_t)count + 2, sizeof *line);
+    if (!line) {
+        return print_no_memory();
+    }
+    memcpy(line, row->words, (size_t)count * sizeof *line);
+    memcpy(line + count, words, sizeof words);
+    free(row->words);
+    row->words = line;
+    row->was_parsed = true;
+    int code = options_parse(&row->arguments, &row->settings, all->command, NULL, count + 2, line, 0);
+    code = code < 0 ? plan_parse(&row->constraints, &row->candidates, &row->settings, &row->arguments) : code;
+    if (!code && row->settings.request.aim.pose && poses_are_no_file(row->settings.request.aim.pose)) {
+        code = print_usage_error("--poses needs a file, which is read several times");
+    }
+    return code ? code : read_parts(row);
+}
+
+/* Reads a row; an error of it says where it is. */
+static int read_row(struct planner *planner, char *const *cells, const struct option *const *columns, size_t count,
+                    size_t line)
+{
+    const char *path = planner->settings->needles.file;
+    if (planner->count == NEEDLE_MOST) {
+        return print_usage_error("%s: more than %d needles", path, NEEDLE_MOST);
+    }
+    struct question_row *row = &planner->rows[planner->count++];
+    *row = (struct question_row){.planner = planner, .line = line, .name = ""};
+    for (size_t i = 0; i < count; i++) {
+        row->name = columns[i] ? row->name : cells[i];
+    }
+    if (is_empty(row->name)) {
+        return print_usage_error("%s: line %zu: no needle", path, line);
+    }
+    if (strpbrk(row->name, ",/")) {
+        return print_usage_error("%s: line %zu: needle %s: a name of one needle, without \",\" and \"/\"", path, line,
+                                 row->name);
+    }
+    for (size_t i = 0; i + 1 < planner->count; i++) {
+        if (strcmp(planner->rows[i].name, row->name) == 0) {
+            return print_usage_error("%s: line %zu: needle %s is in line %zu, too", path, line, row->name,
+                                     planner->rows[i].line);
+        }
+    }
+    int code = make_words(row, cells, columns, count);
+    if (!code) {
+        messages_hold(true);
+        code = parse_row(row);
+        messages_hold(false);
+        char why[1024];
+        snprintf(why, sizeof why, "%s", error_line());
+        if (code) {
+            print_error_line("%s: line %zu: %s", path, line, why);
+        }
+    }
+    return code;
+}
+
+static int read_table(struct planner *planner)
+{
+    const char *path = planner->settings->needles.file;
+    size_t size = 0;
+    int code = input_file_read(&planner->text, &size, path, INPUT_FILE, TABLE_LIMIT);
+    if (code) {
+        return code;
+    }
+    struct text rest = text_from_bytes((const uint8_t *)planner->text, size);
+    struct text line;
+    const struct option *columns[COLUMN_LIMIT] = {0};
+    size_t count = 0;
+    size_t names = 0;
+    char separator = '\t';
+    for (size_t number = 1; text_line(&rest, &line) && !code; number++) {
+        char *cells[COLUMN_LIMIT];
+        if (!text_trim(line).size) {
+            continue;
+        }
+        if (!count) { /* the header */
+            separator = memchr(line.data, '\t', line.size) ? '\t' : memchr(line.data, ';', line.size) ? ';' : ',';
+        }
+        size_t found = cut_line(cells, line, separator, path, number);
+        if (!found) {
+            return EXIT_USAGE;
+        }
+        if (count && found > count) {
+            return print_usage_error("%s: line %zu: %zu cells, the header has %zu", path, number, found, count);
+        }
+        while (found < count) { /* empty ones at the end */
+            cells[found++] = (char *)"";
+        }
+        for (size_t i = 0; i < found && !count && !code; i++) {
+            code = find_column(&columns[i], cells[i], planner) ? EXIT_DONE : EXIT_USAGE;
+            names += !columns[i];
+        }
+        if (!code && names != 1) {
+            return print_usage_error(names ? "%s: two columns needle" : "%s: no column needle", path);
+        }
+        code = code || !count ? code : read_row(planner, cells, columns, count, number);
+        count = found;
+    }
+    return code || planner->count ? code : print_usage_error("%s: no needles in it", path);
+}
+
+/* MM[,parts=MM] */
+static bool read_between(conus_together_options *out, const char *text)
+{
+    static const char word[] = ",parts=";
+    if (!text) {
+        return true;
+    }
+    const char *comma = strchr(text, ',');
+    char *first = comma ? text_copy(text, (size_t)(comma - text)) : strdup(text);
+    bool has_word = comma && strncmp(comma, word, sizeof word - 1) == 0;
+    bool is_fine = first && number_parse(first, &out->between) &&
+                   (!comma || (has_word && number_parse(comma + sizeof word - 1, &out->parts)));
+    free(first);
+    if (!is_fine) {
+        return refuse("--between: \"%s\" is not MM[,parts=MM]", text);
+    }
+    return (out->between >= 0 && out->between <= 100 && out->parts >= 0 && out->parts <= 100) ||
+           refuse("--between: %s: allowed are 0 to 100 mm", text);
+}
+
+static int open_nothing(void *user)
+{
+    (void)user;
+    return EXIT_DONE;
+}
+
+/* Opens the candidates of a row once more. */
+static int open_candidates(struct question_row *row)
+{
+    struct request *request = &row->request;
+    const char *path = row->settings.request.aim.pose;
+    if (!path) {
+        return candidates_open(&row->candidates, request, &row->constraints);
+    }
+    const conus_pose_options options = request_pose_options(request);
+    conus_status status = conus_pose_stream_open(&request->stream, path, &options);
+    return status ? pose_settings_print_error(status, path, "poses", &row->arguments) : EXIT_DONE;
+}
+
+/* Called by the library, each time that it lists candidates. */
+static conus_status open_again(conus_pose_stream **out, void *user)
+{
+    struct question_row *row = user;
+    int code = row->request.stream ? EXIT_DONE : open_candidates(row);
+    *out = row->request.stream;
+    row->request.stream = NULL;
+    return code ? CONUS_ERROR_DATA : CONUS_OK;
+}
+
+/* Prepares the question of a row: its selector, its constraints, its candidates. */
+static int open_row(struct question_row *row)
+{
+    const struct planner *planner = row->planner;
+    const struct plan_settings *settings = &row->settings;
+    struct request *request = &row->request;
+    *request = planner->request;
+    request->settings = &settings->request;
+    request->arguments = &row->arguments;
+    request->answerers = &row->answerer;
+    request->stream = NULL;
+    const struct pose_places places = {&request->frame, &settings->request.file, &request->atlases,
+                                       &settings->request.common};
+    double far = plan_far(settings, &row->candidates);
+    int code = constraints_place(&row->constraints, &places, far);
+    if (code) {
+        return code;
+    }
+    conus_selector_options engine = plan_engine(settings, &row->constraints);
+    engine.frame = &request->frame;
+    conus_status status = conus_selector_create(&row->answerer.selector, request->atlases.items[0].atlas, &engine);
+    code = status ? print_status(status) : open_candidates(row);
+    if (!code && request->stream && settings->request.aim.pose) {
+        code = pose_settings_match_stream(&request->notes_said, request->stream, settings->request.aim.pose,
+                                          &request->atlases, &settings->request.file, &settings->request.common);
+    }
+    row->options = (conus_plan_options){.threads = planner->settings->threads,
+                                        .angle = settings_angle(&settings->request.aim, &settings->request.engine),
+                                        .far = row->candidates.far,
+                                        .shanks = row->constraints.shanks,
+                                        .shank_count = row->constraints.shank_count};
+    return code;
+}
+
+static int open_rows(struct planner *planner)
+{
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < planner->count && !code; i++) {
+        code = open_row(&planner->rows[i]);
+        if (code) {
+            print_error_line("%s: line %zu: that is about needle %s", planner->settings->needles.file,
+                             planner->rows[i].line, planner->rows[i].name);
+        }
+    }
+    return code;
+}
+
+/* The place of the needle of a name; their number = there is none. */
+static size_t find_needle(const struct planner *planner, const char *name)
+{
+    size_t i = 0;
+    while (i < planner->count && strcmp(planner->rows[i].name, name) != 0) {
+        i++;
+    }
+    return i;
+}
+
+/* Takes the places of --given. */
+static int take_given(struct planner *planner, conus_needle *needles)
+{
+    const char *path = planner->settings->needles.given;
+    if (!path) {
+        return EXIT_DONE;
+    }
+    const conus_pose_options options = request_pose_options(&planner->request);
+    conus_status status = conus_pose_list_load(&planner->given, path, &options);
+    int code = status ? print_status(status)
+                      : pose_settings_match_list(planner->given, path, &planner->request.atlases,
+                                                 &planner->settings->request.file, &planner->settings->request.common);
+    for (size_t i = 0; i < conus_pose_list_count(planner->given) && !code; i++) {
+        const conus_pose_row *row = conus_pose_list_row(planner->given, i);
+        const char *why = pose_settings_row_error(row);
+        size_t at = find_needle(planner, row->id);
+        conus_needle *needle = at < planner->count ? &needles[at] : NULL;
+        code = !needle         ? print_usage_error("--given: %s:%zu: %s is no needle of %s", path, row->line, row->id,
+                                                   planner->settings->needles.file)
+               : why           ? print_data_error("--given: %s:%zu: %s", path, row->line, why)
+               : needle->given ? print_usage_error("--given: %s:%zu: %s is given twice", path, row->line, row->id)
+                               : EXIT_DONE;
+        if (needle && !code) {
+            needle->given = row;
+        }
+    }
+    return code;
+}
+
+static bool show_tried(void *user, size_t done, size_t total)
+{
+    struct planner *planner = user;
+    (void)total;
+    progress_update(&planner->request.progress, done, 0);
+    return !interrupt_signal();
+}
+
+/* An answer that a signal ended is the best one by then. */
+static int say_interrupted(struct planner *planner, conus_status status, int signal)
+{
+    if (status) {
+        print_error_line("interrupted before a combination was found");
+        return 128 + signal;
+    }
+    const conus_combination *combination = conus_together_combination(planner->together);
+    if (combination && !combination->proven) {
+        say_warning("interrupted: the combination is the best one by then");
+        planner->request.failed = true;
+    }
+    return EXIT_DONE;
+}
+
+static int search(struct planner *planner)
+{
+    const struct plan_settings *settings = planner->settings;
+    conus_needle needles[NEEDLE_MOST] = {0};
+    for (size_t i = 0; i < planner->count; i++) {
+        struct question_row *row = &planner->rows[i];
+        needles[i] = (conus_needle){.name = row->name,
+                                    .selector = row->answerer.selector,
+                                    .constraints = row->constraints.items,
+                                    .constraint_count = row->constraints.count,
+                                    .options = &row->options,
+                                    .open = open_again,
+                                    .user = row,
+                                    .parts = row->parts,
+                                    .part_count = row->settings.needles.parts.count};
+    }
+    int code = take_given(planner, needles);
+    code = code ? code : request_check_outputs(&planner->request);
+    if (code) {
+        return code;
+    }
+    planner->options.progress = show_tried;
+    planner->options.progress_user = planner;
+    progress_start(&planner->request.progress, (enum progress_kind)settings->progress, settings->request.common.quiet,
+                   "poses", 0);
+    interrupt_catch(NULL);
+    conus_status status = conus_plan_together(&planner->together, needles, planner->count, &planner->options);
+    interrupt_release();
+    progress_finish(&planner->request.progress, 0, 0);
+    int signal = interrupt_signal();
+    return signal && (!status || status == CONUS_ERROR_CANCELLED) ? say_interrupted(planner, status, signal)
+                                                                  : print_status(status);
+}
+
+/* Says candidates that are none; a needle without any is an error. */
+static int check_rows(struct planner *planner)
+{
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < planner->count && !code; i++) {
+        const conus_placed *placed = conus_together_needle(planner->together, i);
+        const struct question_row *row = &planner->rows[i];
+        if (!placed->given) {
+            code = plan_check_candidates(&planner->request.failed, placed->plan, &row->settings, &row->candidates);
+        }
+    }
+    return code;
+}
+
+/* How many candidates of a needle are left by which constraint. */
+static int say_funnel(const struct planner *planner, size_t index)
+{
+    const conus_placed *placed = conus_together_needle(planner->together, index);
+    conus_report *report = NULL;
+    conus_report_options options = request_report_options(&planner->request);
+    options.rows = CONUS_ROWS_PLAN;
+    conus_status status = conus_report_create(&report, planner->rows[index].answerer.selector, &options);
+    status = status ? status : conus_report_add_plan(report, (conus_plan *)placed->plan);
+    if (!status) {
+        plan_say_funnel(placed->plan, report, placed->radius);
+    }
+    conus_report_destroy(report);
+    return print_status(status);
+}
+
+/* "A, C: no combination: at most 3.2 of 5 mm between them, or entries 7.9 of 10 mm apart" */
+static int say_conflict(const struct planner *planner)
+{
+    const conus_conflict *conflict = conus_together_conflict(planner->together);
+    const conus_combination *combination = conus_together_combination(planner->together);
+    char names[512] = "";
+    char why[256] = "";
+    size_t size = 0;
+    if (!conflict) {
+        if (!combination) {
+            print_error_line("no combination was found, and none is proven not to be there; --effort lets the search "
+                             "go on");
+        }
+        return EXIT_DONE;
+    }
+    for (size_t i = 0; i < conflict->count && size < sizeof names; i++) {
+        const conus_placed *placed = conus_together_needle(planner->together, conflict->needles[i]);
+        size += (size_t)snprintf(names + size, sizeof names - size, "%s%s", i ? ", " : "", placed->name);
+    }
+    if (isfinite(conflict->between)) {
+        snprintf(why, sizeof why, ": at most %.4g of %.4g mm between them", conflict->between,
+                 planner->options.between);
+    }
+    if (isfinite(conflict->entry_distance)) {
+        size = strlen(why);
+        snprintf(why + size, sizeof why - size, "%s entries %.4g of %.4g mm apart", size ? ", or" : ":",
+                 conflict->entry_distance, planner->options.entry_distance);
+    }
+    if (!*why && conflict->count > 1) {
+        snprintf(why, sizeof why, ": neither another margin nor another distance of entries alone would do");
+    }
+    print_error_line("%s%sno combination%s", names, *names ? ": " : "", why);
+    bool is_planned = conflict->count == 1 && !conus_together_needle(planner->together, conflict->needles[0])->given;
+    return is_planned ? say_funnel(planner, conflict->needles[0]) : EXIT_DONE;
+}
+
+static int make_reports(struct planner *planner)
+{
+    struct request *request = &planner->request;
+    conus_report_options options = request_report_options(request);
+    options.rows = CONUS_ROWS_NEEDLES;
+    conus_status status = request_report(request, 0, &options);
+    status = status ? status : conus_report_add_together(request->answerers[0].report, planner->together);
+    status = status ? status : rows_file_report(&planner->pairs, request->answerers[0].selector, &options);
+    if (!status && planner->pairs.path) {
+        status = conus_report_add_together(planner->pairs.reports[0], planner->together);
+    }
+    return print_status(status);
+}
+
+static int list_inputs(struct provenance *out, const struct planner *planner)
+{
+    const struct plan_settings *settings = planner->settings;
+    size_t apart = 0;
+    request_list_inputs(out, &planner->request);
+    provenance_add_input(out, settings->needles.file);
+    provenance_add_input(out, settings->needles.given);
+    for (size_t i = 0; i < planner->count; i++) {
+        const struct question_row *row = &planner->rows[i];
+        provenance_add_input(out, row->settings.request.aim.pose);
+        candidates_list_inputs(out, &row->candidates);
+        for (size_t k = 0; k < row->constraints.count && apart < FILES_MOST; k++) {
+            if (row->constraints.items[k].kind == CONUS_CONSTRAINT_APART) {
+                provenance_add_input(out, row->constraints.texts[k]);
+                apart = out->input_count;
+            }
+        }
+    }
+    return apart < FILES_MOST ? EXIT_DONE
+                              : print_usage_error("%s: more than %d files", settings->needles.file, FILES_MOST);
+}
+
+static int write_poses(const struct planner *planner)
+{
+    struct written_pose poses[NEEDLE_MOST];
+    size_t count = conus_together_combination(planner->together) ? planner->count : 0;
+    for (size_t i = 0; i < count; i++) {
+        const conus_placed *placed = conus_together_needle(planner->together, i);
+        const struct constraints *constraints = &planner->rows[i].constraints;
+        poses[i] = (struct written_pose){placed->name, placed->pose, constraints->shanks, constraints->shank_count};
+    }
+    return candidates_write(planner->settings->poses_out, poses, count, &planner->request.frame);
+}
+
+static int write_all(struct planner *planner)
+{
+    struct request *request = &planner->request;
+    const struct plan_settings *settings = planner->settings;
+    struct provenance provenance = {0};
+    int code = list_inputs(&provenance, planner);
+    provenance.question.region = "axis";
+    code = code ? code : rows_file_write(&planner->pairs, &provenance);
+    code = code || !settings->poses_out ? code : write_poses(planner);
+    provenance.question.rows = "needles";
+    provenance_add_outputs(&provenance, request->arguments);
+    bool is_replaced = planner->pairs.path && output_is_stdout(planner->pairs.path) && !settings->request.answer.output;
+    return code || is_replaced ? code
+                               : answer_write(request->answerers[0].report, settings->request.answer.output,
+                                              request->sidecar, &provenance);
+}
+
+static int answer(struct planner *planner)
+{
+    struct request *request = &planner->request;
+    const struct plan_settings *settings = planner->settings;
+    int code = request_load(request, open_nothing, NULL);
+    code = code ? code : open_rows(planner);
+    if (code) {
+        return code;
+    }
+    const conus_selector_options engine = plan_engine(settings, &planner->rows[0].constraints);
+    code = print_status(request_start(request, &engine));
+    code = code ? code : search(planner);
+    code = code ? code : check_rows(planner);
+    code = code ? code : make_reports(planner);
+    if (code) {
+        return code;
+    }
+    request_say_notes(request);
+    code = say_conflict(planner);
+    if (!code && !settings->request.common.quiet) {
+        print_error_line("note: a plan is a list to be checked; conus is no medical device");
+    }
+    return request_code(request, code ? code : write_all(planner));
+}
+
+static int start_pairs(struct planner *planner)
+{
+    static const struct rows_kind kind = {"pairs", CONUS_ROWS_PAIRS, "pairs"};
+    struct request *request = &planner->request;
+    const struct plan_settings *settings = planner->settings;
+    bool answer_has_format = !output_is_stdout(settings->request.answer.output);
+    int code = rows_file_init(&planner->pairs, &kind, settings->needles.pairs,
+                              answer_has_format ? CONUS_FORMAT_TABLE : request->format);
+    outputs_add_sidecar(&request->outputs, kind.option, planner->pairs.sidecar);
+    return code || outputs_differ(&request->outputs) ? code : EXIT_USAGE;
+}
+
+static void finish_row(struct question_row *row)
+{
+    conus_pose_stream_destroy(row->request.stream);
+    constraints_finish(&row->constraints);
+    candidates_finish(&row->candidates);
+    conus_selector_destroy(row->answerer.selector);
+    if (row->was_parsed) {
+        options_finish(&row->settings, &row->arguments);
+    }
+    for (int i = 0; i < row->word_count; i++) {
+        free(row->words[i]);
+    }
+    free(row->words);
+    free(row->parts);
+}
+
+int plan_needles(const struct plan_settings *settings, const struct arguments *arguments)
+{
+    struct planner *planner = calloc(1, sizeof *planner);
+    if (!planner) {
+        return print_no_memory();
+    }
+    planner->settings = settings;
+    planner->arguments = arguments;
+    planner->options =
+        (conus_together_options){.entry_distance = settings->needles.entry_distance,
+                                 .effort = !option_given(arguments, "effort") ? 0
+                                           : settings->needles.effort ? UINT64_C(1000000) * settings->needles.effort
+                                                                      : UINT64_MAX};
+    bool fits = read_between(&planner->options, settings->needles.between) &&
+                space_settings_check(arguments, &settings->request.aim.space);
+    int code = fits ? read_table(planner) : EXIT_USAGE;
+    code = code ? code : request_init(&planner->request, &settings->request, arguments);
+    code = code ? code : start_pairs(planner);
+    code = code ? code : answer(planner);
+    rows_file_finish(&planner->pairs);
+    conus_together_destroy(planner->together);
+    for (size_t i = 0; i < planner->count; i++) {
+        finish_row(&planner->rows[i]);
+    }
+    request_finish(&planner->request);
+    conus_pose_list_destroy(planner->given);
+    free(planner->text);
+    free(planner);
+    return code;
+}

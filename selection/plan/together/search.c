@@ -1,0 +1,484 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A domain is a bit set of a list's candidates, in its order: the first bit is its best. Where the first ones of all
+ * needles go together they are the answer of a node. Else, of the needles among them that conflict, the one with the
+ * fewest candidates left is placed. What the first ones add up to bounds all that is below a node. */
+#include "selection/plan/together/search.h"
+
+#include "base/memory.h"
+#include "base/order.h"
+#include "base/status.h"
+
+#include <string.h>
+
+enum { WORD = 64, ROWS_BYTES = 128 << 20, NODES_A_LOOK = 1 << 14, HALVINGS = 20, PROBE_NODES = 2000, PROBES = 6 };
+
+/** What orders combinations with one least leeway. All of it adds up over needles: a needle's number has a place of its
+ * own, and the first needle's decides first. So the first ones of all domains bound the rest in the whole order. */
+struct weight {
+    int64_t sum, depth;
+    uint64_t numbers[NEEDLE_LIMIT];
+};
+
+struct node {
+    uint64_t *domains[NEEDLE_LIMIT];
+    size_t at[NEEDLE_LIMIT]; /* The chosen candidate, or the first one that is left. */
+    uint32_t placed;         /* bits */
+};
+
+struct search {
+    const struct search_list *lists;
+    size_t count;
+    uint32_t among;
+    size_t used[NEEDLE_LIMIT]; /* So many candidates of each list, the first ones, are looked at. */
+    uint64_t **rows[NEEDLE_LIMIT][NEEDLE_LIMIT];
+    size_t row_bytes;
+    double *scratch;
+    struct node nodes[NEEDLE_LIMIT + 1];
+    struct pair_test test;
+    bool any_will_do, was_cancelled, is_spent;
+    bool has_best;
+    struct weight best;
+    size_t chosen[NEEDLE_LIMIT];
+    uint64_t visited, effort, limit;
+    conus_progress progress;
+    void *progress_user;
+};
+
+int search_item_compare(const void *a, const void *b)
+{
+    const struct search_item *x = a;
+    const struct search_item *y = b;
+    int order = (y->leeway > x->leeway) - (y->leeway < x->leeway);
+    order = order ? order : (x->depth > y->depth) - (x->depth < y->depth);
+    return order ? order : compare_unsigned(x->number, y->number);
+}
+
+static bool is_among(const struct search *search, size_t needle)
+{
+    return search->among >> needle & 1;
+}
+
+static size_t words_of(size_t count)
+{
+    return (count + WORD - 1) / WORD;
+}
+
+static void forget_rows(struct search *search)
+{
+    for (size_t i = 0; i < search->count && search->row_bytes; i++) {
+        for (size_t k = 0; k < search->count; k++) {
+            for (size_t c = 0; search->rows[i][k] && c < search->lists[i].bodies.count; c++) {
+                memory_free(search->rows[i][k][c]);
+                search->rows[i][k][c] = NULL;
+            }
+        }
+    }
+    search->row_bytes = 0;
+}
+
+conus_status joint_create(struct search **out, const struct search_list *lists, size_t count, uint64_t effort,
+                          conus_progress progress, void *progress_user)
+{
+    struct search *search = memory_zeroed(1, sizeof *search);
+    if (!search) {
+        return CONUS_ERROR_MEMORY;
+    }
+    search->lists = lists;
+    search->count = count;
+    search->effort = effort;
+    search->progress = progress;
+    search->progress_user = progress_user;
+    size_t most = 0;
+    bool whole = true;
+    for (size_t i = 0; i < count; i++) {
+        size_t size = lists[i].bodies.count;
+        most = size > most ? size : most;
+        for (size_t k = 0; k < count && whole; k++) {
+            search->rows[i][k] = k == i ? NULL : memory_zeroed(size, sizeof(uint64_t *));
+            whole = k == i || search->rows[i][k];
+        }
+        for (size_t k = 0; k <= count && whole; k++) {
+            search->nodes[k].domains[i] = memory_zeroed(words_of(size), sizeof(uint64_t));
+            whole = search->nodes[k].domains[i];
+        }
+    }
+    search->scratch = whole ? memory_raw(most, sizeof *search->scratch) : NULL;
+    if (!search->scratch) {
+        joint_destroy(search);
+        return CONUS_ERROR_MEMORY;
+    }
+    *out = search;
+    return CONUS_OK;
+}
+
+void joint_destroy(struct search *search)
+{
+    if (!search) {
+        return;
+    }
+    search->row_bytes = 1;
+    forget_rows(search);
+    for (size_t i = 0; i < search->count; i++) {
+        for (size_t k = 0; k < search->count; k++) {
+            memory_free((void *)search->rows[i][k]);
+        }
+        for (size_t k = 0; k <= search->count; k++) {
+            memory_free(search->nodes[k].domains[i]);
+        }
+    }
+    memory_free(search->scratch);
+    memory_free(search);
+}
+
+uint64_t joint_nodes(const struct search *search)
+{
+    return search->visited;
+}
+
+/* Which candidates of another needle go with one; NULL without memory. The oldest rows make room for it. */
+static const uint64_t *row_of(struct search *search, size_t needle, size_t candidate, size_t other)
+{
+    uint64_t **row = &search->rows[needle][other][candidate];
+    size_t bytes = words_of(search->used[other]) * sizeof **row;
+    if (!*row && search->row_bytes + bytes > ROWS_BYTES) {
+        forget_rows(search);
+    }
+    if (!*row && (*row = memory_raw(words_of(search->used[other]), sizeof **row))) {
+        search->row_bytes += bytes;
+        pair_row(*row, search->scratch, &search->lists[needle].bodies, candidate, &search->lists[other].bodies,
+                 search->used[other], &search->test);
+    }
+    return *row;
+}
+
+static void weigh(struct weight *out, const struct search *search, const size_t at[NEEDLE_LIMIT])
+{
+    *out = (struct weight){0};
+    for (size_t i = 0; i < search->count; i++) {
+        if (is_among(search, i)) {
+            const struct search_item *item = &search->lists[i].items[at[i]];
+            out->sum += item->leeway;
+            out->depth += item->depth;
+            out->numbers[i] = item->number;
+        }
+    }
+}
+
+/* Whether `a` is better. */
+static bool is_better(const struct weight *a, const struct weight *b)
+{
+    for (size_t i = 0; a->sum == b->sum && a->depth == b->depth && i < NEEDLE_LIMIT; i++) {
+        if (a->numbers[i] != b->numbers[i]) {
+            return a->numbers[i] < b->numbers[i];
+        }
+    }
+    return a->sum != b->sum ? a->sum > b->sum : a->depth < b->depth;
+}
+
+/* Counts a node. False where the search is to end. */
+static bool may_go_on(struct search *search)
+{
+    search->visited++;
+    search->is_spent = search->is_spent || search->visited > search->limit;
+    if (search->visited % NODES_A_LOOK == 0 && search->progress && !search->progress(search->progress_user, 0, 0)) {
+        search->was_cancelled = true;
+    }
+    return !search->is_spent && !search->was_cancelled;
+}
+
+static size_t count_left(const struct search *search, const struct node *node, size_t needle)
+{
+    size_t count = 0;
+    for (size_t w = 0; w < words_of(search->used[needle]); w++) {
+        count += (size_t)__builtin_popcountll(node->domains[needle][w]);
+    }
+    return count;
+}
+
+/* Finds the needle to place: of those whose first candidates conflict the one with the fewest left. SIZE_MAX: none do.
+ */
+static conus_status find_next(size_t *next, struct search *search, const struct node *node)
+{
+    uint32_t conflicts = 0;
+    size_t fewest = SIZE_MAX;
+    *next = SIZE_MAX;
+    for (size_t i = 0; i < search->count; i++) {
+        for (size_t k = i + 1; k < search->count; k++) {
+            uint32_t both = 1U << i | 1U << k;
+            if ((search->among & both) == both && !(node->placed & both)) {
+                const uint64_t *row = row_of(search, i, node->at[i], k);
+                if (!row) {
+                    return CONUS_ERROR_MEMORY;
+                }
+                conflicts |= row[node->at[k] / WORD] >> node->at[k] % WORD & 1 ? 0 : both;
+            }
+        }
+    }
+    for (size_t i = 0; i < search->count; i++) {
+        size_t left = conflicts >> i & 1 ? count_left(search, node, i) : SIZE_MAX;
+        if (left < fewest) {
+            fewest = left;
+            *next = i;
+        }
+    }
+    return CONUS_OK;
+}
+
+/* Places a candidate. *is_possible: the other needles have candidates that go with it. */
+static conus_status place(struct node *out, bool *is_possible, struct search *search, const struct node *node,
+                          size_t needle, size_t candidate)
+{
+    out->placed = node->placed | 1U << needle;
+    memcpy(out->at, node->at, sizeof out->at);
+    out->at[needle] = candidate;
+    *is_possible = true;
+    for (size_t i = 0; i < search->count && *is_possible; i++) {
+        if (!is_among(search, i) || out->placed >> i & 1) {
+            continue;
+        }
+        const uint64_t *row = row_of(search, needle, candidate, i);
+        if (!row) {
+            return CONUS_ERROR_MEMORY;
+        }
+        size_t first = SIZE_MAX;
+        for (size_t w = 0; w < words_of(search->used[i]); w++) {
+            uint64_t bits = node->domains[i][w] & row[w];
+            out->domains[i][w] = bits;
+            first = first == SIZE_MAX && bits ? WORD * w + (size_t)__builtin_ctzll(bits) : first;
+        }
+        out->at[i] = first;
+        *is_possible = first < SIZE_MAX;
+    }
+    return CONUS_OK;
+}
+
+/* Whether the first ones of a node are worth it. */
+static bool is_worth(const struct search *search, const size_t at[NEEDLE_LIMIT])
+{
+    struct weight weight;
+    weigh(&weight, search, at);
+    return !search->has_best || is_better(&weight, &search->best);
+}
+
+static bool is_over(const struct search *search)
+{
+    return search->is_spent || search->was_cancelled || (search->any_will_do && search->has_best);
+}
+
+static conus_status visit(struct search *search, size_t depth);
+
+/* Visits a node with each candidate of a needle, as long as it may be better. */
+static conus_status visit_each(struct search *search, size_t depth, size_t needle)
+{
+    const struct node *node = &search->nodes[depth];
+    struct node *next = &search->nodes[depth + 1];
+    size_t at[NEEDLE_LIMIT];
+    memcpy(at, node->at, sizeof at);
+    for (size_t w = 0; w < words_of(search->used[needle]); w++) {
+        for (uint64_t bits = node->domains[needle][w]; bits; bits &= bits - 1) {
+            bool is_possible = false;
+            at[needle] = WORD * w + (size_t)__builtin_ctzll(bits);
+            if (!is_worth(search, at)) {
+                return CONUS_OK; /* nor is what follows */
+            }
+            conus_status status = place(next, &is_possible, search, node, needle, at[needle]);
+            if (!status && is_possible && is_worth(search, next->at)) {
+                status = visit(search, depth + 1);
+            } else if (!status) {
+                (void)may_go_on(search);
+            }
+            if (status || is_over(search)) {
+                return status;
+            }
+        }
+    }
+    return CONUS_OK;
+}
+
+static conus_status visit(struct search *search, size_t depth)
+{
+    const struct node *node = &search->nodes[depth];
+    size_t next = SIZE_MAX;
+    if (!may_go_on(search)) {
+        return CONUS_OK;
+    }
+    conus_status status = find_next(&next, search, node);
+    if (!status && next == SIZE_MAX) {
+        weigh(&search->best, search, node->at);
+        memcpy(search->chosen, node->at, sizeof search->chosen);
+        search->has_best = true;
+    }
+    return status || next == SIZE_MAX ? status : visit_each(search, depth, next);
+}
+
+/* How many candidates of a list may be in what is looked for: with the least leeway, and with a sum of that of the best
+ * or more. */
+static size_t find_used(const struct search *search, size_t needle, int64_t least, int64_t all)
+{
+    const struct search_list *list = &search->lists[needle];
+    size_t low = 0;
+    size_t high = list->bodies.count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        int64_t leeway = list->items[middle].leeway;
+        bool is_used = (!list->has_leeway || leeway >= least) &&
+                       (!search->has_best || all - list->items[0].leeway + leeway >= search->best.sum);
+        low = is_used ? middle + 1 : low;
+        high = is_used ? high : middle;
+    }
+    return low;
+}
+
+/* Searches all that may be better than the best. */
+static conus_status run(struct search *search, uint64_t nodes)
+{
+    struct node *root = &search->nodes[0];
+    int64_t least = search->test.quantity == PAIR_LEEWAY ? search->test.least : INT64_MIN;
+    int64_t all = 0;
+    bool is_possible = true;
+    search->limit = search->effort - search->visited < nodes ? search->effort : search->visited + nodes;
+    search->is_spent = search->visited >= search->limit;
+    forget_rows(search);
+    root->placed = 0;
+    for (size_t i = 0; i < search->count; i++) {
+        bool has_items = search->lists[i].bodies.count;
+        all += is_among(search, i) && has_items ? search->lists[i].items[0].leeway : 0;
+        is_possible = is_possible && (has_items || !is_among(search, i));
+    }
+    for (size_t i = 0; i < search->count && is_possible; i++) {
+        if (is_among(search, i)) {
+            search->used[i] = find_used(search, i, least, all);
+            root->at[i] = 0;
+            is_possible = search->used[i];
+            memset(root->domains[i], 0, words_of(search->used[i]) * sizeof(uint64_t));
+            for (size_t c = 0; c < search->used[i]; c++) {
+                root->domains[i][c / WORD] |= UINT64_C(1) << c % WORD;
+            }
+        }
+    }
+    return is_possible && !search->is_spent && is_worth(search, root->at) ? visit(search, 0) : CONUS_OK;
+}
+
+/* The least of what a combination has. */
+static int64_t least_of(const struct search *search)
+{
+    int64_t least = INT64_MAX;
+    for (size_t i = 0; i < search->count; i++) {
+        if (!is_among(search, i)) {
+            continue;
+        }
+        const struct search_list *list = &search->lists[i];
+        int64_t own = list->items[search->chosen[i]].leeway;
+        bool counts = list->has_leeway && search->test.quantity == PAIR_LEEWAY;
+        least = counts && own < least ? own : least;
+        for (size_t k = i + 1; k < search->count; k++) {
+            if (is_among(search, k)) {
+                struct pair pair;
+                pair_measure(&pair, &list->bodies, search->chosen[i], &search->lists[k].bodies, search->chosen[k],
+                             &search->test.margins);
+                int64_t value = pair_value(&pair, search->test.quantity);
+                least = value < least ? value : least;
+            }
+        }
+    }
+    return least;
+}
+
+/* Looks for a combination with `least` or more, by at most so many nodes. Sets what that tells. */
+static conus_status probe(struct search_answer *out, struct search *search, int64_t least, uint64_t nodes)
+{
+    search->test.least = least;
+    search->any_will_do = true;
+    search->has_best = false;
+    conus_status status = run(search, nodes);
+    if (!status && search->has_best) {
+        out->found = true;
+        out->least = least_of(search);
+        memcpy(out->chosen, search->chosen, sizeof out->chosen);
+    } else if (!status && !search->is_spent && !search->was_cancelled) {
+        out->most = least - 1;
+    }
+    return status ? status : search->was_cancelled ? fail(CONUS_ERROR_CANCELLED, "the search was cancelled") : CONUS_OK;
+}
+
+static bool is_open(const struct search_answer *answer, int64_t least)
+{
+    return answer->found ? answer->least < answer->most : answer->most >= least;
+}
+
+conus_status joint_any(struct search_answer *out, struct search *search, uint32_t among, const struct pair_test *test)
+{
+    search->among = among;
+    search->test = *test;
+    *out = (struct search_answer){.least = test->least - 1, .most = INT64_MAX};
+    return probe(out, search, test->least, UINT64_MAX);
+}
+
+conus_status joint_least(struct search_answer *out, struct search *search, uint32_t among, const struct pair_test *test,
+                         int64_t most)
+{
+    const uint64_t half = (search->effort - search->visited) / 2;
+    const uint64_t begun = search->visited;
+    search->among = among;
+    search->test = *test;
+    *out = (struct search_answer){.least = test->least - 1, .most = most};
+    /* Mostly the most is reached. */
+    conus_status status = probe(out, search, most, half / 4);
+    status = status || !is_open(out, test->least) ? status : probe(out, search, test->least, half / 4);
+    int64_t high = out->most;
+    for (int i = 0; i < HALVINGS && !status && out->found && out->least < high && is_open(out, test->least); i++) {
+        int64_t middle = out->least + (high - out->least + 1) / 2;
+        status = probe(out, search, middle, PROBE_NODES);
+        high = out->least < middle ? middle - 1 : high;
+    }
+    /* One more than what is found, to the end. */
+    bool is_stuck = false;
+    while (!status && !is_stuck && is_open(out, test->least)) {
+        uint64_t spent = search->visited - begun;
+        int64_t least = out->found ? out->least + 1 : test->least;
+        status = probe(out, search, least, spent < half ? half - spent : 0);
+        is_stuck = search->is_spent;
+    }
+    /* Else larger ones are refuted, which gives the bound. */
+    int64_t low = out->least;
+    for (int i = 0; i < PROBES && !status && is_open(out, test->least) && low < out->most; i++) {
+        low += (out->most - low + 1) / 2;
+        int64_t before = out->most;
+        status = probe(out, search, low, half / PROBES);
+        low = out->most < before || out->least > low ? out->least : low;
+    }
+    return status;
+}
+
+conus_status joint_best(struct search_answer *found, bool *is_proven, struct search *search,
+                        const struct pair_test *test)
+{
+    struct weight known;
+    int64_t all = 0;
+    search->test = *test;
+    search->test.least = found->least;
+    search->any_will_do = false;
+    weigh(&known, search, found->chosen);
+    for (size_t i = 0; i < search->count; i++) {
+        all += is_among(search, i) ? search->lists[i].items[0].leeway : 0;
+    }
+    conus_status status = CONUS_OK;
+    bool is_done = false;
+    /* First with candidates that lose little against the best of their needle; twice as much until some are found. */
+    for (int64_t loss = (all - known.sum) / 64 + 1; !is_done && !status; loss *= 2) {
+        bool is_all = all - loss <= known.sum;
+        search->best = is_all ? known : (struct weight){.sum = all - loss, .depth = INT64_MAX};
+        search->has_best = true;
+        memcpy(search->chosen, found->chosen, sizeof found->chosen);
+        const struct weight before = search->best;
+        status = run(search, UINT64_MAX);
+        bool is_found = memcmp(&before, &search->best, sizeof before) != 0;
+        if (!status && is_found && is_better(&search->best, &known)) {
+            memcpy(found->chosen, search->chosen, sizeof found->chosen);
+            known = search->best;
+        }
+        is_done = is_all || is_found || search->is_spent || search->was_cancelled;
+    }
+    *is_proven = !status && !search->is_spent && !search->was_cancelled;
+    return status ? status : search->was_cancelled ? fail(CONUS_ERROR_CANCELLED, "the search was cancelled") : CONUS_OK;
+}

@@ -1,0 +1,242 @@
+#!/usr/bin/env bats
+# conus plan --needles: several needles together.
+#
+# In u-shape needles along -x at z = 5 pass the U between x = 34 and x = 24 or so; their distances follow from their y.
+
+load helpers
+
+# poses NAME Y...: needles along -x, called NAME-Y, which end at x = 14.
+poses() {
+    local name=$1
+    shift
+    printf 'query_id\tx\ty\tz\tdx\tdy\tdz\tfar\n' >"$name.tsv"
+    for y; do
+        printf '%s-%s\t40\t%s\t5\t-1\t0\t0\t26\n' "$name" "$y" "$y" >>"$name.tsv"
+    done
+}
+
+needles() {
+    conus phantom u-shape -o .
+    poses a 0 1
+    poses b 1 2 4
+    poses c -3 -4 -6
+    printf 'needle\tposes\tradius\nA\ta.tsv\t1\nB\tb.tsv\t0.5\nC\tc.tsv\t\n' >needles.tsv
+    N='plan u-shape.nii.gz --needles needles.tsv --reach U,length=2'
+}
+
+# column NAME [FILE]: the cells of a column, blanks between them.
+column() {
+    awk -F '\t' -v name="$1" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == name) at = i; next }
+        { printf "%s%s", (NR > 2 ? " " : ""), $at }' ${2:+"$2"}
+}
+
+@test "the needles that leave the most room are chosen together, and proven" {
+    needles
+    answers $N --between 1 -q --format tsv --pairs pairs.tsv --poses-out best.tsv
+    [ "$(column needle <<<"$output")" = "A B C" ]
+    [ "$(column query <<<"$output")" = "a-0 b-4 c--4" ] # c--6 is at the edge of the U, without leeway
+    [ "$(column combination <<<"$output")" = "1 1 1" ]
+    [ "$(column proven <<<"$output")" = "1 1 1" ]
+    [ "$(column rank <<<"$output")" = "n/a n/a n/a" ]
+    [ "$(column needle pairs.tsv)" = "A A B" ]
+    [ "$(column other pairs.tsv)" = "B C C" ]
+    # 4 - 1 - 0.5, 4 - 1, 8 - 0.5
+    [ "$(column distance_mm pairs.tsv)" = "2.5 3 7.5" ]
+    [ "$(column slack_mm pairs.tsv)" = "1.5 2 6.5" ]
+    [ "$(column leeway_mm pairs.tsv)" = "0.75 1 3.25" ]
+    [ "$(column entry_distance_mm pairs.tsv)" = "4 4 8" ]
+    [ "$(cut -f 1 best.tsv | tr -d '"\n')" = "query_idABC" ]
+}
+
+@test "each needle asked alone has the same text" {
+    needles
+    conus $N --between 1 -q -o plan.tsv --poses-out best.tsv
+    for row in 2 3 4; do
+        name=$(sed -n "${row}p" plan.tsv | cut -f 8)
+        radius=$(sed -n "${row}p" needles.tsv | cut -f 3)
+        { head -n 1 best.tsv; grep "^\"$name\"" best.tsv; } >alone.tsv
+        conus plan u-shape.nii.gz --poses alone.tsv --reach U,length=2 ${radius:+--radius $radius} -q --force -o alone-plan.tsv
+        head -n 1 plan.tsv | tr '\t' '\n' | sed -n '12,$p' >names
+        [ "$(wc -l <names)" -gt 15 ]
+        while read -r column; do
+            [ "$(column "$column" alone-plan.tsv)" = "$(column "$column" plan.tsv | cut -d ' ' -f $((row - 1)))" ]
+        done <names
+    done
+}
+
+@test "answers do not depend on threads, and are verified" {
+    needles
+    for threads in 1 2 7; do
+        conus $N --between 1 --entry-distance 2 -q --threads $threads -o threads-$threads.tsv
+        cmp threads-1.tsv threads-$threads.tsv
+        [ "$(jq -c .Plan threads-$threads.json)" = "$(jq -c .Plan threads-1.json)" ]
+    done
+    run -0 conus verify threads-2.tsv
+    jq -e '.Plan.conflict == null and .Plan.combinations[0].proven and .Plan.rows[0].candidates == 2' threads-1.json
+    jq -e '.Plan.needles | map(.name) == ["A", "B", "C"]' threads-1.json
+    jq -e '[.Inputs[].path] | index("a.tsv") and index("needles.tsv")' threads-1.json
+}
+
+@test "without a combination the needles are named that are in each other's way" {
+    needles
+    run -0 --separate-stderr conus $N --between 3 --format tsv
+    [ "$(wc -l <<<"$output")" -eq 1 ]
+    [[ "$stderr" == *"conus: A, B: no combination: at most 2.5 of 3 mm between them"* ]]
+    run -0 --separate-stderr conus $N --entry-distance 5
+    [[ "$stderr" == *"conus: A, B: no combination: entries 4 of 5 mm apart"* ]]
+    [[ "$output" == "(no combination)"* ]]
+    run -0 --separate-stderr conus $N --between 3 --entry-distance 5
+    [[ "$stderr" == *"conus: A, B: no combination: neither another margin nor another distance"* ]]
+    run -0 --separate-stderr conus $N --length 30,40
+    [[ "$stderr" == *"conus: A: no combination"*"2 candidates: "*"none of these has a length of 30 to 40 mm"* ]]
+}
+
+# A bolt of 1 mm on each needle of a line of 10 mm from its position on: where shafts have room, bolts may have none.
+@test "parts keep a margin of their own" {
+    needles
+    answers $N --between 1,parts=1.9 --part 1,0:10 -q --format tsv --pairs pairs.tsv
+    [ "$(column query <<<"$output" | cut -d ' ' -f 2)" = b-4 ]
+    # A's shaft is as thick as its part, and comes first; 4 - 1 - 1 of 1.9
+    head -n 2 pairs.tsv | cut -f 4,6-8 >first
+    printf '%s\t%s\t%s\t%s\n' slack_mm distance_mm body other_body 0.1 2 shaft 'part 1' | cmp - first
+    run -0 --separate-stderr conus $N --between 1,parts=2 --part 1,0:10
+    [[ "$stderr" == *"conus: A, B: no combination"* ]]
+}
+
+@test "given needles stay where they are, and a plan that is given whole is checked" {
+    needles
+    printf 'query_id\tx\ty\tz\tdx\tdy\tdz\tfar\nB\t40\t3\t5\t-1\t0\t0\t26\n' >given.tsv
+    answers $N --between 1 --given given.tsv -q --format tsv
+    [ "$(column query <<<"$output" | cut -d ' ' -f 2)" = B ]
+    [ "$(column y <<<"$output" | cut -d ' ' -f 2)" = 3 ]
+    conus $N --between 1 -q --poses-out best.tsv -o plan.tsv
+    answers $N --between 1 --given best.tsv -q --format tsv
+    [ "$(column proven <<<"$output")" = "1 1 1" ]
+    sed -E 's/^"B"\t40\t4/"B"\t40\t1/' best.tsv >near.tsv
+    conus $N --between 1 --given near.tsv -q -o near-plan.tsv --pairs near-pairs.tsv
+    [ "$(column combination near-plan.tsv)" = "0 0 0" ]
+    [ "$(column proven near-plan.tsv)" = "n/a n/a n/a" ]
+    [ "$(column slack_mm near-pairs.tsv | cut -d ' ' -f 1)" = "-1.5" ]
+    [ "$(jq -c .Plan.conflict.needles near-plan.json)" = '["A","B"]' ]
+}
+
+@test "a cell takes the place of an option, or is added to those that may be repeated" {
+    needles
+    printf 'needle;poses;reach;first;reach.1\nA;a.tsv;"U,length=3";;\nB;b.tsv;n/a;U;Ball\n' >needles.tsv
+    run -0 --separate-stderr conus plan u-shape.nii.gz --needles needles.tsv --radius 0.5 -q --format tsv
+    [ "$(wc -l <<<"$output")" -eq 1 ]
+    [[ "$stderr" == *"B: no combination"* ]] # it reaches no Ball
+    printf 'needle,poses,avoid,radius\nA,a.tsv,"Ball,margin=3",0.25\nB,b.tsv,,\n' >needles.tsv
+    conus $N --radius 0.5 -q -o plan.tsv
+    jq -e '.Plan.rows | map(.radius_mm) == [0.25, 0.5]' plan.json
+    jq -e '.Plan.rows | map(.constraints | length) == [2, 1]' plan.json
+    mkdir far
+    mv needles.tsv a.tsv b.tsv far
+    conus plan u-shape.nii.gz --needles far/needles.tsv --reach U,length=2 --radius 0.5 -q -o far.tsv
+    cmp plan.tsv far.tsv
+}
+
+@test "candidates may be made from entries and targets in rows" {
+    needles
+    printf '%s\n' '40 0 5' '40 1 5' >left.txt
+    printf '%s\n' '40 4 5' '40 6 5' >right.txt
+    printf '%s\n' '18 0 5' >target.txt
+    printf '%s\n' '18 4 5' >other.txt
+    printf 'needle\tfrom\ttoward\nA\tleft.txt\ttarget.txt\nB\tright.txt\tother.txt\n' >needles.tsv
+    answers $N --depth target+4 --between 0.5 -q --format tsv
+    [ "$(column query <<<"$output")" = "e1 e1" ] # 4 mm apart all the way
+    [ "$(column all_leeway_mm <<<"$output")" = "1.75 1.75" ]
+}
+
+refused() { # MESSAGE ARGUMENT...
+    local message=$1
+    shift
+    run -2 --separate-stderr conus "$@"
+    [[ "$stderr" == *"$message"* ]] || { echo "said: $stderr"; return 1; }
+    [ -z "$output" ]
+}
+
+table() { # LINE...
+    printf '%b\n' "$@" >needles.tsv
+}
+
+@test "bad tables and options are refused with what is wrong" {
+    needles
+    refused 'needles.tsv: no needles in it' $N <<<"$(table 'needle\tposes')"
+    table 'needle\traech' 'A\tU'
+    refused 'column raech: did you mean reach?' $N
+    table 'needle\tformat' 'A\ttsv'
+    refused 'column format: that is an option of all needles together' $N
+    table 'needle\txyzzyplugh' 'A\tU'
+    refused 'column xyzzyplugh is neither needle' $N
+    table 'poses' 'a.tsv'
+    refused 'needles.tsv: no column needle' $N
+    table 'needle\tneedle\tposes' 'A\tB\ta.tsv'
+    refused 'needles.tsv: two columns needle' $N
+    table 'needle\tposes' '\ta.tsv'
+    refused 'needles.tsv: line 2: no needle' $N
+    table 'needle\tposes' 'n/a\ta.tsv'
+    refused 'needles.tsv: line 2: no needle' $N
+    table 'needle\tposes' 'A,B\ta.tsv'
+    refused 'line 2: needle A,B: a name of one needle' $N
+    table 'needle\tposes' 'A\ta.tsv' 'A\tb.tsv'
+    refused 'line 3: needle A is in line 2, too' $N
+    table 'needle\tposes' 'A'
+    refused 'needles.tsv: line 2: no candidates given' $N
+    table 'needle\tposes' 'A\ta.tsv\tb.tsv'
+    refused 'line 2: 3 cells, the header has 2' $N
+    table 'needle\tposes' 'A\t"a.tsv'
+    refused 'line 2: a quotation mark is not closed' $N
+    table 'needle\tposes\tradius' 'A\ta.tsv\tthick'
+    refused 'needles.tsv: line 2: --radius: ' $N
+    table 'needle\treach' 'A\tU'
+    refused 'needles.tsv: line 2: no candidates given' $N
+    table 'needle\tfrom' 'A\ta.tsv'
+    refused 'needles.tsv: line 2: no targets given' $N
+    table 'needle\tposes\tfrom' 'A\ta.tsv\ta.tsv'
+    refused 'needles.tsv: line 2: --from and --poses exclude each other' $N --toward centroid --depth target
+    table 'needle\tposes' 'A\ta.tsv'
+    refused 'needles.tsv: line 2: no constraint given' plan u-shape.nii.gz --needles needles.tsv
+    table 'needle\tposes\tpart' 'A\ta.tsv\tthick'
+    refused 'line 2: --part: "thick" is not RADIUS' $N
+    table 'needle\tposes\tpart' 'A\ta.tsv\t1,2'
+    refused 'line 2: --part: "1,2" is not RADIUS' $N
+    table 'needle\tposes\tpart' 'A\ta.tsv\t0,2:2'
+    refused 'A: part 1: a point without a radius has no extent' $N
+    table 'needle\tposes\treach' 'A\ta.tsv\tNowhere'
+    refused 'A: ' $N
+    table 'needle\tposes' 'A\t-'
+    refused 'line 2: --poses needs a file, which is read several times' $N
+    { echo -e 'needle\tposes'; for i in {1..17}; do echo -e "N$i\ta.tsv"; done; } >needles.tsv
+    refused 'needles.tsv: more than 16 needles' $N
+    table 'needle\tposes' 'A\ta.tsv'
+    refused '--between: "near" is not MM[,parts=MM]' $N --between near
+    refused '--between: "5,part=1" is not MM[,parts=MM]' $N --between 5,part=1
+    refused '--between: 101: allowed are 0 to 100 mm' $N --between 101
+    refused '--entry-distance' $N --entry-distance 101
+    refused '--between has no effect without --needles' plan u-shape.nii.gz --poses a.tsv --reach U --between 5
+    refused '--part has no effect without --needles' plan u-shape.nii.gz --poses a.tsv --reach U --part 1,0:5
+    for option in '--top 3' '--rank depth' '--infeasible' '--constraints c.tsv' '--tolerance t.tsv' '--jitter 1,1' '--score depth'; do
+        refused 'exclude each other' $N $option
+    done
+    printf 'query_id\tx\ty\tz\tdx\tdy\tdz\tfar\nZ\t40\t3\t5\t-1\t0\t0\t26\n' >given.tsv
+    refused 'given.tsv:2: Z is no needle of needles.tsv' $N --given given.tsv
+    sed -i 's/^Z/A/; $p' given.tsv
+    refused 'given.tsv:3: A is given twice' $N --given given.tsv
+    run -3 --separate-stderr conus plan u-shape.nii.gz --needles nowhere.tsv --reach U
+}
+
+@test "a run that is ended before there is a combination leaves nothing" {
+    needles
+    awk 'BEGIN { OFS = "\t"; print "query_id\tx\ty\tz\tdx\tdy\tdz\tfar"
+        for (i = 1; i <= 2000; i++) print "n" i, 40, i % 13 - 6, 5, -1, 0, 0, 20 + i % 7 }' >a.tsv
+    for signal in INT TERM; do
+        hold $N --threads 1 -o cut.tsv
+        wait_until "$pid" catches_signals "$pid"
+        code=130
+        [ $signal = INT ] || code=143
+        stop_held $signal $code
+        grep -q '^conus: interrupted before a combination was found$' said
+        [ ! -e cut.tsv ] && [ ! -e cut.json ]
+    done
+}
