@@ -708,7 +708,7 @@ static int start_pairs(struct planner *planner)
     const struct plan_settings *settings = planner->settings;
     bool answer_has_format = !output_is_stdout(settings->request.answer.output);
     int code = rows_file_init(&planner->pairs, &kind, settings->needles.pairs,
-                              answer_has_format ? CONUS_FORMAT_TABLE : request->format);
+                              answer_has_format ? CONUS_FORMAT_TABLE : request->format, request->arguments);
     outputs_add_sidecar(&request->outputs, kind.option, planner->pairs.sidecar);
     return code || outputs_differ(&request->outputs) ? code : EXIT_USAGE;
 }
