@@ -86,7 +86,8 @@ int candidates_parse(struct candidates *out, const struct candidate_settings *se
         return print_usage_error("--depth target has no effect without --toward");
     }
     if (is_file) {
-        return EXIT_DONE;
+        const char *idle = settings->toward ? "toward" : settings->tilt ? "tilt" : settings->roll > 0 ? "roll" : NULL;
+        return idle ? print_usage_error("--%s has no effect without --from", idle) : EXIT_DONE;
     }
     if (!settings->toward) {
         return print_usage_error("no targets given: --toward WHAT");

@@ -51,7 +51,7 @@ struct question_row {
     int word_count;
     struct arguments arguments;
     struct plan_settings settings;
-    bool was_parsed;
+    bool was_parsed, was_read;
     struct constraints constraints;
     struct candidates candidates;
     struct request request; /* a view: only its answerer and its stream are its own */
@@ -402,6 +402,18 @@ static conus_status open_again(conus_pose_stream **out, void *user)
     return code ? CONUS_ERROR_DATA : CONUS_OK;
 }
 
+/* Called by the library once candidates were read: what is to be said of their file is said once. */
+static void close_candidates(conus_pose_stream *stream, void *user)
+{
+    struct question_row *row = user;
+    const char *path = row->settings.request.aim.pose;
+    if (path && !row->was_read) {
+        pose_settings_say_late(stream, path, row->request.notes_said, &row->settings.request.common);
+    }
+    row->was_read = true;
+    conus_pose_stream_destroy(stream);
+}
+
 /* Prepares the question of a row: its selector, its constraints, its candidates. */
 static int open_row(struct question_row *row)
 {
@@ -504,8 +516,9 @@ static int say_interrupted(struct planner *planner, conus_status status, int sig
         return 128 + signal;
     }
     const conus_combination *combination = conus_together_combination(planner->together);
-    if (combination && !combination->proven) {
-        say_warning("interrupted: the combination is the best one by then");
+    if (!combination || !combination->proven) {
+        say_warning(combination ? "interrupted: the combination is the best one by then"
+                                : "interrupted: there is no combination, and why is not known whole");
         planner->request.failed = true;
     }
     return EXIT_DONE;
@@ -523,6 +536,7 @@ static int search(struct planner *planner)
                                     .constraint_count = row->constraints.count,
                                     .options = &row->options,
                                     .open = open_again,
+                                    .close = close_candidates,
                                     .user = row,
                                     .parts = row->parts,
                                     .part_count = row->settings.needles.parts.count};
@@ -575,6 +589,23 @@ static int say_funnel(const struct planner *planner, size_t index)
     return print_status(status);
 }
 
+/* The first constraint that a given needle breaks. */
+static int say_broken(const struct planner *planner, size_t index)
+{
+    const conus_placed *placed = conus_together_needle(planner->together, index);
+    conus_report *report = NULL;
+    conus_report_options options = request_report_options(&planner->request);
+    options.rows = CONUS_ROWS_PLAN;
+    conus_status status = conus_report_create(&report, planner->rows[index].answerer.selector, &options);
+    status = status ? status : conus_report_add_plan(report, (conus_plan *)placed->plan);
+    if (!status) {
+        print_error_line("%s is given, and breaks %s", placed->name,
+                         conus_report_constraint(report, placed->pose->broken));
+    }
+    conus_report_destroy(report);
+    return print_status(status);
+}
+
 /* "A, C: no combination: at most 3.2 of 5 mm between them, or entries 7.9 of 10 mm apart" */
 static int say_conflict(const struct planner *planner)
 {
@@ -595,20 +626,24 @@ static int say_conflict(const struct planner *planner)
         size += (size_t)snprintf(names + size, sizeof names - size, "%s%s", i ? ", " : "", placed->name);
     }
     if (isfinite(conflict->between)) {
-        snprintf(why, sizeof why, ": at most %.4g of %.4g mm between them", conflict->between,
+        snprintf(why, sizeof why, ": at most %.9g of %.9g mm between them", conflict->between,
                  planner->options.between);
     }
     if (isfinite(conflict->entry_distance)) {
         size = strlen(why);
-        snprintf(why + size, sizeof why - size, "%s entries %.4g of %.4g mm apart", size ? ", or" : ":",
+        snprintf(why + size, sizeof why - size, "%s entries %.9g of %.9g mm apart", size ? ", or" : ":",
                  conflict->entry_distance, planner->options.entry_distance);
     }
     if (!*why && conflict->count > 1) {
-        snprintf(why, sizeof why, ": neither another margin nor another distance of entries alone would do");
+        snprintf(why, sizeof why, ": neither another margin of shafts nor another distance of entries alone would do");
     }
     print_error_line("%s%sno combination%s", names, *names ? ": " : "", why);
-    bool is_planned = conflict->count == 1 && !conus_together_needle(planner->together, conflict->needles[0])->given;
-    return is_planned ? say_funnel(planner, conflict->needles[0]) : EXIT_DONE;
+    if (conflict->count != 1) {
+        return EXIT_DONE;
+    }
+    return conus_together_needle(planner->together, conflict->needles[0])->given
+               ? say_broken(planner, conflict->needles[0])
+               : say_funnel(planner, conflict->needles[0]);
 }
 
 static int make_reports(struct planner *planner)

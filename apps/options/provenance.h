@@ -15,7 +15,7 @@
 #include <stddef.h>
 
 /** Limits of one answer. A query writes its answer and nine more files, with every option that names one. */
-enum { PROVENANCE_INPUTS = 128, PROVENANCE_FILES = 12, SHA256_TEXT = 65 };
+enum { PROVENANCE_INPUTS = 256, PROVENANCE_FILES = 12, SHA256_TEXT = 65 };
 
 /** A file that was written, or is about to be. */
 struct provenance_output {

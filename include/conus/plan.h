@@ -553,7 +553,9 @@ typedef struct conus_needle {
         *options; /**< threads, angle, far and shanks (up to 64); all else is 0. NULL = defaults. */
     conus_status (*open)(conus_pose_stream **out, void *user); /**< Opens the candidates, each time the same ones: they
                                                                   are read several times. Not of a given needle. */
-    void *user;                                                /**< Passed to @p open. */
+    void (*close)(conus_pose_stream *stream, void *user);      /**< Ends what @p open opened, once it was read. NULL =
+                                                                  conus_pose_stream_destroy(). */
+    void *user;                                                /**< Passed to both. */
     const conus_part *parts;                                   /**< [part_count] */
     size_t part_count;                                         /**< Up to 64. */
     const conus_pose_row *given; /**< The needle is in its place already: its only candidate. NULL = it is planned. */
@@ -593,7 +595,7 @@ typedef struct conus_placed {
     const char *name;          /**< Its name. */
     bool given;                /**< It was given. */
     const conus_plan *plan;    /**< Its constraints, and its candidates (conus_plan_left()); a given one has none. */
-    const conus_planned *pose; /**< Its place in the combination; NULL without one. */
+    const conus_planned *pose; /**< Its place in the combination; without one NULL, or that of a given needle. */
     uint64_t candidate;        /**< Number of that candidate, from 1; 1 of a given one. */
     double radius;             /**< Of its shafts, mm. */
     const double *shanks;      /**< [shank_count][2] As of conus_plan_options, also of one on the axis. */

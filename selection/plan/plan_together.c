@@ -28,6 +28,7 @@ struct needle_of {
     char *name;
     conus_selector *selector;
     conus_status (*open)(conus_pose_stream **out, void *user);
+    void (*close)(conus_pose_stream *stream, void *user);
     void *user;
     conus_plan_options options;
     const conus_constraint *constraints; /* the caller's, until it returns */
@@ -168,7 +169,11 @@ static conus_status make_list(struct needle_of *needle, conus_together *together
     conus_status status = create_plan(&plan, needle, together, top);
     status = status ? status : needle->open(&stream, needle->user);
     status = status ? status : conus_plan_run(plan, stream, UINT64_MAX);
-    conus_pose_stream_destroy(stream);
+    if (needle->close && stream) {
+        needle->close(stream, needle->user);
+    } else {
+        conus_pose_stream_destroy(stream);
+    }
     if (status) {
         conus_plan_destroy(plan);
         return status;
@@ -194,12 +199,15 @@ static conus_status init_needle(struct needle_of *out, conus_together *together,
     const conus_plan_options options = *options_of(conus_plan_options, asked->options);
     out->selector = asked->selector;
     out->open = asked->open;
+    out->close = asked->close;
     out->user = asked->user;
     out->options = options;
     out->constraints = asked->constraints;
     out->constraint_count = asked->constraint_count;
     out->given = asked->given;
-    conus_status status = check_plan_options(&options);
+    conus_status status = asked->open || asked->given
+                              ? check_plan_options(&options)
+                              : fail(CONUS_ERROR_ARGUMENT, "open: there is none, and the needle is not given");
     status = status ? status
                     : bodies_init(&out->bodies, asked->selector->options.radius, options.shanks, options.shank_count,
                                   asked->parts, asked->part_count);
@@ -268,10 +276,13 @@ static void find_cuts(conus_together *together)
         all += largest_of(&together->needles[i]);
         sum += answer->found ? together->needles[i].items[answer->chosen[i]].leeway : 0;
     }
+    /* Until none can have a larger least leeway, all that have more than the answer's may be in one that has. */
+    bool is_largest = answer->found && answer->least >= most_of_all(together);
     for (size_t i = 0; i < together->count; i++) {
         int64_t by_sum = answer->found ? sum - (all - largest_of(&together->needles[i])) : 0;
         int64_t by_least = answer->found ? answer->least : 0;
-        together->cuts[i] = by_sum > by_least ? by_sum : by_least;
+        int64_t cut = by_sum > by_least ? by_sum : by_least;
+        together->cuts[i] = is_largest || cut <= by_least ? cut : by_least + 1;
     }
 }
 
@@ -291,8 +302,8 @@ static conus_status search_known(conus_together *together)
     for (size_t i = 0; i < together->count; i++) {
         together->lists[i] = together->needles[i].list;
     }
-    conus_status status =
-        joint_create(&search, together->lists, together->count, together->options.effort, show_progress, together);
+    const uint64_t left = together->nodes < together->options.effort ? together->options.effort - together->nodes : 0;
+    conus_status status = joint_create(&search, together->lists, together->count, left, show_progress, together);
     status = status ? status : joint_least(&answer, search, all, &together->test, most_of_all(together));
     bool is_least = answer.found && answer.least == answer.most;
     if (!status && answer.found) {
@@ -305,7 +316,7 @@ static conus_status search_known(conus_together *together)
     together->is_best = !status && is_least && is_best;
     together->is_none = !status && !answer.found && answer.most < 0;
     together->answer.most = answer.most;
-    together->nodes = search ? joint_nodes(search) : 0;
+    together->nodes += search ? joint_nodes(search) : 0;
     joint_destroy(search);
     return status;
 }
@@ -327,16 +338,21 @@ static conus_status extend_lists(bool *is_longer, conus_together *together)
 }
 
 /* An answer's places are known again in a list that is longer. */
-static void follow(conus_together *together, const uint64_t numbers[NEEDLE_LIMIT])
+static conus_status follow(conus_together *together, const uint64_t numbers[NEEDLE_LIMIT])
 {
     for (size_t i = 0; i < together->count && together->has_answer; i++) {
         const struct needle_of *needle = &together->needles[i];
         size_t at = 0;
-        while (at + 1 < needle->list.bodies.count && needle->items[at].number != numbers[i]) {
+        while (at < needle->list.bodies.count && needle->items[at].number != numbers[i]) {
             at++;
+        }
+        if (at == needle->list.bodies.count) {
+            together->has_answer = false;
+            return fail(CONUS_ERROR_DATA, "%s: its candidates are others when they are read again", needle->name);
         }
         together->answer.chosen[i] = at;
     }
+    return CONUS_OK;
 }
 
 /* A run that is cancelled once there is an answer has that one. */
@@ -353,7 +369,8 @@ static conus_status search_all(conus_together *together)
         }
         is_longer = false;
         status = status ? status : extend_lists(&is_longer, together);
-        follow(together, numbers);
+        conus_status followed = follow(together, numbers);
+        status = status && status != CONUS_ERROR_CANCELLED ? status : followed ? followed : status;
     }
     return status == CONUS_ERROR_CANCELLED && together->has_answer ? CONUS_OK : status;
 }
@@ -396,7 +413,7 @@ static conus_status find_conflict(uint32_t *out, struct search *search, const co
             }
         }
     }
-    *out = !*out && is_known ? all : *out;
+    *out = status ? 0 : !*out && is_known ? all : *out;
     return status;
 }
 
@@ -504,6 +521,8 @@ static void judge_answer(conus_together *together)
         out->proven = out->proven && !lacks;
         most = lacks && floor > most ? floor : most;
     }
+    /* Lists may have grown since the last search that was whole. */
+    most = together->was_cancelled ? INT64_MAX : most;
     int64_t limit = most_of_all(together);
     most = most < limit ? most : limit;
     out->bound = isnan(out->leeway) ? NAN : out->proven ? out->leeway : NM * (double)most;
@@ -518,6 +537,7 @@ static void describe_needles(conus_together *together)
         placed->name = needle->name;
         placed->given = needle->given;
         placed->plan = needle->plan;
+        placed->pose = placed->pose ? placed->pose : needle->place;
         placed->radius = needle->bodies.radius[0];
         placed->shanks = needle->bodies.shanks[0];
         placed->shank_count = needle->bodies.shaft_count;

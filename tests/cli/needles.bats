@@ -86,9 +86,53 @@ column() {
     [[ "$stderr" == *"conus: A, B: no combination: entries 4 of 5 mm apart"* ]]
     [[ "$output" == "(no combination)"* ]]
     run -0 --separate-stderr conus $N --between 3 --entry-distance 5
-    [[ "$stderr" == *"conus: A, B: no combination: neither another margin nor another distance"* ]]
+    [[ "$stderr" == *"conus: A, B: no combination: neither another margin of shafts nor another distance"* ]]
     run -0 --separate-stderr conus $N --length 30,40
     [[ "$stderr" == *"conus: A: no combination"*"2 candidates: "*"none of these has a length of 30 to 40 mm"* ]]
+}
+
+# 599 candidates at y = 2.2 have more leeway of their own than the one at y = -3, so that the first 500 of the list are
+# of these; but B at y = 3 is 0.8 mm from them and 6 mm from that one: leeway 0.4 against 3.
+@test "a candidate behind the first of its list is found where it leaves more room" {
+    conus phantom u-shape -o .
+    # shellcheck disable=SC2046 # words
+    poses a $(yes 2.2 | head -n 599)
+    awk -F '\t' -v OFS='\t' 'NR > 1 { $1 = "n" NR } { print }' a.tsv >a2.tsv
+    printf 'best\t40\t-3\t5\t-1\t0\t0\t26\n' >>a2.tsv
+    poses b 3
+    printf 'needle\tposes\nA\ta2.tsv\nB\tb.tsv\n' >needles.tsv
+    answers plan u-shape.nii.gz --needles needles.tsv --reach U,length=2 -q --format tsv
+    [ "$(column query <<<"$output")" = "best b-3" ]
+    [ "$(column all_leeway_mm <<<"$output")" = "3 3" ]
+    [ "$(column proven <<<"$output")" = "1 1" ]
+}
+
+@test "one needle without a leeway is proven, a given one that breaks something says what, and files have their notes" {
+    needles
+    printf 'needle\tposes\nA\ta.tsv\n' >one.tsv
+    answers plan u-shape.nii.gz --needles one.tsv --length 10,40 -q --format tsv
+    [ "$(column proven <<<"$output")" = 1 ]
+    poses given 30
+    sed -i 's/^given-30/A/' given.tsv
+    run -0 --separate-stderr conus $N --given given.tsv
+    [[ "$stderr" == *"conus: A is given, and breaks at least 2 mm of the axis in U"* ]]
+    sed -i 's/^a-1/a-0/' a.tsv
+    run -0 --separate-stderr conus $N
+    [[ "$stderr" == *'a.tsv: poses 1 and 2 are both called "a-0"'* ]]
+    printf 'needle\tposes\ttilt\nA\ta.tsv\t10,5\n' >tilt.tsv
+    fails 2 'tilt.tsv: line 2: --tilt has no effect without --from' plan u-shape.nii.gz --needles tilt.tsv --reach U
+}
+
+# A distance of entries that is named has a combination: 4.0000007 mm apart are 4 mm and not 4.000001 mm.
+@test "the distance of entries that would do does" {
+    conus phantom u-shape -o .
+    poses a 0
+    poses b 4.0000007
+    printf 'needle\tposes\nA\ta.tsv\nB\tb.tsv\n' >needles.tsv
+    run -0 --separate-stderr conus plan u-shape.nii.gz --needles needles.tsv --reach U,length=2 --entry-distance 5
+    [[ "$stderr" == *"entries 4 of 5 mm apart"* ]]
+    answers plan u-shape.nii.gz --needles needles.tsv --reach U,length=2 --entry-distance 4 -q --format tsv
+    [ "$(column needle <<<"$output")" = "A B" ]
 }
 
 # A bolt of 1 mm on each needle of a line of 10 mm from its position on: where shafts have room, bolts may have none.

@@ -87,7 +87,7 @@ SIZE(conus_plan_faults, 24);
 SIZE(conus_tolerance, 80);
 SIZE(conus_tolerance_options, 120);
 SIZE(conus_part, 48);
-SIZE(conus_needle, 88);
+SIZE(conus_needle, 96);
 SIZE(conus_together_options, 56);
 SIZE(conus_combination, 64);
 SIZE(conus_placed, 96);

@@ -178,9 +178,9 @@ int64_t nanometres(double mm)
 
 int64_t pair_value(const struct pair *pair, enum pair_quantity quantity)
 {
-    return nanometres(quantity == PAIR_LEEWAY    ? pair->slack / 2
-                      : quantity == PAIR_BETWEEN ? pair->shafts
-                                                 : pair->entries);
+    /* Of entries a distance that holds when it is asked for: by so much a constraint forgives. */
+    return quantity == PAIR_ENTRIES ? (int64_t)floor(1e6 * (pair->entries + TOUCH))
+                                    : nanometres(quantity == PAIR_LEEWAY ? pair->slack / 2 : pair->shafts);
 }
 
 bool pair_goes(const struct pair *pair, const struct pair_test *test)
@@ -287,14 +287,17 @@ void pair_row(uint64_t *bits, double *scratch, const struct body_list *list, siz
     for (size_t a = 0; a < 3; a++) {
         at[a] = column(list, ORIGIN + a)[index];
     }
-    double entries = test->quantity == PAIR_ENTRIES ? 1e-6 * ((double)test->least - 0.5) : test->margins.entries;
+    double entries = test->quantity == PAIR_ENTRIES ? 1e-6 * (double)test->least : test->margins.entries;
     judge_entries(scratch, at, column(other, ORIGIN), other->count, count, band_of(entries));
     memset(bits, 0, (count + 63) / 64 * sizeof *bits);
     for (size_t i = 0; i < count; i++) {
         struct pair pair;
         bool goes = scratch[i] > 0;
         if (scratch[i] == 0) {
-            pair_measure(&pair, list, index, other, i, &test->margins);
+            /* In one order, so that it is the same to the last bit whichever needle asks. */
+            bool is_first = list < other;
+            pair_measure(&pair, is_first ? list : other, is_first ? index : i, is_first ? other : list,
+                         is_first ? i : index, &test->margins);
             goes = pair_goes(&pair, test);
         }
         bits[i / 64] |= (uint64_t)goes << (i % 64);

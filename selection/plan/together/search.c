@@ -10,7 +10,7 @@
 
 #include <string.h>
 
-enum { WORD = 64, ROWS_BYTES = 128 << 20, NODES_A_LOOK = 1 << 14, HALVINGS = 20, PROBE_NODES = 2000, PROBES = 6 };
+enum { WORD = 64, ROWS_BYTES = 128 << 20, NODES_A_LOOK = 1 << 8, HALVINGS = 20, PROBE_NODES = 2000, PROBES = 6 };
 
 /** What orders combinations with one least leeway. All of it adds up over needles: a needle's number has a place of its
  * own, and the first needle's decides first. So the first ones of all domains bound the rest in the whole order. */
@@ -336,7 +336,8 @@ static conus_status run(struct search *search, uint64_t nodes)
     int64_t least = search->test.quantity == PAIR_LEEWAY ? search->test.least : INT64_MIN;
     int64_t all = 0;
     bool is_possible = true;
-    search->limit = search->effort - search->visited < nodes ? search->effort : search->visited + nodes;
+    const uint64_t left = search->effort > search->visited ? search->effort - search->visited : 0;
+    search->limit = left < nodes ? search->effort : search->visited + nodes;
     search->is_spent = search->visited >= search->limit;
     forget_rows(search);
     root->placed = 0;
@@ -394,6 +395,7 @@ static conus_status probe(struct search_answer *out, struct search *search, int6
     if (!status && search->has_best) {
         out->found = true;
         out->least = least_of(search);
+        out->least = out->least < out->most ? out->least : out->most; /* where nothing has a leeway */
         memcpy(out->chosen, search->chosen, sizeof out->chosen);
     } else if (!status && !search->is_spent && !search->was_cancelled) {
         out->most = least - 1;
@@ -417,7 +419,7 @@ conus_status joint_any(struct search_answer *out, struct search *search, uint32_
 conus_status joint_least(struct search_answer *out, struct search *search, uint32_t among, const struct pair_test *test,
                          int64_t most)
 {
-    const uint64_t half = (search->effort - search->visited) / 2;
+    const uint64_t half = search->effort > search->visited ? (search->effort - search->visited) / 2 : 0;
     const uint64_t begun = search->visited;
     search->among = among;
     search->test = *test;
