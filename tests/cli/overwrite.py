@@ -52,6 +52,8 @@ ROWS = [
      [*ATLAS, "skin.func.gii", "region.nii.gz", "apart.tsv"]),
     ("plan u-shape.nii.gz --poses poses.tsv --reach Ball,@list.txt,length=1",
      {"output": ".tsv", "poses-out": ".mrk.json"}, [*ATLAS, "poses.tsv", "list.txt"]),
+    ("plan u-shape.nii.gz --needles needles.tsv --given given.tsv --reach Ball",
+     {"output": ".tsv", "pairs": ".tsv", "poses-out": ".tsv"}, [*ATLAS, "needles.tsv", "poses.tsv", "given.tsv"]),
     (f"render u-shape.nii.gz {AIM} --context grey.nii.gz --size 16x16 --camera camera.txt --palette palette.txt --transfer transfer.txt",
      {"output": ".png", "caption": ".txt"}, [*ATLAS, "grey.nii.gz", "camera.txt", "palette.txt", "transfer.txt"]),
     ("pack both.atlas.json --labels own.tsv --context region.nii.gz", {"output": ".conus"},
@@ -106,6 +108,8 @@ def make_inputs(folder):
     write("poses.tsv", "query_id\tx\ty\tz\tdx\tdy\tdz\tfar\n" + "".join(f"p{i}\t40\t{i}\t0\t-1\t0\t0\t45\n" for i in range(4)))
     write("track.tsv", "time_s\tx\ty\tz\tdx\tdy\tdz\n" + "".join(f"{i}\t40\t{i}\t0\t-1\t0\t0\n" for i in range(3)))
     write("apart.tsv", "query_id\tx\ty\tz\tdx\tdy\tdz\tfar\na\t40\t0\t40\t-1\t0\t0\t30\n")
+    write("needles.tsv", "needle\tposes\nA\tposes.tsv\nB\tposes.tsv\n")
+    write("given.tsv", "query_id\tx\ty\tz\tdx\tdy\tdz\tfar\nB\t40\t0\t2\t-1\t0\t0\t45\n")
     write("entries.tsv", "40 0 0\n30 20 0\n")
     write("targets.tsv", "0 0 0\n")
     write("camera.txt", "1 0 0 0\n0 1 0 0\n0 0 1 200\n0 0 0 1\n")
