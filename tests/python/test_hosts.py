@@ -67,11 +67,14 @@ def small_ccf(folder, names):
     return conus.load(folder / "annotation_100.nrrd")
 
 
-def contacts_in(atlas, **space):
+def contacts_in(atlas, wiring=tuple(range(10)), **space):
     # Down from DV 0: contacts 1 mm apart from 7.5 mm (the lowest, 0.5 mm above the tip at 8 mm) to -1.5 mm, outside.
     probe = json.loads(json.dumps(PROBE))
     probe["probes"][0]["contact_positions"] = [[0, i] for i in range(10)]
     probe["probes"][0]["probe_planar_contour"] = [[-1, 20], [0, -0.5], [1, 20]]
+    del probe["probes"][0]["device_channel_indices"]
+    if wiring is not None:
+        probe["probes"][0]["device_channel_indices"] = list(wiring)
     return atlas.contacts(conus.read_probe(probe), **space)
 
 
@@ -93,6 +96,41 @@ def test_files_of_ibl(tmp_path):
     assert np.abs(back.origins - contacts.points).max() < 1e-9
     with pytest.raises(conus.FileError, match="channels.mlapdv.npy: exists"):
         conus.ibl.write_channels(tmp_path / "alf", contacts)
+
+
+LAYERS = {315: "Isocortex", 382: "CA1", 672: "CP", 1097: "HY"}
+AIM = {"origin": (5400, 8000, 3739), "direction": (0, 1, 0), "up": (0, 0, 1), "space": "ccf"}
+
+
+@pytest.mark.parametrize(("wiring", "contacts"), [
+    (None, range(10)),
+    ((3, 1, 0, 2, 9, 8, 7, 6, 5, 4), (2, 1, 3, 0, 9, 8, 7, 6, 5, 4)),  # contact 2 has channel 0, and so on
+    ((-1, 2, 1, 0, -1, 3, 4, 5, 6, 7), (3, 2, 1, 5, 6, 7, 8, 9)),
+])
+def test_rows_of_ibl_are_channels(tmp_path, wiring, contacts):
+    # Contact i is i mm above the lowest, at DV 7.5 mm - i, in layers of 2 mm.
+    found = conus.ibl.channels(contacts_in(small_ccf(tmp_path, LAYERS), wiring, **AIM))
+    assert found["local"].tolist() == [[0, 1000 * i] for i in contacts]
+    assert found["mlapdv"] == pytest.approx(np.array([[-2000, 0, 332 - 7500 + 1000 * i] for i in contacts]), abs=1e-6)
+    acronyms = [("HY", "CP", "CA1", "Isocortex", "void")[i // 2] for i in contacts]
+    assert found["acronyms"] == acronyms
+    assert found["ids"].tolist() == [{**dict(map(reversed, LAYERS.items())), "void": 0}[name] for name in acronyms]
+
+
+def test_channels_that_ibl_cannot_count(tmp_path):
+    atlas = small_ccf(tmp_path, LAYERS)
+    for wiring, match in (
+        ((0, 1, 2, 3, 4, 5, 6, 7, 8, 10), "channel 9 has no contact"),
+        ((1, 2, 3, 4, 5, 6, 7, 8, 9, 10), "channel 0 has no contact"),
+        ((-1,) * 10, "none is wired"),
+    ):
+        with pytest.raises(conus.ArgumentError, match=match):
+            conus.ibl.channels(contacts_in(atlas, wiring, **AIM))
+    both = atlas.contacts(conus.read_probe(Group()), poses=np.array([np.eye(4)] * 2))
+    with pytest.raises(conus.ArgumentError, match="of 2 probes"):
+        conus.ibl.channels(both)
+    with pytest.raises(conus.DataError, match="two contacts of probe1 have the channel 3"):
+        contacts_in(atlas, (0, 1, 2, 3, 3, 4, 5, 6, 7, 8), **AIM)
 
 
 def test_ibl_reads_ids_of_allen_alone(tmp_path, atlas):
