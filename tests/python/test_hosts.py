@@ -205,6 +205,8 @@ def test_what_mne_does_not_say(atlas):
         (Montage("mni_tal", A1=(0, 0, 0)), {"trans": "x-trans.fif"}, "not in the head's"),
         (Montage("mni_tal", A1=(0, 0, 0)), {"space": "MNI152"}, "says whose brain"),
         (Montage("mni_tal", **{"A\t1": (0, 0, 0)}), {}, "is called"),
+        (Montage("mni_tal", A1=(0, 0, 0)), {"subject": "S"}, '"mni_tal", the frame "mri" needs it'),
+        (np.zeros((1, 3)), {"space": "ScanRAS", "subject": "S"}, '^subject: .*"ras", the frame "mri" needs it'),
         (Raw(None), {}, "Raw has no montage"),
         ("x.fif", {}, "str is nothing of MNE"),
         (np.zeros(3), {"space": "MNI152"}, r"shape \(3,\), needed is \(n, 3\)"),
@@ -218,3 +220,25 @@ def test_names_stay_and_gaps_are_said(atlas):
     with pytest.warns(conus.PoseWarning, match="1 rows without coordinates"):
         rows = conus.mne.label(source, atlas, space="ScanRAS").to_dataframe()
     assert rows["query"].tolist() == ["LA1", "RA1"] and rows["name"].tolist() == ["left", "right"]
+
+
+@pytest.mark.filterwarnings("ignore:positions are in")
+@pytest.mark.parametrize("name", ["#1", "%2", "//2", "n/a", '"a', "x y"])
+def test_any_name_of_a_channel_stays(atlas, name):
+    source = Montage("ras", **{name: (-30, 1, 1), "z": (30, 1, 1)})
+    rows = conus.mne.label(source, atlas, space="ScanRAS").to_dataframe()
+    assert rows["query"].tolist() == [name, "z"] and rows["name"].tolist() == ["left", "right"]
+
+
+def test_a_space_is_one_text(atlas):
+    with pytest.warns(conus.PoseWarning, match=r'^positions are in "a "space" of \\ mine"'):
+        conus.mne.label(np.array([[-30.0, 1, 1]]), atlas, space='a "space" of \\ mine')
+
+
+def test_a_note_is_said_once_and_of_no_folder(atlas, caplog):
+    source = Montage("ras", A1=(-30, 1, 1), A2=(np.nan,) * 3)
+    with pytest.warns(conus.PoseWarning) as told:
+        conus.mne.label(source, atlas, space="ScanRAS")
+    said = [str(warning.message) for warning in told]
+    assert sum("without coordinates" in note for note in said) == 1 and not any("_electrodes.tsv" in note for note in said)
+    assert not caplog.records
