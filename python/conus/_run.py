@@ -121,7 +121,7 @@ def _word(value: Any, path: str, ending: str) -> str:
     numbers = np.asarray(value)
     if numbers.dtype.kind not in "iuf" or numbers.ndim > 2 or (numbers.ndim == 2 and numbers.shape[1] != 3):
         raise ArgumentError(f"run: {os.path.basename(path)}: {shown(value)}, wanted is a path, numbers, (n, 3) positions, an "
-                            "image, a DataFrame or a probe")
+                            "image, a DataFrame or what read_probe() takes")
     if numbers.ndim < 2:
         return ",".join(json.dumps(number) for number in numbers.reshape(-1).tolist())
     np.savetxt(path + ".tsv", numbers, fmt="%.17g", delimiter="\t", header="x\ty\tz", comments="")

@@ -22,10 +22,30 @@ def test_areas_of_a_probe_in_memory(atlas):
     # The tip is at x = -50, contacts at -45, -35 and so on; the plates lie from -40 to -20 and from 20 to 40.
     areas = conus.brain_areas(PROBE, atlas, origin=(-50, 1, 2), direction=(-1, 0, 0), up=(0, 0, 1))
     assert areas == ["none", "left", "left", "none", "none", "none", "none", "right", "right", "none"]
-    with pytest.raises(conus.ArgumentError, match="path: int, wanted is a path, a Probe"):
+    with pytest.raises(conus.ArgumentError, match="path: 3, wanted is a path, a Probe"):
         conus.brain_areas(3, atlas, origin=(0, 0, 0), direction=(0, 0, -1))
     with pytest.raises(conus.DataError, match="^probe: "):
         conus.read_probe({"specification": "other"})
+
+
+def test_the_tip_is_where_it_is_said_to_be(atlas):
+    # The contour has it 5 mm below the lowest contact, which comes 10 mm further up: at -35, in the plate, and so on.
+    aim = {"origin": (-50, 1, 2), "direction": (-1, 0, 0), "up": (0, 0, 1)}
+    wanted = ["left", "left", "none", "none", "none", "none", "right", "right", "none", "none"]
+    assert conus.brain_areas(PROBE, atlas, tip=15, **aim) == wanted
+    assert conus.brain_areas(conus.read_probe(PROBE, tip=15), atlas, **aim) == wanted
+    with pytest.raises(conus.ArgumentError, match="^tip: the probe has been read already"):
+        conus.brain_areas(conus.read_probe(PROBE), atlas, tip=15, **aim)
+
+
+def test_probes_that_are_none(atlas):
+    # run() could not tell the program the tip that read_probe() was told.
+    with pytest.raises(conus.ArgumentError, match="^path: <conus.Probe: 10 contacts, .*wanted is a path, a Probe of probeinterface"):
+        conus.read_probe(conus.read_probe(PROBE))
+    with pytest.raises(conus.ArgumentError, match=r"^run: np: <conus.Probe: 10 contacts, .*wanted is .*what read_probe\(\) takes"):
+        conus.run("query aal --probe {np} --origin 0,0,0 --direction 0,0,1", np=conus.read_probe(PROBE))
+    with pytest.raises(conus.ArgumentError, match="^probe: .*ndarray.*array_as_list=True"):
+        conus.read_probe({**PROBE, "probes": [{**PROBE["probes"][0], "contact_positions": np.zeros((10, 2))}]})
 
 
 class Probe:
