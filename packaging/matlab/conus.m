@@ -6,16 +6,15 @@ function [rows, notes] = conus(varargin)
 %   text = conus('cite', 'rows.tsv')
 %
 % Rows come of a command that answers, where neither -o nor --format is given, "n/a" as NaN; else its text. An error has
-% the identifier conus:usage, conus:data or conus:gl and conus's message. Notes and warnings are printed, or the second
-% output. The program is $CONUS, or conus in the path.
+% the identifier conus:usage, conus:data or conus:gl and conus's message; where conus is not there, or did not end by
+% itself, conus:failed. Notes and warnings are printed, or the second output. The program is $CONUS, or conus in the path.
 % SPDX-License-Identifier: BSD-3-Clause
   words = cellfun(@in_words, varargin, 'UniformOutput', false);
   given = @(name) any(strncmp(words, name, numel(name)));
   has_rows = nargin && answers(words{1}) && ~given('-o') && ~given('--output') && ~given('--format');
   if has_rows, words{end + 1} = '--format=tsv'; end
   [code, rows, notes] = run(words);
-  kinds = {'usage', 'data', 'gl'};
-  if code > 1, error(['conus:', kinds{min(code - 1, 3)}], '%s', regexprep(notes, '^conus: ', '')); end
+  if code ~= 0 && code ~= 1, refuse(code, notes); end
   if nargout < 2 && ~isempty(notes), fprintf(2, '%s\n', notes); end
   if has_rows, rows = columns(rows); end
 end
@@ -24,12 +23,22 @@ function is = answers(command)
 % Whether the command has rows, as the program says of itself.
   persistent names;
   if isempty(names)
-    [~, text] = run({'help', '--json'});
+    [code, text, notes] = run({'help', '--json'});
+    if code ~= 0, refuse(code, notes); end
     commands = jsondecode(text).commands;
     if ~iscell(commands), commands = num2cell(commands); end
     names = cellfun(@(c) c.name, commands(cellfun(@(c) c.answers, commands)), 'UniformOutput', false);
   end
   is = any(strcmp(names, command));
+end
+
+function refuse(code, notes)
+% The error of a program that has failed; a negative code, or one above 4, is none of conus.
+  kinds = {'data', 'usage', 'data', 'gl'};
+  kind = 'failed';
+  if code >= 1 && code <= 4, kind = kinds{code}; end
+  if isempty(notes), notes = sprintf('conus ended with %d', code); end
+  error(['conus:', kind], '%s', regexprep(notes, '^conus: ', ''));
 end
 
 function [code, text, notes] = run(words)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ._answers import Answers, Array
 from ._conus import ffi, lib
-from ._library import ArgumentError, Bound, Error, byte_count, check, owned, path_of, real
+from ._library import ArgumentError, Bound, Error, byte_count, check, owned, path_of, real, shown
 from ._table import ask_table
 
 if TYPE_CHECKING:
@@ -61,8 +61,9 @@ class Probe(Bound):
 
 
 def is_probe(value: Any) -> bool:
-    """A Probe or ProbeGroup of probeinterface, or the dictionary of its file."""
-    return isinstance(value, dict) or hasattr(value, "contact_positions") or hasattr(value, "probes")
+    """A Probe or ProbeGroup of probeinterface, or the dictionary of its file; not what read_probe() gives."""
+    return isinstance(value, dict) or hasattr(value, "contact_positions") or (
+        hasattr(value, "probes") and not isinstance(value, Probe))
 
 
 def probe_text(source: Any) -> str:
@@ -70,7 +71,10 @@ def probe_text(source: Any) -> str:
     probes = getattr(source, "probes", [source] if hasattr(source, "contact_positions") else None)
     if probes is not None:
         source = {"specification": "probeinterface", "version": "", "probes": [p.to_dict(array_as_list=True) for p in probes]}
-    return json.dumps(source)
+    try:
+        return json.dumps(source)
+    except (TypeError, ValueError) as error:
+        raise ArgumentError(f"probe: {error}; to_dict(array_as_list=True) has what a file can have") from None
 
 
 def read_probe(path: Any, *, tip: float = 0, max_memory: int = 0) -> Probe:
@@ -93,7 +97,7 @@ def read_probe(path: Any, *, tip: float = 0, max_memory: int = 0) -> Probe:
         check(lib.conus_probe_load(out, path_of("path", path), options))
         return Probe(out[0], os.fsdecode(path))
     if not is_probe(path):
-        raise ArgumentError(f"path: {type(path).__name__}, wanted is a path, a Probe of probeinterface or its dictionary")
+        raise ArgumentError(f"path: {shown(path)}, wanted is a path, a Probe of probeinterface or its dictionary")
     with tempfile.TemporaryDirectory() as folder:
         file = os.path.join(folder, "probe.json")
         with open(file, "x", encoding="utf-8") as written:
@@ -148,8 +152,8 @@ def poses_of_probe(array: Any, probe: Probe) -> Any:
 
 
 def brain_areas(
-    source: Any, atlas: Any, *, origin: Any, direction: Any, up: Any = None, roll: float = 0, outside: str = "none",
-    **options: Any,
+    source: Any, atlas: Any, *, origin: Any, direction: Any, up: Any = None, roll: float = 0, tip: float = 0,
+    outside: str = "none", **options: Any,
 ) -> list[str]:
     """The area of each contact of a probe, or of each channel of a recording of SpikeInterface, in its order.
 
@@ -164,6 +168,8 @@ def brain_areas(
     origin, direction, up, roll, options
         As for :meth:`Atlas.contacts`: ``origin`` is the tip, ``direction`` leads from the base to it, and ``space=`` says
         what they are in.
+    tip
+        As for :func:`read_probe`, unless ``source`` is what it gave.
     outside
         What a contact in no area is called.
 
@@ -176,6 +182,8 @@ def brain_areas(
 
     loaded = atlas if isinstance(atlas, Atlas) else load(atlas)
     given = source.get_probe() if hasattr(source, "get_probe") else source
-    probe = given if isinstance(given, Probe) else read_probe(given)
+    if tip and isinstance(given, Probe):
+        raise ArgumentError("tip: the probe has been read already, give it to read_probe()")
+    probe = given if isinstance(given, Probe) else read_probe(given, tip=tip)
     contacts = loaded.contacts(probe, origin, direction=direction, up=up, roll=roll, **options)
     return [str(loaded.objects.name(int(area))) if area else outside for area in contacts.areas]

@@ -103,8 +103,9 @@ def run_program(*words: str) -> subprocess.CompletedProcess[str]:
 
 def refuse(ended: subprocess.CompletedProcess[str]) -> NoReturn:
     """The exception for what the program said last."""
-    lines = ended.stderr.strip().splitlines() or [f"conus ended with {ended.returncode}"]
-    errors = {2: ArgumentError, 4: UnsupportedError}
+    errors = {1: DataError, 2: ArgumentError, 3: DataError, 4: UnsupportedError}
+    lines = ended.stderr.strip().splitlines() if ended.returncode in errors else []
+    lines = lines or [f"conus ended with {ended.returncode}"]  # negative: the signal that ended it
     raise errors.get(ended.returncode, DataError)(python_words(lines[-1].removeprefix("conus: ")))
 
 

@@ -75,11 +75,11 @@ def run(line: str, /, **values: Any) -> Any:
         words = [re.sub(r"\{(\w+)(\.[\w.]+)?\}", put, word) for word in shlex.split(line)]
         if used != set(values):
             raise ArgumentError(f"run: {sorted(set(values) - used)[0]}: the line has no {{{sorted(set(values) - used)[0]}}}")
-        is_asked = any(re.match(r"(-o|--output|--format)(=|$)", word) for word in words)
+        is_asked = any(re.match(r"-o|--output(=|$)|--format(=|$)", word) for word in words)
         has_rows = bool(words) and not outputs and not is_asked and words[0] in _commands_with_rows(os.environ.get("CONUS"))
-        ended = run_program(*words, *(["--format=tsv"] if has_rows else []))
+        ended = run_program(*words[:1], *(["--format=tsv"] if has_rows else []), *words[1:])
         said = [note.replace(folder + os.sep, "").removeprefix("conus: ") for note in ended.stderr.splitlines() if note]
-        if ended.returncode > 1:
+        if ended.returncode not in (0, 1):
             ended.stderr = "\n".join(said)
             refuse(ended)
         if said:
@@ -113,7 +113,7 @@ def _word(value: Any, path: str, ending: str) -> str:
         value.to_csv(path + (ending or ".tsv"), sep="," if ending == ".csv" else "\t", index=False, na_rep="n/a")
         return path + (ending or ".tsv")
     if is_probe(value):
-        with open(path + ".json", "x", encoding="utf-8") as written:
+        with open(path + ".json", "w", encoding="utf-8") as written:
             written.write(probe_text(value))
         return path + ".json"
     if isinstance(value, (str, bytes, os.PathLike)):
@@ -121,15 +121,19 @@ def _word(value: Any, path: str, ending: str) -> str:
     numbers = np.asarray(value)
     if numbers.dtype.kind not in "iuf" or numbers.ndim > 2 or (numbers.ndim == 2 and numbers.shape[1] != 3):
         raise ArgumentError(f"run: {os.path.basename(path)}: {shown(value)}, wanted is a path, numbers, (n, 3) positions, an "
-                            "image, a DataFrame or a probe")
+                            "image, a DataFrame or what read_probe() takes")
     if numbers.ndim < 2:
         return ",".join(json.dumps(number) for number in numbers.reshape(-1).tolist())
     np.savetxt(path + ".tsv", numbers, fmt="%.17g", delimiter="\t", header="x\ty\tz", comments="")
     return path + ".tsv"
 
 
+#: Columns whose cells are texts, also where all of them look like numbers: "007" is another id than "7".
+_TEXTS = {name: str for name in ("query", "name", "abbreviation", "kind", "probe", "shank_id", "needle")}
+
+
 def _table(source: Any, separator: str) -> Any:
-    return importlib.import_module("pandas").read_csv(source, sep=separator, na_values="n/a", keep_default_na=False)
+    return importlib.import_module("pandas").read_csv(source, sep=separator, na_values="n/a", keep_default_na=False, dtype=_TEXTS)
 
 
 def _read(path: str) -> Optional[Union[bytes, Any]]:

@@ -35,29 +35,52 @@ def channels(contacts: Contacts) -> dict[str, Any]:
     Parameters
     ----------
     contacts
-        What :meth:`Atlas.contacts` gives with ``space="ccf"`` or ``space="bregma"``, of an atlas whose labels are Allen's
-        ids and which has their acronyms.
+        What :meth:`Atlas.contacts` gives with ``space="ccf"`` or ``space="bregma"``, of one probe and an atlas whose
+        labels are Allen's ids and which has their acronyms.
 
     Returns
     -------
     dict
         "mlapdv": (n, 3) micrometres from bregma, to the right, to the front, upwards; "ids": (n,) Allen's ids, 0 = in no
         area, the same on both sides; "acronyms": n texts, "void" of 0; "local": (n, 2) micrometres across and along the
-        probe, as its file has them.
+        probe, as its file has them. A row is a channel of the recording, from 0: that of the contact that is wired to
+        it. Where the file has no wiring the contacts come in its order.
+
+    Raises
+    ------
+    ArgumentError
+        For several probes, and where a channel has no contact: IBL counts rows as channels.
     """
+    order = _by_channel(contacts)
     if contacts.space is None or contacts.space.name not in ("ccf", "bregma"):
         raise ArgumentError('contacts: ask for them with space="ccf" or space="bregma": IBL counts from bregma in the CCF')
     info = contacts.atlas.info()
     numbers = info["index"].to_dict()
     acronyms = {index: str(acronym) for index, acronym in zip(info["index"], info["abbreviation"]) if isinstance(acronym, str)}
     _check_ids(acronyms)
-    ids = np.array([numbers[area] if area else 0 for area in contacts.areas.tolist()], np.int64)
+    ids = np.array([numbers[area] if area else 0 for area in contacts.areas[order].tolist()], np.int64)
     return {
-        "mlapdv": _from_bregma(contacts),
+        "mlapdv": _from_bregma(contacts)[order],
         "ids": ids,
         "acronyms": [acronyms.get(number, "void") for number in ids.tolist()],
-        "local": contacts.probe.positions[:, :2],
+        "local": contacts.probe.positions[order, :2],
     }
+
+
+def _by_channel(contacts: Contacts) -> Array:
+    """Which contact each channel has."""
+    wiring = contacts.probe.channels
+    if len(contacts.probe.tips) != 1:
+        raise ArgumentError(f"contacts: of {len(contacts.probe.tips)} probes, wanted are those of one: IBL has a folder for each")
+    if (wiring < -1).all():
+        return np.arange(len(wiring))
+    order = np.argsort(wiring, kind="stable")[np.count_nonzero(wiring < 0):]
+    gaps = np.flatnonzero(wiring[order] != np.arange(len(order)))  # no two have one channel: read_probe() refuses them
+    if gaps.size:
+        raise ArgumentError(f"contacts: channel {gaps[0]} has no contact: IBL counts rows as channels, from 0")
+    if not order.size:
+        raise ArgumentError("contacts: none is wired to a channel")
+    return order
 
 
 def _from_bregma(contacts: Contacts) -> Array:

@@ -8,6 +8,8 @@ MNE is the user's, and nibabel, which reads the subject's T1; nothing else of co
 from __future__ import annotations
 
 import importlib
+import json
+import logging
 import os
 import tempfile
 from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
@@ -92,6 +94,8 @@ def _positions(source: Any, trans: Any, subject: Any, subjects_dir: Any, space: 
         points, frame = _from_head(points, trans), "mri"
     elif trans is not None:
         raise ArgumentError(f'trans: positions are in the frame "{frame}", not in the head\'s')
+    if subject is not None and frame != "mri":
+        raise ArgumentError(f'subject: positions are in the frame "{frame}", the frame "mri" needs it')
     if frame == "mri" and subject != "fsaverage":
         return names, _apply(_scan_from_surface(subject, subjects_dir), points), _SCAN
     if frame in ("mri", _TALAIRACH):
@@ -151,14 +155,25 @@ def _as_poses(names: Sequence[str], points: Array, brain: str, atlas: Atlas) -> 
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "source_electrodes.tsv")
         with open(path, "w", encoding="utf-8") as file:
-            file.write("name\tx\ty\tz\n")
+            file.write("x\ty\tz\tname\n")  # a row that began with a name of "#1" would be a comment
             for name, point in zip(names, points):
                 cells = [f"{x!r}" for x in point.tolist()] if np.isfinite(point).all() else ["n/a"] * 3
-                file.write("\t".join((name, *cells)) + "\n")
+                file.write("\t".join((*cells, name)) + "\n")
         with open(os.path.join(folder, "source_coordsystem.json"), "w", encoding="utf-8") as file:
-            file.write(f'{{"iEEGCoordinateSystem": "{brain}", "iEEGCoordinateUnits": "mm"}}\n')
+            json.dump({"iEEGCoordinateSystem": brain, "iEEGCoordinateUnits": "mm"}, file)
+
+        def in_words(text: str) -> str:
+            return text.replace(path, "source").replace(folder + os.sep, "")
+
+        def is_of_another(record: logging.LogRecord) -> bool:
+            return folder not in record.getMessage()
+
+        logger = logging.getLogger("conus")
+        logger.addFilter(is_of_another)  # the notes of this file are warnings
         try:
             poses = read_poses(path, atlas=atlas)
-            return poses, [note.replace(path, "source") for note in poses.notes]
+            return poses, [in_words(note) for note in poses.notes]
         except Error as error:
-            raise type(error)(str(error).replace(path, "source")) from None
+            raise type(error)(in_words(str(error))) from None
+        finally:
+            logger.removeFilter(is_of_another)

@@ -23,4 +23,22 @@ assert(exist('a file.tsv', 'file') > 0)
 assert(~isempty(strfind(conus('cite', 'a file.tsv'), 'conus')))
 [rows, notes] = conus('overlap', 'nested.nii.gz', 'nested.nii.gz', '--threshold', 1);
 assert(isnumeric(rows.volume_mm3) && ischar(notes))
+function make(name, text)
+  file = fopen(name, 'w'); fprintf(file, '%s\n', '#!/bin/sh', text); fclose(file);
+  system(['chmod +x ', name]);
+  setenv('CONUS', fullfile(pwd, name));
+end
+% A program that is killed, with a note and rows, and one that is not there.
+make('killed', 'echo rows; echo a note >&2; kill -9 $$');
+try, conus('info', 'nested.nii.gz'); catch e, failed = e.identifier; end
+assert(failed, 'conus:failed')
+clear conus % which knows the commands of the first program
+failed = '';
+try, conus('info', 'nested.nii.gz'); catch e, failed = e.identifier; end
+assert(failed, 'conus:failed')
+setenv('CONUS', fullfile(pwd, 'none'));
+failed = '';
+try, conus('info', 'nested.nii.gz'); catch e, failed = e.identifier; end
+assert(failed, 'conus:failed')
+assert(~isempty(strfind(e.message, 'none')), e.message)
 disp('octave: rows, errors, files and words are those of the program')

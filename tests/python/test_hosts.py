@@ -22,10 +22,30 @@ def test_areas_of_a_probe_in_memory(atlas):
     # The tip is at x = -50, contacts at -45, -35 and so on; the plates lie from -40 to -20 and from 20 to 40.
     areas = conus.brain_areas(PROBE, atlas, origin=(-50, 1, 2), direction=(-1, 0, 0), up=(0, 0, 1))
     assert areas == ["none", "left", "left", "none", "none", "none", "none", "right", "right", "none"]
-    with pytest.raises(conus.ArgumentError, match="path: int, wanted is a path, a Probe"):
+    with pytest.raises(conus.ArgumentError, match="path: 3, wanted is a path, a Probe"):
         conus.brain_areas(3, atlas, origin=(0, 0, 0), direction=(0, 0, -1))
     with pytest.raises(conus.DataError, match="^probe: "):
         conus.read_probe({"specification": "other"})
+
+
+def test_the_tip_is_where_it_is_said_to_be(atlas):
+    # The contour has it 5 mm below the lowest contact, which comes 10 mm further up: at -35, in the plate, and so on.
+    aim = {"origin": (-50, 1, 2), "direction": (-1, 0, 0), "up": (0, 0, 1)}
+    wanted = ["left", "left", "none", "none", "none", "none", "right", "right", "none", "none"]
+    assert conus.brain_areas(PROBE, atlas, tip=15, **aim) == wanted
+    assert conus.brain_areas(conus.read_probe(PROBE, tip=15), atlas, **aim) == wanted
+    with pytest.raises(conus.ArgumentError, match="^tip: the probe has been read already"):
+        conus.brain_areas(conus.read_probe(PROBE), atlas, tip=15, **aim)
+
+
+def test_probes_that_are_none(atlas):
+    # run() could not tell the program the tip that read_probe() was told.
+    with pytest.raises(conus.ArgumentError, match="^path: <conus.Probe: 10 contacts, .*wanted is a path, a Probe of probeinterface"):
+        conus.read_probe(conus.read_probe(PROBE))
+    with pytest.raises(conus.ArgumentError, match=r"^run: np: <conus.Probe: 10 contacts, .*wanted is .*what read_probe\(\) takes"):
+        conus.run("query aal --probe {np} --origin 0,0,0 --direction 0,0,1", np=conus.read_probe(PROBE))
+    with pytest.raises(conus.ArgumentError, match="^probe: .*ndarray.*array_as_list=True"):
+        conus.read_probe({**PROBE, "probes": [{**PROBE["probes"][0], "contact_positions": np.zeros((10, 2))}]})
 
 
 class Probe:
@@ -67,11 +87,14 @@ def small_ccf(folder, names):
     return conus.load(folder / "annotation_100.nrrd")
 
 
-def contacts_in(atlas, **space):
+def contacts_in(atlas, wiring=tuple(range(10)), **space):
     # Down from DV 0: contacts 1 mm apart from 7.5 mm (the lowest, 0.5 mm above the tip at 8 mm) to -1.5 mm, outside.
     probe = json.loads(json.dumps(PROBE))
     probe["probes"][0]["contact_positions"] = [[0, i] for i in range(10)]
     probe["probes"][0]["probe_planar_contour"] = [[-1, 20], [0, -0.5], [1, 20]]
+    del probe["probes"][0]["device_channel_indices"]
+    if wiring is not None:
+        probe["probes"][0]["device_channel_indices"] = list(wiring)
     return atlas.contacts(conus.read_probe(probe), **space)
 
 
@@ -93,6 +116,41 @@ def test_files_of_ibl(tmp_path):
     assert np.abs(back.origins - contacts.points).max() < 1e-9
     with pytest.raises(conus.FileError, match="channels.mlapdv.npy: exists"):
         conus.ibl.write_channels(tmp_path / "alf", contacts)
+
+
+LAYERS = {315: "Isocortex", 382: "CA1", 672: "CP", 1097: "HY"}
+AIM = {"origin": (5400, 8000, 3739), "direction": (0, 1, 0), "up": (0, 0, 1), "space": "ccf"}
+
+
+@pytest.mark.parametrize(("wiring", "contacts"), [
+    (None, range(10)),
+    ((3, 1, 0, 2, 9, 8, 7, 6, 5, 4), (2, 1, 3, 0, 9, 8, 7, 6, 5, 4)),  # contact 2 has channel 0, and so on
+    ((-1, 2, 1, 0, -1, 3, 4, 5, 6, 7), (3, 2, 1, 5, 6, 7, 8, 9)),
+])
+def test_rows_of_ibl_are_channels(tmp_path, wiring, contacts):
+    # Contact i is i mm above the lowest, at DV 7.5 mm - i, in layers of 2 mm.
+    found = conus.ibl.channels(contacts_in(small_ccf(tmp_path, LAYERS), wiring, **AIM))
+    assert found["local"].tolist() == [[0, 1000 * i] for i in contacts]
+    assert found["mlapdv"] == pytest.approx(np.array([[-2000, 0, 332 - 7500 + 1000 * i] for i in contacts]), abs=1e-6)
+    acronyms = [("HY", "CP", "CA1", "Isocortex", "void")[i // 2] for i in contacts]
+    assert found["acronyms"] == acronyms
+    assert found["ids"].tolist() == [{**dict(map(reversed, LAYERS.items())), "void": 0}[name] for name in acronyms]
+
+
+def test_channels_that_ibl_cannot_count(tmp_path):
+    atlas = small_ccf(tmp_path, LAYERS)
+    for wiring, match in (
+        ((0, 1, 2, 3, 4, 5, 6, 7, 8, 10), "channel 9 has no contact"),
+        ((1, 2, 3, 4, 5, 6, 7, 8, 9, 10), "channel 0 has no contact"),
+        ((-1,) * 10, "none is wired"),
+    ):
+        with pytest.raises(conus.ArgumentError, match=match):
+            conus.ibl.channels(contacts_in(atlas, wiring, **AIM))
+    both = atlas.contacts(conus.read_probe(Group()), poses=np.array([np.eye(4)] * 2))
+    with pytest.raises(conus.ArgumentError, match="of 2 probes"):
+        conus.ibl.channels(both)
+    with pytest.raises(conus.DataError, match="two contacts of probe1 have the channel 3"):
+        contacts_in(atlas, (0, 1, 2, 3, 3, 4, 5, 6, 7, 8), **AIM)
 
 
 def test_ibl_reads_ids_of_allen_alone(tmp_path, atlas):
@@ -167,6 +225,8 @@ def test_what_mne_does_not_say(atlas):
         (Montage("mni_tal", A1=(0, 0, 0)), {"trans": "x-trans.fif"}, "not in the head's"),
         (Montage("mni_tal", A1=(0, 0, 0)), {"space": "MNI152"}, "says whose brain"),
         (Montage("mni_tal", **{"A\t1": (0, 0, 0)}), {}, "is called"),
+        (Montage("mni_tal", A1=(0, 0, 0)), {"subject": "S"}, '"mni_tal", the frame "mri" needs it'),
+        (np.zeros((1, 3)), {"space": "ScanRAS", "subject": "S"}, '^subject: .*"ras", the frame "mri" needs it'),
         (Raw(None), {}, "Raw has no montage"),
         ("x.fif", {}, "str is nothing of MNE"),
         (np.zeros(3), {"space": "MNI152"}, r"shape \(3,\), needed is \(n, 3\)"),
@@ -180,3 +240,25 @@ def test_names_stay_and_gaps_are_said(atlas):
     with pytest.warns(conus.PoseWarning, match="1 rows without coordinates"):
         rows = conus.mne.label(source, atlas, space="ScanRAS").to_dataframe()
     assert rows["query"].tolist() == ["LA1", "RA1"] and rows["name"].tolist() == ["left", "right"]
+
+
+@pytest.mark.filterwarnings("ignore:positions are in")
+@pytest.mark.parametrize("name", ["#1", "%2", "//2", "n/a", '"a', "x y"])
+def test_any_name_of_a_channel_stays(atlas, name):
+    source = Montage("ras", **{name: (-30, 1, 1), "z": (30, 1, 1)})
+    rows = conus.mne.label(source, atlas, space="ScanRAS").to_dataframe()
+    assert rows["query"].tolist() == [name, "z"] and rows["name"].tolist() == ["left", "right"]
+
+
+def test_a_space_is_one_text(atlas):
+    with pytest.warns(conus.PoseWarning, match=r'^positions are in "a "space" of \\ mine"'):
+        conus.mne.label(np.array([[-30.0, 1, 1]]), atlas, space='a "space" of \\ mine')
+
+
+def test_a_note_is_said_once_and_of_no_folder(atlas, caplog):
+    source = Montage("ras", A1=(-30, 1, 1), A2=(np.nan,) * 3)
+    with pytest.warns(conus.PoseWarning) as told:
+        conus.mne.label(source, atlas, space="ScanRAS")
+    said = [str(warning.message) for warning in told]
+    assert sum("without coordinates" in note for note in said) == 1 and not any("_electrodes.tsv" in note for note in said)
+    assert not caplog.records
