@@ -198,7 +198,8 @@ static int start_rows(struct planning *planning)
     if (!code && paths[1] && !has_avoided(&planning->constraints)) {
         code = print_usage_error("--profile has no effect without --avoid NAME,...");
     }
-    if (!code && is_replaced(planning) && settings->request.answer.sidecar) {
+    const char *sidecar = settings->request.answer.sidecar; /* none is of the rows, too */
+    if (!code && is_replaced(planning) && sidecar && !sidecar_is_none(sidecar)) {
         code = print_usage_error("--sidecar has no effect without the answer");
     }
     return code || outputs_differ(&request->outputs) ? code : EXIT_USAGE;

@@ -732,7 +732,8 @@ static int start_axes(struct query_run *run)
     if (answer_is_replaced(settings) && settings->axis.order) {
         return print_usage_error("--order has no effect without the answer: other rows have but one order");
     }
-    if (answer_is_replaced(settings) && settings->request.answer.sidecar) {
+    const char *sidecar = settings->request.answer.sidecar; /* none is of the rows, too */
+    if (answer_is_replaced(settings) && sidecar && !sidecar_is_none(sidecar)) {
         return print_usage_error("--sidecar has no effect without the answer");
     }
     bool answer_has_format = !output_is_stdout(settings->request.answer.output);

@@ -158,7 +158,8 @@ int pose_settings_check_file(const char *path, const char *option, const struct 
 {
     return path && arguments->operand_count && is_atlas(path)
                ? print_data_error(
-                     "%s: is an atlas by its name, not a file of poses; the atlas comes first: conus %s %s --%s %s",
+                     "%s: is an atlas by its name, not a file of poses; the atlas comes first: conus %s %s --%s %s; a "
+                     "table has another ending",
                      path, arguments->command->name, path, option, arguments->operands[0])
                : EXIT_DONE;
 }

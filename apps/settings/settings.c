@@ -137,7 +137,8 @@ const struct option context_choice_options[] = {
              "manifest's volume: a file, or the name of an installed image, ch2bet; may be repeated for more surfaces",
      .role = OPTION_READS_IMAGE, .holds = HOLDS_VOLUME},
     {OPTION_VALUED("context-opacity", struct context_choice, opacity, "O"),
-     .help = "opacity of the context's surfaces, above 0 to 1", .standard = "0.25", OPTION_ABOVE_TO(0, 1),
+     .help = "opacity of the context's surfaces, above 0 to 1",
+     .otherwise = "0.25, of a surface with a map 1; to give it keeps the context", OPTION_ABOVE_TO(0, 1),
      .needs = "context"},
     {0},
 };

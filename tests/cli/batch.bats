@@ -809,7 +809,7 @@ pipe_in() {
     [ "$(conus batch sphere.nii.gz --poses named.csv --summary -q | cut -f 1,2 | paste -sd' ')" = $'query\tkind a\tarea b\tarea' ]
 }
 
-@test "a batch says what it asks: shape and rays, and that no angle was given" {
+@test "a batch says what it asks: shape and rays, and that the angle is the default" {
     setup_ball 3
     says() {
         local wanted=$1
@@ -817,7 +817,7 @@ pipe_in() {
         run -0 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --summary "$@"
         [ "$stderr" = "conus: note: poses.tsv: $wanted" ] || { echo "said: $stderr"; return 1; }
     }
-    says 'cones of 10 degrees (--angle DEGREES is not given); 16 x 16 rays' --resolution 16
+    says 'cones of 10 degrees (the default; --angle DEGREES changes it); 16 x 16 rays' --resolution 16
     says 'cones of 12 degrees; 8 x 8 rays' --angle 12 --resolution 8
     says 'square rods of half width 2 mm; 16 x 16 rays' --radius 2 --aperture square --resolution 16
     run -0 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --summary --angle 12 -q
@@ -827,7 +827,7 @@ pipe_in() {
     # Axes that end at targets may be needles.
     printf 'name,entry_x,entry_y,entry_z,target_x,target_y,target_z\nA,0,0,90,0,0,10\n' >needles.csv
     run -0 --separate-stderr conus batch sphere.nii.gz --poses needles.csv --summary
-    [[ "$stderr" == *'cones of 10 degrees (--angle DEGREES or, for needles, --radius MM is not given); 64 x 64 rays' ]]
+    [[ "$stderr" == *'cones of 10 degrees (the default; --angle DEGREES or, for needles, --radius MM changes it); 64 x 64 rays' ]]
     run -0 --separate-stderr conus query sphere.nii.gz --pose needles.csv
     [ "$stderr" = 'conus: note: axes that end at a target are asked as cones of 10 degrees: --radius MM asks a needle of that width, --segments FILE all that the axis passes' ]
     for width in '--radius 1' '--angle 12' '--segments -' '-q'; do

@@ -14,7 +14,12 @@ load helpers
     run -2 conus query nested.nii.gz "${aim[@]}" -o a.tsv --force --sidecar none
     [ "$output" = "conus: --sidecar none: a.json is there, and would describe another answer" ]
     cp a.tsv wanted.tsv
-    rm a.tsv a.json
+    rm a.tsv
+    mv a.json m.json
+    run -2 conus query nested.nii.gz "${aim[@]}" --mask m.nii.gz --sidecar none
+    [ "$output" = "conus: --sidecar none: m.json is there, and would describe another answer" ]
+    [ ! -e m.nii.gz ]
+    rm m.json
     mkdir none
     conus query nested.nii.gz "${aim[@]}" -q --sidecar none -o none/a.tsv --segments none/s.tsv --clearance none/c.tsv \
         --mask none/m.nii.gz

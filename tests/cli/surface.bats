@@ -298,6 +298,8 @@ numbers() {
     answers diff map.exr same.exr
     gl "${scene[@]}" -q -o wider.exr --map m.shape.gii,array=leeway_mm,range=0:5
     run -1 conus diff map.exr wider.exr
+    gl "${scene[@]}" -q -o pale.exr --map m.shape.gii,array=leeway_mm --context-opacity 0.25
+    run -1 conus diff map.exr pale.exr
 }
 
 @test "its space can be stated, and that it is in the mm of an image" {

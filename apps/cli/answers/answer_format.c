@@ -53,15 +53,11 @@ bool answer_format(conus_format *out, const struct arguments *arguments, const s
                   settings->output);
 }
 
-/* Nothing is written, so that what is there may not seem to describe another answer. */
-static int check_no_sidecar(const char *output)
+int answer_check_no_sidecar(const char *path)
 {
-    char *path = output_is_stdout(output) ? NULL : provenance_path(output);
-    int code = path && system_allows(path, 0)
-                   ? print_usage_error("--sidecar none: %s is there, and would describe another answer", path)
-                   : EXIT_DONE;
-    free(path);
-    return code;
+    return path && system_allows(path, 0)
+               ? print_usage_error("--sidecar none: %s is there, and would describe another answer", path)
+               : EXIT_DONE;
 }
 
 int answer_sidecar(char **out, conus_format format, const struct answer_settings *settings)
@@ -70,7 +66,10 @@ int answer_sidecar(char **out, conus_format format, const struct answer_settings
     const char *output = settings->output;
     *out = NULL;
     if (sidecar_is_none(given)) {
-        return check_no_sidecar(output);
+        char *path = output_is_stdout(output) ? NULL : provenance_path(output);
+        int code = answer_check_no_sidecar(path);
+        free(path);
+        return code;
     }
     if (given && format == CONUS_FORMAT_JSON) {
         return print_usage_error("--sidecar has no effect with JSON, which says everything itself");

@@ -30,6 +30,10 @@ bool answer_format(conus_format *out, const struct arguments *arguments, const s
  * everything itself, and --sidecar may be none. Returns the exit code and prints an error unless it is 0. */
 int answer_sidecar(char **out, conus_format format, const struct answer_settings *settings);
 
+/** Whether nothing is at the @p path, NULL or where the sidecar of a file would be: with --sidecar none, what is there
+ * would seem to describe that file. Likewise. */
+int answer_check_no_sidecar(const char *path);
+
 /** Checks the names of the atlases' files and the words of the command line, where they are recorded: in a sidecar or
  * a file in JSON. Likewise. */
 int answer_check_names(conus_format format, const struct outputs *outputs, const struct arguments *arguments,

@@ -3,6 +3,7 @@
 #include "cli/answers/selection_files.h"
 
 #include "base/path.h"
+#include "cli/answers/answer_format.h"
 #include "options/messages.h"
 #include "options/output.h"
 
@@ -63,12 +64,15 @@ int selection_files_init(struct selection_files *out, struct outputs *outputs,
                         : stem_ends(path, "_dseg")         ? CONUS_GRID_MAP_OF_LABELS
                         : stem_ends(path, "_probseg")      ? CONUS_GRID_MAP_OF_VALUES
                                                            : CONUS_GRID_MASK_OF_AREAS;
-    if (sidecar_is_none(option_text(arguments, "sidecar"))) {
-        return EXIT_DONE;
-    }
     if (asprintf(&out->mask_sidecar, "%.*s.json", (int)stem_length(path), path) < 0) {
         out->mask_sidecar = NULL;
         return print_no_memory();
+    }
+    if (sidecar_is_none(option_text(arguments, "sidecar"))) {
+        int code = answer_check_no_sidecar(out->mask_sidecar);
+        free(out->mask_sidecar);
+        out->mask_sidecar = NULL;
+        return code;
     }
     outputs_add_sidecar(outputs, "mask", out->mask_sidecar);
     return EXIT_DONE;

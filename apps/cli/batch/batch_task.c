@@ -296,9 +296,9 @@ static void say_question(const struct task *task)
         snprintf(shape, sizeof shape, "%s of %g degrees%s%s", is_square ? "square pyramids" : "cones",
                  settings_angle(&settings->aim, engine) * (180 / M_PI),
                  option_given(task->arguments, "angle")      ? ""
-                 : conus_pose_stream_has_ranges(task->poses) ? " (--angle DEGREES or, for needles, --radius MM is not "
-                                                               "given)"
-                                                             : " (--angle DEGREES is not given)",
+                 : conus_pose_stream_has_ranges(task->poses) ? " (the default; --angle DEGREES or, for needles, "
+                                                               "--radius MM changes it)"
+                                                             : " (the default; --angle DEGREES changes it)",
                  conus_pose_stream_has_angles(task->poses) ? " where the file has no angle" : "");
     }
     say_note(CONUS_SEVERITY_NOTE, false, "%s: %s; %u x %u rays", pose_settings_file_name(settings->poses), shape, rays,

@@ -291,6 +291,7 @@ void figure_form_save(struct window *window)
         return;
     }
     form->frames = FRAMES_BEFORE;
+    form->previews = false;
     window->frame.frames_wanted = FRAMES_BEFORE + 2;
     say(window, "saving ", form->name);
 }

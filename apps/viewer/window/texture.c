@@ -4,14 +4,15 @@
 
 #include <epoxy/gl.h>
 
-enum { LEVELS = 4 /* each half as large as the one before: of small pictures of it */ };
+enum { LEVELS = 4 /* each half as large as the one before; 1 of a picture that is too small for them */ };
 
 void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height, bool smooth)
 {
     if (texture->width != width || texture->height != height) {
         glDeleteTextures(1, &texture->name);
         glCreateTextures(GL_TEXTURE_2D, 1, &texture->name);
-        glTextureStorage2D(texture->name, LEVELS, GL_RGBA8, (GLsizei)width, (GLsizei)height);
+        const bool has_levels = (width > height ? width : height) >> (LEVELS - 1);
+        glTextureStorage2D(texture->name, has_levels ? LEVELS : 1, GL_RGBA8, (GLsizei)width, (GLsizei)height);
         glTextureParameteri(texture->name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
         glTextureParameteri(texture->name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
         texture->width = width;
