@@ -234,7 +234,7 @@ END
     run -1 conus diff same.exr side.exr
     fails 2 '--frustum has no effect without a camera' render sphere.nii.gz -o a.png --frustum=-1,1,-1,1
     fails 2 '--frustum and --field-of-view exclude each other' \
-        render sphere.nii.gz -o a.png "${camera[@]}" --frustum=-1,1,-1,1 --field-of-view 30
+        render sphere.nii.gz -o a.png "${camera[@]}" --frustum=-1,1,-1,1 --field-of-view 31
     fails 2 'left before right' render sphere.nii.gz -o a.png "${camera[@]}" --frustum=1,-1,-1,1
     fails 2 'is not four numbers' render sphere.nii.gz -o a.png "${camera[@]}" --frustum=-1,1,-1
     fails 2 'out of range' render sphere.nii.gz -o a.png "${camera[@]}" --frustum=-1,1,-1,2000
