@@ -170,14 +170,15 @@ static int check_poses(struct query_run *run)
         return print_usage_error("--%s shows one pose, %s has %zu", of_one->name, pose_settings_file_name(aim->pose),
                                  count);
     }
-    for (size_t i = 0; i < count && aim->angle != 0; i++) {
+    bool has_angle = aim->angle != 0 || option_restated(run->request.arguments, "angle");
+    for (size_t i = 0; i < count && has_angle; i++) {
         if (conus_pose_list_row(poses, i)->angle == 0) {
             return EXIT_DONE;
         }
     }
-    return count && aim->angle != 0 ? print_usage_error("--angle has no effect: every pose in %s has its own",
-                                                        pose_settings_file_name(aim->pose))
-                                    : EXIT_DONE;
+    return count && has_angle ? print_usage_error("--angle has no effect: every pose in %s has its own",
+                                                  pose_settings_file_name(aim->pose))
+                              : EXIT_DONE;
 }
 
 /* Asked of each atlas: a cone or cylinder, or a ball around a point. */

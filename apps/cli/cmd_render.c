@@ -727,7 +727,8 @@ static int find_rows(struct picture *picture)
         return code;
     }
     bool have_own = false;
-    for (size_t i = 0; i < rows->count && settings->aim.angle != 0; i++) { /* which is of poses without their own */
+    bool has_angle = settings->aim.angle != 0 || option_restated(picture->arguments, "angle");
+    for (size_t i = 0; i < rows->count && has_angle; i++) { /* which is of poses without their own */
         const conus_pose_row *row = rows->items[i].row;
         have_own = have_own || !row->error;
         if (!row->error && row->angle == 0) {

@@ -233,6 +233,9 @@ static conus_status start_track(struct track *track)
     if (option_given(request->arguments, "delay") && constants.delay == 0) {
         constants.delay = -1; /* none; 0 is the default */
     }
+    if (option_restated(request->arguments, "delay")) { /* at most the window, as any other */
+        number_parse(option_standard(option_find(request->arguments->command, "delay")), &constants.delay);
+    }
     conus_status status = request_start(request, &engine);
     for (size_t i = 0; i < request->atlases.count && !status; i++) {
         status = conus_tracker_create(&track->trackers[i], request->answerers[i].selector, &constants);

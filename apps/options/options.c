@@ -80,6 +80,21 @@ bool option_given(const struct arguments *arguments, const char *name)
     return arguments->given[found.ordinal];
 }
 
+bool option_restated(const struct arguments *arguments, const char *name)
+{
+    struct found found = find_name(arguments->command, NULL, name, strlen(name));
+    assert(found.option);
+    return arguments->restated[found.ordinal];
+}
+
+void option_warn_restated(const struct arguments *arguments, const char *name, const char *other)
+{
+    if (option_restated(arguments, name)) {
+        print_error_line("warning: --%s %s is the default, and has no effect beside --%s", name,
+                         option_standard(option_find(arguments->command, name)), other);
+    }
+}
+
 const struct option *option_at(const struct command *command, size_t index)
 {
     return found_at(command, NULL, index).option;
@@ -388,6 +403,7 @@ static void drop_standards(struct arguments *arguments, void *settings)
         struct found found = find_name(arguments->command, settings, use.option->name, strlen(use.option->name));
         if (option_is_standard(use.option, use.value, found.field)) {
             arguments->given[found.ordinal] = false;
+            arguments->restated[found.ordinal] = true;
             free(use.file);
         } else {
             arguments->uses[kept++] = use;
@@ -501,6 +517,22 @@ static int check_relations(const struct arguments *arguments)
     return fits ? CONTINUE : EXIT_USAGE;
 }
 
+/* Says which defaults were given beside what excludes their options, of each the first. */
+static void warn_of_restated(const struct arguments *arguments)
+{
+    const struct option *option;
+    const struct option *other;
+    for (size_t i = 0; (option = option_at(arguments->command, i)); i++) {
+        bool is_said = !arguments->restated[i];
+        for (size_t k = 0; !is_said && (other = option_at(arguments->command, k)); k++) {
+            is_said = arguments->given[k] && (option_excludes(option, other) || option_excludes(other, option));
+            if (is_said) {
+                option_warn_restated(arguments, option->name, other->name);
+            }
+        }
+    }
+}
+
 int options_parse(struct arguments *out, void *settings, const struct command *command,
                   const struct command *const *family, int count, char **words, int first)
 {
@@ -525,7 +557,11 @@ int options_parse(struct arguments *out, void *settings, const struct command *c
         drop_standards(out, settings);
     }
     int code = check_complete(out);
-    return code == CONTINUE ? check_relations(out) : code;
+    code = code == CONTINUE ? check_relations(out) : code;
+    if (code == CONTINUE) {
+        warn_of_restated(out);
+    }
+    return code;
 }
 
 void options_finish(void *settings, struct arguments *arguments)

@@ -183,9 +183,10 @@ struct arguments {
     const struct command *const *family; /**< The program's commands, up to NULL; NULL = only this one. */
     const char *operands[OPERAND_LIMIT];
     size_t operand_count;
-    struct option_list more;  /**< Operands behind those, of a command that repeats the last one. */
-    bool given[OPTION_LIMIT]; /**< Whether the command's n-th option was. */
-    struct option_use *uses;  /**< [use_count] In their order. */
+    struct option_list more;     /**< Operands behind those, of a command that repeats the last one. */
+    bool given[OPTION_LIMIT];    /**< Whether the command's n-th option was. */
+    bool restated[OPTION_LIMIT]; /**< Whether it was with its default, and is not given. */
+    struct option_use *uses;     /**< [use_count] In their order. */
     size_t use_count;
     bool is_brief; /**< Help was asked for by -h. */
     int count;     /**< The whole command line, for the provenance. */
@@ -226,6 +227,11 @@ void options_finish(void *settings, struct arguments *arguments);
 
 /** Whether the option @p name of the command was on the command line. */
 bool option_given(const struct arguments *arguments, const char *name);
+
+/** Whether it was there with its default, which is as if it were not. */
+bool option_restated(const struct arguments *arguments, const char *name);
+/** Prints a warning if it was: the option @p other, which is given, leaves it without effect. */
+void option_warn_restated(const struct arguments *arguments, const char *name, const char *other);
 
 /** The last value of the option @p name; NULL if it was not given. */
 const char *option_text(const struct arguments *arguments, const char *name);

@@ -436,6 +436,9 @@ bool settings_check_shape(const struct aim_settings *settings, const struct engi
                           const struct arguments *arguments)
 {
     bool is_given = option_given(arguments, "angle");
+    if (engine->radius > 0) {
+        option_warn_restated(arguments, "angle", "radius");
+    }
     if (is_given && engine->radius > 0 && settings->angle != 0) {
         return refuse("--radius makes a cylinder, whose --angle is 0");
     }

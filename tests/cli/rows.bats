@@ -7,6 +7,36 @@ load helpers
     [[ $output =~ ^1[0-9][0-9]\ defaults\ given$ ]] || { echo "$output"; return 1; }
 }
 
+@test "a default that contradicts what is given is said, and changes no row" {
+    conus phantom nested -o . --size 24
+    beside() { # WARNED OTHER WORD...: the default warned of, beside --OTHER, with the words
+        local warning="conus: warning: --$1 is the default, and has no effect beside --$2" words=(--"${1% *}" "${1#* }")
+        shift 2
+        run -0 --separate-stderr conus query nested.nii.gz -q --format tsv "$@"
+        local rows=$output said=$stderr
+        run -0 --separate-stderr conus query nested.nii.gz -q --format tsv "$@" "${words[@]}"
+        [ "$output" = "$rows" ]
+        [ "$stderr" = "$warning${said:+$'\n'$said}" ] || { echo "said: $stderr"; return 1; }
+    }
+    beside 'angle 10' radius --origin 0,0,90 --toward 0,0,0 --radius 3
+    beside 'angle 10' point --point 0,0,0
+    beside 'angle 10' focus --focus 0,0,0 --transducer 0,0,90 --aperture-diameter 20
+    beside 'layers visible' focus --focus 0,0,0 --transducer 0,0,90 --aperture-diameter 20
+
+    printf 'x,y,z,dx,dy,dz,angle\n0,0,90,0,0,-1,5\n' >own.csv
+    for angle in 10 12; do
+        run -2 conus query nested.nii.gz --pose own.csv --angle $angle
+        [ "$output" = 'conus: --angle has no effect: every pose in own.csv has its own' ]
+        run -2 conus render nested.nii.gz --pose own.csv --angle $angle --engine rays -o a.png
+        [ "$output" = 'conus: --angle has no effect: the pose in own.csv has its own' ]
+    done
+
+    printf 'time_s,x,y,z,dx,dy,dz\n0,0,0,90,0,0,-1\n' >steps.csv
+    conus track nested.nii.gz --poses steps.csv --window 0.1 -q >/dev/null # the default is cut to the window
+    run -2 conus track nested.nii.gz --poses steps.csv --window 0.1 --delay 0.15
+    [ "$output" = 'conus: delay: 0.15 s, allowed is at most the window, 0.1 s' ]
+}
+
 @test "no file has a sidecar where there is to be none, and none is left that describes another answer" {
     conus phantom nested -o . --size 24
     aim=(--origin 0,0,90 --toward 0,0,0)
