@@ -482,7 +482,7 @@ CONUS_API void conus_atlas_own_point(double out[3], const conus_atlas *atlas, co
  *    another place or another area than the data mean.
  * @param atlas The atlas.
  * @param what "objects", "surfaces", "tractograms", "files" or "notes".
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another word.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another word, and where one of the two is NULL.
  */
 CONUS_CHECKED conus_status conus_atlas_list(conus_table **out, const conus_atlas *atlas, const char *what);
 
@@ -616,7 +616,7 @@ CONUS_CHECKED conus_status conus_list_installed(conus_table **out, conus_log log
  * End it with conus_table_destroy().
  * @param what "pose formats" (conus_pose_options.format), "scores" (conus_selector_options.score), "spaces"
  * (#conus_space) or "transfers" (presets of grey values for the context volume).
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another word.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another word or NULL.
  */
 CONUS_CHECKED conus_status conus_list_choices(conus_table **out, const char *what);
 /** @} */

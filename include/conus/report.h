@@ -139,8 +139,6 @@ typedef struct conus_report_options {
  * @param selector Must outlive the report.
  * @param options NULL = defaults. Its strings must outlive the report.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for options that do not go together.
- * @threads One at a time for each @p selector.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_create(conus_report **out, const conus_selector *selector,
                                                const conus_report_options *options);
@@ -151,8 +149,6 @@ CONUS_CHECKED conus_status conus_report_create(conus_report **out, const conus_s
  * @param query_id Copied, as UTF-8 without control characters.
  * @param selection The answer; may end afterwards.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows.
- * @threads One at a time for each @p report.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *query_id,
                                             const conus_selection *selection);
@@ -165,8 +161,6 @@ CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *qu
  * @param query_id As for conus_report_add().
  * @param table Of the report's selector, with positions in the frame of the report. It may end afterwards.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, of another frame, or within another distance.
- * @threads One at a time for each @p report.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_add_table(conus_report *report, const char *query_id, conus_table *table);
 
@@ -178,8 +172,6 @@ CONUS_CHECKED conus_status conus_report_add_table(conus_report *report, const ch
  * @param report Of #CONUS_ROWS_CONNECTIONS, as #CONUS_FORMAT_TSV, #CONUS_FORMAT_CSV or #CONUS_FORMAT_JSON.
  * @param table Of conus_connectivity() with pairs, as for conus_report_add_table(): its parts are written.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another report; #CONUS_ERROR_UNSUPPORTED for more than 8192 areas.
- * @threads One at a time for each @p report.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_matrix(const char **text, size_t *size, conus_report *report,
                                                const conus_table *table);
@@ -190,8 +182,6 @@ CONUS_CHECKED conus_status conus_report_matrix(const char **text, size_t *size, 
  * #CONUS_ROWS_CONSTRAINTS. Nothing else is added to it.
  * @param plan Of the report's selector; must outlive the last text of @p report.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, and for a second plan.
- * @threads One at a time for each @p report.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_add_plan(conus_report *report, conus_plan *plan);
 
@@ -200,8 +190,6 @@ CONUS_CHECKED conus_status conus_report_add_plan(conus_report *report, conus_pla
  * @param report A report to which a plan was added.
  * @param index Index of the constraint.
  * @return NULL for another index. Borrowed from the report.
- * @threads Any, while none changes the report.
- * @since 0.1
  */
 CONUS_API const char *conus_report_constraint(const conus_report *report, size_t index);
 
@@ -213,8 +201,6 @@ CONUS_API const char *conus_report_constraint(const conus_report *report, size_t
  * @param step mm from depth to depth, more than 0.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, for a second plan, and for a step that is out of
  * range or gives a needle more than 100000 depths.
- * @threads One at a time for each @p report and @p plan.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_add_profile(conus_report *report, conus_plan *plan, double step);
 
@@ -227,8 +213,6 @@ CONUS_CHECKED conus_status conus_report_add_profile(conus_report *report, conus_
  * defaults.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, and for a second plan; the errors of
  * conus_plan_tolerance().
- * @threads One at a time for each @p report and @p plan.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_add_tolerance(conus_report *report, conus_plan *plan,
                                                       const conus_tolerance_options *options);
@@ -240,8 +224,6 @@ CONUS_CHECKED conus_status conus_report_add_tolerance(conus_report *report, conu
  * @param together Its needles' selectors have the atlas and the frame of @p report; must outlive the last text of it.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, for a second answer, and for needles of which the
  * constraints have too many columns together.
- * @threads One at a time for each @p report.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_add_together(conus_report *report, const conus_together *together);
 
@@ -252,8 +234,6 @@ CONUS_CHECKED conus_status conus_report_add_together(conus_report *report, const
  * @param line The pose's in its file; 0 = it has none, and only the reason is written.
  * @param reason One line. Copied.
  * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
- * @threads One at a time for each @p report.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const char *query_id, size_t line,
                                                   const char *reason);
@@ -266,8 +246,6 @@ CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const ch
  * @param more Must outlive the last text of @p report. Its own texts are still its own; it can be joined once.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT unless both have a column `atlas`, each with another name, the same options
  * but level, and both atlases or neither were moved (conus_atlas_move()): rows of moved ones have more columns.
- * @threads One at a time for each @p report.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_join(conus_report *report, conus_report *more);
 
@@ -278,8 +256,6 @@ CONUS_CHECKED conus_status conus_report_join(conus_report *report, conus_report 
  * @param[out] size Bytes, without the NUL.
  * @param report Of #CONUS_FORMAT_BEP032, with all contacts.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another report, and while answers are missing.
- * @threads One at a time for each @p report.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_probes(const char **text, size_t *size, conus_report *report);
 
@@ -289,8 +265,6 @@ CONUS_CHECKED conus_status conus_report_probes(const char **text, size_t *size, 
  * @param[out] size Bytes, without the NUL.
  * @param report With the option @p placed.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another report.
- * @threads One at a time for each @p report.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_coordsystem(const char **text, size_t *size, conus_report *report);
 
@@ -301,8 +275,6 @@ CONUS_CHECKED conus_status conus_report_coordsystem(const char **text, size_t *s
  * @param report The report.
  * @return #CONUS_OK; #CONUS_ERROR_DATA for answers that the format cannot hold; #CONUS_ERROR_ARGUMENT where a joined
  * report has another number of queries.
- * @threads One at a time for each @p report.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_text(const char **text, size_t *size, conus_report *report);
 
@@ -314,8 +286,6 @@ CONUS_CHECKED conus_status conus_report_text(const char **text, size_t *size, co
  * @param[out] size Bytes, without the NUL.
  * @param report The report.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a format that is one whole, and as of conus_report_text().
- * @threads One at a time for each @p report.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_take(const char **text, size_t *size, conus_report *report);
 
@@ -328,8 +298,6 @@ CONUS_CHECKED conus_status conus_report_take(const char **text, size_t *size, co
  * @param[out] size Bytes, without the NUL.
  * @param report The report.
  * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
- * @threads One at a time for each @p report.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_voxels(const char **text, size_t *size, conus_report *report);
 
@@ -339,8 +307,6 @@ CONUS_CHECKED conus_status conus_report_voxels(const char **text, size_t *size, 
  * @param[out] size Bytes, without the NUL.
  * @param report The report.
  * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
- * @threads One at a time for each @p report.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_sidecar(const char **text, size_t *size, conus_report *report);
 
@@ -351,8 +317,6 @@ CONUS_CHECKED conus_status conus_report_sidecar(const char **text, size_t *size,
  * @param report The report.
  * @param grid The mask.
  * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
- * @threads One at a time for each @p report.
- * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_grid_sidecar(const char **text, size_t *size, conus_report *report,
                                                      const conus_grid *grid);
@@ -361,16 +325,12 @@ CONUS_CHECKED conus_status conus_report_grid_sidecar(const char **text, size_t *
  * Says whether a column of reports holds numbers that are measured or counted.
  * @param name Name of the column, in whatever rows and list of voxels.
  * @return False of names, kinds and labels, "name" and "index" for example, and of a column that no report has.
- * @threads Any.
- * @since 0.1
  */
 CONUS_API bool conus_column_is_number(const char *name);
 
 /**
  * Ends a report.
  * @param report NULL is allowed.
- * @threads One at a time for each @p report.
- * @since 0.1
  */
 CONUS_API void conus_report_destroy(conus_report *report);
 

@@ -123,8 +123,8 @@ CONUS_CHECKED conus_status conus_selection_streamlines(conus_streamline_list **o
 /** The content of a list. */
 typedef struct conus_streamline_list_view {
     size_t count;               /**< How many streamlines. */
-    const uint32_t *tractogram; /**< [count] Of which tractogram each one is, as conus_atlas_tractogram() counts them;
-                                   ascending. */
+    const uint32_t *tractogram; /**< [count] Of which tractogram each one is, from 0: the rows of conus_atlas_list(),
+                                   "tractograms"; ascending. */
     const uint32_t *number;     /**< [count] Which streamline of that it is, from 0; ascending within one. */
     uint64_t points;            /**< In all of them. */
 } conus_streamline_list_view;

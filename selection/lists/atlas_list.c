@@ -233,6 +233,9 @@ static const struct {
 
 conus_status conus_atlas_list(conus_table **out, const conus_atlas *atlas, const char *what)
 {
+    if (!atlas || !what) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: none", atlas ? "what" : "atlas");
+    }
     for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) {
         if (strcmp(lists[i].name, what) == 0) {
             return lists[i].list(out, atlas);

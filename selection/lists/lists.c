@@ -70,6 +70,9 @@ static const struct {
 
 conus_status conus_list_choices(conus_table **out, const char *what)
 {
+    if (!what) {
+        return fail(CONUS_ERROR_ARGUMENT, "what: none");
+    }
     size_t at = 0;
     while (at < sizeof choices / sizeof *choices && strcmp(choices[at].name, what) != 0) {
         at++;

@@ -823,7 +823,8 @@ static bool is_worth_a_column(const conus_report *report, const struct report_co
 {
     for (; report; report = report->next) {
         for (size_t i = 0; i < report->row_count; i++) {
-            if (report->rows[i].of_table.table && report_cell(report, column, &report->rows[i]).number > 0) {
+            const struct report_row *row = &report->rows[i];
+            if (!report->queries[row->query].error && report_cell(report, column, row).number > 0) {
                 return true;
             }
         }

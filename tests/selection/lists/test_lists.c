@@ -98,6 +98,9 @@ static void what_is_not_there_has_no_rows(void **state)
     assert_fails(conus_atlas_list(&none, atlas, "tracts"), CONUS_ERROR_ARGUMENT);
     assert_null(none);
     assert_string_equal(conus_message(), "what: tracts, allowed are objects, surfaces, tractograms, files and notes");
+    assert_fails(conus_atlas_list(&none, atlas, NULL), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_atlas_list(&none, NULL, "objects"), CONUS_ERROR_ARGUMENT);
+    assert_null(none);
     conus_atlas_destroy(atlas);
 }
 
@@ -158,6 +161,7 @@ static void choices_are_what_options_take(void **state)
     assert_string_equal(conus_table_texts(table, "name")[CONUS_POSE_FORMAT_MARKUPS], "markups");
     conus_table_destroy(table);
     assert_fails(conus_list_choices(&table, "colours"), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_list_choices(&table, NULL), CONUS_ERROR_ARGUMENT);
 }
 
 /* The only place for atlases is a folder with one volume of 2 x 3 x 4 mm, which has the labels 0 to 7. */
