@@ -434,8 +434,8 @@ static const struct option picture_options[] = {
     {OPTION_VALUED("camera-up", struct render_settings, camera_up, "X,Y,Z"), .help = "up direction of the camera",
      .needs = "camera-origin"},
     {OPTION_DEGREES("field-of-view", struct render_settings, field_of_view),
-     .help = "angle from the lower to the upper edge, more than 0 and less than 180", .standard = "30",
-     OPTION_BETWEEN(0, 180)},
+     .help = "angle from the lower to the upper edge, more than 0 and less than 180",
+     .otherwise = "30; of a turntable as wide as what it shows", OPTION_BETWEEN(0, 180)},
     {OPTION_VALUED("frustum", struct render_settings, frustum, "L,R,B,T"),
      .help = "or edges of the camera's picture (left, right, bottom, top) at depth 1: off-axis, for a screen that "
              "the eye is not centred on",

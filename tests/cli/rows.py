@@ -35,7 +35,6 @@ NEEDS = {
     "bregma": None,  # an atlas in the CCF, which tests/cli/ccf.bats has
     "slice-fraction": "--sampling slices", "samples": "--jitter 2,1", "pivot": "--tolerance out/b.tsv",
     "endpoint-radius": "--streamlines bundle.tck --connectivity out/b.tsv --layers all", "turn": None, "fill": "--cuts axial",
-    "field-of-view": "--camera-origin 0,0,200 --camera-toward 0,0,0",
 }
 OWN = {("connect", "endpoint-radius"): "--connectivity out/b.tsv", ("page", "angle"): None,  # which is in its link
        ("plan", "angle"): "--reach Core,share=0.001"}
