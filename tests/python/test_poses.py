@@ -69,12 +69,12 @@ def test_every_file_has_the_rows_of_the_program(paths, name):
         rows = batch(paths, *words)
         assert rows["name"][rows["kind"] == "error"].size == sum("a point, " not in why for why in poses.errors.values())
         return
-    rows = batch(paths, *words, "--angle=10")
+    rows = batch(paths, *words, "--angle=12")
     of_points = "the direction that --angle needs: "
     rows["name"] = [name.replace("--axis", "axis=").partition(of_points)[0] + "the direction that a cone needs" * (
         of_points in name) for name in rows["name"]]
     if len(poses):
-        assert_rows_of_the_program(load(paths).select_many(poses=poses).to_dataframe(), rows)
+        assert_rows_of_the_program(load(paths).select_many(poses=poses, angle=12).to_dataframe(), rows)
 
 
 def test_a_table_has_all_that_its_columns_say(tmp_path):
