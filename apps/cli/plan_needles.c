@@ -573,8 +573,9 @@ static int check_rows(struct planner *planner)
     return code;
 }
 
-/* How many candidates of a needle are left by which constraint. */
-static int say_funnel(const struct planner *planner, size_t index)
+/* Says why a needle alone has no place: of its candidates how many are left by which constraint, of a given one the
+ * first constraint that it breaks. */
+static int say_alone(const struct planner *planner, size_t index)
 {
     const conus_placed *placed = conus_together_needle(planner->together, index);
     conus_report *report = NULL;
@@ -582,25 +583,11 @@ static int say_funnel(const struct planner *planner, size_t index)
     options.rows = CONUS_ROWS_PLAN;
     conus_status status = conus_report_create(&report, planner->rows[index].answerer.selector, &options);
     status = status ? status : conus_report_add_plan(report, (conus_plan *)placed->plan);
-    if (!status) {
-        plan_say_funnel(placed->plan, report, placed->radius);
-    }
-    conus_report_destroy(report);
-    return print_status(status);
-}
-
-/* The first constraint that a given needle breaks. */
-static int say_broken(const struct planner *planner, size_t index)
-{
-    const conus_placed *placed = conus_together_needle(planner->together, index);
-    conus_report *report = NULL;
-    conus_report_options options = request_report_options(&planner->request);
-    options.rows = CONUS_ROWS_PLAN;
-    conus_status status = conus_report_create(&report, planner->rows[index].answerer.selector, &options);
-    status = status ? status : conus_report_add_plan(report, (conus_plan *)placed->plan);
-    if (!status) {
+    if (!status && placed->given) {
         print_error_line("%s is given, and breaks %s", placed->name,
                          conus_report_constraint(report, placed->pose->broken));
+    } else if (!status) {
+        plan_say_funnel(placed->plan, report, placed->radius);
     }
     conus_report_destroy(report);
     return print_status(status);
@@ -638,12 +625,7 @@ static int say_conflict(const struct planner *planner)
         snprintf(why, sizeof why, ": neither another margin of shafts nor another distance of entries alone would do");
     }
     print_error_line("%s%sno combination%s", names, *names ? ": " : "", why);
-    if (conflict->count != 1) {
-        return EXIT_DONE;
-    }
-    return conus_together_needle(planner->together, conflict->needles[0])->given
-               ? say_broken(planner, conflict->needles[0])
-               : say_funnel(planner, conflict->needles[0]);
+    return conflict->count == 1 ? say_alone(planner, conflict->needles[0]) : EXIT_DONE;
 }
 
 static int make_reports(struct planner *planner)
