@@ -68,6 +68,18 @@ static int make_atlases(struct citing *citing, size_t count)
     return citing->citation.atlas_count ? EXIT_DONE : print_no_memory();
 }
 
+/* Files that carry no reference may still be those of a published atlas. */
+static void look_in_files(const struct citing *citing, struct references *references, const char *path)
+{
+    const conus_load_options options = {.max_memory = citing->settings->max_memory};
+    conus_atlas *atlas = NULL;
+    references_find(references, path);
+    if (!references->count && !conus_atlas_load(&atlas, path, &options)) {
+        references_identify(references, atlas);
+    }
+    conus_atlas_destroy(atlas);
+}
+
 /* References are looked for beside the file that was found, or beside the folder or manifest itself. */
 static int look_for_references(struct citing *citing, struct cited_atlas *atlas, const char *path, const char *ran)
 {
@@ -83,7 +95,7 @@ static int look_for_references(struct citing *citing, struct cited_atlas *atlas,
     atlas->sha256 = file ? file->sha256 : NULL;
     atlas->is_here = file ? found.state == FILE_SAME || found.state == FILE_MOVED : conus_atlas_is_path(path);
     if (atlas->is_here) {
-        references_find(&atlas->references, found.path ? found.path : path);
+        look_in_files(citing, &atlas->references, found.path ? found.path : path);
     }
     free(found.path);
     return EXIT_DONE;

@@ -184,6 +184,28 @@ static void put_objects(FILE *out, const conus_atlas *atlas, size_t volume)
     }
 }
 
+/* Which published atlas it is, by its voxels. */
+static void put_identity(FILE *out, const conus_atlas *atlas)
+{
+    const conus_atlas_identity_view identity = conus_atlas_identity(atlas);
+    const conus_atlas_facts *facts = identity.facts;
+    if (!*identity.sum) {
+        return;
+    }
+    fprintf(out, "  voxels       %s\n", identity.sum);
+    if (!facts) {
+        fputs("  identity     unknown\n", out);
+        return;
+    }
+    if (identity.is_verified) {
+        fprintf(out, "  identity     %s, %s, on %s\n", facts->name, facts->edition, facts->space);
+        fprintf(out, "  licence      %s\n", facts->licence);
+    } else {
+        fprintf(out, "  identity     %s by its labels and names; not verified: its voxels are others\n", facts->name);
+    }
+    fprintf(out, "  reference    %s\n", facts->reference);
+}
+
 static void put_volumes(FILE *out, const conus_atlas *atlas)
 {
     for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
@@ -202,6 +224,7 @@ static void put_volumes(FILE *out, const conus_atlas *atlas)
                         : strcmp(brain.source, "grid") == 0 ? "its grid"
                         : brain.brain                       ? "its header"
                                                             : "");
+                put_identity(out, atlas);
             }
         } else if (info->role != CONUS_ROLE_CONTEXT) {
             put_objects(out, atlas, i);

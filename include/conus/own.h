@@ -803,6 +803,32 @@ CONUS_API double conus_atlas_context_depth(const conus_atlas *atlas, const doubl
  */
 CONUS_API conus_brain_view conus_volume_brain(const conus_volume_info *info);
 
+/** What is published of an atlas. All texts are static. */
+typedef struct conus_atlas_facts {
+    const char *name;      /**< "AAL". */
+    const char *edition;   /**< "116 areas, 1 mm". */
+    const char *space;     /**< The brain on which it was made or to which it was brought. */
+    const char *reference; /**< What its authors ask to cite, with a DOI. */
+    const char *licence;   /**< Of the packages that carry these voxels. */
+} conus_atlas_facts;
+
+/** Which published atlas an atlas is. */
+typedef struct conus_atlas_identity_view {
+    const conus_atlas_facts *facts; /**< NULL = none that conus knows. */
+    bool is_verified;               /**< By its voxels; false: by its labels and names alone. */
+    char sum[65];                   /**< SHA-256 of its voxels; "" where it has none of its own: surfaces, several
+                                         volumes of labels, areas in halves or hidden. */
+} conus_atlas_identity_view;
+
+/**
+ * Finds out which published atlas this is. The sum is that of the numbers of voxels along i, j, k (32 bits each), the
+ * matrix from voxels to mm (row by row, without the last one, 32-bit floats) and the labels (32 bits each, i fastest),
+ * all little-endian. It does not depend on how the file is written. Reads every voxel.
+ * @param atlas The atlas.
+ * @return The sum and the facts.
+ */
+CONUS_API conus_atlas_identity_view conus_atlas_identity(const conus_atlas *atlas);
+
 /** How far apart two brains are. */
 typedef enum conus_brain_gap {
     CONUS_BRAIN_GAP_NONE = 0, /**< None that is known. */

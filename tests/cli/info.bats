@@ -137,3 +137,66 @@ assert (b["path"], b["closed"], b["vertices"], b["high"]) == ("skin.obj", True, 
     fails 3 'allowed are 4194304' info large.xml
     conus info sphere.nii.gz --labels large.xml --format tsv | grep -qP '^area\t1\tBall\t'
 }
+
+# sum_of FILE: the sum of the voxels of a NIfTI-1 file of uint8 with a sform, as docs/spaces.md defines it.
+sum_of() {
+    python3 - "$1" <<'PYTHON'
+import gzip, hashlib, struct, sys
+
+raw = open(sys.argv[1], "rb").read()
+raw = gzip.decompress(raw) if raw[:2] == b"\x1f\x8b" else raw
+dim, kind = struct.unpack_from("<8h", raw, 40)[1:4], struct.unpack_from("<h", raw, 70)[0]
+assert (kind, struct.unpack_from("<h", raw, 254)[0] > 0) == (2, True)
+first = int(struct.unpack_from("<f", raw, 108)[0])
+affine = struct.unpack_from("<12f", raw, 280)
+labels = raw[first:first + dim[0] * dim[1] * dim[2]]
+whole = struct.pack("<3i", *dim) + struct.pack("<12f", *(a + 0.0 for a in affine)) + b"".join(
+    bytes((label, 0, 0, 0)) for label in labels)
+print(hashlib.sha256(whole).hexdigest())
+PYTHON
+}
+
+@test "the sum of voxels is the one of docs/spaces.md, however the file is written" {
+    sphere --size 24 --spacing 2,2,2
+    answers info sphere.nii.gz
+    has "  voxels       $(sum_of sphere.nii.gz)"
+    has '  identity     unknown'
+    sum=$(sum_of sphere.nii.gz)
+    gzip -dc sphere.nii.gz >other.nii
+    answers info other.nii --format json
+    has "\"voxels\": \"$sum\""
+    printf '1 0 0 1\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >right.txt
+    answers info other.nii --atlas-transform right.txt
+    [[ "$output" != *"$sum"* ]] # a millimetre to the right
+    answers info other.nii --hemispheres split
+    [[ "$output" != *identity* ]]
+}
+
+@test "mricron-data's atlases are known, a changed one by its names alone" {
+    need_aal
+    for row in 'aal/AAL, 116 areas, 1 mm, on Colin 27' 'AICHAmc/AICHA, 192 pairs of areas, 2 mm, on MNI 152' \
+        'HarvardOxford-cort-maxprob-thr0-1mm/Harvard-Oxford, cortical, largest probability of any size, 1 mm' \
+        'JHU-WhiteMatter-labels-1mm/JHU ICBM-DTI-81 white matter, 48 areas, 1 mm' \
+        'JHU-WhiteMatter-labels-2mm/JHU ICBM-DTI-81 white matter, 48 areas, 2 mm' \
+        'brodmann/Brodmann' 'inia19-NeuroMaps/NeuroMaps on INIA19' 'jhu189/JHU, 189' 'natbrainlab/NatBrainLab'; do
+        answers info "$TEMPLATES/${row%%/*}.nii.gz"
+        has "  identity     ${row#*/}"
+    done
+    gzip -dc "$aal" >mine.nii
+    cp "${aal%.gz}.txt" mine.nii.txt
+    answers info mine.nii
+    has 'identity     AAL, 116 areas'
+    python3 -c 'f = open("mine.nii", "r+b"); f.seek(352 + 181 * (217 * 90 + 100) + 60); b = f.read(1); f.seek(-1, 1); f.write(b"\1")'
+    answers info mine.nii
+    has 'identity     AAL by its labels and names; not verified: its voxels are others'
+    answers info mine.nii --format json
+    has '"verified": false'
+    printf '1 One\n2 Two\n' >two.txt
+    answers info mine.nii --labels two.txt
+    has 'identity     unknown'
+    answers cite "$aal"
+    has 'aal: AAL, known by its voxels: N. Tzourio-Mazoyer et al.: '
+    conus query "$aal" --origin -60,-20,30 --toward 0,-20,30 --angle 10 -q -o a.tsv
+    answers cite a.tsv
+    has 'https://doi.org/10.1006/nimg.2001.0978 (file aal.nii.gz'
+}

@@ -370,6 +370,19 @@ static json_t *pack(const conus_atlas *atlas, const conus_pack_info *info)
                      sources);
 }
 
+/* Which published atlas it is. */
+static json_t *identity(const conus_atlas *atlas)
+{
+    const conus_atlas_identity_view view = conus_atlas_identity(atlas);
+    const conus_atlas_facts *facts = view.facts;
+    return !*view.sum ? json_null()
+           : !facts   ? json_pack("{s:s,s:n}", "voxels", view.sum, "name")
+                    : json_pack("{s:s,s:s,s:b,s:s?,s:s?,s:s,s:s?}", "voxels", view.sum, "name", facts->name, "verified",
+                                view.is_verified, "edition", view.is_verified ? facts->edition : NULL, "space",
+                                view.is_verified ? facts->space : NULL, "reference", facts->reference, "licence",
+                                view.is_verified ? facts->licence : NULL);
+}
+
 char *info_json(const conus_atlas *atlas, const conus_installed *installed)
 {
     json_t *volumes = json_array();
@@ -388,12 +401,13 @@ char *info_json(const conus_atlas *atlas, const conus_installed *installed)
     conus_frame frame; /* from AP, DV, ML in micrometres; null where the atlas is not the Allen CCF */
     bool is_ccf = conus_frame_find(&frame, atlas, CONUS_SPACE_CCF, NULL) == CONUS_OK;
     const conus_brain_view brain = conus_atlas_brain(atlas);
-    json_t *root = json_pack("{s:s,s:o,s:o,s:s,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "conus", conus_version(), "installed",
-                             installed ? info_json_installed(installed) : json_null(), "labels",
+    json_t *root = json_pack("{s:s,s:o,s:o,s:s,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "conus", conus_version(),
+                             "installed", installed ? info_json_installed(installed) : json_null(), "labels",
                              info_json_bytes(conus_atlas_label_source(atlas)), "brain", brain.words, "brain_source",
-                             brain.source, "volumes", volumes, "tractograms", tractograms(atlas), "context_surfaces",
-                             around(atlas), "world_from_ccf", is_ccf ? matrix(frame.world_from_space) : json_null(),
-                             "moved", placement(atlas), "notes", notes, "objects", objects);
+                             brain.source, "identity", identity(atlas), "volumes", volumes, "tractograms",
+                             tractograms(atlas), "context_surfaces", around(atlas), "world_from_ccf",
+                             is_ccf ? matrix(frame.world_from_space) : json_null(), "moved", placement(atlas), "notes",
+                             notes, "objects", objects);
     const conus_pack_info *info = conus_atlas_pack_info(atlas);
     whole = (!info || json_object_set_new(root, "pack", pack(atlas, info)) == 0) && whole;
     char *text = whole && root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(DIGITS)) : NULL;

@@ -22,6 +22,9 @@ struct references {
  * descriptions of a file whose name has tpl- or atlas-, in its folder or the nearest of four above. @p out is the
  * caller's to references_finish(). */
 void references_find(struct references *out, const char *path);
+
+/** Adds the reference of the published atlas that @p atlas is, if conus knows it. */
+void references_identify(struct references *out, const conus_atlas *atlas);
 void references_finish(struct references *references);
 
 /** An atlas that was asked. */

@@ -138,6 +138,20 @@ void references_find(struct references *out, const char *path)
     }
 }
 
+void references_identify(struct references *out, const conus_atlas *atlas)
+{
+    const conus_atlas_identity_view identity = conus_atlas_identity(atlas);
+    if (identity.facts && out->count < REFERENCES) {
+        char *line = NULL;
+        bool is_made =
+            asprintf(&line, "%s, %s: %s", identity.facts->name,
+                     identity.is_verified ? "known by its voxels" : "by its labels and names, its voxels are others",
+                     identity.facts->reference) >= 0;
+        out->items[out->count] = is_made ? line : NULL;
+        out->count += is_made;
+    }
+}
+
 void references_finish(struct references *references)
 {
     for (size_t i = 0; i < references->count; i++) {
@@ -165,6 +179,9 @@ int cited_atlas_find(struct cited_atlas *out, const char *given, const char *ins
     references_find(&out->references, path);
     if (!out->references.count && file != path) {
         references_find(&out->references, file);
+    }
+    if (!out->references.count) {
+        references_identify(&out->references, atlas);
     }
     for (size_t i = 0; i < conus_atlas_volume_count(atlas) && !out->sha256; i++) {
         const conus_volume_info *volume = conus_atlas_volume(atlas, i);
