@@ -59,6 +59,18 @@ endif()
 # MATLAB and Octave
 install(FILES packaging/matlab/conus.m DESTINATION ${CMAKE_INSTALL_DATADIR}/conus/matlab COMPONENT runtime)
 
+# 3D Slicer and Boutiques
+find_program(CONUS_DESCRIPTORS_PYTHON python3)
+if(CONUS_DESCRIPTORS_PYTHON AND TARGET conus_cli AND NOT CMAKE_CROSSCOMPILING)
+  set(descriptors ${PROJECT_BINARY_DIR}/descriptors)
+  add_custom_command(OUTPUT ${descriptors}.written
+    COMMAND ${CMAKE_COMMAND} -E env CONUS=$<TARGET_FILE:conus_cli> ${CONUS_DESCRIPTORS_PYTHON} ${PROJECT_SOURCE_DIR}/scripts/descriptors ${descriptors}
+    COMMAND ${CMAKE_COMMAND} -E touch ${descriptors}.written
+    DEPENDS conus_cli scripts/descriptors COMMENT "Writing what Slicer and Boutiques read" VERBATIM)
+  add_custom_target(conus_descriptors ALL DEPENDS ${descriptors}.written)
+  install(DIRECTORY ${descriptors}/ DESTINATION ${CMAKE_INSTALL_DATADIR}/conus COMPONENT runtime USE_SOURCE_PERMISSIONS)
+endif()
+
 # Documents
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
 install(FILES README.md CHANGELOG.md SECURITY.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT doc)

@@ -8,6 +8,7 @@ import pathlib
 import re
 import shutil
 import subprocess
+import xml.etree.ElementTree
 
 import pytest
 
@@ -168,52 +169,84 @@ def test_homebrew_and_scoop_ask_for_what_a_release_has():
     assert archive["url"].endswith(archive["extract_dir"] + ".zip") and scoop["version"] in archive["extract_dir"]
 
 
-class TestBoutiques:
-    """The descriptor of conus batch, by the rules of Boutiques 0.5."""
+@pytest.fixture(scope="module")
+def descriptors(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("descriptors")
+    done = run(ROOT / "scripts" / "descriptors", folder, env={**os.environ, "CONUS": str(CONUS)})
+    assert done.returncode == 0, done.stdout
+    return folder
 
-    tool = json.loads((ROOT / "packaging" / "boutiques" / "conus-batch.json").read_text())
 
-    def test_rules(self):
-        assert self.tool["schema-version"] == "0.5"
-        assert {"name", "description", "command-line", "inputs", "tool-version"} <= set(self.tool)
-        keys = [item["value-key"] for item in self.tool["inputs"]]
-        ids = [item["id"] for item in (*self.tool["inputs"], *self.tool["output-files"])]
-        assert len(set(ids)) == len(ids)
-        assert len(set(keys)) == len(keys) and set(re.findall(r"\[\w+\]", self.tool["command-line"])) == set(keys)
-        for item in self.tool["inputs"]:
+def flags_of(command):
+    text = run(CONUS, command, "--help", "--long").stdout
+    return set(re.findall(r"(?m)^ +(?:-\w, )?(--[a-z][a-z0-9-]*)", text)) - {"--help", "--long", "--version"}
+
+
+def test_boutiques_rules(descriptors):
+    """Descriptors by the rules of Boutiques 0.5, of each command but the window: every option of its help is in it."""
+    files = sorted((descriptors / "boutiques").glob("conus-*.json"))
+    assert len(files) >= 18
+    for file in files:
+        tool = json.loads(file.read_text())
+        inputs = tool["inputs"]
+        ids = [item["id"] for item in (*inputs, *tool.get("output-files", []))]
+        keys = [item["value-key"] for item in inputs]
+        assert tool["schema-version"] == "0.5" and len(set(ids)) == len(ids) and len(set(keys)) == len(keys), file
+        assert re.findall(r"\[\w+\]", tool["command-line"]) == keys
+        for item in inputs:
             assert re.fullmatch(r"\w+", item["id"]) and item["type"] in ("String", "File", "Flag", "Number")
             assert item["type"] != "Flag" or item["command-line-flag"] and item["optional"]
             assert "value-choices" not in item or item["type"] in ("String", "Number")
             assert not {"integer", "minimum", "maximum"} & set(item) or item["type"] == "Number"
             assert "list-separator" not in item or item["list"]
+            assert "default-value" not in item
+            assert set(item.get("disables-inputs", []) + item.get("requires-inputs", [])) <= set(ids)
+        flags = {item["command-line-flag"] for item in inputs if "command-line-flag" in item}
+        missing = flags_of(file.stem.removeprefix("conus-")) ^ flags
+        assert missing <= {"--listen", "--connect", "--seconds"}, (file, missing)  # a device is no input
 
-    def test_options_are_the_program_s(self):
-        text = run(CONUS, "batch", "--help").stdout
-        for item in self.tool["inputs"]:
-            flag = item.get("command-line-flag", "--poses")
-            assert re.search(rf"(?m)^ +(-\w, )?{flag}\b", text), flag
-            shown = re.search(rf"(?m)^ +{flag} (?:.*\n)+?(?= +(-\w, |    )-|\n)", text)
-            for word in item.get("value-choices", []):
-                assert word in shown[0], (flag, word)
 
-    def test_command_line_answers(self, tmp_path):
-        """Filled in by hand, it gives the rows of conus batch itself."""
-        run(CONUS, "phantom", "sphere", "--size", "16", "-o", tmp_path)
-        (tmp_path / "poses.tsv").write_text("x\ty\tz\ttx\tty\ttz\n0\t0\t90\t0\t0\t0\n0\t90\t0\t0\t0\t0\n")
-        values = {"atlas": "sphere.nii.gz", "poses": "poses.tsv", "angle": "12", "layers": "all", "range": "1,200",
-                  "along_shafts": None, "output": "rows.tsv"}
-        line = self.tool["command-line"]
-        for item in self.tool["inputs"]:
-            value = values.get(item["id"])
-            flag = item.get("command-line-flag", "")
-            line = line.replace(item["value-key"], f"{flag} {value}" if value else "")
-        environment = {**os.environ, "PATH": f"{pathlib.Path(CONUS).parent}:{os.environ['PATH']}"}
-        done = run(*line.split(), cwd=tmp_path, env=environment)
-        assert done.returncode == 0, done.stdout
-        run(CONUS, "batch", "sphere.nii.gz", "--poses", "poses.tsv", "--angle", "12", "--layers", "all", "--range", "1,200",
-            "-o", "plain.tsv", cwd=tmp_path)
-        rows = (tmp_path / "rows.tsv").read_text()
-        assert rows == (tmp_path / "plain.tsv").read_text() and len(rows.splitlines()) >= 3
+def test_boutiques_command_line_answers(descriptors, tmp_path):
+    """Filled in by hand, it gives the rows of conus batch itself."""
+    tool = json.loads((descriptors / "boutiques" / "conus-batch.json").read_text())
+    run(CONUS, "phantom", "sphere", "--size", "16", "-o", tmp_path)
+    (tmp_path / "poses.tsv").write_text("x\ty\tz\ttx\tty\ttz\n0\t0\t90\t0\t0\t0\n0\t90\t0\t0\t0\t0\n")
+    values = {"atlas": "sphere.nii.gz", "poses": "poses.tsv", "angle": "12", "layers": "all", "range": "1,200", "output": "rows.tsv"}
+    line = tool["command-line"]
+    for item in tool["inputs"]:
+        value = values.get(item["id"])
+        line = line.replace(item["value-key"], f"{item.get('command-line-flag', '')} {value}" if value else "")
+    environment = {**os.environ, "PATH": f"{pathlib.Path(CONUS).parent}:{os.environ['PATH']}"}
+    done = run(*line.split(), cwd=tmp_path, env=environment)
+    assert done.returncode == 0, done.stdout
+    run(CONUS, "batch", "sphere.nii.gz", *"--poses poses.tsv --angle 12 --layers all --range 1,200 -o plain.tsv".split(), cwd=tmp_path)
+    rows = (tmp_path / "rows.tsv").read_text()
+    assert rows == (tmp_path / "plain.tsv").read_text() and len(rows.splitlines()) >= 3
+
+
+def test_slicer_forms(descriptors, tmp_path):
+    """The forms by the rules of Slicer's parser, and a module as Slicer runs it: with _ in flags, onto a file that is there."""
+    forms = sorted((descriptors / "slicer").glob("*.xml"))
+    assert [form.stem for form in forms] == ["ConusOverlap", "ConusPlan", "ConusQuery"]
+    for form in forms:
+        root = xml.etree.ElementTree.parse(form).getroot()
+        known = flags_of(form.stem.removeprefix("Conus").lower())
+        inputs = [item for group in root.iter("parameters") for item in group if item.find("name") is not None]
+        names = [item.find("name").text for item in inputs]
+        assert len(set(names)) == len(names) and all(re.fullmatch(r"[A-Za-z]\w*", name) for name in names)
+        assert [item.find("index").text for item in inputs if item.find("index") is not None] in (["0"], ["0", "1"])
+        for item in inputs:
+            flag = item.find("longflag")
+            assert flag is None or "-" not in flag.text and "--" + flag.text.replace("_", "-") in known, (form, flag.text)
+            assert (item.tag in ("image", "table", "file", "pointfile")) == (item.find("channel") is not None)
+            assert (item.tag == "boolean") == (item.find("default") is not None), item.find("name").text
+    run(CONUS, "phantom", "sphere", "--size", "16", "-o", tmp_path)
+    module = descriptors / "slicer" / "ConusQuery.py"
+    environment = {**os.environ, "CONUS": str(CONUS)}
+    asked = "--angle 12 --layers all --max_memory 1G --output rows.tsv --force sphere.nii.gz".split()
+    (tmp_path / "rows.tsv").write_text("made by Slicer\n")
+    done = run(module, "--origin", "0,0,90", "--toward", "0,0,0", *asked, cwd=tmp_path, env=environment)
+    assert done.returncode == 0 and len((tmp_path / "rows.tsv").read_text().splitlines()) >= 2, done.stdout
 
 
 @pytest.mark.parametrize("words", [
