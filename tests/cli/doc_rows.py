@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """doc_rows.py PAGE ROWS...: whether docs/commands.md says of options what their rows say, `conus help --json`: each command's
 section names each of its options, or says "as for `query`" of what is the very row of query, and no other; a form in the head of an item has no word that the row lacks; and a
-default in the item of one option is the row's. Prints what is not so, and how many options there were."""
+default in the item of one option is the row's; and whether each option stands in a page beside it, too, so that somebody meets
+it. Prints what is not so, and how many options there were."""
 import json
+import pathlib
 import re
 import sys
 
@@ -64,6 +66,10 @@ def main():
     faults = [fault for name, rows in commands.items() for fault in check(name, text[name], rows, commands["query"])]
     faults += [f"{name}: --{option} is no option" for name in commands
                for option in sorted(set(re.findall(r"`--([a-z-]+)", text[name])) - every)]
+    page = pathlib.Path(sys.argv[1])
+    guides = " ".join(guide.read_text(encoding="utf-8") for guide in page.parent.glob("*.md") if guide.name != page.name)
+    faults += [f"--{option} is in no guide" for option in sorted(every - COMMON - {"output"})  # which all know as -o
+               if not re.search(rf"--{option}(?![a-z-])", guides)]
     print(*faults, f"{sum(map(len, commands.values()))} options", sep="\n")
     return len(faults) > 0
 
