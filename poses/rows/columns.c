@@ -1252,17 +1252,48 @@ static bool has_triad(const struct head *head)
     return has;
 }
 
-/* Whether three words of a line are those of axes, x y z or others: "# AP LAT VERT", which are no x y z. */
-static bool names_axes(const struct head *head)
+static void take_cells(struct table_line *line, size_t at, size_t count)
 {
-    static const char words[] =
-        "x/y/z/i/j/k/r/l/a/p/s/ap/pa/ml/lr/rl/dv/si/is/lat/vert/lateral/vertical/row/col/column/"
-        "slice/left/right/anterior/posterior/superior/inferior/dorsal/ventral";
-    size_t count = 0;
-    for (size_t i = 0; i < head->line.given; i++) {
-        count += text_is_one_of(text_from(head->names[i]), words, true);
+    line->given -= count;
+    memmove(line->cells + at, line->cells + at + count, (line->given - at) * sizeof line->cells[0]);
+    line->count = line->given;
+}
+
+static struct text join_cells(struct text first, struct text last)
+{
+    return (struct text){first.data, (size_t)(last.data + last.size - first.data)};
+}
+
+/* Whether nothing but the words of spaces and units and the like that a header has more than rows have cells is taken
+ * from it, in front and behind: "columns: x (mm) y (mm) z (mm)". What was taken is head->beside. */
+static bool shorten(struct head *head, size_t cells)
+{
+    struct table_line *line = &head->line;
+    bool has_units = false; /* behind each name */
+    for (size_t i = 1; i < line->given && line->given > cells; i++) {
+        const struct text cell = line->cells[i];
+        if (strchr("([", cell.data[0]) && space_words_are_beside(cell) && (has_units || i + 1 < line->given)) {
+            line->cells[i - 1] = join_cells(line->cells[i - 1], cell);
+            take_cells(line, i--, 1);
+            has_units = true;
+        }
     }
-    return count >= 3;
+    size_t last = line->given;
+    while (last > cells && space_words_are_beside(line->cells[last - 1])) {
+        last--;
+    }
+    size_t first = 0;
+    while (last - first > cells && space_words_are_beside(line->cells[first])) {
+        first++;
+    }
+    if (last - first != cells) {
+        return false;
+    }
+    head->beside[0] = first ? join_cells(line->cells[0], line->cells[first - 1]) : text_from("");
+    head->beside[1] = last < line->given ? join_cells(line->cells[last], line->cells[line->given - 1]) : text_from("");
+    take_cells(line, last, line->given - last);
+    take_cells(line, 0, first);
+    return true;
 }
 
 /* A header split as the rows are; between blanks also by two, or by one. */
@@ -1271,8 +1302,12 @@ static bool split_header(struct head *head, struct text text, size_t cells)
     struct table table = head->out->table;
     bool of_blanks = table.separator == TABLE_BLANKS || table.separator == TABLE_SPACES;
     bool found = table_split(&head->line, &table, text);
+    head->beside[0] = head->beside[1] = text_from("");
     for (int i = 0; of_blanks && cells && head->line.given != cells && i < 2; i++) {
         table.separator = i ? TABLE_SPACES : TABLE_BLANKS;
+        found = table_split(&head->line, &table, text);
+    }
+    if (found && cells && head->line.given > cells && !shorten(head, cells)) {
         found = table_split(&head->line, &table, text);
     }
     return found;
@@ -1445,13 +1480,14 @@ static bool find_header(struct head *head)
         bool fits = !table->cells || head->line.given == table->cells || head->line.given + 1 == table->cells ||
                     head->line.count == table->cells;
         find_columns(head);
-        bool is_of_axes = is_comment && head->line.given == table->cells && names_axes(head);
-        bool has = (has_triad(head) || is_of_axes) && numbers < (table->cells ? 3 : 1);
-        if (has && (fits || !best.size) && (!is_comment || fits || head->line.given >= 3)) {
+        bool has = has_triad(head) && numbers < (table->cells ? 3 : 1);
+        bool is_sentence = is_comment && !fits && space_words_are_axes(inside);
+        if (has && (fits || !best.size) && !is_sentence && (!is_comment || fits || head->line.given >= 3)) {
             best = inside;
             line_of_best = number;
         }
-        if (fits && !is_comment && !fallback.size && numbers == 0 && head->line.given > 1) {
+        bool is_whole = !head->beside[0].size && !head->beside[1].size;
+        if (fits && is_whole && !is_comment && !fallback.size && numbers == 0 && head->line.given > 1) {
             fallback = inside;
             line_of_fallback = number;
         }
@@ -1469,6 +1505,9 @@ static bool find_header(struct head *head)
         (void)split_header(head, best, table->cells);
         find_columns(head);
         complete_header(head);
+        for (int i = 0; i < 2 && !head->options->any_space; i++) {
+            space_words_hear_of(&head->out->said, head->beside[i]);
+        }
     }
     return best.size;
 }
