@@ -114,8 +114,9 @@ void columns_hear_words(struct head *head)
                                             : "--any-space takes them as they are");
     }
     if (said->may_be_lps && !said->has_signs && head->options->space == CONUS_SPACE_RAS) {
-        job_bad(job, "a line says \"LPS\", but not of what: --space lps reads the positions so; "
-                     "--any-space takes them as RAS, with x to the right");
+        job_bad(job,
+                "a line says LPS, or x to the left or y to the back, but not of what: --space lps reads the positions "
+                "so; --any-space takes them as RAS, with x to the right");
     }
     if (said->are_two && !out->is_own_unit) {
         job_bad(job, "two units are named: which is that of the positions?");

@@ -1117,7 +1117,8 @@ static bool is_of_spaces(const struct head *head, size_t column, bool named, boo
 static void find_spaces(struct head *head)
 {
     static const char named[] = "space/coordinate space/coord space/coordspace/coordinate system/coord system/"
-                                "coordsystem/coordsys/template/template space/standard space/stereotaxic space";
+                                "coordsystem/coordsys/template/template space/standard space/stereotaxic space/"
+                                "coordinate type/coord type";
     static const char loose[] = "frame/reference/reference frame/reference space/system/brain/atlas/normalization/"
                                 "normalisation/orientation/axes/convention";
     static const char of_units[] = "unit/units/coordinate unit/coordinate units/coord unit/coord units/position unit/"
@@ -1137,8 +1138,8 @@ static void find_spaces(struct head *head)
         }
         if (has_unit) {
             set_role(head, i, ROLE_UNIT);
-        } else if (is_space ||
-                   is_of_spaces(head, i, is_named && !out->is_bids, !is_named && !text_is_one_of(name, loose, true))) {
+        } else if (is_space || is_of_spaces(head, i, (is_named || is_unit) && !out->is_bids,
+                                            !is_named && !is_unit && !text_is_one_of(name, loose, true))) {
             set_role(head, i, ROLE_SPACE);
         }
     }
@@ -1486,7 +1487,7 @@ static bool find_header(struct head *head)
             best = inside;
             line_of_best = number;
         }
-        bool is_whole = !head->beside[0].size && !head->beside[1].size;
+        bool is_whole = !head->beside[0].size && !head->beside[1].size && !space_words_are_beside(inside);
         if (fits && is_whole && !is_comment && !fallback.size && numbers == 0 && head->line.given > 1) {
             fallback = inside;
             line_of_fallback = number;
@@ -1524,8 +1525,10 @@ static bool has_row_of_units(const struct head *head)
     bool all = table_next_line(&rest, &text, NULL) && table_split(&line, &head->out->table, text);
     for (size_t i = 0; all && i < line.count; i++) {
         double factor;
-        bool is_one = find_unit(&factor, line.cells[i]);
-        all = is_one || !line.cells[i].size;
+        const struct text cell = line.cells[i];
+        const size_t mark = cell.size && strchr("([", cell.data[0]) != NULL;
+        bool is_one = find_unit(&factor, (struct text){cell.data + mark, cell.size - 2 * mark});
+        all = is_one || i == 0 || !cell.size;
         count += is_one;
     }
     return all && count;
@@ -1801,6 +1804,7 @@ static void plan(struct head *head, bool *is_short)
             drop_role(head, ROLE_NAME);
         }
         find_row_names(head);
+        out->said.may_be_lps |= out->has[ROLE_NAME] && text_mentions(text_from(out->shown[ROLE_NAME]), "LPS");
         find_kept(head);
         if (!out->is_bids) {
             note_unknown(head);

@@ -22,6 +22,7 @@ enum { TOKENS = 64, SIGNS = 100, CELL_TOKENS = 4 };
 
 static const char why_origin[] = "counted from a point (MCP, AC, ear bars, lambda, dura) that the atlas does not know";
 static const char why_code[] = "a code of axes other than RAS and LPS, which is read in AFNI's own reports alone";
+static const char why_turned[] = "axes that are not x to the right, y to the front and z to the top";
 const char space_why_voxels[] = "voxels, which only the image that they were counted in places; mm are needed";
 
 static const struct row {
@@ -40,15 +41,19 @@ static const struct row {
     {"mcp/earbar/earbars/ear/interaural/lambda/dura/pia/midcommissural/ac/anterior commissure/posterior commissure",
      ORIGIN, 0, NULL, why_origin},
     {"mcp/midcommissural/interaural", WEAK, 0, NULL, why_origin},
-    {"native/scanner/individual/acpc/ac pc/head/device/leksell/crw/scs/ctf/dicom", WEAK, POSE_BRAIN_SUBJECT, NULL,
-     NULL},
+    {"native/scanner/acpc/ac pc/leksell/crw/scs/ctf/dicom", ALONE, POSE_BRAIN_SUBJECT, NULL, NULL},
+    {"individual/head/device", WEAK, POSE_BRAIN_SUBJECT, NULL, NULL},
+    {"freesurfer/brainvoyager", WEAK, POSE_BRAIN_OTHER, NULL, NULL},
     {"t1/t1w/t2/t2w/ct/flair/patient/patient s/subject/subject s/participant/frame", FRONT, POSE_BRAIN_SUBJECT, NULL,
      NULL},
     {"voxel/voxels/vox/ijk", ALONE, 0, NULL, space_why_voxels},
     {"matrix", WEAK, 0, NULL, space_why_voxels},
     {"ras/lps/dicom/itk", WEAK, SIGNS, NULL, NULL},
     {"rai/lpi/las/lai/rpi/rps/ral/lar", ALONE, 0, NULL, why_code},
-    {"ipr/ipl/spr/spl/asr/asl/pir/pil", WEAK, 0, NULL, why_code},
+    {"ipr/ipl/spr/spl/asr/asl/pir/pil/ars/ari/als/ali/ail/prs/pri/pls/pli/psr/psl/sra/srp/sla/slp/sar/sal/ira/irp/ila/"
+     "ilp/"
+     "iar/ial/rsa/rsp/ria/lsa/lsp/lia",
+     WEAK, 0, NULL, why_code}, /* lip, air and rip are words of others */
 };
 
 static const struct {
@@ -160,8 +165,11 @@ static bool is_context(const struct sentence *sentence, size_t index)
            (token_is(sentence, index, "dv") && index >= 2 && token_is(sentence, index - 1, "ml"));
 }
 
-/* Whether a word for positions is the neighbour of so many tokens, but for small words between. */
-static bool has_context(const struct sentence *sentence, size_t index, size_t count)
+/* Words beside which RAS, RPI or voxels are those of positions. */
+static const char of_codes[] = "coord/coordsystem/coordinatesystem/coordsys/orientation/convention/axes/indices/index";
+
+/* Whether a word for positions, or one of these, is the neighbour of so many tokens, but for small words between. */
+static bool has_context(const struct sentence *sentence, size_t index, size_t count, const char *others)
 {
     static const char small[] = "in/the/are/is/of/unit/units/native/scanner/ras/lps/mni/mni152/not/g/t1/t1w";
     size_t before = index;
@@ -172,7 +180,8 @@ static bool has_context(const struct sentence *sentence, size_t index, size_t co
     while (token_is(sentence, behind, small)) {
         behind++;
     }
-    return (before && is_context(sentence, before - 1)) || is_context(sentence, behind);
+    return (before && (is_context(sentence, before - 1) || token_is(sentence, before - 1, others))) ||
+           is_context(sentence, behind) || token_is(sentence, behind, others);
 }
 
 static void keep(struct space_words *words, struct text heard, const struct row *row)
@@ -238,6 +247,8 @@ static bool is_heard(const struct sentence *sentence, size_t index, const struct
     }
     if (row->weight == ORIGIN) {
         bool near = index && token_is(sentence, index - 1, "from/to");
+        near =
+            near || (has_token(sentence, "origin") && !text_is_one_of(sentence->tokens[index], "ac/anterior", false));
         return near || (index >= 2 && token_is(sentence, index - 1, small) && token_is(sentence, index - 2, "from/to"));
     }
     if (row->weight == FRONT) { /* headers and cells have lists of their own */
@@ -246,7 +257,9 @@ static bool is_heard(const struct sentence *sentence, size_t index, const struct
         return !of_coordinates && !has_token(sentence, "mni/mni152/icbm/icbm152") &&
                (is_before || (index && token_is(sentence, index - 1, "space")));
     }
-    return row->weight == STRONG || of_coordinates || sentence->is_of_axes || has_context(sentence, index, count) ||
+    const bool is_code = row->brain == SIGNS || row->why == why_code || row->why == space_why_voxels;
+    return row->weight == STRONG || of_coordinates || sentence->is_of_axes ||
+           has_context(sentence, index, count, is_code ? of_codes : "") ||
            ((row->brain == SIGNS || (row->weight == ALONE && sentence->is_whole)) && is_alone(sentence, row->words));
 }
 
@@ -255,12 +268,14 @@ static void hear_unit(struct space_words *words, const struct sentence *sentence
 {
     const struct text token = sentence->tokens[index];
     bool is_said = index && token_is(sentence, index - 1, "in/unit/units");
+    bool of_all = index >= 2 && token_is(sentence, index - 2, "all/values/numbers/everything"); /* "all values in cm" */
     bool is_small = token_is(sentence, index, "in") && !in_brackets && !(of_coordinates && sentence->count == 1);
     for (size_t i = 0; i < UNITS && !is_small; i++) {
         bool fits = text_is_one_of(token, units[i].names, false) &&
                     (of_coordinates || sentence->is_of_axes ||
                      ((is_said || in_brackets || !units[i].is_short) &&
-                      (has_context(sentence, index, 1) || token_is(sentence, index - !!index, "unit/units"))));
+                      (has_context(sentence, index, 1, "") || (is_said && of_all) ||
+                       token_is(sentence, index - !!index, "unit/units"))));
         if (fits && units[i].mm == SPACE_UNIT_REFUSED) {
             words->why = space_why_unit;
             snprintf(words->heard, sizeof words->heard, "%.*s", TEXT_SHOW(token, sizeof words->heard - 1));
@@ -299,6 +314,10 @@ static const char beside_axes[] =
 static const char other_columns[] =
     "name/names/label/labels/id/nr/no/roi/region/area/contact/electrode/channel/site/radius/angle/depth/dx/dy/dz/tx/ty/"
     "tz/entry/target";
+
+/* What stands beside the name of one axis: "left hemisphere: x negative". */
+static const char beside_axis[] = "hemisphere/hemispheres/side/pointing/grows/grow/negative";
+static const char turned[] = "flip/flipped/mirrored/inverted/reversed/swapped";
 
 /* Names of axes: to the right, front and top, and to which side of these; 0: of neither. */
 static const struct {
@@ -370,9 +389,15 @@ struct named_axes {
     int axis[NAMED], side[NAMED]; /* in its order; two names of one axis beside each other are of no side */
     int letter[NAMED];            /* 0: x */
     size_t count, letters;        /* count may be more */
+    size_t units;
     bool of_voxels;
     bool is_spelled;
-    bool has_other; /* columns */
+    bool is_turned;   /* "x flipped" */
+    bool is_negative; /* "left is negative", "x < 0: left" */
+    bool is_positive; /* "left is positive" */
+    bool is_of_one;   /* a word that stands beside the name of one axis */
+    bool is_alone;    /* one axis: "x is left", or what turns some */
+    bool has_other;   /* columns */
 };
 
 static bool has_all(const int values[NAMED], size_t count)
@@ -421,19 +446,43 @@ static bool find_axes(struct named_axes *out, const struct sentence *sentence)
                !(text_is_one_of(token, axes[k].words, false) || text_is_one_of(token, axes[k].exact, true))) {
             k++;
         }
+        const char *end = i + 1 < sentence->count ? sentence->tokens[i + 1].data : token.data;
         bool is_other = text_is_one_of(token, other_columns, false);
+        bool is_turned = text_is_one_of(token, turned, false);
+        out->is_turned = out->is_turned || is_turned;
+        out->is_negative = out->is_negative || text_is_one_of(token, "negative", false) ||
+                           (end > token.data && memchr(token.data, '<', (size_t)(end - token.data)));
+        out->is_positive =
+            out->is_positive || (i > 1 && token_is(sentence, i, "positive") && token_is(sentence, i - 1, "is/are"));
+        out->units += space_unit_mm(token) != 0;
         if (k < AXES) {
             add_axis(out, axes[k].axis, axes[k].side, axes[k].is_spelled);
         } else if (text_is_one_of(token, "x/y/z", false)) {
             add_letter(out, (token.data[0] | 0x20) - 'x');
         } else {
-            all = is_other || is_beside(token) || (out->of_voxels && text_is_one_of(token, "j/k/slice", false));
+            bool is_of_one = is_turned || text_is_one_of(token, beside_axis, false);
+            out->is_of_one = out->is_of_one || is_of_one;
+            all = is_other || is_of_one || is_beside(token) ||
+                  (out->of_voxels && text_is_one_of(token, "j/k/slice", false));
         }
         out->has_other = out->has_other || is_other;
     }
     const bool are_letters = out->letters == NAMED;
     bool are_named = has_all(out->axis, out->count) && (are_letters || !out->is_spelled || !out->has_other);
-    return all && (out->of_voxels || are_letters || are_named);
+    out->is_alone = out->is_turned || (out->count == 1 && out->is_spelled && (out->letters == 1 || out->is_positive));
+    return all &&
+           (out->is_alone || (!out->is_of_one && (out->of_voxels || are_letters || are_named || out->units >= NAMED)));
+}
+
+/* "x is left", "left is positive": the sign of one axis. */
+static void keep_axis(struct space_words *words, const struct named_axes *named)
+{
+    const int side = named->is_negative ? -named->side[0] : named->side[0];
+    bool is_other = named->letters && named->letter[0] != named->axis[0];
+    if (named->is_turned || is_other || (side < 0 && named->axis[0] == 2)) {
+        keep(words, text_from("turned axes"), &(struct row){.why = why_turned});
+    }
+    words->may_be_lps = words->may_be_lps || (side < 0 && named->axis[0] < 2);
 }
 
 static void keep_axes(struct space_words *words, const struct named_axes *named)
@@ -446,11 +495,13 @@ static void keep_axes(struct space_words *words, const struct named_axes *named)
     const bool is_ras = fit && side[0] > 0 && side[1] > 0 && side[2] > 0;
     const bool is_lps = fit && side[0] < 0 && side[1] < 0 && side[2] > 0;
     const bool are_plain = are_letters && (are_named ? fit && side[0] >= 0 && side[1] >= 0 && side[2] >= 0 : in_order);
-    if (named->of_voxels) {
+    if (named->is_alone) {
+        keep_axis(words, named);
+    } else if (named->of_voxels) {
         snprintf(words->order, sizeof words->order, "ijk");
     } else if (is_ras || (is_lps && (are_letters || !named->is_spelled))) {
         keep(words, text_from(is_ras ? "RAS" : "LPS"), &(struct row){.brain = SIGNS});
-    } else if (!are_plain) {
+    } else if (!are_plain && (are_named || are_letters)) {
         const int *order = are_named ? named->axis : named->letter;
         snprintf(words->order, sizeof words->order, "%d%d%d", order[0], order[1], order[2]);
     }
@@ -543,7 +594,7 @@ void space_words_hear_name(struct space_words *words, struct text name)
     hear_sentence(words, name, false, false);
     for (size_t i = 0; i < sentence.count; i++) {
         words->may_be_lps = words->may_be_lps || token_is(&sentence, i, "lps");
-        if (!words->heard[0] && token_is(&sentence, i, "native/acpc")) {
+        if (!words->heard[0] && token_is(&sentence, i, "native/acpc/scanner/leksell")) {
             words->space = pose_space_named(sentence.tokens[i], POSE_BRAIN_SUBJECT);
         }
     }
