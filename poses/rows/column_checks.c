@@ -76,7 +76,15 @@ static void check_order(const struct head *head, const struct space_words *said,
     if (!said->order[0] || strcmp(said->order, own) == 0 || is_header || head->is_named) {
         return;
     }
-    if (said->order[0] == 'i') {
+    if (said->order[0] == 't') { /* rodents' axes have other signs */
+        if (head->options->space < CONUS_SPACE_CCF && !head->options->any_space) {
+            job_bad(
+                head->job,
+                "line %zu, \"%.*s\", says another axis or sign than x to the right, y to the front or z to the top; "
+                "--any-space takes the positions as they are",
+                number, POSE_QUOTE(line));
+        }
+    } else if (said->order[0] == 'i') {
         job_bad(head->job, "line %zu, \"%.*s\": i j k are %s", number, POSE_QUOTE(line), space_why_voxels);
     } else {
         job_bad(

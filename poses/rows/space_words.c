@@ -22,7 +22,6 @@ enum { TOKENS = 64, SIGNS = 100, CELL_TOKENS = 4 };
 
 static const char why_origin[] = "counted from a point (MCP, AC, ear bars, lambda, dura) that the atlas does not know";
 static const char why_code[] = "a code of axes other than RAS and LPS, which is read in AFNI's own reports alone";
-static const char why_turned[] = "axes that are not x to the right, y to the front and z to the top";
 const char space_why_voxels[] = "voxels, which only the image that they were counted in places; mm are needed";
 
 static const struct row {
@@ -480,7 +479,7 @@ static void keep_axis(struct space_words *words, const struct named_axes *named)
     const int side = named->is_negative ? -named->side[0] : named->side[0];
     bool is_other = named->letters && named->letter[0] != named->axis[0];
     if (named->is_turned || is_other || (side < 0 && named->axis[0] == 2)) {
-        keep(words, text_from("turned axes"), &(struct row){.why = why_turned});
+        snprintf(words->order, sizeof words->order, "turned");
     }
     words->may_be_lps = words->may_be_lps || (side < 0 && named->axis[0] < 2);
 }

@@ -18,7 +18,7 @@ struct space_words {
     const char *why; /**< Why positions cannot be taken: what they are; static. NULL: they can. */
     char heard[64];  /**< The words that decided. */
     /** Of axes that a line names, and that are neither x y z nor R A S or L P S: "102" is one to the front or back, to
-     * a side, and up or down ("AP LAT VERT"); "ijk": voxels. */
+     * a side, and up or down ("AP LAT VERT"); "ijk": voxels; "turned": "x flipped". */
     char order[8];
 };
 
