@@ -66,6 +66,35 @@ static void hear_rows(struct head *head)
     }
 }
 
+/* Refuses a line that names axes in another order than columns have, unless it is the header, or the user names them.
+ */
+static void check_order(const struct head *head, const struct space_words *said, struct text line, size_t number)
+{
+    static const char *const orders[] = {[CONUS_SPACE_CCF] = "120", [CONUS_SPACE_BREGMA] = "102"};
+    const char *own = head->options->space < CONUS_SPACE_CCF ? "" : orders[head->options->space];
+    bool is_header = head->out->has_header && columns_sum(line) == head->out->header_sum;
+    if (!said->order[0] || strcmp(said->order, own) == 0 || is_header || head->is_named) {
+        return;
+    }
+    if (said->order[0] == 't') { /* rodents' axes have other signs */
+        if (head->options->space < CONUS_SPACE_CCF && !head->options->any_space) {
+            job_bad(
+                head->job,
+                "line %zu, \"%.*s\", says another axis or sign than x to the right, y to the front or z to the top; "
+                "--any-space takes the positions as they are",
+                number, POSE_QUOTE(line));
+        }
+    } else if (said->order[0] == 'i') {
+        job_bad(head->job, "line %zu, \"%.*s\": i j k are %s", number, POSE_QUOTE(line), space_why_voxels);
+    } else {
+        job_bad(
+            head->job,
+            "line %zu, \"%.*s\", names axes that are not x y z, to the right, front and top: write x, y and z there "
+            "in the order of the columns, or ',x=COLUMN,y=COLUMN,z=COLUMN' behind FILE",
+            number, POSE_QUOTE(line));
+    }
+}
+
 void columns_hear_words(struct head *head)
 {
     struct job *job = head->job;
@@ -75,8 +104,14 @@ void columns_hear_words(struct head *head)
     struct text text;
     struct text inside;
     for (size_t number = 1; text_line(&rest, &text); number++) {
+        struct space_words own = {0};
         out->heard_lines = number;
-        if (!head->options->any_space && is_of_words(&inside, head, text, number)) {
+        if (!is_of_words(&inside, head, text, number)) {
+            continue;
+        }
+        space_words_hear(&own, inside);
+        check_order(head, &own, inside, number);
+        if (!head->options->any_space) {
             space_words_hear(said, inside);
         }
     }
@@ -87,8 +122,9 @@ void columns_hear_words(struct head *head)
                                             : "--any-space takes them as they are");
     }
     if (said->may_be_lps && !said->has_signs && head->options->space == CONUS_SPACE_RAS) {
-        job_bad(job, "a line says \"LPS\", but not of what: --space lps reads the positions so; "
-                     "--any-space takes them as RAS, with x to the right");
+        job_bad(job,
+                "a line says LPS, or x to the left or y to the back, but not of what: --space lps reads the positions "
+                "so; --any-space takes them as RAS, with x to the right");
     }
     if (said->are_two && !out->is_own_unit) {
         job_bad(job, "two units are named: which is that of the positions?");

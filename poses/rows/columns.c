@@ -1117,7 +1117,8 @@ static bool is_of_spaces(const struct head *head, size_t column, bool named, boo
 static void find_spaces(struct head *head)
 {
     static const char named[] = "space/coordinate space/coord space/coordspace/coordinate system/coord system/"
-                                "coordsystem/coordsys/template/template space/standard space/stereotaxic space";
+                                "coordsystem/coordsys/template/template space/standard space/stereotaxic space/"
+                                "coordinate type/coord type";
     static const char loose[] = "frame/reference/reference frame/reference space/system/brain/atlas/normalization/"
                                 "normalisation/orientation/axes/convention";
     static const char of_units[] = "unit/units/coordinate unit/coordinate units/coord unit/coord units/position unit/"
@@ -1137,8 +1138,8 @@ static void find_spaces(struct head *head)
         }
         if (has_unit) {
             set_role(head, i, ROLE_UNIT);
-        } else if (is_space ||
-                   is_of_spaces(head, i, is_named && !out->is_bids, !is_named && !text_is_one_of(name, loose, true))) {
+        } else if (is_space || is_of_spaces(head, i, (is_named || is_unit) && !out->is_bids,
+                                            !is_named && !is_unit && !text_is_one_of(name, loose, true))) {
             set_role(head, i, ROLE_SPACE);
         }
     }
@@ -1252,17 +1253,48 @@ static bool has_triad(const struct head *head)
     return has;
 }
 
-/* Whether three words of a line are those of axes, x y z or others: "# AP LAT VERT", which are no x y z. */
-static bool names_axes(const struct head *head)
+static void take_cells(struct table_line *line, size_t at, size_t count)
 {
-    static const char words[] =
-        "x/y/z/i/j/k/r/l/a/p/s/ap/pa/ml/lr/rl/dv/si/is/lat/vert/lateral/vertical/row/col/column/"
-        "slice/left/right/anterior/posterior/superior/inferior/dorsal/ventral";
-    size_t count = 0;
-    for (size_t i = 0; i < head->line.given; i++) {
-        count += text_is_one_of(text_from(head->names[i]), words, true);
+    line->given -= count;
+    memmove(line->cells + at, line->cells + at + count, (line->given - at) * sizeof line->cells[0]);
+    line->count = line->given;
+}
+
+static struct text join_cells(struct text first, struct text last)
+{
+    return (struct text){first.data, (size_t)(last.data + last.size - first.data)};
+}
+
+/* Whether nothing but the words of spaces and units and the like that a header has more than rows have cells is taken
+ * from it, in front and behind: "columns: x (mm) y (mm) z (mm)". What was taken is head->beside. */
+static bool shorten(struct head *head, size_t cells)
+{
+    struct table_line *line = &head->line;
+    bool has_units = false; /* behind each name */
+    for (size_t i = 1; i < line->given && line->given > cells; i++) {
+        const struct text cell = line->cells[i];
+        if (strchr("([", cell.data[0]) && space_words_are_beside(cell) && (has_units || i + 1 < line->given)) {
+            line->cells[i - 1] = join_cells(line->cells[i - 1], cell);
+            take_cells(line, i--, 1);
+            has_units = true;
+        }
     }
-    return count >= 3;
+    size_t last = line->given;
+    while (last > cells && space_words_are_beside(line->cells[last - 1])) {
+        last--;
+    }
+    size_t first = 0;
+    while (last - first > cells && space_words_are_beside(line->cells[first])) {
+        first++;
+    }
+    if (last - first != cells) {
+        return false;
+    }
+    head->beside[0] = first ? join_cells(line->cells[0], line->cells[first - 1]) : text_from("");
+    head->beside[1] = last < line->given ? join_cells(line->cells[last], line->cells[line->given - 1]) : text_from("");
+    take_cells(line, last, line->given - last);
+    take_cells(line, 0, first);
+    return true;
 }
 
 /* A header split as the rows are; between blanks also by two, or by one. */
@@ -1271,8 +1303,12 @@ static bool split_header(struct head *head, struct text text, size_t cells)
     struct table table = head->out->table;
     bool of_blanks = table.separator == TABLE_BLANKS || table.separator == TABLE_SPACES;
     bool found = table_split(&head->line, &table, text);
+    head->beside[0] = head->beside[1] = text_from("");
     for (int i = 0; of_blanks && cells && head->line.given != cells && i < 2; i++) {
         table.separator = i ? TABLE_SPACES : TABLE_BLANKS;
+        found = table_split(&head->line, &table, text);
+    }
+    if (found && cells && head->line.given > cells && !shorten(head, cells)) {
         found = table_split(&head->line, &table, text);
     }
     return found;
@@ -1445,13 +1481,14 @@ static bool find_header(struct head *head)
         bool fits = !table->cells || head->line.given == table->cells || head->line.given + 1 == table->cells ||
                     head->line.count == table->cells;
         find_columns(head);
-        bool is_of_axes = is_comment && head->line.given == table->cells && names_axes(head);
-        bool has = (has_triad(head) || is_of_axes) && numbers < (table->cells ? 3 : 1);
-        if (has && (fits || !best.size) && (!is_comment || fits || head->line.given >= 3)) {
+        bool has = has_triad(head) && numbers < (table->cells ? 3 : 1);
+        bool is_sentence = is_comment && !fits && space_words_are_axes(inside);
+        if (has && (fits || !best.size) && !is_sentence && (!is_comment || fits || head->line.given >= 3)) {
             best = inside;
             line_of_best = number;
         }
-        if (fits && !is_comment && !fallback.size && numbers == 0 && head->line.given > 1) {
+        bool is_whole = !head->beside[0].size && !head->beside[1].size && !space_words_are_beside(inside);
+        if (fits && is_whole && !is_comment && !fallback.size && numbers == 0 && head->line.given > 1) {
             fallback = inside;
             line_of_fallback = number;
         }
@@ -1469,6 +1506,9 @@ static bool find_header(struct head *head)
         (void)split_header(head, best, table->cells);
         find_columns(head);
         complete_header(head);
+        for (int i = 0; i < 2 && !head->options->any_space; i++) {
+            space_words_hear_of(&head->out->said, head->beside[i]);
+        }
     }
     return best.size;
 }
@@ -1485,8 +1525,10 @@ static bool has_row_of_units(const struct head *head)
     bool all = table_next_line(&rest, &text, NULL) && table_split(&line, &head->out->table, text);
     for (size_t i = 0; all && i < line.count; i++) {
         double factor;
-        bool is_one = find_unit(&factor, line.cells[i]);
-        all = is_one || !line.cells[i].size;
+        const struct text cell = line.cells[i];
+        const size_t mark = cell.size && strchr("([", cell.data[0]) != NULL;
+        bool is_one = find_unit(&factor, (struct text){cell.data + mark, cell.size - 2 * mark});
+        all = is_one || i == 0 || !cell.size;
         count += is_one;
     }
     return all && count;
@@ -1762,6 +1804,7 @@ static void plan(struct head *head, bool *is_short)
             drop_role(head, ROLE_NAME);
         }
         find_row_names(head);
+        out->said.may_be_lps |= out->has[ROLE_NAME] && text_mentions(text_from(out->shown[ROLE_NAME]), "LPS");
         find_kept(head);
         if (!out->is_bids) {
             note_unknown(head);

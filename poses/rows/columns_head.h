@@ -43,7 +43,8 @@ struct head_row {
 
 struct head {
     struct job *job;
-    struct table_line line; /**< The header. */
+    struct table_line line; /**< The header, */
+    struct text beside[2];  /**< without these words in front and behind. */
     struct head_row *rows;
     size_t row_count, row_capacity;
     bool is_on_its_side; /**< Rows are called x, y and z. */

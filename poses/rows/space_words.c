@@ -40,14 +40,19 @@ static const struct row {
     {"mcp/earbar/earbars/ear/interaural/lambda/dura/pia/midcommissural/ac/anterior commissure/posterior commissure",
      ORIGIN, 0, NULL, why_origin},
     {"mcp/midcommissural/interaural", WEAK, 0, NULL, why_origin},
-    {"native/scanner/individual/acpc/ac pc/head/device/leksell/crw/scs/ctf/dicom", WEAK, POSE_BRAIN_SUBJECT, NULL,
+    {"native/scanner/acpc/ac pc/leksell/crw/scs/ctf/dicom", ALONE, POSE_BRAIN_SUBJECT, NULL, NULL},
+    {"individual/head/device", WEAK, POSE_BRAIN_SUBJECT, NULL, NULL},
+    {"freesurfer/brainvoyager", WEAK, POSE_BRAIN_OTHER, NULL, NULL},
+    {"t1/t1w/t2/t2w/ct/flair/patient/patient s/subject/subject s/participant/frame", FRONT, POSE_BRAIN_SUBJECT, NULL,
      NULL},
-    {"t1/t1w/t2/t2w/ct/flair/patient/patient s/subject/subject s/participant", FRONT, POSE_BRAIN_SUBJECT, NULL, NULL},
     {"voxel/voxels/vox/ijk", ALONE, 0, NULL, space_why_voxels},
     {"matrix", WEAK, 0, NULL, space_why_voxels},
     {"ras/lps/dicom/itk", WEAK, SIGNS, NULL, NULL},
     {"rai/lpi/las/lai/rpi/rps/ral/lar", ALONE, 0, NULL, why_code},
-    {"ipr/ipl/spr/spl/asr/asl/pir/pil", WEAK, 0, NULL, why_code},
+    {"ipr/ipl/spr/spl/asr/asl/pir/pil/ars/ari/als/ali/ail/prs/pri/pls/pli/psr/psl/sra/srp/sla/slp/sar/sal/ira/irp/ila/"
+     "ilp/"
+     "iar/ial/rsa/rsp/ria/lsa/lsp/lia",
+     WEAK, 0, NULL, why_code}, /* lip, air and rip are words of others */
 };
 
 static const struct {
@@ -116,7 +121,8 @@ enum pose_brain space_brain_named(struct text name)
 struct sentence {
     struct text tokens[TOKENS];
     size_t count;
-    bool is_whole; /* its line says nothing else */
+    bool is_whole;   /* its line says nothing else */
+    bool is_of_axes; /* it says which columns are which, and nothing else: each word is of the positions */
 };
 
 static bool is_letter(char c)
@@ -158,8 +164,11 @@ static bool is_context(const struct sentence *sentence, size_t index)
            (token_is(sentence, index, "dv") && index >= 2 && token_is(sentence, index - 1, "ml"));
 }
 
-/* Whether a word for positions is the neighbour of so many tokens, but for small words between. */
-static bool has_context(const struct sentence *sentence, size_t index, size_t count)
+/* Words beside which RAS, RPI or voxels are those of positions. */
+static const char of_codes[] = "coord/coordsystem/coordinatesystem/coordsys/orientation/convention/axes/indices/index";
+
+/* Whether a word for positions, or one of these, is the neighbour of so many tokens, but for small words between. */
+static bool has_context(const struct sentence *sentence, size_t index, size_t count, const char *others)
 {
     static const char small[] = "in/the/are/is/of/unit/units/native/scanner/ras/lps/mni/mni152/not/g/t1/t1w";
     size_t before = index;
@@ -170,7 +179,8 @@ static bool has_context(const struct sentence *sentence, size_t index, size_t co
     while (token_is(sentence, behind, small)) {
         behind++;
     }
-    return (before && is_context(sentence, before - 1)) || is_context(sentence, behind);
+    return (before && (is_context(sentence, before - 1) || token_is(sentence, before - 1, others))) ||
+           is_context(sentence, behind) || token_is(sentence, behind, others);
 }
 
 static void keep(struct space_words *words, struct text heard, const struct row *row)
@@ -236,6 +246,8 @@ static bool is_heard(const struct sentence *sentence, size_t index, const struct
     }
     if (row->weight == ORIGIN) {
         bool near = index && token_is(sentence, index - 1, "from/to");
+        near =
+            near || (has_token(sentence, "origin") && !text_is_one_of(sentence->tokens[index], "ac/anterior", false));
         return near || (index >= 2 && token_is(sentence, index - 1, small) && token_is(sentence, index - 2, "from/to"));
     }
     if (row->weight == FRONT) { /* headers and cells have lists of their own */
@@ -244,7 +256,9 @@ static bool is_heard(const struct sentence *sentence, size_t index, const struct
         return !of_coordinates && !has_token(sentence, "mni/mni152/icbm/icbm152") &&
                (is_before || (index && token_is(sentence, index - 1, "space")));
     }
-    return row->weight == STRONG || of_coordinates || has_context(sentence, index, count) ||
+    const bool is_code = row->brain == SIGNS || row->why == why_code || row->why == space_why_voxels;
+    return row->weight == STRONG || of_coordinates || sentence->is_of_axes ||
+           has_context(sentence, index, count, is_code ? of_codes : "") ||
            ((row->brain == SIGNS || (row->weight == ALONE && sentence->is_whole)) && is_alone(sentence, row->words));
 }
 
@@ -253,12 +267,14 @@ static void hear_unit(struct space_words *words, const struct sentence *sentence
 {
     const struct text token = sentence->tokens[index];
     bool is_said = index && token_is(sentence, index - 1, "in/unit/units");
+    bool of_all = index >= 2 && token_is(sentence, index - 2, "all/values/numbers/everything"); /* "all values in cm" */
     bool is_small = token_is(sentence, index, "in") && !in_brackets && !(of_coordinates && sentence->count == 1);
     for (size_t i = 0; i < UNITS && !is_small; i++) {
         bool fits = text_is_one_of(token, units[i].names, false) &&
-                    (of_coordinates ||
+                    (of_coordinates || sentence->is_of_axes ||
                      ((is_said || in_brackets || !units[i].is_short) &&
-                      (has_context(sentence, index, 1) || token_is(sentence, index - !!index, "unit/units"))));
+                      (has_context(sentence, index, 1, "") || (is_said && of_all) ||
+                       token_is(sentence, index - !!index, "unit/units"))));
         if (fits && units[i].mm == SPACE_UNIT_REFUSED) {
             words->why = space_why_unit;
             snprintf(words->heard, sizeof words->heard, "%.*s", TEXT_SHOW(token, sizeof words->heard - 1));
@@ -283,6 +299,218 @@ static struct sentence take_apart(struct text text)
         i += size + !size;
     }
     return sentence;
+}
+
+/* What stands beside the names of axes in a line that says which columns are which, */
+static const char beside_axes[] =
+    "the/of/all/are/is/as/and/to/in/on/from/each/row/rows/line/lines/file/column/columns/col/cols/field/fields/format/"
+    "header/axis/axes/order/ordered/convention/direction/directions/orientation/coordinate/coordinates/coord/coords/"
+    "position/positions/pos/point/points/location/locations/loc/unit/units/value/values/data/space/system/frame/image/"
+    "standard/template/positive/increasing/increases/toward/towards/based/index/indices/zero/one/first/second/third/"
+    "peak/max/centroid/center/centre/0/1/2/3/152/305/2009c";
+
+/* and other columns. */
+static const char other_columns[] =
+    "name/names/label/labels/id/nr/no/roi/region/area/contact/electrode/channel/site/radius/angle/depth/dx/dy/dz/tx/ty/"
+    "tz/entry/target";
+
+/* What stands beside the name of one axis: "left hemisphere: x negative". */
+static const char beside_axis[] = "hemisphere/hemispheres/side/pointing/grows/grow/negative";
+static const char turned[] = "flip/flipped/mirrored/inverted/reversed/swapped";
+
+/* Names of axes: to the right, front and top, and to which side of these; 0: of neither. */
+static const struct {
+    const char *words;
+    int axis, side;
+    bool is_spelled; /* also a word of areas: "left posterior superior" */
+    const char *exact;
+} axes[] = {
+    {"r", 0, 1, false, ""},
+    {"l", 0, -1, false, ""},
+    {"a", 1, 1, false, ""},
+    {"p", 1, -1, false, ""},
+    {"s", 2, 1, false, ""},
+    {"i", 2, -1, false, ""},
+    {"right", 0, 1, true, ""},
+    {"left", 0, -1, true, ""},
+    {"anterior/front", 1, 1, true, ""},
+    {"posterior/back", 1, -1, true, ""},
+    {"superior/up/top", 2, 1, true, ""},
+    {"inferior/down/bottom", 2, -1, true, ""},
+    {"lr/rl/ml/lm/lat", 0, 0, false, ""},
+    {"lateral/medial/mediolateral", 0, 0, true, ""},
+    {"ap/pa", 1, 0, false, ""},
+    {"rostral/caudal/anteroposterior", 1, 0, true, ""},
+    {"si/dv/vd/vert", 2, 0, false, "IS"},
+    {"dorsal/ventral/vertical/dorsoventral", 2, 0, true, ""},
+};
+
+enum { AXES = sizeof axes / sizeof axes[0] };
+
+static bool is_word_of(struct text token, const char *phrases)
+{
+    struct text rest = text_from(phrases);
+    struct text phrase;
+    struct text word;
+    bool found = false;
+    for (bool more = true; !found && text_field(&rest, '/', &more, &phrase);) {
+        while (!found && text_word(&phrase, &word)) {
+            found = word.size == token.size && text_contains(word, token);
+        }
+    }
+    return found;
+}
+
+/* Whether a token is a word of spaces or units, or one that stands beside these. */
+static bool is_beside(struct text token)
+{
+    bool is_one = text_is_one_of(token, beside_axes, false) || space_unit_mm(token) != 0;
+    for (size_t r = 0; r < sizeof rows / sizeof rows[0] && !is_one; r++) {
+        is_one = is_word_of(token, rows[r].words);
+    }
+    return is_one;
+}
+
+bool space_words_are_beside(struct text text)
+{
+    const struct sentence sentence = take_apart(text);
+    bool all = sentence.count > 0;
+    for (size_t i = 0; i < sentence.count; i++) {
+        all = all && is_beside(sentence.tokens[i]);
+    }
+    return all;
+}
+
+enum { NAMED = 3 };
+
+/* What a sentence says of axes. */
+struct named_axes {
+    int axis[NAMED], side[NAMED]; /* in its order; two names of one axis beside each other are of no side */
+    int letter[NAMED];            /* 0: x */
+    size_t count, letters;        /* count may be more */
+    size_t units;
+    bool of_voxels;
+    bool is_spelled;
+    bool is_turned;   /* "x flipped" */
+    bool is_negative; /* "left is negative", "x < 0: left" */
+    bool is_positive; /* "left is positive" */
+    bool is_of_one;   /* a word that stands beside the name of one axis */
+    bool is_alone;    /* one axis: "x is left", or what turns some */
+    bool has_other;   /* columns */
+};
+
+static bool has_all(const int values[NAMED], size_t count)
+{
+    int seen = 0;
+    for (size_t i = 0; i < count && i < NAMED; i++) {
+        seen |= 1 << values[i];
+    }
+    return seen == 7;
+}
+
+static void add_axis(struct named_axes *out, int axis, int side, bool is_spelled)
+{
+    const size_t last = out->count - 1;
+    if (out->count && last < NAMED && out->axis[last] == axis) {
+        out->side[last] = 0;
+    } else if (out->count++ < NAMED) {
+        out->axis[last + 1] = axis;
+        out->side[last + 1] = side;
+    }
+    out->is_spelled = out->is_spelled || is_spelled;
+}
+
+static void add_letter(struct named_axes *out, int letter)
+{
+    bool is_new = out->letters < NAMED;
+    for (size_t i = 0; i < out->letters; i++) {
+        is_new = is_new && out->letter[i] != letter;
+    }
+    if (is_new) {
+        out->letter[out->letters++] = letter;
+    }
+}
+
+/* Whether a sentence says which columns are which, and nothing else, in a closed list of words: "columns: AP LAT VERT
+ * (mm)". */
+static bool find_axes(struct named_axes *out, const struct sentence *sentence)
+{
+    bool all = true;
+    *out = (struct named_axes){.of_voxels = has_token(sentence, "i/row") && has_token(sentence, "j/col/column") &&
+                                            has_token(sentence, "k/slice")};
+    for (size_t i = 0; i < sentence->count && all; i++) {
+        const struct text token = sentence->tokens[i];
+        size_t k = 0;
+        while (k < AXES &&
+               !(text_is_one_of(token, axes[k].words, false) || text_is_one_of(token, axes[k].exact, true))) {
+            k++;
+        }
+        const char *end = i + 1 < sentence->count ? sentence->tokens[i + 1].data : token.data;
+        bool is_other = text_is_one_of(token, other_columns, false);
+        bool is_turned = text_is_one_of(token, turned, false);
+        out->is_turned = out->is_turned || is_turned;
+        out->is_negative = out->is_negative || text_is_one_of(token, "negative", false) ||
+                           (end > token.data && memchr(token.data, '<', (size_t)(end - token.data)));
+        out->is_positive =
+            out->is_positive || (i > 1 && token_is(sentence, i, "positive") && token_is(sentence, i - 1, "is/are"));
+        out->units += space_unit_mm(token) != 0;
+        if (k < AXES) {
+            add_axis(out, axes[k].axis, axes[k].side, axes[k].is_spelled);
+        } else if (text_is_one_of(token, "x/y/z", false)) {
+            add_letter(out, (token.data[0] | 0x20) - 'x');
+        } else {
+            bool is_of_one = is_turned || text_is_one_of(token, beside_axis, false);
+            out->is_of_one = out->is_of_one || is_of_one;
+            all = is_other || is_of_one || is_beside(token) ||
+                  (out->of_voxels && text_is_one_of(token, "j/k/slice", false));
+        }
+        out->has_other = out->has_other || is_other;
+    }
+    const bool are_letters = out->letters == NAMED;
+    bool are_named = has_all(out->axis, out->count) && (are_letters || !out->is_spelled || !out->has_other);
+    out->is_alone = out->is_turned || (out->count == 1 && out->is_spelled && (out->letters == 1 || out->is_positive));
+    return all &&
+           (out->is_alone || (!out->is_of_one && (out->of_voxels || are_letters || are_named || out->units >= NAMED)));
+}
+
+/* "x is left", "left is positive": the sign of one axis. */
+static void keep_axis(struct space_words *words, const struct named_axes *named)
+{
+    const int side = named->is_negative ? -named->side[0] : named->side[0];
+    bool is_other = named->letters && named->letter[0] != named->axis[0];
+    if (named->is_turned || is_other || (side < 0 && named->axis[0] == 2)) {
+        snprintf(words->order, sizeof words->order, "turned");
+    }
+    words->may_be_lps = words->may_be_lps || (side < 0 && named->axis[0] < 2);
+}
+
+static void keep_axes(struct space_words *words, const struct named_axes *named)
+{
+    const int *side = named->side;
+    const bool are_letters = named->letters == NAMED;
+    const bool are_named = has_all(named->axis, named->count);
+    const bool in_order = !are_letters || (named->letter[0] == 0 && named->letter[1] == 1);
+    const bool fit = are_named && in_order && named->count == NAMED && named->axis[0] == 0 && named->axis[1] == 1;
+    const bool is_ras = fit && side[0] > 0 && side[1] > 0 && side[2] > 0;
+    const bool is_lps = fit && side[0] < 0 && side[1] < 0 && side[2] > 0;
+    const bool are_plain = are_letters && (are_named ? fit && side[0] >= 0 && side[1] >= 0 && side[2] >= 0 : in_order);
+    if (named->is_alone) {
+        keep_axis(words, named);
+    } else if (named->of_voxels) {
+        snprintf(words->order, sizeof words->order, "ijk");
+    } else if (is_ras || (is_lps && (are_letters || !named->is_spelled))) {
+        keep(words, text_from(is_ras ? "RAS" : "LPS"), &(struct row){.brain = SIGNS});
+    } else if (!are_plain && (are_named || are_letters)) {
+        const int *order = are_named ? named->axis : named->letter;
+        snprintf(words->order, sizeof words->order, "%d%d%d", order[0], order[1], order[2]);
+    }
+}
+
+bool space_words_are_axes(struct text text)
+{
+    const struct sentence sentence = take_apart(text);
+    struct named_axes named;
+    return find_axes(&named, &sentence) && !named.has_other;
 }
 
 /* Whether a sentence denies a word: "non-MNI", "rather than MNI", "not in MNI space", "MNI coordinates are not there",
@@ -312,6 +540,11 @@ static void hear_sentence(struct space_words *words, struct text text, bool of_c
     struct sentence sentence = take_apart(text);
     struct space_words denied = {0};
     sentence.is_whole = is_whole;
+    struct named_axes named;
+    sentence.is_of_axes = find_axes(&named, &sentence);
+    if (sentence.is_of_axes) {
+        keep_axes(words, &named);
+    }
     for (size_t i = 0; i < sentence.count; i++) {
         struct text token = sentence.tokens[i];
         struct space_words *out = is_denied(&sentence, i) ? &denied : words;
@@ -336,8 +569,9 @@ static void hear_sentence(struct space_words *words, struct text text, bool of_c
 void space_words_hear(struct space_words *words, struct text line)
 {
     const char *begin = line.data;
+    const bool are_axes = space_words_are_axes(line); /* "AP;LAT;VERT" is one sentence */
     while (line.size) {
-        size_t size = 0;
+        size_t size = are_axes ? line.size : 0;
         while (size < line.size && !(line.data[size] == ';' ||
                                      (line.data[size] == '.' && size + 1 < line.size && line.data[size + 1] == ' '))) {
             size++;
@@ -359,7 +593,7 @@ void space_words_hear_name(struct space_words *words, struct text name)
     hear_sentence(words, name, false, false);
     for (size_t i = 0; i < sentence.count; i++) {
         words->may_be_lps = words->may_be_lps || token_is(&sentence, i, "lps");
-        if (!words->heard[0] && token_is(&sentence, i, "native/acpc")) {
+        if (!words->heard[0] && token_is(&sentence, i, "native/acpc/scanner/leksell")) {
             words->space = pose_space_named(sentence.tokens[i], POSE_BRAIN_SUBJECT);
         }
     }

@@ -17,10 +17,20 @@ struct space_words {
     bool are_two;    /**< Units that contradict each other. */
     const char *why; /**< Why positions cannot be taken: what they are; static. NULL: they can. */
     char heard[64];  /**< The words that decided. */
+    /** Of axes that a line names, and that are neither x y z nor R A S or L P S: "102" is one to the front or back, to
+     * a side, and up or down ("AP LAT VERT"); "ijk": voxels; "turned": "x flipped". */
+    char order[8];
 };
 
 /** Hears a line, sentence by sentence. */
 void space_words_hear(struct space_words *words, struct text line);
+
+/** Whether a text is nothing but words of spaces and units, or such as stand beside them in a line that names columns:
+ * "columns:", "(mm)". */
+bool space_words_are_beside(struct text text);
+
+/** Whether a text names three axes and nothing else but such words: "columns: AP LAT VERT (mm)", "x: left, y: ...". */
+bool space_words_are_axes(struct text text);
 
 /** Hears what is said of coordinates alone: the cells of a column, or a word of its header. */
 void space_words_hear_of(struct space_words *words, struct text word);
