@@ -370,6 +370,9 @@ static void check_scene(struct job *job, const struct scene *scene)
     } else if (!moves && !scene_count(scene, ITEM_PATHWAY | ITEM_STREAMLINES)) {
         job_bad(job, "nothing to select: parcellation, areas, probabilities, pathways or streamlines is needed");
     }
+    if (scene->space && !scene_count(scene, ITEM_AREA | ITEM_AREAS)) {
+        job_bad(job, "space: is of the surfaces in areas, there are none");
+    }
     static const unsigned orders[] = {ITEM_PATHWAY, ITEM_STREAMLINES, ITEM_CONTEXT};
     for (size_t k = 0; k < sizeof orders / sizeof orders[0]; k++) {
         for (struct scene_item *item = NULL; (item = scene_next(scene, orders[k], item));) {
