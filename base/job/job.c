@@ -90,6 +90,9 @@ bool job_took(struct job *job, conus_status status)
 
 size_t job_in(struct job *job, const char *word, size_t index)
 {
+    if (!word) {
+        return job->depth;
+    }
     assert(job->depth < JOB_PLACES);
     job->places[job->depth] = (struct job_place){.word = word, .index = index};
     return job->depth++;

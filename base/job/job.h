@@ -102,7 +102,7 @@ static inline bool job_need(struct job *job, const void *memory)
 }
 
 /** Errors happen at @p word[@p index] from now on, within the places of before. job_out() goes back to where the mark
- * was made, whatever was entered and not left since. */
+ * was made, whatever was entered and not left since. NULL enters no place. */
 size_t job_in(struct job *job, const char *word, size_t index);
 void job_out(struct job *job, size_t mark);
 /** Changes the innermost place: to the next entry. */

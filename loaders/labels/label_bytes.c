@@ -109,7 +109,7 @@ static bool next_name(struct text *rest, struct text *name)
 
 size_t label_lines_count(struct text text)
 {
-    bool lines = text.size && text_is_readable(text) && !strchr("<{[", text.data[0]);
+    bool lines = text.size && text_is_readable(text) && !strchr("<{[|", text.data[0]);
     size_t count = 0;
     for (struct text name; lines && next_name(&text, &name); count++) {
         lines = !(name.data[0] >= '0' && name.data[0] <= '9');

@@ -6,6 +6,7 @@
 
 #include "loaders/labels/label_cells.h"
 
+#include <math.h>
 #include <string.h>
 
 enum column {
@@ -56,11 +57,12 @@ struct header {
     char separator;
     int at[COLUMN_COUNT]; /* field of each column, or NO_COLUMN */
     int count;
-    const char *twice; /* a column that two fields claim, or NULL */
-    bool disputed[2];  /* a rival of the index, or of the name, has been noted */
-    bool by_value;     /* the index is called value */
-    bool by_side;      /* there are two in its place, of the left and of the right */
-    bool is_absent;    /* there is no header row: number and name are in front */
+    const char *twice;     /* a column that two fields claim, or NULL */
+    bool disputed[2];      /* a rival of the index, or of the name, has been noted */
+    bool by_value;         /* the index is called value */
+    bool by_side;          /* there are two in its place, of the left and of the right */
+    bool is_absent;        /* there is no header row: number and name are in front */
+    label_cell_part *part; /* of red, green, blue */
     struct candidate {
         int at;
         struct text name;
@@ -233,7 +235,28 @@ static struct text undouble(struct job *job, struct text cell)
     return (struct text){text, size};
 }
 
-static void fill_row(struct job *job, struct label_row *row, const struct text cells[COLUMN_COUNT], size_t line)
+/* Colours from 0 to 255, or from 0 to 1, of which none is larger. */
+static label_cell_part *find_part(struct job *job, const struct header *header, struct rows rows)
+{
+    struct fields fields;
+    struct text cells[COLUMN_COUNT];
+    double most = 0;
+    while (header->at[RED] != NO_COLUMN && next_row(&rows, header)) {
+        read_cells(cells, &fields, header, rows.line);
+        for (int column = RED; column <= BLUE; column++) {
+            double value = 0;
+            most = text_to_double(cells[column], &value) ? fmax(most, value) : most;
+        }
+    }
+    const bool are_fractions = most > 0 && most <= 1;
+    if (are_fractions) {
+        job_note(job, "label table: none of its colours is above 1: they are taken as from 0 to 1");
+    }
+    return are_fractions ? label_cell_fraction : label_cell_channel;
+}
+
+static void fill_row(struct job *job, struct label_row *row, const struct header *header,
+                     const struct text cells[COLUMN_COUNT], size_t line)
 {
     struct label *label = &row->label;
     const struct text hemisphere = cells[HEMISPHERE];
@@ -241,7 +264,7 @@ static void fill_row(struct job *job, struct label_row *row, const struct text c
     if (cells[COLOUR].size) {
         label_colour(job, label, &cells[COLOUR], NULL);
     } else if (cells[RED].size || cells[GREEN].size || cells[BLUE].size) {
-        label_colour(job, label, &cells[RED], label_cell_channel);
+        label_colour(job, label, &cells[RED], header->part);
     }
     label->hemisphere = label_hemisphere_of(hemisphere);
     if (hemisphere.size && !label->hemisphere && !text_equal(hemisphere, "NA")) {
@@ -379,7 +402,7 @@ static void keep_row(struct job *job, struct label_table *out, const struct head
         if (header->by_side && !is_middle && !cells[side].size) {
             continue;
         }
-        fill_row(job, &row, cells, line);
+        fill_row(job, &row, header, cells, line);
         if (identifiers) {
             keep_identifier(job, identifiers, label_cell_number(job, cells[IDENTIFIER]), row.label.number);
         }
@@ -401,6 +424,7 @@ static void parse_below(struct job *job, struct label_table *out, struct header 
         return;
     }
     job_own(job, finish_map, &identifiers->numbers);
+    header->part = find_part(job, header, rows);
     while (job_ok(job) && next_row(&rows, header)) {
         size_t place = job_in(job, "line ", rows.number);
         read_cells(cells, &fields, header, rows.line);

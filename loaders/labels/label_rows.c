@@ -273,6 +273,13 @@ static bool begins_as_colours(struct text name)
     return comma && numbers == 3;
 }
 
+/* Whether a mark stands before the name: "= Frontal Pole". */
+static bool begins_with_mark(struct text name)
+{
+    struct text word;
+    return text_word(&name, &word) && text_is_one_of(word, "=/:/|/-/->/=>", true) && text_word(&name, &word);
+}
+
 /* The numbers before or behind the name. The opacity says nothing about visibility: it is 0 in FreeSurfer's own file.
  */
 static void read_numbers(struct job *job, struct label_row *out, const struct text *cells, size_t count,
@@ -330,12 +337,34 @@ static void read_row(struct job *job, struct label_row *out, const struct row *r
         job_bad(job, "no name in quotation marks after IDX R G B A VIS MSH");
     } else if (rows->is_plain && begins_as_colours(out->name)) {
         job_bad(job, "\"%.*s\": decimals are written with a point", TEXT_SHOW(out->name, 40));
+    } else if (rows->is_plain && begins_with_mark(out->name)) {
+        job_bad(job, "\"%.*s\": what stands between number and name is no part of the name: leave it out",
+                TEXT_SHOW(out->name, 40));
     }
 }
 
 /* In a short list, "1 Area 17 / 2 Crus 1", numbers may differ and yet belong to the names; of rows that end in their
  * own number, "113 Vermis_1_2 113" among "1 Precentral_L", three are enough. */
 enum { CODED_ROWS = 8, OWN_ROWS = 3 };
+
+/* Whether all names, of two at least, end in a colour that is one word: "Caudate #ff8000", "Caudate 255,128,0". */
+static bool end_in_colours(struct text text)
+{
+    size_t rows = 0;
+    bool all = true;
+    for (struct row row = {0}; all && next_row(&text, &row); rows++) {
+        struct text rest = row.rest;
+        const struct text word = take_last_word(&rest);
+        size_t commas = 0;
+        for (size_t i = 0; i < word.size; i++) {
+            commas += word.data[i] == ',';
+        }
+        all = rest.size && (commas == 2 ? text_has_only(word, "0123456789.,()")
+                                        : text_starts(word, "#") && word.size == 7 &&
+                                              text_has_only(word, "#0123456789abcdefABCDEF"));
+    }
+    return all && rows > 1;
+}
 
 /* Whether most names have three numbers or more between words: "Caudate 1 2 3 255 hidden", colours that end no row. */
 static bool have_numbers_inside(struct text text)
@@ -374,6 +403,9 @@ void label_rows_parse(struct job *job, struct label_table *out, struct text text
     if (rows.is_plain && count > 1 && have_numbers_inside(text)) {
         job_bad(job, "names have three numbers or more before their last word: colours stand behind names, and "
                      "nothing behind them");
+    }
+    if (rows.is_plain && end_in_colours(text)) {
+        job_bad(job, "colours behind names are one word: R G B, or a header row, is needed");
     }
     rows.further = tail == 4 && has_further_numbers(job, text, count);
     if (rows.own) {

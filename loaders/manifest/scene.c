@@ -87,10 +87,29 @@ static json_t *write_transfer(struct job *job, const struct schema_field *field,
                                : schema_text.write(job, field, &item->transfer);
 }
 
+/* A word, or the path of an image, which has an ending. */
+static void read_space(const struct schema_place *place, void *out, const json_t *value)
+{
+    struct scene *scene = out;
+    if (json_is_string(value) && strchr(json_string_value(value), '.')) {
+        schema_path.read(place, &scene->image, value);
+        scene->space = MESH_SPACE_RAS;
+    } else {
+        schema_word.read(place, &scene->space, value);
+    }
+}
+
+static json_t *write_space(struct job *job, const struct schema_field *field, const void *in)
+{
+    const struct scene *scene = in;
+    return scene->image ? schema_text.write(job, field, &scene->image) : schema_word.write(job, field, &scene->space);
+}
+
 static const struct schema_type colour = {read_colour, write_colour};
 static const struct schema_type side = {read_side, write_side};
 static const struct schema_type band = {read_band, write_band};
 static const struct schema_type transfer = {read_transfer, write_transfer};
+static const struct schema_type mesh_space = {read_space, write_space};
 
 enum {
     MAPS = ITEM_PROBABILITIES | ITEM_PATHWAY,
@@ -124,6 +143,7 @@ static const struct schema_field item_fields[] = {
     ITEM("parent", schema_uint, label.parent, ITEM_AREA, .first = 1),
     ITEM("hemisphere", side, label.hemisphere, ITEM_PARCELLATION | ITEM_AREA | ITEM_AREAS, WORDS("L", "R", "B")),
     ITEM("vertex_labels", schema_path, vertex_labels, ITEM_AREA),
+    ITEM("parts", schema_flag, parts, ITEM_AREA),
     ITEM("label_offset", schema_uint, label_offset, ITEM_AREA),
     ITEM("names", schema_list, names, MAPS, .each = &schema_text, .size = sizeof(char *),
          .wanted = "a list of names, one per volume,"),
@@ -164,11 +184,14 @@ static enum item_kind find_kind(const struct schema_place *place, unsigned kinds
 static void check_area(const struct schema_place *place, const struct scene_item *area)
 {
     const struct label *label = &area->label;
-    if (area->vertex_labels && (label->number || label->name || label->abbreviation || label->has_rgb)) {
-        job_bad(place->job, "%s: has vertex_labels for several areas and label, name, abbreviation or color of one",
-                place->key);
-    } else if (area->label_offset && !area->vertex_labels) {
-        job_bad(place->job, "%s.label_offset: without vertex_labels, give label", place->key);
+    const char *many = area->vertex_labels ? "vertex_labels" : area->parts ? "parts" : NULL;
+    if (area->vertex_labels && area->parts) {
+        job_bad(place->job, "%s: has vertex_labels and parts, one of them is allowed", place->key);
+    } else if (many && (label->number || label->name || label->abbreviation || label->has_rgb)) {
+        job_bad(place->job, "%s: has %s for several areas and label, name, abbreviation or color of one", place->key,
+                many);
+    } else if (area->label_offset && !many) {
+        job_bad(place->job, "%s.label_offset: without vertex_labels or parts, give label", place->key);
     }
 }
 
@@ -320,7 +343,7 @@ static const struct schema_field scene_fields[] = {
     LISTED("parcellation", ITEM_PARCELLATION, 0),
     LISTED("parcellations", ITEM_PARCELLATION, MANIFEST_FEW),
     LISTED("areas", ITEM_SURFACES, 0),
-    SCENE("space", schema_word, space, 1, WORDS("ras", "lps"), .first = MESH_SPACE_RAS),
+    {"space", &mesh_space, .kinds = 1, WORDS("ras", "lps"), .first = MESH_SPACE_RAS},
     SCENE("template", schema_word, brain, 1, WORDS("none", "mni152", "colin27", "mni305"), .first = CONUS_BRAIN_OWN),
     SCENE("ccf", schema_word, ccf, 1, WORDS("asr", "asl"), .first = SCENE_CCF_ASR),
     SCENE("prefer", schema_word, prefer, 1, WORDS("areas", "parcellation"), .first = SCENE_PREFER_AREAS),
@@ -346,6 +369,9 @@ static void check_scene(struct job *job, const struct scene *scene)
                 areas ? "areas" : "a parcellation");
     } else if (!moves && !scene_count(scene, ITEM_PATHWAY | ITEM_STREAMLINES)) {
         job_bad(job, "nothing to select: parcellation, areas, probabilities, pathways or streamlines is needed");
+    }
+    if (scene->space && !scene_count(scene, ITEM_AREA | ITEM_AREAS)) {
+        job_bad(job, "space: is of the surfaces in areas, there are none");
     }
     static const unsigned orders[] = {ITEM_PATHWAY, ITEM_STREAMLINES, ITEM_CONTEXT};
     for (size_t k = 0; k < sizeof orders / sizeof orders[0]; k++) {

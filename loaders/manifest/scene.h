@@ -36,8 +36,9 @@ enum item_kind {
 /** A thing that is loaded: what all kinds have, flat. Zero is the default of each. */
 struct scene_item {
     enum item_kind kind;
-    const char *list;        /**< Its place in messages: the key, */
+    const char *list;        /**< Its place in messages: the key; NULL: it has none, */
     size_t index;            /**< and the index of the entry there, or JOB_ALONE. */
+    bool parts;              /**< Objects of the surface's file, or labels in it, are an area each. */
     bool noted;              /**< The notes about the file of labels have been given; in no JSON. */
     char *file;              /**< Or pattern, or folder; as written. NULL if fsl names the images. */
     size_t volume;           /**< 1 + that of a 4-D file. */
@@ -85,6 +86,7 @@ struct scene {
     items;                 /**< Those of a kind are in their order: parcellations by priority, transforms as
                               points go through them. */
     enum mesh_space space; /**< The space of the surfaces' coordinates; unstated = as each file says. */
+    char *image;           /**< Or a volume, in whose own mm they are, as FSL counts them; then `space` is RAS. */
     conus_brain brain;     /**< Whose the scene is, where poses are; 0 = unsaid. */
     enum scene_ccf ccf;
     enum scene_preference prefer;

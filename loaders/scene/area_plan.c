@@ -4,11 +4,17 @@
 
 #include "atlas/frame.h"
 #include "base/files/folder.h"
+#include "base/geometry/math3.h"
+#include "base/memory.h"
 #include "base/order.h"
 #include "loaders/brainglobe/brainglobe_metadata.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/labels_on_job.h"
 #include "loaders/scene/parcellations.h"
+#include "loaders/surfaces/foreign/mesh_foreign.h"
+#include "loaders/transform/transform_chain.h"
+#include "loaders/volumes/volume_file.h"
+#include "sources/source.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,16 +24,22 @@
 struct planning {
     struct job *job;
     struct area_plan *plan;
+    const struct scene *scene;
     const char *path;
     const struct scene_item *area;
+    const double *world; /* 4 x 4, from the mm of the scene's image; NULL without one */
 };
 
 static struct planned_area *add_area(const struct planning *p, const char *path, const struct label *label)
 {
     struct planned_area *area = LIST_ADD(p->job, &p->plan->areas);
     area->path = path;
-    area->entry = p->area->index;
+    area->item = p->area;
     area->label = *label;
+    area->placed = p->world;
+    if (p->world) {
+        memcpy(area->world_from_mesh, p->world, sizeof area->world_from_mesh);
+    }
     return area;
 }
 
@@ -150,60 +162,126 @@ static void plan_pattern(const struct planning *p)
     }
 }
 
-static void end_vertex_labels(void *labels)
+static void end_labelled(void *thing)
 {
-    vertex_labels_finish(labels);
+    struct labelled_surface *surface = thing;
+    vertex_labels_finish(&surface->labels);
+    mesh_parts_finish(&surface->objects);
+    mesh_finish(&surface->mesh);
+    label_finish(&surface->said);
 }
 
-/* Reads the labels of the item's surface, without the notes that have been made of them before; NULL after a failure.
- */
-static struct labelled_surface *read_labelled(const struct planning *p)
+/* Reads the labels of the item's surface, without the notes that have been made of them before. */
+static void read_labels(const struct planning *p, struct labelled_surface *surface)
 {
     struct job *job = p->job;
-    struct labelled_surface *surface = &p->plan->labelled[p->plan->labelled_count];
-    const struct mesh_file_options options = {.is_made_of = true,
-                                              .surface = job_beside(job, p->path, p->area->file),
-                                              .hemisphere = p->area->label.hemisphere};
-    const char *labels = job_beside(job, p->path, p->area->vertex_labels);
+    const struct scene_item *item = p->area;
+    const struct mesh_file_options options = {
+        .is_made_of = item->vertex_labels, .surface = surface->path, .hemisphere = item->label.hemisphere};
     const struct attempt attempt = job_try(job);
-    surface_labels_read(job, &surface->labels, labels, &options);
-    if (p->area->noted) {
+    surface->labels_path = item->vertex_labels ? job_beside(job, p->path, item->vertex_labels) : surface->path;
+    surface_labels_read(job, &surface->labels, surface->labels_path, &options);
+    if (item->noted) {
         notes_cut(&job->notes, attempt.notes);
     }
     attempt_end(job, &attempt, ATTEMPT_KEEP);
-    if (!job_ok(job)) {
-        return NULL;
-    }
-    surface->path = options.surface;
-    surface->labels_path = options.hemisphere ? NULL : labels;
-    p->plan->labelled_count++;
-    job_own(job, end_vertex_labels, &surface->labels);
-    return surface;
+    p->plan->names = job_format(job, "labels of vertices in %s", surface->labels_path);
 }
 
-/* Plans "file" with "vertex_labels": a part for each label that vertices have. */
-static void plan_labelled(const struct planning *p)
+/* Makes the surface, which no labels cut, its only object. */
+static void take_whole(struct job *job, struct labelled_surface *surface)
 {
-    const struct labelled_surface *surface = read_labelled(p);
-    size_t count = surface ? surface->labels.count : 0;
-    uint32_t *numbers = job_array(p->job, &count, sizeof *numbers);
-    if (!surface || !numbers) {
+    struct label_table *table = &surface->labels.table;
+    struct mesh_part *part = job_step(job) ? memory_zeroed(1, sizeof *part) : NULL;
+    label_table_finish(table); /* of labels that no vertex has */
+    struct label *label = part ? label_table_add(table, 1) : NULL;
+    if (!job_need(job, label)) {
+        memory_free(part);
         return;
     }
-    memcpy(numbers, surface->labels.labels, count * sizeof *numbers);
-    count = u32_sort_unique(numbers, count);
-    for (size_t i = 0; i < count; i++) {
-        if (numbers[i]) {
-            const struct label *of_all = &p->area->label;
-            struct label label = raise_label(p, &surface->labels.table, numbers[i]);
-            label.hemisphere = of_all->hemisphere ? of_all->hemisphere : surface->labels.hemisphere;
-            label.has_parent = of_all->has_parent;
-            label.parent = of_all->parent;
-            struct planned_area *part = add_area(p, surface->path, &label);
-            part->surface = surface;
-            part->part = numbers[i];
+    *part = (struct mesh_part){.label = 1, .mesh = surface->mesh};
+    surface->objects = (struct mesh_parts){part, 1};
+    surface->mesh = (struct mesh){0};
+    label->name = surface->said.name;
+    surface->said.name = NULL;
+    surface->labels.hemisphere = surface->said.hemisphere;
+}
+
+/* Plans a part of the surface for each of the sorted numbers but 0. */
+static void add_parts(const struct planning *p, const struct labelled_surface *surface, const uint32_t *numbers,
+                      size_t count)
+{
+    const struct label *of_all = &p->area->label;
+    for (size_t i = count && !numbers[0]; i < count; i++) {
+        struct label label = raise_label(p, &surface->labels.table, numbers[i]);
+        label.name = label.name || !surface->objects.count ? label.name : mesh_name(p->job, surface->path);
+        label.hemisphere = of_all->hemisphere ? of_all->hemisphere : surface->labels.hemisphere;
+        label.has_parent = of_all->has_parent;
+        label.parent = of_all->parent;
+        struct planned_area *part = add_area(p, surface->path, &label);
+        part->surface = surface;
+        part->part = numbers[i];
+    }
+}
+
+/* Plans "file" with "vertex_labels" or "parts": a part for each label that vertices have, or for each object. A surface
+ * of neither is one area. */
+static void plan_labelled(const struct planning *p)
+{
+    struct job *job = p->job;
+    struct labelled_surface *surface = &p->plan->labelled[p->plan->labelled_count++];
+    surface->item = p->area;
+    surface->path = job_beside(job, p->path, p->area->file);
+    (void)file_state_find(&surface->state, surface->path); /* the reader reports a file that is not there */
+    job_own(job, end_labelled, surface);
+    const struct format *format = source_format(job, surface->path, ROLE_SURFACE);
+    const bool has_labels = p->area->vertex_labels;
+    if (has_labels && job_ok(job) && !mesh_format_keeps_vertices(format)) {
+        job_refuse(job, "%s: labels of vertices need a surface that numbers its vertices, as all formats but STL do",
+                   surface->path);
+    }
+    if (!has_labels && mesh_format_is_foreign(format)) {
+        mesh_foreign_objects(job, &surface->objects, &surface->labels.table, surface->path, p->scene->space);
+    } else {
+        if (p->area->parts) {
+            surface_read(job, &surface->mesh, &surface->said, surface->path,
+                         &(struct mesh_file_options){.space = p->scene->space});
+        }
+        read_labels(p, surface);
+        if (!has_labels && !surface->labels.count) {
+            take_whole(job, surface);
         }
     }
+    const bool has_objects = surface->objects.count;
+    size_t count = has_objects ? surface->objects.count : surface->labels.count;
+    uint32_t *numbers = job_array(job, &count, sizeof *numbers);
+    for (size_t i = 0; i < count; i++) {
+        numbers[i] = has_objects ? surface->objects.parts[i].label : surface->labels.labels[i];
+    }
+    add_parts(p, surface, numbers, u32_sort_unique(numbers, count));
+    p->plan->names = has_objects ? job_format(job, "the name in %s", surface->path) : p->plan->names;
+}
+
+/* The world's mm from those of the scene's image; NULL without one. */
+static const double *place_surfaces(struct job *job, const struct scene *scene)
+{
+    conus_volume_info image;
+    double flirt[16];
+    double voxel[16];
+    double *world = scene->image ? job_raw(job, 16, sizeof *world) : NULL;
+    if (!world) {
+        return NULL;
+    }
+    volume_header_read(job, &image, scene->image);
+    if (job_ok(job)) {
+        flirt_from_voxel(flirt, &image);
+        if (mat4_invert_affine(voxel, flirt)) {
+            mat4_multiply(world, image.world_from_voxel, voxel);
+        } else {
+            job_bad(job, "%s: the matrix is singular", scene->image);
+        }
+    }
+    return world;
 }
 
 static const double micrometres = 0.001; /* BrainGlobe's unit, in mm */
@@ -296,7 +374,7 @@ static void sort_areas(struct job *job, struct area_plan *plan)
         const struct planned_area *b = &plan->areas.at[i];
         if (a->label.number == b->label.number) {
             job_bad(job, "areas[%zu]: label %u is that of %s and of %s: each needs its own (label, label_offset)",
-                    b->entry, b->label.number, path_base(a->path), path_base(b->path));
+                    b->item->index, b->label.number, path_base(a->path), path_base(b->path));
         }
     }
 }
@@ -305,14 +383,15 @@ void area_plan_make(struct job *job, struct area_plan *out, const struct scene *
 {
     out->groups = labels_new(job);
     out->labelled = job_zeroed(job, scene_count(scene, ITEM_AREA), sizeof *out->labelled);
+    const double *world = place_surfaces(job, scene);
     struct scene_item *item = NULL;
     while (job_ok(job) && (item = scene_next(scene, ITEM_SURFACES, item))) {
-        const struct planning planning = {job, out, path, item};
+        const struct planning planning = {job, out, scene, path, item, world};
         const size_t mark = job_in(job, item->list, item->index);
-        (item->vertex_labels        ? plan_labelled
-         : item->kind == ITEM_AREA  ? plan_file
-         : item->kind == ITEM_AREAS ? plan_pattern
-                                    : plan_brainglobe)(&planning);
+        (item->vertex_labels || item->parts ? plan_labelled
+         : item->kind == ITEM_AREA          ? plan_file
+         : item->kind == ITEM_AREAS         ? plan_pattern
+                                            : plan_brainglobe)(&planning);
         job_out(job, mark);
     }
     sort_areas(job, out);

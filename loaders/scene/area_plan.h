@@ -4,23 +4,29 @@
 #ifndef CONUS_LOADERS_SCENE_AREA_PLAN_H
 #define CONUS_LOADERS_SCENE_AREA_PLAN_H
 
+#include "atlas/surface/mesh_split.h"
 #include "loaders/manifest/scene.h"
 #include "loaders/scene/load_progress.h"
 #include "loaders/surfaces/mesh_file.h"
 
 struct parcellations;
 
-/** A surface that the labels of its vertices cut into areas. */
+/** A surface that the labels of its vertices, or its objects, cut into areas; or a whole one, its own only object. */
 struct labelled_surface {
+    const struct scene_item *item;
     const char *path;        /**< The surface's. */
-    const char *labels_path; /**< NULL where the manifest says which side it is. */
+    const char *labels_path; /**< NULL where its objects are the areas. */
     struct vertex_labels labels;
+    struct mesh_parts objects; /**< With the table of `labels`; none where vertices have labels. */
+    struct mesh mesh;          /**< Once it is read, until it is cut, */
+    struct label said;         /**< and what its file says of it. */
+    struct file_state state;   /**< As of a planned area. */
 };
 
 /** A surface that becomes an area. */
 struct planned_area {
-    const char *path;   /**< Where it lies, seen from this process. */
-    size_t entry;       /**< Its index in the scene's list of areas. */
+    const char *path; /**< Where it lies, seen from this process. */
+    const struct scene_item *item;
     struct label label; /**< As far as it is known: number always, name NULL where the file may have one. */
     const struct labelled_surface *surface; /**< The one of which it is the part `part`; NULL: it is no part. */
     uint32_t part;
@@ -35,6 +41,7 @@ struct area_plan {
     LIST(struct planned_area) areas; /**< Sorted by label, no two with the same. */
     bool has_ccf;                    /**< Surfaces are of the Allen CCF, whose corner is the world's origin, */
     bool ccf_from_right;             /**< and whose ML counts from the right. */
+    const char *names;               /**< Where the names of the last item's areas come from, in words. */
     struct label_table *groups;      /**< Nodes of the area tree without a surface of their own; sorted. */
 };
 

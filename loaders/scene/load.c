@@ -4,9 +4,7 @@
 
 #include "atlas/areas/sides.h"
 #include "atlas/atlas.h"
-#include "atlas/surface/mesh_split.h"
 #include "base/files/folder.h"
-#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "loaders/brainglobe/brainglobe_atlas.h"
 #include "loaders/labels/fsl_atlas.h"
@@ -19,189 +17,34 @@
 #include "loaders/scene/plan_brainglobe.h"
 #include "loaders/scene/plan_cifti.h"
 #include "loaders/scene/scene_load.h"
-#include "loaders/surfaces/foreign/mesh_foreign.h"
-#include "loaders/surfaces/mesh_file.h"
-#include "loaders/transform/transform_chain.h"
-#include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_zarr.h"
 
 #include <string.h>
 
-/* A surface before it is an atlas: whole, or cut into parts. */
-struct surface {
-    struct mesh mesh;
-    struct label about;
-    struct vertex_labels labels;
-    struct mesh_parts parts;
-    char *name;         /* of areas that have none by themselves; NULL: their number */
-    const char *source; /* of the names, in words */
-};
-
-static void end_surface(void *thing)
-{
-    struct surface *surface = thing;
-    mesh_finish(&surface->mesh);
-    label_finish(&surface->about);
-    vertex_labels_finish(&surface->labels);
-    mesh_parts_finish(&surface->parts);
-}
-
-/* What is stated of a surface's coordinates, ",space=WORD" behind its path; all zero: nothing. */
-struct statement {
-    enum mesh_space space;
-    bool is_placed; /* by world: an image's own mm, as FSL counts them, in the world */
-    double world[16];
-};
-
-/* Takes the statement off the path. */
-static const char *take_statement(struct job *job, struct statement *out, const char *path)
+/* Takes what is stated of surfaces' coordinates, ",space=WORD", off the path. */
+static const char *take_space(struct job *job, struct scene *out, const char *path)
 {
     struct source_keys keys;
-    conus_volume_info image;
-    double flirt[16];
-    double voxel[16];
     source_keys_read(job, &keys, path, KEYS_SCENE);
-    const char *word = job_copy(job, keys_value(&keys, KEY_SPACE)->text);
+    char *word = job_copy(job, keys_value(&keys, KEY_SPACE)->text);
     char *plain = job_raw(job, strlen(path) + 1, 1);
     if (!word[0] || !plain) {
         return path;
     }
     out->space = strcmp(word, "lps") == 0 ? MESH_SPACE_LPS : MESH_SPACE_RAS;
-    out->is_placed = strcmp(word, "lps") != 0 && strcmp(word, "ras") != 0;
-    if (out->is_placed) {
-        volume_header_read(job, &image, word);
-    }
-    if (out->is_placed && job_ok(job)) {
-        flirt_from_voxel(flirt, &image);
-        if (mat4_invert_affine(voxel, flirt)) {
-            mat4_multiply(out->world, image.world_from_voxel, voxel);
-        } else {
-            job_bad(job, "%s: the matrix is singular", word);
-        }
-    }
+    out->image = out->space == MESH_SPACE_LPS || strcmp(word, "ras") == 0 ? NULL : word;
     keys_keep(plain, path, &keys, KEYS_VOLUME);
     return plain;
 }
 
-static void place_surface(struct surface *surface, const struct statement *stated)
-{
-    if (stated->is_placed && surface->mesh.vertex_count) {
-        mesh_transform(&surface->mesh, stated->world);
-    }
-    for (size_t i = 0; stated->is_placed && i < surface->parts.count; i++) {
-        mesh_transform(&surface->parts.parts[i].mesh, stated->world);
-    }
-}
-
-/* Reads a file in which each object is an area. */
-static void read_objects(struct job *job, struct surface *out, const char *path, const struct statement *stated)
-{
-    mesh_foreign_objects(job, &out->parts, &out->labels.table, path, stated->space);
-    out->name = mesh_name(job, path);
-    out->source = job_format(job, "the name in %s", path);
-}
-
-/* Reads a surface that the labels of its vertices cut into areas: those of options->labels, else of its own file. One
- * without labels stays whole. */
-static void read_surface(struct job *job, struct surface *out, const char *path, const struct statement *stated,
-                         const conus_load_options *options)
-{
-    const struct mesh_file_options file_options = {.space = stated->space};
-    const struct mesh_file_options label_options = {.is_made_of = options->labels != NULL, .surface = path};
-    const char *labels = options->labels ? options->labels : path;
-    struct vertex_labels *vertices = &out->labels;
-    surface_read(job, &out->mesh, &out->about, path, &file_options);
-    surface_labels_read(job, vertices, labels, &label_options);
-    if (!options->labels && !vertices->count) {
-        label_table_finish(&vertices->table); /* of labels that no vertex has */
-        out->name = out->about.name ? out->about.name : mesh_name(job, path);
-        out->source = job_format(job, "the name in %s", labels);
-        return;
-    }
-    out->source = job_format(job, "labels of vertices in %s", labels);
-    mesh_file_match_sides(job, out->about.hemisphere, path, vertices->hemisphere, labels);
-    vertex_labels_extend(job, vertices, out->mesh.vertex_count);
-    if (vertices->count != out->mesh.vertex_count) {
-        job_bad(job, "%s: labels of %zu vertices, the surface %s has %zu", labels, vertices->count, path,
-                out->mesh.vertex_count);
-    }
-    (void)JOB_CALL(job, mesh_split(&out->parts, &out->mesh, vertices->labels, &job->notes));
-    mesh_finish(&out->mesh);
-}
-
-static void add_area(struct load *load, const struct surface *surface, uint32_t number, struct mesh *mesh)
-{
-    char digits[LABEL_DIGITS];
-    const struct label *known = label_table_find(&surface->labels.table, number);
-    struct label label = known ? *known : (struct label){.number = number};
-    label.name = label.name ? label.name : surface->name;
-    label.abbreviation = NULL;
-    label.hemisphere = surface->about.hemisphere ? surface->about.hemisphere : surface->labels.hemisphere;
-    const conus_object area = label_object(&label, load->atlas->object_count, digits);
-    (void)JOB_CALL(&load->job, atlas_add_mesh(load->atlas, &area, mesh));
-}
-
-/* Notes labels of vertices without a name, and names without a triangle, which are no areas, since an area has a
- * shape. */
-static void note_missing(struct job *job, const struct surface *surface)
-{
-    enum { SHOWN = 4 };
-    const struct label_table *table = &surface->labels.table;
-    const char *names = "";
-    size_t count = 0;
-    for (size_t i = 0; surface->labels.count && i < surface->parts.count; i++) {
-        const struct label *label = label_table_find(table, surface->parts.parts[i].label);
-        if (!(label && label->name) && count++ < SHOWN) {
-            names = job_format(job, "%s%s%u", names, count > 1 ? ", " : "", surface->parts.parts[i].label);
-        }
-    }
-    if (count) {
-        job_warn(job, "labels of vertices that their table does not name: %zu (%s%s)", count, names,
-                 count > SHOWN ? ", ..." : "");
-    }
-    names = "";
-    count = 0;
-    for (size_t i = 0; i < table->count; i++) {
-        const char *name = table->entries[i].name;
-        if (name && !mesh_parts_find(&surface->parts, table->entries[i].number) && count++ < SHOWN) {
-            names = job_format(job, "%s%s%s", names, count > 1 ? ", " : "", name);
-        }
-    }
-    if (count) {
-        job_note(job, "names without a triangle: %zu (%s%s)", count, names, count > SHOWN ? ", ..." : "");
-    }
-}
-
 /* Loads the surface `path`: each part is an area, or the whole. */
-static void load_surface(struct load *load, const char *path, const struct statement *stated)
+static void load_surface(struct load *load, const char *path, struct scene *scene)
 {
-    struct job *job = &load->job;
-    const conus_load_options *options = load->options;
-    struct surface *surface = job_new(job, struct surface);
-    struct file_state state;
-    if (!JOB_CALL(job, file_state_find(&state, path))) {
-        return;
-    }
-    job_own(job, end_surface, surface);
-    const struct format *format = source_format(job, path, ROLE_SURFACE);
-    if (options->labels && !mesh_format_keeps_vertices(format)) {
-        job_refuse(job, "%s: labels of vertices need a surface that numbers its vertices, as all formats but STL do",
-                   path);
-    } else if (!options->labels && mesh_format_is_foreign(format)) {
-        read_objects(job, surface, path, stated);
-    } else {
-        read_surface(job, surface, path, stated, options);
-    }
-    place_surface(surface, stated);
-    load_create(load, NULL, 0, NULL, surface->source);
-    if (job_ok(job) && surface->mesh.vertex_count) {
-        add_area(load, surface, 1, &surface->mesh);
-    }
-    for (size_t i = 0; i < surface->parts.count && job_ok(job); i++) {
-        add_area(load, surface, surface->parts.parts[i].label, &surface->parts.parts[i].mesh);
-    }
-    note_missing(job, surface);
-    (void)JOB_CALL(job, atlas_note_file(load->atlas, path, &state));
+    struct scene_item item = {
+        .kind = ITEM_AREA, .file = (char *)path, .vertex_labels = (char *)load->options->labels, .parts = true};
+    load_at(load, path);
+    *LIST_ADD(&load->job, &scene->items) = item;
+    scene_load(load, scene, "", NULL);
 }
 
 /* Loads the .dlabel.nii path, which may choose a map, with the surfaces beside it. */
@@ -296,13 +139,24 @@ static void load_brainglobe(struct load *load, const char *folder)
     scene_load(load, &scene, root, "terminology.csv");
 }
 
-static void load_folder(struct load *load, const char *path)
+/* Refuses what is stated of surfaces where there are none, or they say it by themselves. */
+static void refuse_space(struct job *job, const struct scene *stated, const char *path, bool has_surfaces)
+{
+    if (stated->space && !has_surfaces) {
+        job_fail(job, CONUS_ERROR_ARGUMENT, "%s: space= is for surfaces, and this is none", path);
+    }
+}
+
+static void load_folder(struct load *load, const char *path, const struct scene *stated)
 {
     struct job *job = &load->job;
     const char *whole = brainglobe_of_meshes(job, path); /* the folder whose meshes these are */
     const char *folder = whole ? whole : job_format(job, "%s%s", path, path_base(path)[0] ? "/" : "");
     struct scene scene;
     scene_of_folder(job, &scene, folder, whole != NULL);
+    scene.space = stated->space;
+    scene.image = stated->image;
+    refuse_space(job, &scene, path, scene_count(&scene, ITEM_AREA | ITEM_AREAS));
     scene_load(load, &scene, folder, "the manifest");
     if (!whole) {
         note_hemispheres(job, folder);
@@ -325,13 +179,12 @@ static bool is_probabilistic(struct job *job, const struct open_file *file)
     return is;
 }
 
-static void load_file(struct load *load, const struct source *source, const char *path, const struct statement *stated)
+static void load_file(struct load *load, const struct source *source, const char *path, struct scene *stated)
 {
     const enum format_id scene = source_scene(source);
     const bool is_surface = source->is_open && format_find(&source->head, ROLE_SURFACE);
-    if (stated->space && (scene == FORMAT_MANIFEST || (source->is_open && !is_surface))) {
-        job_fail(&load->job, CONUS_ERROR_ARGUMENT, "%s: space= is for surfaces, and this is none", path);
-    } else if (scene == FORMAT_MANIFEST) {
+    refuse_space(&load->job, stated, path, scene != FORMAT_MANIFEST && (is_surface || !source->is_open));
+    if (scene == FORMAT_MANIFEST) {
         load_json(load, &source->file);
     } else if (scene == FORMAT_CIFTI) {
         load_cifti(load, path);
@@ -340,7 +193,6 @@ static void load_file(struct load *load, const struct source *source, const char
     } else if (scene == FORMAT_ATLAS_XML || !is_surface) {
         load_volumes(load, source, path);
     } else {
-        report_only_file(load, path);
         load_surface(load, path, stated);
     }
 }
@@ -349,8 +201,8 @@ static void load_path(struct load *load, const char *path)
 {
     struct job *job = &load->job;
     struct source source = {0};
-    struct statement stated = {0};
-    path = take_statement(job, &stated, path);
+    struct scene stated = {0};
+    path = take_space(job, &stated, path);
     const struct format *zarr = NULL;
     bool is_folder = file_is_folder(path);
     if (is_folder) {
@@ -360,9 +212,10 @@ static void load_path(struct load *load, const char *path)
     const bool may_be_brainglobe = is_folder || strcmp(path_base(path), "manifest.json") == 0;
     const char *brainglobe = may_be_brainglobe ? find_brainglobe(job, path) : NULL;
     if (brainglobe) {
+        refuse_space(job, &stated, path, false);
         load_brainglobe(load, brainglobe);
     } else if (is_folder) {
-        load_folder(load, path);
+        load_folder(load, path, &stated);
     } else if (JOB_CALL(job, source_open_atlas(&source, path))) {
         load_file(load, &source, path, &stated);
     }

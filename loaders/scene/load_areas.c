@@ -48,45 +48,79 @@ static void name_area(struct job *job, struct planned_area *area, const struct l
 static void hand_out_parts(struct surfaces *surfaces, const struct labelled_surface *labelled, struct mesh_parts *parts)
 {
     for (size_t i = 0; i < surfaces->count; i++) {
-        const struct planned_area *area = &surfaces->plan->areas.at[i];
+        struct planned_area *area = &surfaces->plan->areas.at[i];
         struct mesh_part *part = area->surface == labelled ? mesh_parts_find(parts, area->part) : NULL;
         if (part) {
             surfaces->meshes[i] = part->mesh;
             part->mesh = (struct mesh){0};
-        }
-        if (area->surface == labelled && !surfaces->meshes[i].triangle_count) {
+            area->label.hemisphere = area->label.hemisphere ? area->label.hemisphere : labelled->said.hemisphere;
+        } else if (area->surface == labelled && !labelled->item->parts) {
             job_note(surfaces->job, "%s: label %u is on no triangle, left out", area->path, area->part);
         }
     }
 }
 
+/* Says what is in one of the surface's file of labels and on its triangles, and not in the other: labels without a
+ * name, and of a surface all of whose labels are areas names without a triangle, since an area has a shape. */
+static void note_missing(struct job *job, const struct labelled_surface *surface, const struct mesh_parts *parts)
+{
+    enum { SOME = 4 };
+    const struct label_table *table = &surface->labels.table;
+    const char *about = surface->item->list ? job_format(job, "%s: ", surface->path) : "";
+    const char *names = "";
+    size_t count = 0;
+    for (size_t i = 0; i < parts->count; i++) {
+        const struct label *label = label_table_find(table, parts->parts[i].label);
+        if (!(label && label->name) && count++ < SOME) {
+            names = job_format(job, "%s%s%u", names, count > 1 ? ", " : "", parts->parts[i].label);
+        }
+    }
+    if (count) {
+        job_warn(job, "%slabels of vertices that their table does not name: %zu (%s%s)", about, count, names,
+                 count > SOME ? ", ..." : "");
+    }
+    names = "";
+    count = 0;
+    for (size_t i = 0; surface->item->parts && i < table->count; i++) {
+        const char *name = table->entries[i].name;
+        if (name && !mesh_parts_find(parts, table->entries[i].number) && count++ < SOME) {
+            names = job_format(job, "%s%s%s", names, count > 1 ? ", " : "", name);
+        }
+    }
+    if (count) {
+        job_note(job, "%snames without a triangle: %zu (%s%s)", about, count, names, count > SOME ? ", ..." : "");
+    }
+}
+
 static void cut_labelled(struct surfaces *surfaces, struct labelled_surface *labelled)
 {
+    struct job *job = surfaces->job;
     const struct mesh_file_options options = {.space = surfaces->space};
     struct vertex_labels *labels = &labelled->labels;
-    struct mesh mesh = {0};
+    struct mesh *mesh = &labelled->mesh;
     struct mesh_parts parts = {0};
     load_report(surfaces->load, labelled->path, 1);
-    if (!mesh_format_keeps_vertices(source_format(surfaces->job, labelled->path, ROLE_SURFACE))) {
-        job_refuse(surfaces->job, "vertex_labels: %s: a surface that numbers its vertices is needed, any but STL",
-                   path_base(labelled->path));
+    if (labelled->objects.count) {
+        hand_out_parts(surfaces, labelled, &labelled->objects);
+        return;
     }
-    struct label said = {0};
-    surface_read(surfaces->job, &mesh, &said, labelled->path, &options);
-    if (labelled->labels_path) {
-        mesh_file_match_sides(surfaces->job, said.hemisphere, labelled->path, labels->hemisphere,
+    if (!mesh->vertex_count) {
+        surface_read(job, mesh, &labelled->said, labelled->path, &options);
+    }
+    if (!labelled->item->label.hemisphere) {
+        mesh_file_match_sides(job, labelled->said.hemisphere, labelled->path, labels->hemisphere,
                               labelled->labels_path);
     }
-    label_finish(&said);
-    vertex_labels_extend(surfaces->job, labels, mesh.vertex_count);
-    if (mesh.vertex_count != labels->count) {
-        job_bad(surfaces->job, "vertex_labels: %zu labels, %s has %zu vertices: they must be as many", labels->count,
-                path_base(labelled->path), mesh.vertex_count);
+    vertex_labels_extend(job, labels, mesh->vertex_count);
+    if (mesh->vertex_count != labels->count) {
+        job_bad(job, "%s: labels of %zu vertices, the surface %s has %zu", labelled->labels_path, labels->count,
+                labelled->path, mesh->vertex_count);
     }
-    (void)JOB_CALL(surfaces->job, mesh_split(&parts, &mesh, labels->labels, &surfaces->job->notes));
+    (void)JOB_CALL(job, mesh_split(&parts, mesh, labels->labels, &job->notes));
     hand_out_parts(surfaces, labelled, &parts);
+    note_missing(job, labelled, &parts);
     mesh_parts_finish(&parts);
-    mesh_finish(&mesh);
+    mesh_finish(mesh);
 }
 
 /* Reads other programs' files: those with a placement of their own, or those without. */
@@ -120,7 +154,7 @@ static void read_own(struct surfaces *surfaces, size_t i)
     struct planned_area *area = &surfaces->plan->areas.at[i];
     const struct mesh_file_options options = {.space = surfaces->space};
     struct label said = {0};
-    const size_t mark = job_in(surfaces->job, "areas", area->entry);
+    const size_t mark = job_in(surfaces->job, area->item->list, area->item->index);
     load_report(surfaces->load, area->path, 1);
     surface_read(surfaces->job, &surfaces->meshes[i], &said, area->path, &options);
     said.name = job_adopt(surfaces->job, said.name);
@@ -133,14 +167,19 @@ static void read_all(struct surfaces *surfaces)
 {
     struct area_plan *plan = surfaces->plan;
     for (size_t i = 0; i < surfaces->count; i++) { /* the reader reports a file that is not there */
-        (void)file_state_find(&plan->areas.at[i].state, plan->areas.at[i].path);
+        struct planned_area *area = &plan->areas.at[i];
+        if (area->surface) {
+            area->state = area->surface->state;
+        } else {
+            (void)file_state_find(&area->state, area->path);
+        }
     }
     for (size_t i = 0; i < surfaces->count; i++) {
         const struct planned_area *area = &plan->areas.at[i];
         surfaces->is_foreign[i] =
             !area->surface && mesh_format_is_foreign(source_format(surfaces->job, area->path, ROLE_SURFACE));
     }
-    const size_t mark = job_in(surfaces->job, "areas", JOB_ALONE);
+    const size_t mark = job_in(surfaces->job, surfaces->count ? plan->areas.at[0].item->list : NULL, JOB_ALONE);
     read_foreign(surfaces, true);
     read_foreign(surfaces, false);
     for (size_t i = 0; i < plan->labelled_count && job_ok(surfaces->job); i++) {
@@ -259,13 +298,12 @@ static void add_surfaces(const struct surfaces *surfaces)
         struct mesh *mesh = &surfaces->meshes[i];
         char digits[LABEL_DIGITS];
         const conus_object object = label_object(&area->label, atlas->object_count, digits);
-        if (!mesh->triangle_count) { /* a label on no triangle */
-            continue;
-        }
         if (area->placed) {
             mesh_transform(mesh, area->world_from_mesh);
         }
-        (void)JOB_CALL(surfaces->job, atlas_add_mesh(atlas, &object, mesh));
+        if (mesh->triangle_count) { /* else it is a label on no triangle */
+            (void)JOB_CALL(surfaces->job, atlas_add_mesh(atlas, &object, mesh));
+        }
         if (!area->surface || !i || strcmp(areas[i - 1].path, area->path) != 0) {
             (void)JOB_CALL(surfaces->job, atlas_note_file(atlas, area->path, &area->state));
         }

@@ -104,7 +104,7 @@ static void apply_preference(struct job *job, struct area_plan *plan, const stru
         job_bad(job,
                 "areas[%zu]: label %u of %s is in the parcellation, too: say \"prefer\": \"areas\" or "
                 "\"parcellation\"",
-                first->entry, first->label.number, path_base(first->path));
+                first->item->index, first->label.number, path_base(first->path));
     } else if (first && preference == SCENE_PREFER_PARCELLATION) {
         drop_surfaces(plan, counts);
         job_note(job, "labels that are both a surface and voxels: %zu, the voxels are taken", shared);

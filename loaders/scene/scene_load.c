@@ -29,9 +29,9 @@ struct loading {
     const struct scene *scene;
     const char *path;              /* of the manifest, ending in '/' if it was made for a folder */
     const struct bytes *file;      /* its bytes; NULL if it was made up */
-    const char *names;             /* where the names of areas without a parcellation come from */
-    const struct named_maps *maps; /* whose table names the volumes of a file that is ATLAS, and whose user sees no
-                                 manifest; NULL without one */
+    const char *names;             /* where the names of areas without a parcellation come from; NULL: as planned */
+    const struct named_maps *maps; /* whose table names the volumes of a file that is ATLAS; NULL without one */
+    bool is_file;                  /* the scene is a file that is ATLAS, and its user sees no manifest */
     bool has_image;                /* a context that is a volume */
     struct volume_file series;     /* kept for the pathways that follow, if any is in the same file */
     const char *series_name;       /* as the manifest writes it; NULL without one */
@@ -61,16 +61,16 @@ static void blame_manifest(const struct loading *loading)
 
 typedef void add_function(struct loading *loading, const struct scene_item *item);
 
-/* Adds an item: what it has become is the atlas's. A file that is ATLAS has no manifest which a message could name. */
+/* Adds an item: what it has become is the atlas's. */
 static void add_item(struct loading *loading, const struct scene_item *item, add_function *add)
 {
     struct job *job = loading->job;
     const struct job_mark mark = job_mark(job);
-    const size_t place = loading->maps ? job->depth : job_in(job, item->list, item->index);
+    const size_t place = job_in(job, item->list, item->index);
     add(loading, item);
     job_out(job, place);
     job_release(job, mark);
-    if (!loading->maps) {
+    if (!loading->is_file) {
         blame_manifest(loading);
     }
 }
@@ -136,11 +136,11 @@ static void create_atlas(const struct loading *loading, struct area_plan *plan)
     struct job *job = loading->job;
     const size_t count = scene_count(scene, ITEM_PARCELLATION);
     const char *labels = loading->load->options->labels;
-    if (labels && !loading->maps && count != 1) {
+    if (labels && !loading->is_file && count != 1) {
         refuse_labels(loading, labels, count);
     }
     if (!count) {
-        load_create(loading->load, NULL, 0, NULL, loading->names);
+        load_create(loading->load, NULL, 0, NULL, loading->names ? loading->names : plan->names);
         return;
     }
     struct parcellations all = {.parts = job_zeroed(job, count, sizeof *all.parts), .source = ""};
@@ -479,7 +479,7 @@ static void load_scene(struct loading *loading)
     }
     loading->job = job;
     struct deferred_notes deferred = load_defer_notes(load);
-    const size_t place = loading->maps ? job->depth : job_in(job, loading->path, JOB_ALONE);
+    const size_t place = job_in(job, loading->is_file ? NULL : loading->path, JOB_ALONE);
     load_areas(loading);
     for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
         take_step(loading, &steps[i]);
@@ -497,12 +497,13 @@ void manifest_load(struct load *load, const char *path, const struct bytes *file
     const size_t mark = job_in(&load->job, path, JOB_ALONE);
     scene_read(&load->job, &scene, text_from_bytes(file->data, file->size));
     job_out(&load->job, mark);
+    scene.image = scene.image ? job_beside(&load->job, path, scene.image) : NULL;
     load_scene(&(struct loading){.load = load, .scene = &scene, .path = path, .file = file, .names = "the manifest"});
 }
 
 void scene_load(struct load *load, const struct scene *scene, const char *path, const char *names)
 {
-    load_scene(&(struct loading){.load = load, .scene = scene, .path = path, .names = names});
+    load_scene(&(struct loading){.load = load, .scene = scene, .path = path, .names = names, .is_file = !names});
 }
 
 /* Loads probabilities, whose path is in the folder of `path`, as an atlas of its own. */
@@ -511,12 +512,13 @@ static void load_item(struct load *load, const char *path, struct scene_item ite
     const char *name = path_base(path);
     const char *folder = name == path ? "./" : job_format(&load->job, "%.*s", (int)(name - path), path);
     item.kind = ITEM_PROBABILITIES;
-    item.list = "probabilities";
+    item.list = maps ? NULL : "probabilities";
     load_scene(&(struct loading){.load = load,
                                  .scene = &(struct scene){.items = {.at = &item, .count = 1}},
                                  .path = folder,
                                  .names = maps ? maps->source : "FSL atlas XML",
-                                 .maps = maps});
+                                 .maps = maps,
+                                 .is_file = maps});
 }
 
 void probabilities_load(struct load *load, const char *path)

@@ -13,7 +13,7 @@
 void manifest_load(struct load *load, const char *path, const struct bytes *file);
 
 /** Loads @p scene, which was made up for the file or folder (with '/' at its end) @p path, likewise. @p names says
- * where the names of its surfaces come from. */
+ * where the names of its surfaces come from. NULL: it is one file that is ATLAS, which no message calls a manifest. */
 void scene_load(struct load *load, const struct scene *scene, const char *path, const char *names);
 
 /** Loads the volumes of @p path that @p maps names as areas of probabilities, if their values are some. */

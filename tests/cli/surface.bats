@@ -318,6 +318,17 @@ numbers() {
     [[ "$output" == *"i.nrrd: volume: found 1, allowed are 0 to 0"* ]]
     "$CONUS" query t.off,space=lps --origin=-12,-3,50 --direction 0,0,-1 --angle 1 --format tsv 2>notes | grep -q t
     [ ! -s notes ] || ! grep -q "RAS was taken" notes
-    run -2 "$CONUS" info i.nrrd,space=lps
-    [[ "$output" == *"space= is for surfaces, and this is none"* ]]
+    # of a folder's surfaces, and in a manifest
+    mkdir set
+    cp t.off set/t.off
+    [ "$(at set 12)" = t ]
+    [ "$(at set,space=i.nrrd -12)" = t ]
+    "$CONUS" query set,space=lps --origin=-12,-3,50 --direction 0,0,-1 --angle 1 --format tsv | grep -q t
+    cp i.nrrd set/i.nrrd
+    printf '{"conus_atlas": 1, "areas": [{"file": "t.off", "label": 1}], "space": "i.nrrd"}' >set/s.atlas.json
+    [ "$(at set/s.atlas.json -12)" = t ]
+    for none in i.nrrd set/s.atlas.json; do
+        run -2 "$CONUS" info $none,space=lps
+        [[ "$output" == *"space= is for surfaces, and this is none"* ]]
+    done
 }
