@@ -493,6 +493,25 @@ void help_scores(FILE *out)
     }
 }
 
+void help_errors(FILE *out)
+{
+    const conus_pose_error *error;
+    fputs("Published errors of --jitter, with standard deviations per axis\n", out);
+    for (size_t i = 0; (error = conus_pose_error_at(i)); i++) {
+        fprintf(out, "  %-19s ", error->name);
+        if (error->entry > 0) {
+            fprintf(out, " entry %.2f mm, target %.2f mm (conus plan)", error->entry, error->target);
+        } else if (error->shift > 0) {
+            fprintf(out, " %.2f mm", error->shift);
+        }
+        if (error->tilt_deg > 0) {
+            fprintf(out, "%s %.2f degrees", error->shift > 0 ? "," : "", error->tilt_deg);
+        }
+        fputs("\n", out);
+    }
+    fputs("  vr-controller:W          that of a target W degrees wide; above W is 4\n", out);
+}
+
 static const char *const orders[] = {"rank", "depth", NULL};
 
 const struct rows_kind settings_axis_rows[AXIS_FILES] = {{"segments", CONUS_ROWS_SEGMENTS, "segments"},
@@ -571,14 +590,45 @@ static bool read_ends(conus_jitter_options *out, const char *text)
            refuse("--jitter: \"%s\" is not entry=MM,target=MM[,depth=MM] with numbers from 0 to 1000000", text);
 }
 
+/* A word, and no numbers. */
+static bool is_name(const char *text)
+{
+    return ((*text | ' ') >= 'a' && (*text | ' ') <= 'z') && !strchr(text, ',') && !strchr(text, '=');
+}
+
+bool settings_error(conus_pose_error *out, const char *text, bool has_needles)
+{
+    if (!text || !is_name(text)) {
+        return false;
+    }
+    if (conus_pose_error_find(out, text)) {
+        return refuse("--jitter: %s", conus_message());
+    }
+    return out->entry == 0 || has_needles ||
+           refuse("--jitter: %s is an error of needles, at their entry and target; conus plan knows those", out->name);
+}
+
+static bool set_error(conus_jitter_options *out, const conus_pose_error *error)
+{
+    out->tilt = radians(error->tilt_deg);
+    out->shift = error->shift;
+    out->entry = error->entry;
+    out->target = error->target;
+    out->depth = error->depth;
+    return true;
+}
+
 bool settings_jitter(conus_jitter_options *out, const char *text, uint32_t samples, bool has_needles)
 {
     double errors[2] = {0};
+    conus_pose_error error;
     *out = (conus_jitter_options){.samples = samples};
     if (samples & (samples - 1)) {
         print_error_line("--samples: %u is no power of two", samples);
     } else if (has_needles && strchr(text, '=')) {
         return read_ends(out, text);
+    } else if (is_name(text)) {
+        return settings_error(&error, text, has_needles) && set_error(out, &error);
     } else if (numbers_parse(errors, 2, text, ',') != 2) {
         print_error_line("--jitter: \"%s\" is not two numbers DEGREES,MM without spaces", text);
     } else if (!(errors[0] >= 0 && errors[0] <= 90)) {

@@ -164,8 +164,9 @@ bool settings_check_score(const struct engine_settings *settings, bool has_histo
 conus_selector_options settings_engine(const struct engine_settings *settings, const struct aim_settings *aim,
                                        const struct common_settings *common);
 
-/** Lists the scores and what they mean, for --help. */
+/** Lists the scores and what they mean, and the published errors, for --help. */
 void help_scores(FILE *out);
+void help_errors(FILE *out);
 
 /** Rows that have a file of their own, beside the answer or instead of it. */
 struct rows_kind {
@@ -195,6 +196,10 @@ enum { CLEARANCE_WITHIN = 10 };
 /** Reads --contacts; the count is 0 if it was not given (NULL). Returns the exit code and prints an error unless it is
  * 0. */
 int settings_contacts(conus_contacts *out, const char *text);
+
+/** Finds the published error that --jitter names. False where it names none: then it prints an error, unless @p text is
+ * no name. @p has_needles: errors of needles are known, too. */
+bool settings_error(conus_pose_error *out, const char *text, bool has_needles);
 
 /** Reads --jitter (DEGREES,MM or, with @p has_needles, the errors of both ends) and checks --samples; prints an error
  * where one is wrong. */

@@ -46,7 +46,7 @@ from ._library import (
 from ._picture import GLOwner, Picture, Renderer, rgb_of
 from ._pose_file import Poses
 from ._poses import Aims, PoseArray, notes_of, pose_of, rows_of, warn
-from ._plan import Plan, constraints_of, plan_of, stream_of
+from ._plan import Plan, constraints_of, error_of, plan_of, stream_of
 from ._probe import Contacts, Probe, poses_of_probe
 from ._progress import LoadProgress, Progress, telling
 from ._space import Place, frame_of, place_of, space_of
@@ -1080,6 +1080,7 @@ class Selector(Guarded):
     def jitter(
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
         angle: Optional[float] = None, degrees: float = 0, mm: float = 0, samples: int = 0,
+        error: Optional[str] = None,
     ) -> Table:
         """The chances of each object under errors of the pose: ``conus sweep --jitter``.
 
@@ -1093,6 +1094,8 @@ class Selector(Guarded):
             Standard deviation of the position along each of three.
         samples
             Poses to trace from, a power of two from 16 to 1048576; 0 = 1024. They are always the same.
+        error
+            In place of degrees and mm, the name of a published error: see :func:`conus.errors`.
 
         Returns
         -------
@@ -1103,6 +1106,13 @@ class Selector(Guarded):
         options, opening = ffi.new("conus_jitter_options *"), self._angle(angle)
         options.tilt, options.shift = math.radians(real("degrees", degrees)), real("mm", mm)
         options.samples = whole("samples", samples)
+        if error is not None:
+            if degrees or mm:
+                raise ArgumentError("error: it has degrees and mm of its own")
+            law = error_of("error", error)
+            if law.entry > 0:
+                raise ArgumentError(f"error: {error} is an error of needles, which plan(jitter=...) knows")
+            options.tilt, options.shift = math.radians(law.tilt_deg), law.shift
         self._call(lib.conus_jitter, out, self._p, aim, opening, options)
         jitter = Table(out[0])
         self._warn_of(aim, opening)
@@ -1660,11 +1670,11 @@ class Atlas:
 
     def jitter(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
                angle: Optional[float] = None, degrees: float = 0, mm: float = 0, samples: int = 0,
-               **options: Any) -> Table:
+               error: Optional[str] = None, **options: Any) -> Table:
         """The chances of each object under errors of the pose: see :meth:`Selector.jitter`."""
         return self._selector(options).jitter(
             origin, toward=toward, direction=direction, up=up, pose=pose, angle=angle, degrees=degrees, mm=mm,
-            samples=samples,
+            samples=samples, error=error,
         )
 
     def connectivity(self, radius: float = 2.0, **options: Any) -> Connectivity:

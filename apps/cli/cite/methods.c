@@ -29,6 +29,10 @@ struct sentence {
     "0.5 mm from each other.| Volumes are exact for the voxels and closed surfaces as they are; what is in no "        \
     "surface, or in several that are one area, was measured round 4 × 4 lines through each voxel of the region.}"
 #define VOLUME "The volume that {regions} has in common with each {object} was determined " CONUS " {region}" EXACT
+#define FROM_SAMPLES                                                                                                   \
+    " from {Question.options.samples|1024} poses about each given one, drawn from a Sobol sequence with independent "  \
+    "normal errors"
+#define SAMPLED " The probability of each object to rank first was estimated" FROM_SAMPLES
 #define CONNECTED                                                                                                      \
     CONUS " An end had the area that it lies in{Queries.0.endpoint_radius_mm?, else the nearest one within @ mm}. "    \
           "Streamlines are a model: their number is not that of axons."
@@ -89,12 +93,15 @@ static const struct sentence of_settings[] = {
      "{Settings.track.snappiness? and snappiness @}{Settings.track.rate_hz? at @ Hz}{Settings.track.growth_per_s?, "
      "growth @/s}{Settings.track.decay_per_s?, decay @/s}{Settings.track.exponent? and exponent @}."},
     {"rays Settings.track", " A press of the trigger confirmed what was selected {Settings.track.delay_s} s before."},
-    {"Question.options.jitter",
-     " The probability of each object to rank first was estimated from {Question.options.samples|1024} poses about "
-     "each "
-     "given one, drawn from a Sobol sequence with independent normal errors; their standard deviations were "
-     "{tilt?@° of tilt about each of two axes and|those that the file gives for each pose}{offset? @ mm of position "
-     "along each of three}."},
+    {"Question.options.jitter !Plan !Settings.error",
+     SAMPLED "; their standard deviations were {tilt?@° of tilt about each of two axes and|those that the file gives "
+             "for each pose}{offset? @ mm of position along each of three}."},
+    {"Settings.error !Plan",
+     SAMPLED "; their standard deviations were {Settings.error.tilt_deg?@° of tilt about each of two "
+             "axes{Settings.error.shift_mm? and }}{Settings.error.shift_mm?@ mm of position along each of three}."},
+    {"Question.options.jitter Plan", " Probabilities to break nothing were estimated" FROM_SAMPLES
+                                     ": {Question.options.jitter} (options of conus plan)."},
+    {"Settings.error", " These errors are published, as {Settings.error.measured} (see the references)."},
     {"Question.options.summary",
      " Reported are the object that ranks first, the runner-up and the difference of their scores."},
     {"Space.orientation=CCF", " Positions were those of the Allen CCF, AP, DV and ML in µm from its corner."},
@@ -519,6 +526,14 @@ bool citation_is_known(struct citation *citation)
         sentence++;
     }
     return sentence->text;
+}
+
+const char *citation_error(const struct citation *citation, const char *key)
+{
+    const json_t *error = fact(citation->facts, "Settings.error");
+    const bool is_whole =
+        json_is_string(json_object_get(error, "name")) && json_is_string(json_object_get(error, "source"));
+    return is_whole ? json_string_value(json_object_get(error, key)) : NULL;
 }
 
 bool citation_has_rays(const struct citation *citation)
