@@ -2,6 +2,7 @@
 /* The tables of options that several commands share, and what they mean for the library. */
 #include "settings/settings.h"
 
+#include "base/text.h"
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/options.h"
@@ -250,6 +251,24 @@ const struct option shape_options[] = {
     {0},
 };
 
+const struct option weight_options[] = {
+    {OPTION_VALUED("weight", struct engine_settings, weight, "FORM|FILE[,bias=X:Y]"),
+     .help =
+         "weigh the rays: hard (all alike), gauss=DEGREES (as a hand or tracker is off by so much about each of two "
+         "axes, 0.01 to 20; the cone opens to 8 times as much unless --angle says otherwise), or a table with "
+         "columns weight and angle_deg or offset_mm; bias: the device points X degrees to its right and Y up of "
+         "what is meant",
+     .words = "soft, Gaussian, uncertainty, pointing, VR", .role = OPTION_READS_NAMES,
+     .flags = OPTION_OF_CONE | OPTION_OF_RAYS, .holds = HOLDS_TEXT},
+    {OPTION_VALUED("prior", struct engine_settings, prior, "equal|size|FILE[,power=G]"),
+     .help = "with --weight, how probable it is that each object is meant: each object as often, each direction as "
+             "often, or as a table with columns name or index, and prior, says (1 of others); G is the exponent of "
+             "likelihoods, 0.01 to 100",
+     .otherwise = "equal, where --score needs it", .words = "Bayes, posterior, intention", .role = OPTION_READS_NAMES,
+     .flags = OPTION_OF_CONE | OPTION_OF_RAYS, .needs = "weight", .holds = HOLDS_TEXT},
+    {0},
+};
+
 const struct option slices_options[] = {
     {OPTION_VALUED("slices", struct engine_settings, slices, "N"),
      .help = "with --sampling slices: slices of the picture; the selection takes --slice-fraction of them",
@@ -449,6 +468,71 @@ bool settings_check_shape(const struct aim_settings *settings, const struct engi
     return true;
 }
 
+int settings_weight(struct aim_settings *aim, struct engine_settings *settings, const struct arguments *arguments)
+{
+    const char *const texts[] = {settings->weight, settings->prior};
+    for (size_t i = 0; i < 2; i++) {
+        const size_t length = texts[i] ? conus_weight_path_length(texts[i]) : 0;
+        settings->weight_file[i] = length ? text_copy(texts[i], length) : NULL;
+        if (length && !settings->weight_file[i]) {
+            return print_no_memory();
+        }
+    }
+    if (!settings->weight) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_weight_create(&settings->made, settings->weight);
+    if (status) {
+        return status == CONUS_ERROR_ARGUMENT ? print_usage_error("--weight: %s", conus_message())
+                                              : print_status(status);
+    }
+    const double angle = conus_weight_angle(settings->made);
+    const double radius = conus_weight_radius(settings->made);
+    if (!isnan(angle) && settings->radius > 0) {
+        return print_usage_error("--weight: an angle needs a cone, and --radius makes a cylinder");
+    }
+    if (!isnan(radius) && option_given(arguments, "angle") && aim->angle != 0) {
+        return print_usage_error("--weight: an offset needs a cylinder, and --angle makes a cone");
+    }
+    if (!isnan(angle) && !option_given(arguments, "angle")) {
+        aim->angle = angle;
+    }
+    if (!isnan(radius) && settings->radius == 0) {
+        settings->radius = radius;
+    }
+    return EXIT_DONE;
+}
+
+void settings_say_weight(const struct aim_settings *aim, const struct engine_settings *settings,
+                         const struct common_settings *common)
+{
+    const double sigma = settings->made ? conus_weight_sigma(settings->made) : 0;
+    const double angle = settings_angle(aim, settings) * (180 / M_PI);
+    const uint32_t resolution = settings->resolution ? settings->resolution : CONUS_RESOLUTION_DEFAULT;
+    const double pixels = sigma * resolution / angle;
+    const double rim = sigma > 0 ? conus_weight_at(settings->made, angle / 2) : 0;
+    if (sigma > 0 && pixels < 2) {
+        say_note(
+            CONUS_SEVERITY_NOTE, common->quiet,
+            "the weight is narrow: its standard deviation is %.2g pixels; a smaller --angle or a larger --resolution "
+            "has more",
+            pixels);
+    }
+    if (rim > 0.05) {
+        say_note(CONUS_SEVERITY_NOTE, common->quiet,
+                 "at the rim of the cone the weight is %.0f %% of its largest, and beyond nothing counts; it fills %g "
+                 "degrees",
+                 100 * rim, conus_weight_angle(settings->made));
+    }
+}
+
+void settings_weight_finish(struct engine_settings *settings)
+{
+    conus_weight_destroy(settings->made);
+    free(settings->weight_file[0]);
+    free(settings->weight_file[1]);
+}
+
 bool settings_check_score(const struct engine_settings *settings, bool has_history)
 {
     conus_score_info score;
@@ -457,6 +541,9 @@ bool settings_check_score(const struct engine_settings *settings, bool has_histo
     }
     if (score.needs_history && !has_history) {
         return refuse("--score: %s needs a history, which single poses do not have; conus track has one", score.name);
+    }
+    if (score.needs_weight && !settings->weight) {
+        return refuse("--score: %s needs --weight, which conus query and conus batch have", score.name);
     }
     if (score.needs_layers && settings->layers != CONUS_LAYERS_ALL) {
         return refuse("--score: %s needs --layers all", score.name);
@@ -479,6 +566,8 @@ conus_selector_options settings_engine(const struct engine_settings *settings, c
         .radius = settings->radius,
         .level = settings->level,
         .score = settings->score,
+        .weight = settings->made,
+        .prior = settings->prior,
         .log = common->verbose ? log_line : log_note_quiet,
     };
 }
@@ -488,8 +577,9 @@ void help_scores(FILE *out)
     const conus_score_info *score;
     fputs("Scores, the higher the better; a formula joins them with numbers, + - * / and parentheses\n", out);
     for (size_t i = 0; (score = conus_score(i)); i++) {
-        fprintf(out, "  %-26s  %s%s%s\n", score->name, score->description, score->needs_history ? " (conus track)" : "",
-                score->needs_layers ? " (--layers all)" : "");
+        fprintf(out, "  %-26s  %s%s%s%s\n", score->name, score->description,
+                score->needs_history ? " (conus track)" : "", score->needs_layers ? " (--layers all)" : "",
+                score->needs_weight ? " (--weight)" : "");
     }
 }
 

@@ -92,6 +92,17 @@ static const struct sentence of_settings[] = {
      "{Settings.track.window_s?, with a window of @ s}{Settings.track.stickiness?, stickiness @}"
      "{Settings.track.snappiness? and snappiness @}{Settings.track.rate_hz? at @ Hz}{Settings.track.growth_per_s?, "
      "growth @/s}{Settings.track.decay_per_s?, decay @/s}{Settings.track.exponent? and exponent @}."},
+    {"Settings.weight.form=gauss",
+     " Rays were weighted by a normal error of the axis's tilt, with a standard deviation "
+     "of {Settings.weight.sigma_deg}° about each of two axes: an object's weight is the "
+     "probability that the axis meets it before any other (Eq. 30 and 31 of conus's "
+     "documentation)."},
+    {"Settings.weight.form=table", " Rays were weighted by a table of {Settings.weight.rows} rows (Eq. 30 and 31 of "
+                                   "conus's documentation)."},
+    {"Settings.weight.bias_deg.0", "{biased? The device was taken to point {Settings.weight.bias_deg.0}° to its right "
+                                   "and {Settings.weight.bias_deg.1}° up of what was meant.}"},
+    {"Settings.prior", " The posterior of an object is the probability that it is meant, if "
+                       "{meant}{power?; likelihoods were raised to the power @} (Eq. 32)."},
     {"rays Settings.track", " A press of the trigger confirmed what was selected {Settings.track.delay_s} s before."},
     {"Question.options.jitter !Plan !Settings.error",
      SAMPLED "; their standard deviations were {tilt?@° of tilt about each of two axes and|those that the file gives "
@@ -465,6 +476,14 @@ static void set_numbers(json_t *facts)
     } else if (holds(facts, "Settings.sampling=slices")) {
         set(facts, "slices", "%.9g of √2 times as many as the longest edge of the volume has voxels", fraction);
     }
+    const double power = number(facts, "Settings.prior.power");
+    set_if(facts, "biased",
+           number(facts, "Settings.weight.bias_deg.0") != 0 || number(facts, "Settings.weight.bias_deg.1") != 0);
+    json_object_set_new(facts, "power", json_real(power != 1 ? power : 0));
+    set(facts, "meant", "%s",
+        holds(facts, "Settings.prior.of=size")   ? "each direction is meant as often"
+        : holds(facts, "Settings.prior.of=file") ? "each object is meant as often as a table says"
+                                                 : "each object is meant as often");
     set_if(facts, "tetrahedra", holds(facts, "Queries.0.tetrahedra"));
     set(facts, "regions",
         json_array_size(fact(facts, "Queries")) == 1 ? "a region of interest" : "each of several regions of interest");
