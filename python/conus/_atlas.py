@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import os
+import re
 import threading
 from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, NamedTuple, Optional, Sequence, Union
 
@@ -576,10 +577,9 @@ def _weight_of(text: Optional[str]) -> Any:
 
 def _state_of_file(given: Any) -> Any:
     """What changes with the file that a weight or prior names; None where it names none."""
-    length = lib.conus_weight_path_length(utf8("weight", given)) if isinstance(given, str) else 0
     try:
-        found = os.stat(os.fsencode(given)[:length]) if length else None
-    except OSError:
+        found = os.stat(re.split(",[a-z]+=", given)[0]) if isinstance(given, str) else None
+    except (OSError, ValueError):
         return None  # the library says so
     return found and (found.st_mtime_ns, found.st_size, found.st_ino)
 

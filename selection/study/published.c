@@ -149,7 +149,7 @@ conus_status conus_pose_error_find(conus_pose_error *out, const char *name)
                     by_width, by_width);
     }
     return closest ? fail(CONUS_ERROR_ARGUMENT, "\"%.60s\" is no published error; did you mean %s?", name, closest)
-                   : fail(CONUS_ERROR_ARGUMENT, "\"%.60s\" is no published error; conus sweep --help lists them", name);
+                   : fail(CONUS_ERROR_ARGUMENT, "\"%.60s\" is no published error (Eq. 29)", name);
 }
 
 const conus_pose_error *conus_pose_error_at(size_t index)
