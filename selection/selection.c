@@ -222,8 +222,8 @@ static conus_status trace_by(enum first_hits way, conus_selection *selection, st
 /* Whether the engine may count what this one hits. */
 static bool may_be_counted(const conus_selection *selection, const conus_selector *selector)
 {
-    return selector->rows_only && selector->engine->functions->count_many && !selection->has_layers &&
-           !cone_has_range(&selection->cone);
+    return selector->rows_only && !selector->options.weight && selector->engine->functions->count_many &&
+           !selection->has_layers && !cone_has_range(&selection->cone);
 }
 
 /* Whether it can count all of them at once: as cones with the same pixels. */
@@ -338,6 +338,7 @@ conus_status selection_begin(conus_selection **out, conus_selector *selector, co
     if (status) {
         return status;
     }
+    weight_turn(&cone.pose, options->weight);
     if (angle != selector->angle) {
         selector->angle = angle;
         selector->slope = tangent(angle / 2);
@@ -373,6 +374,10 @@ conus_status selection_complete(conus_selection *selection, conus_selector *sele
 {
     conus_status status = aperture_prepare(&selector->aperture, &selection->cone); /* another's may have come between */
     status = status ? status : tally_prepare(&selector->tally, selector->atlas->object_count);
+    const conus_weight *weight = selector->options.weight;
+    if (!status && weight) {
+        status = soft_prepare(&selector->soft, weight, &selector->aperture, &selection->cone);
+    }
     if (!status && selection->has_layers) {
         status = census_prepare(&selector->census, selector->atlas, selector->labels);
         if (!status) {
@@ -387,6 +392,7 @@ conus_status selection_complete(conus_selection *selection, conus_selector *sele
             .aperture = &selector->aperture,
             .evidence = &selection->evidence,
             .counts = selection->is_counted ? &selection->counts : NULL,
+            .soft = weight ? &selector->soft : NULL,
             .layers = selection->has_layers ? &selection->layers : NULL,
             .census = selection->has_layers ? &selector->census : NULL,
             .tracts = selection->has_layers ? selector_take_tracts(selector, &selection->region) : NULL,
@@ -400,6 +406,9 @@ conus_status selection_complete(conus_selection *selection, conus_selector *sele
     status = status ? status : selection_regroup(selection, selector->level);
     if (!status) {
         selection_set_kinds(selection);
+    }
+    if (!status && selector->has_posterior) {
+        prior_apply(selection->statistics.results, selection->statistics.count, &selector->prior, &selection->cone);
     }
     return status;
 }

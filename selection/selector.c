@@ -45,6 +45,24 @@ static conus_status check_options(const conus_selector_options *options)
     return status ? status : check_slice_fraction(options);
 }
 
+static conus_status check_weight(const conus_selector *selector)
+{
+    const conus_selector_options *options = &selector->options;
+    const char *score = selector->ranking.formula.text;
+    if (!options->weight) {
+        return options->prior                        ? fail(CONUS_ERROR_ARGUMENT, "prior: needs a weight")
+               : selector->ranking.info.needs_weight ? fail(CONUS_ERROR_ARGUMENT, "score: %s needs a weight", score)
+                                                     : CONUS_OK;
+    }
+    enum weight_by by = options->weight->facts.by;
+    if (by == WEIGHT_BY_ANGLE && options->radius > 0) {
+        return fail(CONUS_ERROR_ARGUMENT, "weight: an angle needs a cone, and a radius makes a cylinder");
+    }
+    return by == WEIGHT_BY_OFFSET && options->radius == 0
+               ? fail(CONUS_ERROR_ARGUMENT, "weight: an offset needs a cylinder, which has a radius")
+               : CONUS_OK;
+}
+
 /* Whether the middle of `inner`, by its bounds, lies within those of `outer`. */
 static bool holds_middle(const struct mesh *outer, const struct mesh *inner)
 {
@@ -119,6 +137,7 @@ conus_status conus_selector_create(conus_selector **out, const conus_atlas *atla
     conus_status status = frame_of_options(&selector->frame, selector->options.frame, CONUS_SPACE_RAS);
     selector->options.frame = NULL; /* the caller's may end */
     status = status ? status : selector_prepare_ranking(selector);
+    status = status ? status : check_weight(selector);
     status = status ? status : conus_selector_set_range(selector, NULL);
     const char *level = selector->options.level;
     selector->options.level = NULL;
@@ -126,6 +145,11 @@ conus_status conus_selector_create(conus_selector **out, const conus_atlas *atla
     status = status                           ? status
              : level && !selector->level_spec ? CONUS_ERROR_MEMORY
                                               : level_create(&selector->level, atlas, level);
+    selector->has_posterior = selector->options.prior || selector->ranking.needs_posterior;
+    if (!status && selector->has_posterior) {
+        status = prior_read(&selector->prior, selector->options.prior, atlas, level_group(selector->level));
+    }
+    selector->options.prior = NULL; /* the caller's may end */
     status = status ? status : measure_objects(selector);
     status = status ? status : list_solids(selector);
     status = status ? status : census_labels_create(&selector->labels, atlas);
@@ -185,6 +209,8 @@ conus_status selector_share(conus_selector **out, const conus_selector *selector
                                .whole = selector->whole,
                                .solids = selector->solids,
                                .clearance_index = selector->clearance_index,
+                               .prior = selector->prior,
+                               .has_posterior = selector->has_posterior,
                                .inside_only = selector->inside_only,
                                .has_box = selector->has_box,
                                .is_shared = true};
@@ -260,6 +286,7 @@ void conus_selector_destroy(conus_selector *selector)
             memory_free(selector->level_spec);
             memory_free(selector->whole);
             solids_finish(&selector->solids);
+            prior_finish(&selector->prior);
             census_labels_destroy(selector->labels, selector->volume_count);
         }
         if (selector->owns_axis) {
@@ -267,6 +294,7 @@ void conus_selector_destroy(conus_selector *selector)
         }
         memory_free(selector->on_border);
         aperture_finish(&selector->aperture);
+        soft_finish(&selector->soft);
         tally_finish(&selector->tally);
         census_finish(&selector->census);
         near_finish(&selector->near);

@@ -11,6 +11,7 @@
 #include "selection/measure/near.h"
 #include "selection/measure/score.h"
 #include "selection/measure/statistics.h"
+#include "selection/weight/weight.h"
 
 struct conus_selector {
     const conus_atlas *atlas;
@@ -28,6 +29,9 @@ struct conus_selector {
     struct engine *axis; /**< The engine for axes, exact and on the CPU; NULL until selector_prepare_axis(). */
     bool owns_axis;      /**< It is neither the engine nor another selector's. */
     struct aperture aperture;
+    struct soft soft;             /**< With a weight. */
+    struct prior prior;           /**< Where has_posterior. */
+    bool has_posterior;           /**< A prior was given, or the score needs it. */
     struct tally tally;           /**< Prepared for the atlas's objects. */
     size_t volume_count;          /**< The atlas's, which may be gone before the selector. */
     struct census_labels *labels; /**< [volume_count], shared by all selectors that share the atlas's labels. */

@@ -5,7 +5,11 @@
 
 static int run_batch(const void *given, const struct arguments *arguments)
 {
-    return batch_dispatch(given, arguments);
+    struct batch_settings settings = *(const struct batch_settings *)given;
+    int code = settings_weight(&settings.aim, &settings.engine, arguments);
+    code = code ? code : batch_dispatch(&settings, arguments);
+    settings_weight_finish(&settings.engine);
+    return code;
 }
 
 const struct command cmd_batch = {

@@ -19,10 +19,11 @@
 #define FIELD(member) OPTION_AT(struct plan_settings, member)
 
 static const struct option jitter_options[] = {
-    {OPTION_VALUED("jitter", struct plan_settings, jitter, "DEGREES,MM|entry=MM,target=MM[,depth=MM]"),
+    {OPTION_VALUED("jitter", struct plan_settings, jitter, "DEGREES,MM|entry=MM,target=MM[,depth=MM]|NAME"),
      .help = "report how probable it is that the listed poses break nothing, and hold each constraint, under normal "
              "errors: standard deviations of the axis's tilt about two axes and of the position along three, or of the "
-             "device's position and the far end along two directions across the axis, and of the depth",
+             "device's position and the far end along two directions across the axis, and of the depth; or NAME, a "
+             "published error, below",
      .words = "uncertain, uncertainty, probability, accuracy, p_ok", .role = OPTION_ASKS},
     {OPTION_VALUED("samples", struct plan_settings, samples, "N"),
      .help = "with --jitter: number of poses with errors, a power of two from 16 to 1048576",
@@ -470,6 +471,8 @@ static int write_all(struct planning *planning)
     struct request *request = &planning->request;
     const struct plan_settings *settings = planning->settings;
     struct provenance provenance = {0};
+    conus_pose_error error;
+    provenance.error = settings_error(&error, settings->jitter, true) ? &error : NULL;
     list_inputs(&provenance, planning);
     provenance.question.region = settings->request.engine.radius > 0                                       ? "cylinder"
                                  : constraints_last_measure(&planning->constraints) >= CONUS_MEASURE_SHARE ? "cone"
@@ -564,8 +567,9 @@ static void help_keys(FILE *out)
           "  reach, reach2, ...          what --reach measures, of the first one, the second one, ...\n"
           "  share, volume               what the first --reach with share or volume measures\n"
           "  p_ok                        probability to break nothing under --jitter, of all feasible poses\n"
-          "  score                       the formula of --score\n",
+          "  score                       the formula of --score\n\n",
           out);
+    help_errors(out);
 }
 
 const struct command cmd_plan = {

@@ -70,6 +70,7 @@ static const struct option_group groups[] = {
     {"", probe_settings_options, offsetof(struct query_settings, probe)},
     {"", probe_options, 0},
     REQUEST_ENGINE_GROUPS,
+    {"", weight_options, REQUEST_FIELD(engine)},
     REQUEST_ATLAS_GROUPS,
     REQUEST_MORE_ATLASES,
     {"What is written", query_format_options, REQUEST_FIELD(answer)},
@@ -170,7 +171,7 @@ static int check_poses(struct query_run *run)
         return print_usage_error("--%s shows one pose, %s has %zu", of_one->name, pose_settings_file_name(aim->pose),
                                  count);
     }
-    bool has_angle = aim->angle != 0 || option_restated(run->request.arguments, "angle");
+    bool has_angle = option_given(run->request.arguments, "angle") || option_restated(run->request.arguments, "angle");
     for (size_t i = 0; i < count && has_angle; i++) {
         if (conus_pose_list_row(poses, i)->angle == 0) {
             return EXIT_DONE;
@@ -700,6 +701,7 @@ static int answer_query(struct query_run *run)
         return code;
     }
     request_say_notes(request);
+    settings_say_weight(&request->settings->aim, &request->settings->engine, &request->settings->common);
     atlases_say_open(&request->atlases, &request->settings->engine, &request->settings->common);
     request_say_aims(request);
     bool are_added = option_given(request->arguments, "streamlines") || option_given(request->arguments, "pathway");
@@ -764,9 +766,8 @@ static int start_outputs(struct query_run *run)
     return check_format(request, settings) && outputs_differ(&request->outputs) ? EXIT_DONE : EXIT_USAGE;
 }
 
-static int run_query(const void *given, const struct arguments *arguments)
+static int ask(const struct query_settings *settings, const struct arguments *arguments)
 {
-    const struct query_settings *settings = given;
     bool fits = option_given(arguments, "point")
                     ? space_settings_check(arguments, &settings->request.aim.space)
                     : request_check(&settings->request, arguments, false) && settings_check_aim(arguments, true);
@@ -788,6 +789,15 @@ static int run_query(const void *given, const struct arguments *arguments)
     request_finish(&run.request);
     conus_probe_destroy(run.probe);
     conus_pose_list_destroy(run.insertions);
+    return code;
+}
+
+static int run_query(const void *given, const struct arguments *arguments)
+{
+    struct query_settings settings = *(const struct query_settings *)given;
+    int code = settings_weight(&settings.request.aim, &settings.request.engine, arguments);
+    code = code ? code : ask(&settings, arguments);
+    settings_weight_finish(&settings.request.engine);
     return code;
 }
 

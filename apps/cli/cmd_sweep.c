@@ -21,10 +21,10 @@ static const struct option sweep_options[] = {
     {OPTION_VALUED("angles", struct sweep_settings, angles, "A,B,...|LOW:HIGH:STEP"),
      .help = "report the shares at each of these full opening angles, degrees", .words = "widths", .common = true,
      .role = OPTION_ASKS, .excludes = "jitter,angle"},
-    {OPTION_VALUED("jitter", struct sweep_settings, jitter, "DEGREES,MM"),
+    {OPTION_VALUED("jitter", struct sweep_settings, jitter, "DEGREES,MM|NAME"),
      .help = "or report the probabilities under normal errors of the pose: standard deviations of the axis's tilt "
-             "about two axes, and of the position along three; or --jitter columns: those of columns error_deg and "
-             "error_mm of --pose FILE",
+             "about two axes, and of the position along three; or NAME, a published error, below; or --jitter columns: "
+             "those of columns error_deg and error_mm of --pose FILE",
      .words = "uncertain, uncertainty, confidence", .common = true, .role = OPTION_ASKS},
     {OPTION_VALUED("samples", struct sweep_settings, samples, "N"),
      .help = "with --jitter: number of random poses, a power of two from 16 to 1048576",
@@ -246,6 +246,13 @@ static int answer_all(struct sweep *sweep)
     return print_status(status);
 }
 
+static void help_of_sweep(FILE *out)
+{
+    help_scores(out);
+    fputs("\n", out);
+    help_errors(out);
+}
+
 static int answer_sweep(struct sweep *sweep)
 {
     struct request *request = &sweep->request;
@@ -268,6 +275,8 @@ static int answer_sweep(struct sweep *sweep)
     request_say_notes(request);
     request_say_aims(request);
     struct provenance provenance = {0};
+    conus_pose_error error;
+    provenance.error = !sweep->jitter_of_rows && settings_error(&error, sweep->settings->jitter, false) ? &error : NULL;
     request_list_inputs(&provenance, request);
     provenance.question.rows = sweep->rows == CONUS_ROWS_SHARES    ? "shares"
                                : sweep->rows == CONUS_ROWS_CHANCES ? "chances"
@@ -311,6 +320,6 @@ const struct command cmd_sweep = {
     .answers = true,
     .groups = groups,
     .settings_size = sizeof(struct sweep_settings),
-    .more_help = help_scores,
+    .more_help = help_of_sweep,
     .run = run_sweep,
 };

@@ -83,6 +83,8 @@ void request_list_inputs(struct provenance *out, const struct request *request)
     provenance_add_input(out, settings->aim.pose);
     provenance_add_input(out, coordinates_of(request));
     provenance_add_input(out, settings_level_file(&settings->engine));
+    provenance_add_input(out, settings->engine.weight_file[0]);
+    provenance_add_input(out, settings->engine.weight_file[1]);
 }
 
 conus_pose_options request_pose_options(const struct request *request)

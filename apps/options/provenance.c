@@ -262,6 +262,27 @@ bool provenance_put_warnings(json_t *root)
     return whole;
 }
 
+/* Standard deviations that are 0 are left out. */
+static json_t *json_from_error(const conus_pose_error *error)
+{
+    const struct {
+        const char *key;
+        double value;
+    } numbers[] = {{"tilt_deg", error->tilt_deg},
+                   {"shift_mm", error->shift},
+                   {"entry_mm", error->entry},
+                   {"target_mm", error->target},
+                   {"depth_mm", error->depth}};
+    json_t *out =
+        json_pack("{s: s, s: s, s: s}", "name", error->name, "measured", error->measured, "source", error->source);
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        if (numbers[i].value > 0) {
+            json_object_set_new(out, numbers[i].key, json_real(numbers[i].value));
+        }
+    }
+    return out;
+}
+
 static bool add_files(json_t *root, const struct provenance *provenance)
 {
     json_t *outputs = json_array();
@@ -275,6 +296,11 @@ static bool add_files(json_t *root, const struct provenance *provenance)
         if (conus_pose_stream_has_ranges(provenance->poses)) {
             json_object_set_new(settings, "own_ranges", json_true());
         }
+    }
+    if (provenance->error) {
+        whole =
+            json_object_set_new(json_object_get(root, "Settings"), "error", json_from_error(provenance->error)) == 0 &&
+            whole;
     }
     for (size_t i = 0; i < provenance->input_count; i++) {
         char *plain = text_copy(provenance->inputs[i], conus_pose_path_length(provenance->inputs[i]));

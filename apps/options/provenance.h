@@ -39,8 +39,9 @@ struct provenance {
     struct provenance_output outputs[PROVENANCE_FILES];
     size_t input_count, output_count;
     struct question question;
-    bool is_table;      /**< The answer is a table for people, which begins with the warnings. */
-    const char *option; /**< Whose file the answer goes to; NULL = "output". */
+    bool is_table;                 /**< The answer is a table for people, which begins with the warnings. */
+    const char *option;            /**< Whose file the answer goes to; NULL = "output". */
+    const conus_pose_error *error; /**< That of the poses, where --jitter names one; else NULL. */
     const conus_pose_stream
         *poses; /**< Where steps came from, which are forgotten: it says whether they had angles. May be NULL. */
 };

@@ -2,6 +2,7 @@
 /* The tables of options that several commands share, and what they mean for the library. */
 #include "settings/settings.h"
 
+#include "base/text.h"
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/options.h"
@@ -250,6 +251,24 @@ const struct option shape_options[] = {
     {0},
 };
 
+const struct option weight_options[] = {
+    {OPTION_VALUED("weight", struct engine_settings, weight, "FORM|FILE[,bias=X:Y]"),
+     .help =
+         "weigh the rays: hard (all alike), gauss=DEGREES (as a hand or tracker is off by so much about each of two "
+         "axes, 0.01 to 20; the cone opens to 8 times as much unless --angle says otherwise), or a table with "
+         "columns weight and angle_deg or offset_mm; bias: the device points X degrees to its right and Y up of "
+         "what is meant",
+     .words = "soft, Gaussian, uncertainty, pointing, VR", .role = OPTION_READS_NAMES,
+     .flags = OPTION_OF_CONE | OPTION_OF_RAYS, .holds = HOLDS_TEXT},
+    {OPTION_VALUED("prior", struct engine_settings, prior, "equal|size|FILE[,power=G]"),
+     .help = "with --weight, how probable it is that each object is meant: each object as often, each direction as "
+             "often, or as a table with columns name or index, and prior, says (1 of others); G is the exponent of "
+             "likelihoods, 0.01 to 100",
+     .otherwise = "equal, where --score needs it", .words = "Bayes, posterior, intention", .role = OPTION_READS_NAMES,
+     .flags = OPTION_OF_CONE | OPTION_OF_RAYS, .needs = "weight", .holds = HOLDS_TEXT},
+    {0},
+};
+
 const struct option slices_options[] = {
     {OPTION_VALUED("slices", struct engine_settings, slices, "N"),
      .help = "with --sampling slices: slices of the picture; the selection takes --slice-fraction of them",
@@ -449,6 +468,71 @@ bool settings_check_shape(const struct aim_settings *settings, const struct engi
     return true;
 }
 
+int settings_weight(struct aim_settings *aim, struct engine_settings *settings, const struct arguments *arguments)
+{
+    const char *const texts[] = {settings->weight, settings->prior};
+    for (size_t i = 0; i < 2; i++) {
+        const size_t length = texts[i] ? conus_weight_path_length(texts[i]) : 0;
+        settings->weight_file[i] = length ? text_copy(texts[i], length) : NULL;
+        if (length && !settings->weight_file[i]) {
+            return print_no_memory();
+        }
+    }
+    if (!settings->weight) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_weight_create(&settings->made, settings->weight);
+    if (status) {
+        return status == CONUS_ERROR_ARGUMENT ? print_usage_error("--weight: %s", conus_message())
+                                              : print_status(status);
+    }
+    const double angle = conus_weight_angle(settings->made);
+    const double radius = conus_weight_radius(settings->made);
+    if (!isnan(angle) && settings->radius > 0) {
+        return print_usage_error("--weight: an angle needs a cone, and --radius makes a cylinder");
+    }
+    if (!isnan(radius) && option_given(arguments, "angle") && aim->angle != 0) {
+        return print_usage_error("--weight: an offset needs a cylinder, and --angle makes a cone");
+    }
+    if (!isnan(angle) && !option_given(arguments, "angle")) {
+        aim->angle = angle;
+    }
+    if (!isnan(radius) && settings->radius == 0) {
+        settings->radius = radius;
+    }
+    return EXIT_DONE;
+}
+
+void settings_say_weight(const struct aim_settings *aim, const struct engine_settings *settings,
+                         const struct common_settings *common)
+{
+    const double sigma = settings->made ? conus_weight_sigma(settings->made) : 0;
+    const double angle = settings_angle(aim, settings) * (180 / M_PI);
+    const uint32_t resolution = settings->resolution ? settings->resolution : CONUS_RESOLUTION_DEFAULT;
+    const double pixels = sigma * resolution / angle;
+    const double rim = sigma > 0 ? conus_weight_at(settings->made, angle / 2) : 0;
+    if (sigma > 0 && pixels < 2) {
+        say_note(
+            CONUS_SEVERITY_NOTE, common->quiet,
+            "the weight is narrow: its standard deviation is %.2g pixels; a smaller --angle or a larger --resolution "
+            "has more",
+            pixels);
+    }
+    if (rim > 0.05) {
+        say_note(CONUS_SEVERITY_NOTE, common->quiet,
+                 "at the rim of the cone the weight is %.0f %% of its largest, and beyond nothing counts; it fills %g "
+                 "degrees",
+                 100 * rim, conus_weight_angle(settings->made));
+    }
+}
+
+void settings_weight_finish(struct engine_settings *settings)
+{
+    conus_weight_destroy(settings->made);
+    free(settings->weight_file[0]);
+    free(settings->weight_file[1]);
+}
+
 bool settings_check_score(const struct engine_settings *settings, bool has_history)
 {
     conus_score_info score;
@@ -457,6 +541,9 @@ bool settings_check_score(const struct engine_settings *settings, bool has_histo
     }
     if (score.needs_history && !has_history) {
         return refuse("--score: %s needs a history, which single poses do not have; conus track has one", score.name);
+    }
+    if (score.needs_weight && !settings->weight) {
+        return refuse("--score: %s needs --weight, which conus query and conus batch have", score.name);
     }
     if (score.needs_layers && settings->layers != CONUS_LAYERS_ALL) {
         return refuse("--score: %s needs --layers all", score.name);
@@ -479,6 +566,8 @@ conus_selector_options settings_engine(const struct engine_settings *settings, c
         .radius = settings->radius,
         .level = settings->level,
         .score = settings->score,
+        .weight = settings->made,
+        .prior = settings->prior,
         .log = common->verbose ? log_line : log_note_quiet,
     };
 }
@@ -488,9 +577,29 @@ void help_scores(FILE *out)
     const conus_score_info *score;
     fputs("Scores, the higher the better; a formula joins them with numbers, + - * / and parentheses\n", out);
     for (size_t i = 0; (score = conus_score(i)); i++) {
-        fprintf(out, "  %-26s  %s%s%s\n", score->name, score->description, score->needs_history ? " (conus track)" : "",
-                score->needs_layers ? " (--layers all)" : "");
+        fprintf(out, "  %-26s  %s%s%s%s\n", score->name, score->description,
+                score->needs_history ? " (conus track)" : "", score->needs_layers ? " (--layers all)" : "",
+                score->needs_weight ? " (--weight)" : "");
     }
+}
+
+void help_errors(FILE *out)
+{
+    const conus_pose_error *error;
+    fputs("Published errors of --jitter, with standard deviations per axis\n", out);
+    for (size_t i = 0; (error = conus_pose_error_at(i)); i++) {
+        fprintf(out, "  %-19s ", error->name);
+        if (error->entry > 0) {
+            fprintf(out, " entry %.2f mm, target %.2f mm (conus plan)", error->entry, error->target);
+        } else if (error->shift > 0) {
+            fprintf(out, " %.2f mm", error->shift);
+        }
+        if (error->tilt_deg > 0) {
+            fprintf(out, "%s %.2f degrees", error->shift > 0 ? "," : "", error->tilt_deg);
+        }
+        fputs("\n", out);
+    }
+    fputs("  vr-controller:W          that of a target W degrees wide; above W is 4\n", out);
 }
 
 static const char *const orders[] = {"rank", "depth", NULL};
@@ -571,14 +680,45 @@ static bool read_ends(conus_jitter_options *out, const char *text)
            refuse("--jitter: \"%s\" is not entry=MM,target=MM[,depth=MM] with numbers from 0 to 1000000", text);
 }
 
+/* A word, and no numbers. */
+static bool is_name(const char *text)
+{
+    return ((*text | ' ') >= 'a' && (*text | ' ') <= 'z') && !strchr(text, ',') && !strchr(text, '=');
+}
+
+bool settings_error(conus_pose_error *out, const char *text, bool has_needles)
+{
+    if (!text || !is_name(text)) {
+        return false;
+    }
+    if (conus_pose_error_find(out, text)) {
+        return refuse("--jitter: %s", conus_message());
+    }
+    return out->entry == 0 || has_needles ||
+           refuse("--jitter: %s is an error of needles, at their entry and target; conus plan knows those", out->name);
+}
+
+static bool set_error(conus_jitter_options *out, const conus_pose_error *error)
+{
+    out->tilt = radians(error->tilt_deg);
+    out->shift = error->shift;
+    out->entry = error->entry;
+    out->target = error->target;
+    out->depth = error->depth;
+    return true;
+}
+
 bool settings_jitter(conus_jitter_options *out, const char *text, uint32_t samples, bool has_needles)
 {
     double errors[2] = {0};
+    conus_pose_error error;
     *out = (conus_jitter_options){.samples = samples};
     if (samples & (samples - 1)) {
         print_error_line("--samples: %u is no power of two", samples);
     } else if (has_needles && strchr(text, '=')) {
         return read_ends(out, text);
+    } else if (is_name(text)) {
+        return settings_error(&error, text, has_needles) && set_error(out, &error);
     } else if (numbers_parse(errors, 2, text, ',') != 2) {
         print_error_line("--jitter: \"%s\" is not two numbers DEGREES,MM without spaces", text);
     } else if (!(errors[0] >= 0 && errors[0] <= 90)) {

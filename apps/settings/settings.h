@@ -60,6 +60,9 @@ struct engine_settings {
     struct depth_range range;
     double radius;         /* mm */
     double slice_fraction; /* 0 = not given */
+    const char *weight, *prior;
+    conus_weight *made;   /* of `weight`, by settings_weight(); NULL = none */
+    char *weight_file[2]; /* paths in both texts, likewise; NULL = it names none */
 };
 
 /** A volume that blocks the view. */
@@ -96,6 +99,7 @@ extern const struct option angle_options[];      /**< aim_settings: --angle */
 extern const struct option pixel_options[];      /**< engine_settings: --resolution, --aperture */
 extern const struct option engine_options[];     /**< engine_settings, without --slices and those */
 extern const struct option shape_options[];      /**< engine_settings: --layers, --range, --radius */
+extern const struct option weight_options[];     /**< engine_settings: --weight, --prior */
 extern const struct option slices_options[];     /**< engine_settings: --slices of the ID pass */
 
 /** What options are where they are not given: degrees, and poses of --jitter. */
@@ -156,6 +160,15 @@ double settings_angle(const struct aim_settings *settings, const struct engine_s
 bool settings_check_shape(const struct aim_settings *settings, const struct engine_settings *engine,
                           const struct arguments *arguments);
 
+/** Makes the weight of --weight and, where no option says so, sets the angle or radius of its own region. Returns the
+ * exit code and prints an error unless it is 0; settings_weight_finish() ends both in any case. */
+int settings_weight(struct aim_settings *aim, struct engine_settings *settings, const struct arguments *arguments);
+void settings_weight_finish(struct engine_settings *settings);
+
+/** Prints notes about a weight that the cone cuts off, or that few rays share, unless --quiet. */
+void settings_say_weight(const struct aim_settings *aim, const struct engine_settings *settings,
+                         const struct common_settings *common);
+
 /** Whether there is such a score, and what it needs; prints an error if not. */
 bool settings_check_score(const struct engine_settings *settings, bool has_history);
 
@@ -164,8 +177,9 @@ bool settings_check_score(const struct engine_settings *settings, bool has_histo
 conus_selector_options settings_engine(const struct engine_settings *settings, const struct aim_settings *aim,
                                        const struct common_settings *common);
 
-/** Lists the scores and what they mean, for --help. */
+/** Lists the scores and what they mean, and the published errors, for --help. */
 void help_scores(FILE *out);
+void help_errors(FILE *out);
 
 /** Rows that have a file of their own, beside the answer or instead of it. */
 struct rows_kind {
@@ -195,6 +209,10 @@ enum { CLEARANCE_WITHIN = 10 };
 /** Reads --contacts; the count is 0 if it was not given (NULL). Returns the exit code and prints an error unless it is
  * 0. */
 int settings_contacts(conus_contacts *out, const char *text);
+
+/** Finds the published error that --jitter names. False where it names none: then it prints an error, unless @p text is
+ * no name. @p has_needles: errors of needles are known, too. */
+bool settings_error(conus_pose_error *out, const char *text, bool has_needles);
 
 /** Reads --jitter (DEGREES,MM or, with @p has_needles, the errors of both ends) and checks --samples; prints an error
  * where one is wrong. */

@@ -688,6 +688,32 @@ CONUS_API size_t conus_selection_rank(const conus_selection *selection, uint32_t
 CONUS_API double conus_selection_weight(const conus_selection *selection, uint32_t object);
 /** @} */
 
+/** @name Weights
+ * @{ */
+
+/**
+ * Gives a weight at a place.
+ * @param weight The weight.
+ * @param x Degrees off the axis, or mm from it.
+ * @return 0 or more.
+ */
+CONUS_API double conus_weight_at(const conus_weight *weight, double x);
+
+/**
+ * Gives the standard deviation of gauss.
+ * @param weight The weight.
+ * @return Degrees; 0 of another form.
+ */
+CONUS_API double conus_weight_sigma(const conus_weight *weight);
+
+/**
+ * Finds the path in the text of a weight or a prior.
+ * @param text As for conus_weight_create(), or conus_selector_options.prior.
+ * @return Bytes of the path with which it begins; 0 where it names no file.
+ */
+CONUS_API size_t conus_weight_path_length(const char *text);
+/** @} */
+
 /** @name Rankings
  * @{ */
 
@@ -697,6 +723,7 @@ typedef struct conus_score_info {
     const char *description; /**< One line. */
     bool needs_history;      /**< Only a conus_tracker has it. */
     bool needs_layers;       /**< Only with CONUS_LAYERS_ALL. */
+    bool needs_weight;       /**< Only with conus_selector_options.weight. */
 } conus_score_info;
 
 /**

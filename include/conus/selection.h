@@ -51,6 +51,41 @@ typedef enum conus_layers {
 /** Rays along a side of the buffer where no resolution is asked for. */
 #define CONUS_RESOLUTION_DEFAULT 64
 
+/** How much the rays of a cone or cylinder count (Eq. 30). Immutable. */
+typedef struct conus_weight conus_weight;
+
+/**
+ * Reads a weight.
+ * @param[out] out The weight; end it with conus_weight_destroy().
+ * @param text "hard" (all rays count alike); "gauss=2" (as the axis's tilt has a standard deviation of 2 degrees about
+ * each of two axes, 0.01 to 20); or the path of a table with columns weight and angle_deg (off the axis, for cones) or
+ * offset_mm (from it, for cylinders). Behind gauss and a table by angle ",bias=X:Y": the device points X degrees to its
+ * right and Y degrees up of what is meant.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an unknown form and numbers out of their ranges; #CONUS_ERROR_IO;
+ * #CONUS_ERROR_DATA for another table.
+ */
+CONUS_CHECKED conus_status conus_weight_create(conus_weight **out, const char *text);
+
+/**
+ * Ends a weight.
+ * @param weight NULL is allowed.
+ */
+CONUS_API void conus_weight_destroy(conus_weight *weight);
+
+/**
+ * Gives the full opening of the cone that the weight fills, outside of which it is next to nothing.
+ * @param weight The weight.
+ * @return Degrees; NaN of one that fills no cone of its own.
+ */
+CONUS_API double conus_weight_angle(const conus_weight *weight);
+
+/**
+ * Gives the radius of the cylinder that the weight fills.
+ * @param weight The weight.
+ * @return mm; NaN of one that fills no cylinder of its own.
+ */
+CONUS_API double conus_weight_radius(const conus_weight *weight);
+
 /** How a selector answers. */
 typedef struct conus_selector_options {
     size_t struct_size;      /**< Its size, as #CONUS_SELECTOR_OPTIONS_INIT sets it; 0 = that of this version. */
@@ -68,9 +103,14 @@ typedef struct conus_selector_options {
     const char *score; /**< Ranking, a name (docs/commands.md, --score) or a formula of names; NULL = "share". */
     conus_log log;     /**< NULL = silent. */
     void *log_user;    /**< Passed to @p log. */
-    double slice_fraction;    /**< F of Eq. 7, more than 0 to 1: which part of the slices the ID pass takes. 0 = the
-                                 paper's fifth. */
-    const conus_frame *frame; /**< Of positions in tables; NULL = world mm, #CONUS_SPACE_RAS. Copied. */
+    double slice_fraction;      /**< F of Eq. 7, more than 0 to 1: which part of the slices the ID pass takes. 0 = the
+                                   paper's fifth. */
+    const conus_frame *frame;   /**< Of positions in tables; NULL = world mm, #CONUS_SPACE_RAS. Copied. */
+    const conus_weight *weight; /**< Of the rays, and how the device points; must outlive the selector. NULL = none. */
+    const char *prior; /**< What is meant, for the posterior (Eq. 32): "equal", each object as often; "size", each
+                          direction; or the path of a table with columns prior and name or index, how many times as
+                          often as an object that it does not name; then perhaps ",power=G". Needs a weight. NULL =
+                          "equal", if the score has the posterior. */
 } conus_selector_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -203,6 +243,11 @@ typedef struct conus_result {
     double near[3];             /**< World position, mm: the point of these parts that is nearest to the apex. */
     double along; /**< How far along its streamline that is, 0 to 1 of its length; streamlines are turned so as to run
                      like the bundle's longest one. */
+
+    /* With a weight, of a cone or cylinder; else NaN. */
+    double weight;       /**< Its part of the weights of all rays (Eq. 31); all parts sum to 1. */
+    double weight_error; /**< Standard error of that, of the pixels at its outline. */
+    double posterior;    /**< Of what pixels of a cone hit first: the probability that it is meant (Eq. 32). */
 } conus_result;
 
 /**
@@ -461,7 +506,8 @@ typedef struct conus_many_options {
     uint32_t threads;   /**< Threads that answer poses, up to 1024; 0 = as many as processors that the process may use.
                            With the gl engine one of them has the device at a time. */
     uint32_t block;     /**< Poses per block, up to 65536; 0 = 256. Memory grows with threads times block. */
-    double angle;       /**< For poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0. */
+    double angle;       /**< For poses that have none of their own, radians; 0 = the weight's own, else 10
+                           degrees, or a cylinder's 0. */
     double radius;      /**< Of points, mm, as for conus_select_ball(). */
 } conus_many_options;
 

@@ -65,6 +65,33 @@ typedef struct conus_jitter_options {
 CONUS_CHECKED conus_status conus_jitter(conus_table **out, conus_selector *selector, const conus_pose *pose,
                                         double angle, const conus_jitter_options *options);
 
+/** An error of poses that a study has published: standard deviations per axis, 0 where it has none (Eq. 29). */
+typedef struct conus_pose_error {
+    const char *name;     /**< "tms-cap". */
+    double tilt_deg;      /**< As conus_jitter_options.tilt, but degrees. */
+    double shift;         /**< As conus_jitter_options.shift, mm. */
+    double entry;         /**< As conus_jitter_options.entry, mm. */
+    double target;        /**< As conus_jitter_options.target, mm. */
+    double depth;         /**< As conus_jitter_options.depth, mm. */
+    const char *measured; /**< What was measured, and how it was summed up. */
+    const char *source;   /**< Where it is published. */
+} conus_pose_error;
+
+/**
+ * Gives published errors one after the other.
+ * @param index From 0.
+ * @return NULL past the last. Text of the library. The tilt of vr-controller is that of a target 4 degrees wide.
+ */
+CONUS_API const conus_pose_error *conus_pose_error_at(size_t index);
+
+/**
+ * Finds a published error.
+ * @param[out] out The error.
+ * @param name Its name; of vr-controller with the target's width in degrees, 0 to 90: "vr-controller:4".
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an unknown name, with the closest one.
+ */
+CONUS_CHECKED conus_status conus_pose_error_find(conus_pose_error *out, const char *name);
+
 /** The contacts on a shank that is given by its axis: rows of them, from the tip on. */
 typedef struct conus_contacts {
     uint32_t count;   /**< All of them, up to 65536; 0 = they are not known. */

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Iterator, Optional, Union, overload
+from typing import TYPE_CHECKING, Any, Iterator, Optional, Sequence, Union, overload
 
 import numpy as np
 
@@ -152,7 +152,9 @@ def _ordered(results: Array, query: Array, order: str, by_entry: bool) -> Array:
     return np.asarray(results[places])
 
 
-def _columns(atlas: Atlas, results: Array, layers: bool, space: Optional[Space]) -> dict[str, Any]:
+def _columns(
+    atlas: Atlas, results: Array, layers: bool, space: Optional[Space], weights: Sequence[str]
+) -> dict[str, Any]:
     """The columns of ``conus query``, of results; what is n/a there is missing."""
     unassigned = results["object"] == 0
     columns = identity_of(atlas.objects, results, results["rank"])
@@ -175,6 +177,7 @@ def _columns(atlas: Atlas, results: Array, layers: bool, space: Optional[Space])
             columns["unoccluded"] = results["pixels"] / np.where(results["pierced"], results["pierced"], np.nan)
         if atlas.objects.has_bundles:
             columns.update(_bundle_columns(results, space))
+    columns.update({name: results[name] for name in weights})
     columns["contact_value"] = results["contact_value"]
     return columns
 
@@ -343,7 +346,7 @@ class Selection(Bound):
 
         is_ball = lib.conus_selection_evidence(self._p).resolution == 0
         results = _ordered(self.results, np.zeros(len(self)), order, self._layers and not is_ball)
-        columns = _columns(self.atlas, results, self._layers or is_ball, self.space)
+        columns = _columns(self.atlas, results, self._layers or is_ball, self.space, self._selector._weights)
         if is_ball:
             points = np.repeat([self._point], len(self), 0)
             _of_points(columns, results, points, lib.conus_selection_ball(self._p), self.space)
@@ -503,13 +506,14 @@ class Answers:
     space: Optional[Space] = None  #: of positions in tables; None = RAS mm
 
     def __init__(self, atlas: Atlas, results: Array, starts: Array, errors: dict[int, str], layers: bool,
-                 names: Optional[dict[str, Array]] = None) -> None:
+                 names: Optional[dict[str, Array]] = None, weights: Sequence[str] = ()) -> None:
         self._points: Optional[tuple[Array, float]] = None  # of :meth:`Selector.near_many`, with the radius
         self.atlas = atlas
         self.results = results
         self.starts = starts
         self.errors = errors
         self._layers = layers
+        self._weights = weights
         self._queries = queries_of(names, len(starts) - 1)
 
     def __len__(self) -> int:
@@ -541,7 +545,7 @@ class Answers:
         import pandas
 
         query, results = self._rows(order)
-        columns = {**of_poses(self._queries, query), **_columns(self.atlas, results, self._layers, self.space)}
+        columns = {**of_poses(self._queries, query), **_columns(self.atlas, results, self._layers, self.space, self._weights)}
         if self._points:
             _of_points(columns, results, self._points[0][query], self._points[1], self.space)
         return with_errors(pandas.DataFrame(columns, copy=False), query, self._queries, self.errors)
@@ -591,7 +595,7 @@ class Track(Answers):
 
         query, results = self._rows(order)
         steps = self.steps[query]
-        columns = {**of_poses(self._queries, query), **_columns(self.atlas, results, self._layers, self.space)}
+        columns = {**of_poses(self._queries, query), **_columns(self.atlas, results, self._layers, self.space, ())}
         frame = pandas.DataFrame({**columns, **_step_columns(steps, results)}, copy=False)
         if not selected:
             return frame

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import os
+import re
 import threading
 from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, NamedTuple, Optional, Sequence, Union
 
@@ -46,7 +47,7 @@ from ._library import (
 from ._picture import GLOwner, Picture, Renderer, rgb_of
 from ._pose_file import Poses
 from ._poses import Aims, PoseArray, notes_of, pose_of, rows_of, warn
-from ._plan import Plan, constraints_of, plan_of, stream_of
+from ._plan import Plan, constraints_of, error_of, plan_of, stream_of
 from ._probe import Contacts, Probe, poses_of_probe
 from ._progress import LoadProgress, Progress, telling
 from ._space import Place, frame_of, place_of, space_of
@@ -565,6 +566,30 @@ class _Collector:
         self.results.resize(int(self.starts[-1]), refcheck=False)
 
 
+def _weight_of(text: Optional[str]) -> Any:
+    """A conus_weight; NULL of None."""
+    if text is None:
+        return ffi.NULL
+    out = ffi.new("conus_weight **")
+    check(lib.conus_weight_create(out, utf8("weight", text)))
+    return owned(out[0], lib.conus_weight_destroy)
+
+
+def _state_of_file(given: Any) -> Any:
+    """What changes with the file that a weight or prior names; None where it names none."""
+    try:
+        found = os.stat(re.split(",[a-z]+=", given)[0]) if isinstance(given, str) else None
+    except (OSError, ValueError):
+        return None  # the library says so
+    return found and (found.st_mtime_ns, found.st_size, found.st_ino)
+
+
+def _weight_columns(weight: Optional[str], score: Optional[str], prior: Optional[str]) -> list[str]:
+    """The columns that a weight brings."""
+    has_posterior = prior is not None or "posterior" in (score or "")
+    return [] if weight is None else ["weight", "weight_error"] + ["posterior"] * has_posterior
+
+
 class Selector(Guarded):
     """An atlas made ready to answer, with options that hold for all its answers.
 
@@ -590,6 +615,11 @@ class Selector(Guarded):
         from bregma: of positions and directions, given and in hits and tables.
     bregma
         With space="bregma": where bregma lies in CCF, (AP, DV, ML) in micrometres.
+    weight
+        As ``--weight`` of ``conus query``: "gauss=2", "gauss=2,bias=1:0", or the path of a table. The
+        angle of :meth:`select` is its own unless given.
+    prior
+        As ``--prior``: "equal", "size" or the path of a table, and perhaps ",power=2".
     """
 
     def __init__(
@@ -609,23 +639,30 @@ class Selector(Guarded):
         engine: str = "auto",
         space: str = "ras",
         bregma: Any = None,
+        weight: Optional[str] = None,
+        prior: Optional[str] = None,
     ) -> None:
         options = ffi.new("conus_selector_options *")
-        words = [optional(written, "level", level), optional(utf8, "score", score)]
+        words = [optional(written, "level", level), optional(utf8, "score", score), optional(utf8, "prior", prior)]
+        options.weight = self._weight = _weight_of(weight)
         options.layers = choice("layers", layers, ("visible", "all"))
         options.aperture = choice("aperture", aperture, ("circle", "square"))
         options.sampling = choice("sampling", sampling, ("exact", "slices"))
         options.engine = choice("engine", engine, ("auto", "rays", "gl"))
         options.resolution, options.slices = whole("resolution", resolution), whole("slices", slices)
         options.range, options.radius = vector("range", range, 2), real("radius", radius)
+        if weight is not None and options.radius == 0:
+            own = lib.conus_weight_radius(self._weight)
+            options.radius = 0 if math.isnan(own) else own
         options.slice_fraction = real("slice_fraction", slice_fraction)
-        options.level, options.score = words
+        options.level, options.score, options.prior = words
+        self._weights = _weight_columns(weight, score, prior)
         self.space = space_of(atlas._p, space, bregma)
         options.frame = self.space._frame if self.space else ffi.NULL
         self._owner = GLOwner() if engine == "gl" else None
         self.atlas = atlas
         self._layers = layers == "all"
-        self._is_cylinder = radius > 0
+        self._is_cylinder = options.radius > 0
         self._options = options, words
         self._begin()
         super().__init__()
@@ -634,7 +671,7 @@ class Selector(Guarded):
         out = ffi.new("conus_selector **")
         check(lib.conus_selector_create(out, self.atlas._p, self._options[0]))
         destroy = lib.conus_selector_destroy
-        self._p = owned(out[0], self._owner.ender(destroy) if self._owner else destroy, self.atlas._p)
+        self._p = owned(out[0], self._owner.ender(destroy) if self._owner else destroy, self.atlas._p, self._weight)
         self._is_asked = False
         self._aims: Optional[Aims] = None
 
@@ -702,7 +739,8 @@ class Selector(Guarded):
 
     def _angle(self, angle: Optional[float]) -> float:
         if angle is None:
-            return 0.0 if self._is_cylinder else math.radians(10)
+            own = lib.conus_weight_angle(self._weight) if self._weight else math.nan
+            return 0.0 if self._is_cylinder else math.radians(10 if math.isnan(own) else own)
         angle = real("angle", angle)
         if not (angle == 0 if self._is_cylinder else 0 < angle < 180):
             allowed = "0 of a cylinder" if self._is_cylinder else "more than 0 and less than 180"
@@ -790,7 +828,7 @@ class Selector(Guarded):
         collector.finish()
         errors = {int(i): "position: finite numbers are needed" for i in np.flatnonzero(collector.status)}
         answers: Answers = self._place(
-            Answers(self.atlas, collector.results, collector.starts, errors, self._layers, names))
+            Answers(self.atlas, collector.results, collector.starts, errors, self._layers, names, self._weights))
         answers._points = at, options.radius
         return answers
 
@@ -1080,6 +1118,7 @@ class Selector(Guarded):
     def jitter(
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
         angle: Optional[float] = None, degrees: float = 0, mm: float = 0, samples: int = 0,
+        error: Optional[str] = None,
     ) -> Table:
         """The chances of each object under errors of the pose: ``conus sweep --jitter``.
 
@@ -1093,6 +1132,8 @@ class Selector(Guarded):
             Standard deviation of the position along each of three.
         samples
             Poses to trace from, a power of two from 16 to 1048576; 0 = 1024. They are always the same.
+        error
+            In place of degrees and mm, the name of a published error: see :func:`conus.errors`.
 
         Returns
         -------
@@ -1103,6 +1144,13 @@ class Selector(Guarded):
         options, opening = ffi.new("conus_jitter_options *"), self._angle(angle)
         options.tilt, options.shift = math.radians(real("degrees", degrees)), real("mm", mm)
         options.samples = whole("samples", samples)
+        if error is not None:
+            if degrees or mm:
+                raise ArgumentError("error: it has degrees and mm of its own")
+            law = error_of("error", error)
+            if law.entry > 0:
+                raise ArgumentError(f"error: {error} is an error of needles, which plan(jitter=...) knows")
+            options.tilt, options.shift = math.radians(law.tilt_deg), law.shift
         self._call(lib.conus_jitter, out, self._p, aim, opening, options)
         jitter = Table(out[0])
         self._warn_of(aim, opening)
@@ -1230,7 +1278,7 @@ class Selector(Guarded):
         errors = {i: self._reason(array, i, options.angle) for i in map(int, np.flatnonzero(collector.status))}
         self._warn(findings, many=True)
         answers: Answers = self._place(
-            Answers(self.atlas, collector.results, collector.starts, errors, self._layers, array.names))
+            Answers(self.atlas, collector.results, collector.starts, errors, self._layers, array.names, self._weights))
         return answers
 
     def tracker(self, **constants: Any) -> Tracker:
@@ -1490,7 +1538,8 @@ class Atlas:
         self._p  # pylint: disable=pointless-statement  # raises if it is closed
         thread = threading.get_ident() if options.get("engine") == "gl" else 0
         plain = {name: v.tolist() if isinstance(v, np.ndarray) else v for name, v in options.items()}
-        key = thread, shown(sorted(plain.items()), None)
+        files = [_state_of_file(options.get(name)) for name in ("weight", "prior")]
+        key = thread, shown(sorted(plain.items()), None), *files
         if key not in self._selectors:
             self._selectors[key] = Selector(self, **options)
         return self._selectors[key]
@@ -1660,11 +1709,11 @@ class Atlas:
 
     def jitter(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
                angle: Optional[float] = None, degrees: float = 0, mm: float = 0, samples: int = 0,
-               **options: Any) -> Table:
+               error: Optional[str] = None, **options: Any) -> Table:
         """The chances of each object under errors of the pose: see :meth:`Selector.jitter`."""
         return self._selector(options).jitter(
             origin, toward=toward, direction=direction, up=up, pose=pose, angle=angle, degrees=degrees, mm=mm,
-            samples=samples,
+            samples=samples, error=error,
         )
 
     def connectivity(self, radius: float = 2.0, **options: Any) -> Connectivity:

@@ -128,15 +128,40 @@ def constraints_of(reach: Any, avoid: Any, length: Any, lean: Any, apart: Any, f
     return found
 
 
+def errors() -> list[dict[str, Any]]:
+    """The published errors that ``jitter`` knows by name: standard deviations per axis, mm, and degrees of the tilt.
+
+    That of vr-controller is of a target 4 degrees wide; ``jitter="vr-controller:2"`` is of one of 2.
+    """
+    found, index = [], 0
+    while (error := lib.conus_pose_error_at(index)) != ffi.NULL:
+        numbers = {key: getattr(error, key) for key in ("tilt_deg", "shift", "entry", "target", "depth")}
+        found.append({"name": text(error.name), **numbers, "measured": text(error.measured), "source": text(error.source)})
+        index += 1
+    return found
+
+
+def error_of(argument: str, name: str) -> Any:
+    """The published error of this name."""
+    error = ffi.new("conus_pose_error *")
+    if status := lib.conus_pose_error_find(error, utf8(argument, name)):
+        check(status)
+    return error
+
+
 def _jitter_of(jitter: Any, samples: int) -> Any:
-    """A conus_jitter_options of (degrees, mm) or {"entry": mm, "target": mm, "depth": mm}; NULL of None."""
+    """A conus_jitter_options of (degrees, mm), {"entry": mm, "target": mm, "depth": mm} or a name; NULL of None."""
     if jitter is None:
         if samples:
             raise ArgumentError("samples have no effect without jitter")
         return ffi.NULL
     options = ffi.new("conus_jitter_options *")
     options.samples = whole("samples", samples)
-    if isinstance(jitter, Mapping):
+    if isinstance(jitter, str):
+        error = error_of("jitter", jitter)
+        options.tilt, options.shift = math.radians(error.tilt_deg), error.shift
+        options.entry, options.target, options.depth = error.entry, error.target, error.depth
+    elif isinstance(jitter, Mapping):
         for key, value in jitter.items():
             if key not in _ERRORS:
                 raise ArgumentError(f"jitter: there is no key {shown(key)}, allowed are {', '.join(_ERRORS)}")

@@ -30,7 +30,9 @@ conus_status batch_check_options(uint32_t *threads, uint32_t *block, double *ang
     }
     *block = *block ? *block : DEFAULT_BLOCK;
     if (*angle == 0 && selector->options.radius == 0) {
-        *angle = radians_from_degrees(DEFAULT_ANGLE_DEG);
+        const conus_weight *weight = selector->options.weight;
+        const double own = weight ? conus_weight_angle(weight) : NAN;
+        *angle = radians_from_degrees(isnan(own) ? DEFAULT_ANGLE_DEG : own);
     }
     return CONUS_OK;
 }

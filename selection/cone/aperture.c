@@ -4,9 +4,6 @@
 
 #include "base/memory.h"
 
-/* Pixels along an edge up to which weights are not rounded: such a cone is added up in one piece, pixel after pixel. */
-enum { EXACT_WEIGHTS = 16 };
-
 void aperture_finish(struct aperture *aperture)
 {
     memory_free(aperture->in_cone);
@@ -99,7 +96,7 @@ static void make_weights(struct aperture *aperture, const struct cone *cone)
         for (uint32_t i = 0; i < n; i++) {
             size_t pixel = (size_t)j * n + i;
             aperture->weight[pixel] =
-                n > EXACT_WEIGHTS ? round_weight(cone_weight(cone, i, j)) : cone_weight(cone, i, j);
+                n > APERTURE_EXACT_WEIGHTS ? round_weight(cone_weight(cone, i, j)) : cone_weight(cone, i, j);
             aperture->per_depth[pixel] = cone_per_depth(cone, i, j);
             aperture->total_weight += aperture->in_cone[pixel] ? aperture->weight[pixel] : 0;
         }

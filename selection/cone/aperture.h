@@ -9,6 +9,10 @@
 /** Rays that are walked together are neighbours both ways: pixels come in blocks, and in a block in tiles. */
 enum { APERTURE_BLOCK = 16, APERTURE_TILE = 4 };
 
+/** Pixels along an edge up to which weights are not rounded: such a cone is added up in one piece, pixel after pixel.
+ */
+enum { APERTURE_EXACT_WEIGHTS = 16 };
+
 /** Column of pixel number @p k of a block. */
 static inline uint32_t aperture_column(uint32_t k)
 {

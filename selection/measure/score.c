@@ -120,6 +120,18 @@ static double by_smallest(const conus_result *result, const struct score_view *v
     return !result->pixels || view->on_border[result->object] ? part : 2 - part;
 }
 
+static double by_weight(const conus_result *result, const struct score_view *view)
+{
+    (void)view;
+    return result->weight;
+}
+
+static double by_posterior(const conus_result *result, const struct score_view *view)
+{
+    (void)view;
+    return result->posterior;
+}
+
 static const struct score scores[] = {
     {{.name = "share", .description = "part of the cone's solid angle, 0 to 1"}, .value = by_share},
     {{.name = "centre", .description = "closeness to the axis: 1 on it, 0 on the cone's surface, linear in the angle"},
@@ -162,6 +174,13 @@ static const struct score scores[] = {
     {{.name = "smallest", .description = "fewest pixels first of what does not touch the rim, then most pixels"},
      .value = by_smallest,
      .needs_border = true},
+    {{.name = "weight", .description = "part of the weights of all rays, 0 to 1", .needs_weight = true},
+     .value = by_weight},
+    {{.name = "posterior",
+      .description = "probability that it is meant, by its weight and a prior",
+      .needs_weight = true},
+     .value = by_posterior,
+     .needs_posterior = true},
 };
 
 enum { SCORE_COUNT = sizeof scores / sizeof scores[0] };
@@ -188,6 +207,8 @@ conus_status ranking_parse(struct ranking *out, const char *text)
         if (formula_uses(&ranking.formula, i)) {
             ranking.info.needs_history = ranking.info.needs_history || scores[i].info.needs_history;
             ranking.info.needs_layers = ranking.info.needs_layers || scores[i].info.needs_layers;
+            ranking.info.needs_weight = ranking.info.needs_weight || scores[i].info.needs_weight;
+            ranking.needs_posterior = ranking.needs_posterior || scores[i].needs_posterior;
             ranking.uses |= UINT32_C(1) << i;
             ranking.history |= scores[i].history;
             ranking.needs_border = ranking.needs_border || scores[i].needs_border;

@@ -20,8 +20,9 @@ struct tallied {
     uint32_t own;   /* the object that this one hit, whatever it is reported as, */
     uint64_t voxel; /* and where */
     double weight;
-    uint32_t square;         /* cone_square() of that pixel */
-    double contact_distance; /* and its distance */
+    double soft, soft_squares; /* w W of its pixels, and squares of those at its outline */
+    uint32_t square;           /* cone_square() of that pixel */
+    double contact_distance;   /* and its distance */
     double nearest;
     uint32_t pierced;
     uint32_t last_pixel; /* the last pixel that pierced it, */
@@ -167,6 +168,58 @@ static void add_counts(struct tally *tally, const struct gathering *gathering)
         object->nearest = count->nearest < object->nearest ? count->nearest : object->nearest;
         object->weight += count->weight;
         object->pixels += count->pixels;
+    }
+}
+
+/* The pixels left and right of, below and above one; itself in place of those that are not in the cone. */
+static inline void find_beside(uint32_t out[4], uint32_t pixel, uint32_t n, unsigned sides)
+{
+    out[0] = pixel - (sides & 1);
+    out[1] = pixel + (sides >> 1 & 1);
+    out[2] = pixel - n * (sides >> 2 & 1);
+    out[3] = pixel + n * (sides >> 3 & 1);
+}
+
+/* Adds the square of a pixel's weight to its object and each other one beside it, if there is one. */
+static void add_outline(struct tally *tally, const struct gathering *gathering, const uint32_t pixels[5], double weight)
+{
+    uint32_t met[5];
+    size_t count = 0;
+    for (size_t k = 0; k < 5; k++) {
+        const uint32_t object = group_of(gathering, gathering->evidence->object[pixels[k]]);
+        size_t at = 0;
+        while (at < count && met[at] != object) {
+            at++;
+        }
+        met[at] = object;
+        count += at == count;
+    }
+    for (size_t k = 0; k < count && count > 1; k++) {
+        tally->objects[met[k]].soft_squares += weight * weight;
+    }
+}
+
+/* Adds the weights of pixels, and their squares for all objects at whose outline a pixel is (Eq. 31). */
+static void add_soft(struct tally *tally, const struct gathering *gathering)
+{
+    const struct aperture *aperture = gathering->aperture;
+    const struct soft *soft = gathering->soft;
+    const uint32_t *objects = gathering->evidence->object;
+    for (size_t k = 0; k < aperture->rays.count;) {
+        const uint32_t hit = objects[aperture->inside[k]];
+        struct tallied *object = &tally->objects[group_of(gathering, hit)];
+        double sum = object->soft; /* in a register, as in add_run() */
+        do {
+            const uint32_t pixel = aperture->inside[k++];
+            uint32_t pixels[5] = {[4] = pixel};
+            find_beside(pixels, pixel, soft->resolution, soft->sides[pixel]);
+            sum += soft->pixels[pixel];
+            if ((objects[pixels[0]] != hit) | (objects[pixels[1]] != hit) | (objects[pixels[2]] != hit) |
+                (objects[pixels[3]] != hit)) {
+                add_outline(tally, gathering, pixels, soft->pixels[pixel]);
+            }
+        } while (k < aperture->rays.count && objects[aperture->inside[k]] == hit);
+        object->soft = sum;
     }
 }
 
@@ -334,6 +387,7 @@ conus_result statistics_empty_result(uint32_t number)
     result.sum_value = result.mean_value = result.max_value = NAN;
     result.centroid[0] = result.centroid[1] = result.centroid[2] = NAN;
     result.contact_value = NAN;
+    result.weight = result.weight_error = result.posterior = NAN;
     result.length = result.near[0] = result.near[1] = result.near[2] = result.along = NAN;
     return result;
 }
@@ -355,6 +409,10 @@ static conus_result describe(uint32_t number, const struct tallied *object, cons
     conus_result result = statistics_empty_result(number);
     result.pixels = object->pixels;
     result.share = object->weight / totals->weight;
+    if (gathering->soft && gathering->soft->total > 0) {
+        result.weight = object->soft / gathering->soft->total;
+        result.weight_error = sqrt(object->soft_squares / 12) / gathering->soft->total;
+    }
     if (number && object->pixels) {
         result.centre_px = sqrt(object->square) / 2;
         result.offset = cone_off_axis(cone, cone_radius_of(object->square, cone->resolution));
@@ -410,6 +468,9 @@ conus_status statistics_gather(struct statistics *out, const struct gathering *g
     if (gathering->aperture) {
         touch(tally, 0);
         gathering->counts ? add_counts(tally, gathering) : add_pixels(tally, gathering);
+    }
+    if (gathering->aperture && gathering->soft) {
+        add_soft(tally, gathering);
     }
     if (gathering->aperture && gathering->layers) {
         add_intervals(tally, gathering);

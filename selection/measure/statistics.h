@@ -10,6 +10,7 @@
 #include "selection/measure/near.h"
 #include "selection/measure/solids.h"
 #include "selection/measure/tract_census.h"
+#include "selection/weight/weight.h"
 
 struct statistics {
     conus_result *results; /**< In order of object number, then what hit nothing (object 0); kind,
@@ -39,6 +40,7 @@ struct gathering {
     const struct aperture *aperture; /**< Prepared for the cone; NULL where there are no pixels. */
     const struct evidence *evidence;
     const struct hit_counts *counts; /**< In its place, where an engine has counted; grouped already. Else NULL. */
+    const struct soft *soft;         /**< Weights of pixels, of a cone with evidence; NULL = none.         */
     const struct layers *layers;     /**< Sorted; NULL = visible only.                                     */
     const struct census *census;     /**< The voxels in the cone or ball; with layers or near.           */
     const struct near *near; /**< The objects near to a ball's centre; with its census.                        */

@@ -190,7 +190,8 @@ conus_status conus_plan_create(conus_plan **out, conus_selector *selector, const
     const conus_plan_options filled = *options_of(conus_plan_options, options);
     plan->asked.selector = selector;
     plan->asked.options = filled;
-    conus_status status = init_shanks(plan);
+    conus_status status = selector->options.weight ? fail(CONUS_ERROR_ARGUMENT, "weight: a plan has none") : CONUS_OK;
+    status = status ? status : init_shanks(plan);
     status = status ? status : init_constraints(plan, constraints, count);
     status = status ? status : plan_order_init(&plan->asked.order, plan->asked.constraints, plan->asked.count, &filled);
     status = status ? status : init_options(plan, filled.jitter);

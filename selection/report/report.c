@@ -148,6 +148,10 @@ conus_status conus_report_create(conus_report **out, const conus_selector *selec
     }
     report->atlas = selector->atlas;
     report->selector = selector->options;
+    report->weight = selector->options.weight ? selector->options.weight->facts : report->weight;
+    report->prior = selector->prior;
+    report->prior.times = NULL;
+    report->selector.weight = NULL; /* which may end */
     memcpy(report->score, selector->ranking.formula.text, sizeof report->score);
     report->options = *options;
     report->options.frame = NULL; /* the caller's may end */
@@ -205,7 +209,8 @@ static bool are_alike(const conus_report *a, const conus_report *b)
            a->atlas->is_moved == b->atlas->is_moved && strcmp(a->score, b->score) == 0 &&
            strcmp(a->engine, b->engine) == 0 && p->aperture == q->aperture && p->sampling == q->sampling &&
            p->resolution == q->resolution && p->slices == q->slices && p->slice_fraction == q->slice_fraction &&
-           p->layers == q->layers && p->range[0] == q->range[0] && p->range[1] == q->range[1] && p->radius == q->radius;
+           p->layers == q->layers && p->range[0] == q->range[0] && p->range[1] == q->range[1] &&
+           p->radius == q->radius && a->weight.form == b->weight.form && a->prior.power == b->prior.power;
 }
 
 conus_status conus_report_join(conus_report *report, conus_report *more)

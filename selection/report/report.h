@@ -10,6 +10,7 @@
 #include "selection/selector.h"
 #include "selection/study/study.h"
 #include "selection/table/table.h"
+#include "selection/weight/weight.h"
 
 #include <string.h>
 
@@ -122,6 +123,8 @@ struct conus_report {
     conus_report *next;    /**< Joined: its rows come behind these, query by query. NULL = none. */
     bool is_joined;        /**< Another report has it as its next. */
     conus_selector_options selector;
+    struct weight_facts weight;           /**< form is NULL of a selector without one. */
+    struct prior prior;                   /**< Without its numbers; power is 0 where there is no posterior. */
     char score[FORMULA_LENGTH_LIMIT + 1]; /**< Name or formula of the ranking. */
     char *level;                          /**< NULL = none. */
     uint32_t *level_areas;                /**< The areas of a level given as a list, by number. */

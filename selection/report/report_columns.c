@@ -170,6 +170,12 @@ static const struct report_column answer_columns[] = {
     {"near_z", "mm", "the same, z", OF_BUNDLE(Z, near)},
     {"along", NULL, "how far along its streamline that is, 0 to 1 of its length, in the direction of the bundle",
      OF_BUNDLE(NUMBER, along)},
+    {"weight", NULL, "its part of the weights of all rays; all parts of a query sum to 1",
+     OF_ROW(NUMBER, result.weight), .weights_only = true},
+    {"weight_error", NULL, "standard error of the weight, from the pixels at its outline",
+     OF_ROW(NUMBER, result.weight_error), .weights_only = true},
+    {"posterior", NULL, "probability that it is meant, of what is hit first", OF_ROW(NUMBER, result.posterior),
+     .posterior_only = true},
     {"contact_value", NULL,
      "value of the voxel at the contact, of a pathway, or probability there of an area of probabilities",
      OF_ROW(NUMBER, result.contact_value)},
@@ -750,6 +756,7 @@ static void list_table(struct report_columns *out, const conus_report *report, c
 {
     for (size_t i = 0; i < count; i++) {
         if ((report->selector.layers || !table[i].layers_only) && (report->atlas->is_moved || !table[i].moved_only) &&
+            (!table[i].weights_only || report->weight.form) && (!table[i].posterior_only || report->prior.power > 0) &&
             (!table[i].bundles_only || has_bundles(report))) {
             list_column(out, &table[i]);
         }

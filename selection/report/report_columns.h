@@ -35,11 +35,13 @@ struct report_column {
     enum column_type type;
     size_t offset; /**< Where the value lies in its home, or its index there. */
     enum column_home home;
-    unsigned needs;    /**< enum column_needs */
-    bool layers_only;  /**< Only in reports of all layers. */
-    bool moved_only;   /**< Only of an atlas that was moved. */
-    bool bundles_only; /**< Only where an atlas has bundles. */
-    bool unless_zeros; /**< Only where some row is not 0. */
+    unsigned needs;      /**< enum column_needs */
+    bool layers_only;    /**< Only in reports of all layers. */
+    bool moved_only;     /**< Only of an atlas that was moved. */
+    bool weights_only;   /**< Only with a weight, */
+    bool posterior_only; /**< or a posterior. */
+    bool bundles_only;   /**< Only where an atlas has bundles. */
+    bool unless_zeros;   /**< Only where some row is not 0. */
     struct cell (*get)(const conus_report *report, const struct report_row *row);
 };
 

@@ -290,6 +290,27 @@ static bool add_track(json_t *settings, const conus_tracker *tracker)
                                "exponent", options->exponent, "delay_s", options->delay));
 }
 
+/* The weight of rays (Eq. 30) and the prior (Eq. 32), if there is one; the files of both are among the inputs. */
+static bool add_weight(json_t *settings, const conus_report *report)
+{
+    const struct weight_facts *weight = &report->weight;
+    const struct prior *prior = &report->prior;
+    if (!weight->form) {
+        return true;
+    }
+    json_t *entry = json_pack("{s: s}", "form", weight->form);
+    const bool is_angle = weight->by == WEIGHT_BY_ANGLE;
+    bool whole =
+        entry && (weight->sigma == 0 || put_value(entry, "sigma_deg", json_real(weight->sigma))) &&
+        (weight->rows == 0 || put_value(entry, "rows", json_integer((json_int_t)weight->rows))) &&
+        (weight->own == 0 || put_value(entry, is_angle ? "own_angle_deg" : "own_radius_mm", json_real(weight->own))) &&
+        (!is_angle || put_value(entry, "bias_deg", json_pack("[f, f]", weight->bias[0], weight->bias[1])));
+    whole = put_value(settings, "weight", entry) && whole;
+    const char *of = prior->of_file ? "file" : prior->by_size ? "size" : "equal";
+    return whole && (prior->power == 0 ||
+                     put_value(settings, "prior", json_pack("{s: s, s: f}", "of", of, "power", prior->power)));
+}
+
 /* Labels of a list: it may have come from a file that changes. */
 static json_t *json_from_level_areas(const conus_report *report)
 {
@@ -389,7 +410,8 @@ static json_t *json_from_settings(const conus_report *report)
     bool tells = options->radius == 0 && (report->is_begun || !report->query_count); /* no query tells it (Eq. 15) */
     whole = (!tells || put_value(settings, "spread", json_string("even beyond 120 degrees"))) && whole;
     whole = (report->name || add_level(settings, report)) && whole;
-    return whole_or_null(settings, whole && add_track(settings, report->options.tracker));
+    return whole_or_null(settings,
+                         whole && add_weight(settings, report) && add_track(settings, report->options.tracker));
 }
 
 static json_t *json_from_constraint(const struct report_constraint *constraint)

@@ -213,13 +213,6 @@ static void write_rank(struct buffer *out, const conus_report *report, const con
     buffer_format(out, "  %10s", table_label(label, report, result->object));
 }
 
-static void write_label(struct buffer *out, const conus_report *report, const conus_result *result, int width)
-{
-    char share[TABLE_SHARE_SIZE];
-    write_rank(out, report, result, width);
-    buffer_format(out, "  %6s %%  %6u", table_share(share, result->share, report->selector.resolution), result->pixels);
-}
-
 /* A number in a column of this width behind two spaces, "-" if it is none; then the unit, or nothing. */
 static void write_number(struct buffer *out, int width, int digits, double value, const char *unit)
 {
@@ -227,6 +220,40 @@ static void write_number(struct buffer *out, int width, int digits, double value
         buffer_format(out, "  %*.*f%s", width, digits, value, unit);
     } else {
         buffer_format(out, "  %*s%*s", width, "-", (int)strlen(unit), "");
+    }
+}
+
+/* In percent, behind the pixels, with a weight. */
+static void write_weight(struct buffer *out, const conus_report *report, const conus_result *result)
+{
+    if (report->weight.form) {
+        write_number(out, 6, 1, 100 * result->weight, " %");
+        write_number(out, 5, 1, 100 * result->weight_error, "");
+    }
+    if (report->prior.power > 0 && result->object) {
+        write_number(out, 7, 1, 100 * result->posterior, " %");
+    }
+}
+
+static void write_label(struct buffer *out, const conus_report *report, const conus_result *result, int width)
+{
+    char share[TABLE_SHARE_SIZE];
+    write_rank(out, report, result, width);
+    buffer_format(out, "  %6s %%  %6u", table_share(share, result->share, report->selector.resolution), result->pixels);
+    write_weight(out, report, result);
+}
+
+/* The first or second line above the columns of write_label(). */
+static void write_label_header(struct buffer *out, const conus_report *report, int width, bool is_first,
+                               const char *below_pixels)
+{
+    buffer_format(out, "%4s  %-*s  %10s  %8s  %6s", is_first ? "rank" : "", width, is_first ? "name" : "",
+                  is_first ? "label" : "", is_first ? "share" : "of cone", is_first ? "pixels" : below_pixels);
+    if (report->weight.form) {
+        buffer_format(out, "  %8s  %5s", is_first ? "weight" : "of all", is_first ? "error" : "%");
+    }
+    if (report->prior.power > 0) {
+        buffer_format(out, "  %9s", is_first ? "posterior" : "");
     }
 }
 
@@ -297,10 +324,10 @@ static void write_visible_result(struct buffer *out, const conus_report *report,
 static void write_visible_header(struct buffer *out, const conus_report *report, int width)
 {
     char axes[TABLE_AXES_SIZE];
-    buffer_format(out, "%4s  %-*s  %10s  %8s  %6s  %9s  %8s  %26s\n", "rank", width, "name", "label", "share", "pixels",
-                  "nearest", "off axis", table_axes(axes, report, "contact"));
-    buffer_format(out, "%4s  %-*s  %10s  %8s  %6s  %9s  %8s  %26s\n", "", width, "", "", "of cone", "", "mm", "degrees",
-                  conus_space_unit(report->frame.space));
+    write_label_header(out, report, width, true, "");
+    buffer_format(out, "  %9s  %8s  %26s\n", "nearest", "off axis", table_axes(axes, report, "contact"));
+    write_label_header(out, report, width, false, "");
+    buffer_format(out, "  %9s  %8s  %26s\n", "mm", "degrees", conus_space_unit(report->frame.space));
 }
 
 /* Appends the columns of bundles, where there are bundles, and ends the line. Where along the bundle that is,
@@ -342,12 +369,13 @@ static void write_layers_result(struct buffer *out, const conus_report *report, 
 
 static void write_layers_header(struct buffer *out, const conus_report *report, int width)
 {
-    static const char form[] = "%4s  %-*s  %10s  %8s  %6s  %7s  %8s  %8s  %7s  %9s  %8s";
-    buffer_format(out, form, "rank", width, "name", "label", "share", "pixels", "pixels", "enters", "leaves", "inside",
-                  "volume", "of whole");
+    static const char form[] = "  %7s  %8s  %8s  %7s  %9s  %8s";
+    write_label_header(out, report, width, true, "seen");
+    buffer_format(out, form, "pixels", "enters", "leaves", "inside", "volume", "of whole");
     write_mean_header(out, report, "mean");
     end_header(out, report, "streamlines", "length");
-    buffer_format(out, form, "", width, "", "", "of cone", "seen", "pierced", "mm", "mm", "mm", "mm^3", "area");
+    write_label_header(out, report, width, false, "seen");
+    buffer_format(out, form, "pierced", "mm", "mm", "mm", "mm^3", "area");
     write_mean_header(out, report, "value");
     end_header(out, report, "in the cone", "mm");
 }

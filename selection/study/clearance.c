@@ -120,6 +120,7 @@ conus_status conus_clearance(conus_table **out, conus_selector *selector, const 
         return fail(CONUS_ERROR_ARGUMENT, "within: %s mm, allowed are 0 and more", text_number(text, within));
     }
     conus_status status = pose_settle(&asked.cone.pose, pose->world_from_device);
+    weight_turn(&asked.cone.pose, selector->options.weight);
     if (status) {
         return status;
     }

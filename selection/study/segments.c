@@ -203,6 +203,7 @@ conus_status conus_segments(conus_table **out, conus_selector *selector, const c
     struct table_question asked = {.cone = AXIS, .is_axis = true};
     struct segments segments = {.cone = &asked.cone};
     conus_status status = pose_settle(&asked.cone.pose, pose->world_from_device);
+    weight_turn(&asked.cone.pose, selector->options.weight);
     if (status) {
         return status;
     }

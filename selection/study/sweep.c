@@ -391,6 +391,7 @@ conus_status conus_sweep(conus_table **out, const conus_selector *selector, cons
         return fail(CONUS_ERROR_ARGUMENT, "aperture: square, but a sweep over the angle is of round cones");
     }
     conus_status status = pose_settle(&cone.pose, pose->world_from_device);
+    weight_turn(&cone.pose, selector->options.weight);
     status = status ? status : cone_check(&cone);
     return status ? status : sweep_cone(out, selector, &cone);
 }

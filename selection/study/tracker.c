@@ -82,6 +82,9 @@ conus_status conus_tracker_create(conus_tracker **out, conus_selector *selector,
     all.exponent = value_or(all.exponent, DEFAULT_EXPONENT);
     all.delay = all.delay < 0 ? 0 : value_or(all.delay, fmin(DEFAULT_DELAY, all.window));
     conus_status status = check_options(&all);
+    if (!status && selector->options.weight) {
+        status = fail(CONUS_ERROR_ARGUMENT, "weight: a track has none");
+    }
     conus_tracker *tracker = status ? NULL : memory_zeroed(1, sizeof *tracker);
     if (!tracker) {
         return status ? status : CONUS_ERROR_MEMORY;

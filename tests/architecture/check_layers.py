@@ -116,10 +116,13 @@ LIBRARY = {
     "selection/engine": "base base/geometry atlas render/gl render/id selection/cone selection/evidence selection/engine/voxels"
     " selection/engine/tracts selection/engine/triangles",
     "selection/region": "base/simd base/geometry atlas/tracts atlas selection/cone",
-    "selection/measure": "base base/geometry atlas/surface atlas/tracts atlas selection/cone selection/evidence selection/region",
+    "selection/weight": "base base/files base/formats base/geometry selection/cone",
+    "selection/measure": "base base/geometry atlas/surface atlas/tracts atlas selection/cone selection/evidence selection/region"
+    " selection/weight",
     "selection/table": "base base/geometry atlas selection/cone",
     "selection/lists": "base base/geometry selection/table",
-    "selection": "base base/geometry atlas atlas/areas poses/rows selection/region selection/evidence selection/engine selection/measure",
+    "selection": "base base/geometry atlas atlas/areas poses/rows selection/region selection/evidence selection/engine selection/measure"
+    " selection/weight",
     "selection/study": "base base/geometry atlas/surface atlas poses/rows selection/measure selection/table selection",
     "selection/plan/together": "base base/geometry selection/table",
     "selection/plan": "base base/geometry atlas/surface atlas/tracts atlas atlas/areas poses poses/rows selection/evidence"
@@ -127,7 +130,8 @@ LIBRARY = {
     "selection/ends": "base base/geometry atlas/surface atlas selection/measure selection/engine/voxels selection/table selection",
     "selection/picture": "base base/geometry render/draw render/image render/colour render/flat selection/measure selection"
     " selection/study",
-    "selection/report": "base base/geometry atlas poses/programs selection selection/ends selection/plan/together selection/study selection/table",
+    "selection/report": "base base/geometry atlas poses/programs selection selection/ends selection/plan/together selection/study selection/table"
+    " selection/weight",
     "pack": "base base/files base/geometry base/system atlas atlas/tracts loaders/maps loaders/scene selection/engine/voxels sources",
     "selection/batch": "base base/geometry base/system poses poses/rows selection selection/study selection/report",
 }

@@ -111,7 +111,7 @@ parses() {
 
 @test "the columns of the page are those of the TSV, in their order" {
     sphere --size 16
-    conus query sphere.nii.gz --origin 0,0,90 --toward 0,0,0 --layers all --format tsv | head -1 | tr '\t' '\n' >there
+    conus query sphere.nii.gz --origin 0,0,90 --toward 0,0,0 --layers all --weight hard --prior size --format tsv | head -1 | tr '\t' '\n' >there
     awk '/^##/ { on = /^### Columns/ } on' "$DOCS" |
         sed -nE 's/^\| `([a-z0-9_]+)` .*/\1/p' >said
     diff there said
@@ -132,7 +132,7 @@ parses() {
         conus $command --help | sed -n '/^Scores/,/^$/p' | awk 'NR > 1 && NF { print $1 }' >there
         awk '/^### Scores/ { on = 1 } /^### Columns/ { on = 0 } on' "$DOCS" | sed -nE 's/^\| `([a-z_]+)` .*/\1/p' >said
         diff there said
-        [ "$(wc -l <said)" -eq 14 ]
+        [ "$(wc -l <said)" -eq 16 ]
     done
 }
 

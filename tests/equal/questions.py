@@ -398,6 +398,7 @@ def sweeps(ask):
             ask(f"sweep {atlas} --pose in/bad.tsv -o {{o}}/rows.{form}")
             ask(f"sweep {atlas} {aim} --angles 2:40:4 -o {{o}}/rows.{form}")
             ask(f"sweep {atlas} {aim} --angle 6 --jitter 3,2 --samples 256 -o {{o}}/rows.{form}")
+            ask(f"query {atlas} {aim} --weight gauss=2 --score posterior -o {{o}}/rows.{form}")
         ask(f"sweep {atlas} {aim} --angle 40 --range 60,100 --format tsv")
         ask(f"sweep {atlas} {aim} --angles 5,30,150 --sampling slices --format tsv")
         ask(f"sweep {atlas} {aim} --radius 2 --jitter 4,0 --samples 64 --layers all --format json")

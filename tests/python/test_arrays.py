@@ -43,7 +43,7 @@ SHAPES = ((), (1,), (2,), (3,), (1, 3), (4, 4), (1, 4, 4), (40, 30, 30))
 # Arguments that are no numbers: paths, names, choices, flags, functions.
 WORDS = {
     "labels", "pathways", "context", "hemispheres", "only", "hide", "labels_anyway", "progress", "safe_colours", "palette",
-    "template", "sides", "layers", "level", "score", "aperture", "sampling", "engine", "space", "name",
+    "template", "sides", "layers", "level", "score", "weight", "prior", "error", "aperture", "sampling", "engine", "space", "name",
 }  # fmt: skip
 
 

@@ -192,7 +192,8 @@ int batch_record_write(const char *path, const char *text, const struct batch_re
     json_object_del(root, "Queries");
     if (root && json_object_set_new(root, "Batch", json_from_record(record)) == 0 &&
         json_object_set_new(program, "CommandLine", words ? words : json_null()) == 0 &&
-        provenance_put_input(root, record->level_file) && provenance_put_input(root, record->probe_file) &&
+        provenance_put_input(root, record->level_file) && provenance_put_input(root, record->weight_files[0]) &&
+        provenance_put_input(root, record->weight_files[1]) && provenance_put_input(root, record->probe_file) &&
         json_object_set_new(root, "Question", question_json(question)) == 0 && provenance_put_warnings(root) &&
         provenance_seal(root)) {
         char *dumped = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(DIGITS));

@@ -70,6 +70,7 @@ const struct option_group batch_groups[] = {
     {"", engine_options, offsetof(struct batch_settings, engine)},
     {"", shape_options, offsetof(struct batch_settings, engine)},
     {"", slices_options, offsetof(struct batch_settings, engine)},
+    {"", weight_options, offsetof(struct batch_settings, engine)},
     {"What can be hit", atlas_options, offsetof(struct batch_settings, atlas)},
     {"", side_options, offsetof(struct batch_settings, atlas)},
     {"", shown_options, offsetof(struct batch_settings, atlas)},

@@ -392,6 +392,7 @@ static int build_task(struct task *task)
     atlases_say_notes(&task->atlases, &settings->common);
     atlases_say_spaces(&task->atlases, &settings->common);
     atlases_say_open(&task->atlases, &settings->engine, &settings->common);
+    settings_say_weight(&settings->aim, &settings->engine, &settings->common);
     return EXIT_DONE;
 }
 
@@ -408,10 +409,19 @@ static int identify(struct task *task)
     const char *first = has_file_name ? conus_atlas_file(atlas, 0) : NULL;
     const char *sidecar = NULL;
     size_t size = 0;
-    char angle[256 + KEPT_SIZE], reading[128], probe_hash[65] = "";
+    char angle[512 + KEPT_SIZE], reading[128], probe_hash[65] = "";
     int length =
         snprintf(angle, sizeof angle, "%.17g%s%s", settings->aim.angle, task->marks.has_number ? " marked" : "",
                  settings->keep.columns ? settings->keep.columns : "");
+    for (size_t i = 0; i < 2; i++) {
+        char hash[65] = "";
+        const char *file = settings->engine.weight_file[i];
+        int failed = file ? provenance_hash_file(hash, file) : EXIT_DONE;
+        if (failed) {
+            return failed;
+        }
+        length += snprintf(angle + length, sizeof angle - (size_t)length, "%s%s", file ? " " : "", hash);
+    }
     if (task->probe) {
         int failed = provenance_hash_file(probe_hash, settings->probe.path);
         if (failed) {
@@ -625,6 +635,7 @@ static int finish_file(struct task *task)
         .coordsystem = conus_pose_stream_coordsystem(task->poses),
         .coordsystem_hash = conus_pose_stream_coordsystem_sha256(task->poses),
         .level_file = settings_level_file(&task->settings->engine),
+        .weight_files = task->settings->engine.weight_file,
         .probe_file = task->settings->probe.path,
         .contacts = conus_probe_contact_count(task->probe),
         .angle = settings_angle(&task->settings->aim, &task->settings->engine) * (180 / M_PI),

@@ -30,6 +30,10 @@ void citation_list(FILE *out, const struct citation *citation)
         fprintf(out, "%s\n", citation_method);
     }
     fprintf(out, "The conus authors: conus, version %s.\n", citation->version);
+    const char *error = citation_error(citation, "name");
+    if (error) {
+        fprintf(out, "Errors of the pose, %s: %s\n", error, citation_error(citation, "source"));
+    }
     for (size_t i = 0; i < citation->atlas_count; i++) {
         const struct cited_atlas *atlas = &citation->atlases[i];
         fprintf(out, "%s: ", atlas->name);
@@ -80,6 +84,12 @@ void citation_bibtex(FILE *out, const struct citation *citation)
             "@misc{conus,\n  author = {{The conus authors}},\n  title = {{conus}},\n  version = {%s},\n"
             "  howpublished = {Software, version %s}\n}\n", /* digits and dots */
             citation->version, citation->version);
+    const char *error = citation_error(citation, "name");
+    if (error) {
+        fprintf(out, "\n@misc{error,\n  title = {{Errors of the pose, %s}},\n  note = {", error);
+        put_escaped(out, citation_error(citation, "source"));
+        fputs("}\n}\n", out);
+    }
     for (size_t i = 0; i < citation->atlas_count; i++) {
         const struct cited_atlas *atlas = &citation->atlases[i];
         fprintf(out, "\n@misc{atlas%zu,\n  title = {{", i + 1);

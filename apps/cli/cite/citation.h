@@ -62,6 +62,9 @@ bool citation_is_known(struct citation *citation);
 /** Whether the method has a part in the answer: it has none where no rays were traced. */
 bool citation_has_rays(const struct citation *citation);
 
+/** "name" or "source" of the published error of the poses; NULL where there is none. */
+const char *citation_error(const struct citation *citation, const char *key);
+
 /** Frees all but the sidecar. */
 void citation_finish(struct citation *citation);
 

@@ -29,6 +29,10 @@ struct sentence {
     "0.5 mm from each other.| Volumes are exact for the voxels and closed surfaces as they are; what is in no "        \
     "surface, or in several that are one area, was measured round 4 × 4 lines through each voxel of the region.}"
 #define VOLUME "The volume that {regions} has in common with each {object} was determined " CONUS " {region}" EXACT
+#define FROM_SAMPLES                                                                                                   \
+    " from {Question.options.samples|1024} poses about each given one, drawn from a Sobol sequence with independent "  \
+    "normal errors"
+#define SAMPLED " The probability of each object to rank first was estimated" FROM_SAMPLES
 #define CONNECTED                                                                                                      \
     CONUS " An end had the area that it lies in{Queries.0.endpoint_radius_mm?, else the nearest one within @ mm}. "    \
           "Streamlines are a model: their number is not that of axons."
@@ -88,13 +92,27 @@ static const struct sentence of_settings[] = {
      "{Settings.track.window_s?, with a window of @ s}{Settings.track.stickiness?, stickiness @}"
      "{Settings.track.snappiness? and snappiness @}{Settings.track.rate_hz? at @ Hz}{Settings.track.growth_per_s?, "
      "growth @/s}{Settings.track.decay_per_s?, decay @/s}{Settings.track.exponent? and exponent @}."},
+    {"Settings.weight.form=gauss",
+     " Rays were weighted by a normal error of the axis's tilt, with a standard deviation "
+     "of {Settings.weight.sigma_deg}° about each of two axes: an object's weight is the "
+     "probability that the axis meets it before any other (Eq. 30 and 31 of conus's "
+     "documentation)."},
+    {"Settings.weight.form=table", " Rays were weighted by a table of {Settings.weight.rows} rows (Eq. 30 and 31 of "
+                                   "conus's documentation)."},
+    {"Settings.weight.bias_deg.0", "{biased? The device was taken to point {Settings.weight.bias_deg.0}° to its right "
+                                   "and {Settings.weight.bias_deg.1}° up of what was meant.}"},
+    {"Settings.prior", " The posterior of an object is the probability that it is meant, if "
+                       "{meant}{power?; likelihoods were raised to the power @} (Eq. 32)."},
     {"rays Settings.track", " A press of the trigger confirmed what was selected {Settings.track.delay_s} s before."},
-    {"Question.options.jitter",
-     " The probability of each object to rank first was estimated from {Question.options.samples|1024} poses about "
-     "each "
-     "given one, drawn from a Sobol sequence with independent normal errors; their standard deviations were "
-     "{tilt?@° of tilt about each of two axes and|those that the file gives for each pose}{offset? @ mm of position "
-     "along each of three}."},
+    {"Question.options.jitter !Plan !Settings.error",
+     SAMPLED "; their standard deviations were {tilt?@° of tilt about each of two axes and|those that the file gives "
+             "for each pose}{offset? @ mm of position along each of three}."},
+    {"Settings.error !Plan",
+     SAMPLED "; their standard deviations were {Settings.error.tilt_deg?@° of tilt about each of two "
+             "axes{Settings.error.shift_mm? and }}{Settings.error.shift_mm?@ mm of position along each of three}."},
+    {"Question.options.jitter Plan", " Probabilities to break nothing were estimated" FROM_SAMPLES
+                                     ": {Question.options.jitter} (options of conus plan)."},
+    {"Settings.error", " These errors are published, as {Settings.error.measured} (see the references)."},
     {"Question.options.summary",
      " Reported are the object that ranks first, the runner-up and the difference of their scores."},
     {"Space.orientation=CCF", " Positions were those of the Allen CCF, AP, DV and ML in µm from its corner."},
@@ -458,6 +476,14 @@ static void set_numbers(json_t *facts)
     } else if (holds(facts, "Settings.sampling=slices")) {
         set(facts, "slices", "%.9g of √2 times as many as the longest edge of the volume has voxels", fraction);
     }
+    const double power = number(facts, "Settings.prior.power");
+    set_if(facts, "biased",
+           number(facts, "Settings.weight.bias_deg.0") != 0 || number(facts, "Settings.weight.bias_deg.1") != 0);
+    json_object_set_new(facts, "power", json_real(power != 1 ? power : 0));
+    set(facts, "meant", "%s",
+        holds(facts, "Settings.prior.of=size")   ? "each direction is meant as often"
+        : holds(facts, "Settings.prior.of=file") ? "each object is meant as often as a table says"
+                                                 : "each object is meant as often");
     set_if(facts, "tetrahedra", holds(facts, "Queries.0.tetrahedra"));
     set(facts, "regions",
         json_array_size(fact(facts, "Queries")) == 1 ? "a region of interest" : "each of several regions of interest");
@@ -519,6 +545,14 @@ bool citation_is_known(struct citation *citation)
         sentence++;
     }
     return sentence->text;
+}
+
+const char *citation_error(const struct citation *citation, const char *key)
+{
+    const json_t *error = fact(citation->facts, "Settings.error");
+    const bool is_whole =
+        json_is_string(json_object_get(error, "name")) && json_is_string(json_object_get(error, "source"));
+    return is_whole ? json_string_value(json_object_get(error, key)) : NULL;
 }
 
 bool citation_has_rays(const struct citation *citation)

@@ -42,13 +42,13 @@ const char *study_fault(const struct study_settings *settings)
 
 bool selector_options_are_same(const conus_selector_options *a, const conus_selector_options *b)
 {
-    _Static_assert(offsetof(conus_selector_options, frame) + sizeof(const conus_frame *) == sizeof *a,
+    _Static_assert(offsetof(conus_selector_options, prior) + sizeof(const char *) == sizeof *a,
                    "a new option is compared here, too");
     return a->engine == b->engine && a->aperture == b->aperture && a->sampling == b->sampling &&
            a->resolution == b->resolution && a->slices == b->slices && a->layers == b->layers &&
            a->range[0] == b->range[0] && a->range[1] == b->range[1] && a->radius == b->radius && a->score == b->score &&
-           a->slice_fraction == b->slice_fraction && a->frame == b->frame &&
-           strcmp(a->level ? a->level : "", b->level ? b->level : "") == 0;
+           a->slice_fraction == b->slice_fraction && a->frame == b->frame && a->weight == b->weight &&
+           a->prior == b->prior && strcmp(a->level ? a->level : "", b->level ? b->level : "") == 0;
 }
 
 bool study_has_same_selectors(const struct study_question *a, const struct study_question *b)

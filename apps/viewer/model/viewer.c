@@ -432,7 +432,7 @@ const char *viewer_find_score(const char *name)
 {
     const conus_score_info *info;
     for (size_t i = 0; name && (info = conus_score(i)); i++) {
-        if (strcmp(info->name, name) == 0) {
+        if (!info->needs_weight && strcmp(info->name, name) == 0) {
             return info->name;
         }
     }

@@ -146,7 +146,7 @@ static void choose_score(struct viewer *viewer)
     size_t chosen = 0;
     const conus_score_info *info;
     for (size_t i = 0; count < SCORE_LIMIT && (info = conus_score(i)); i++) {
-        if (!info->needs_history) {
+        if (!info->needs_history && !info->needs_weight) {
             chosen = viewer->cone.options.score && strcmp(viewer->cone.options.score, info->name) == 0 ? count : chosen;
             names[count++] = info->name;
         }

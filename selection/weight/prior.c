@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What is meant, of what is hit first: the posterior of a hand's aim (Eq. 32). */
+#include "base/geometry/math3.h"
+#include "base/memory.h"
+#include "conus/own.h"
+#include "selection/weight/weight.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const double least_power = 0.01, most_power = 100;
+
+/* A file of a prior on the way. */
+struct priors {
+    struct prior *out;
+    const conus_atlas *atlas;
+    const uint32_t *group;
+    bool *is_given; /* [object_count + 1] */
+};
+
+enum { NAME, INDEX, PRIOR };
+
+/* The object that a name means, or the number in a column "index" of rows: an area's label comes first. */
+static conus_status find_object(uint32_t *out, const struct text *cells, const conus_atlas *atlas)
+{
+    char name[512];
+    uint64_t label;
+    if (!cells[INDEX].data) {
+        snprintf(name, sizeof name, "%.*s", TEXT_SHOW(cells[NAME], 500));
+        return conus_atlas_find(out, atlas, name) ? CONUS_ERROR_DATA : CONUS_OK;
+    }
+    const bool is_number = text_to_uint(cells[INDEX], UINT32_MAX, &label);
+    const conus_object *object = is_number ? conus_atlas_object(atlas, *out = 1) : NULL;
+    while (object && object->label != label) {
+        object = conus_atlas_object(atlas, ++*out);
+    }
+    return object ? CONUS_OK
+                  : fail(CONUS_ERROR_DATA, "index: nothing has the number %.*s", TEXT_SHOW(cells[INDEX], 40));
+}
+
+static conus_status take_row(void *user, const struct text *cells)
+{
+    struct priors *priors = user;
+    uint32_t object;
+    double times;
+    if (!cells[PRIOR].data || !cells[NAME].data == !cells[INDEX].data) {
+        return fail(CONUS_ERROR_DATA, "columns name or index, and prior, are needed");
+    }
+    if (!text_to_double(cells[PRIOR], &times) || !(times >= 0 && isfinite(times))) {
+        return fail(CONUS_ERROR_DATA, "prior: %.*s is no number of 0 or more", TEXT_SHOW(cells[PRIOR], 40));
+    }
+    conus_status status = find_object(&object, cells, priors->atlas);
+    if (status) {
+        return status;
+    }
+    const char *name = conus_atlas_object(priors->atlas, object)->name;
+    if (priors->group && priors->group[object] != object) {
+        return fail(CONUS_ERROR_DATA, "%.60s has no row of its own at this level", name);
+    }
+    if (priors->is_given[object]) {
+        return fail(CONUS_ERROR_DATA, "%.60s is there twice", name);
+    }
+    priors->is_given[object] = true;
+    priors->out->times[object] = times;
+    return CONUS_OK;
+}
+
+static conus_status read_file(struct prior *out, const char *path, const conus_atlas *atlas, const uint32_t *group)
+{
+    static const char *const names[] = {"name", "index", "prior"};
+    const size_t count = conus_atlas_object_count(atlas) + 1;
+    struct priors priors = {out, atlas, group, memory_zeroed(count, sizeof *priors.is_given)};
+    const struct row_reader reader = {names, 3, take_row, &priors};
+    out->of_file = true;
+    out->times = memory_raw(count, sizeof *out->times);
+    conus_status status = out->times && priors.is_given ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; i < count && !status; i++) {
+        out->times[i] = 1;
+    }
+    status = status ? status : rows_read(path, &reader);
+    memory_free(priors.is_given);
+    return status;
+}
+
+static conus_status read_power(struct prior *out, struct text key, struct text value)
+{
+    if (!text_equal(key, "power")) {
+        return fail(CONUS_ERROR_ARGUMENT, "key \"%.*s\" is unknown, allowed is power", TEXT_SHOW(key, 40));
+    }
+    return text_to_double(value, &out->power) && out->power >= least_power && out->power <= most_power
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "power: %.*s is no number from %g to %g", TEXT_SHOW(value, 40), least_power,
+                      most_power);
+}
+
+conus_status prior_read(struct prior *out, const char *text, const conus_atlas *atlas, const uint32_t *group)
+{
+    const char *rest = text ? text : "equal";
+    const struct text head = {rest, weight_head(rest)};
+    struct text key;
+    struct text value;
+    struct prior prior = {.power = 1, .by_size = text_equal(head, "size")};
+    conus_status status = CONUS_OK;
+    if (!prior.by_size && !text_equal(head, "equal")) {
+        char *path = conus_weight_path_length(rest) ? memory_text(head.data, head.size) : NULL;
+        status = path ? read_file(&prior, path, atlas, group)
+                 : conus_weight_path_length(rest)
+                     ? CONUS_ERROR_MEMORY
+                     : fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is unknown, allowed are equal, size, or a file",
+                            TEXT_SHOW(head, 60));
+        memory_free(path);
+    }
+    for (rest += head.size; !status && weight_key(&key, &value, &rest);) {
+        status = read_power(&prior, key, value);
+    }
+    if (status) {
+        prior_finish(&prior);
+        return status == CONUS_ERROR_MEMORY ? status : fail_in(status, "prior");
+    }
+    *out = prior;
+    return CONUS_OK;
+}
+
+void prior_finish(struct prior *prior)
+{
+    memory_free(prior->times);
+    *prior = (struct prior){0};
+}
+
+/* p weight / (solid angle + a square degree), or by size p weight. */
+static double likelihood(const conus_result *result, const struct prior *prior, double aperture)
+{
+    const double square_degree = radians_from_degrees(1) * radians_from_degrees(1);
+    const double times = prior->times ? prior->times[result->object] : 1;
+    return times * result->weight / (prior->by_size ? 1 : (result->share * aperture + square_degree) / square_degree);
+}
+
+void prior_apply(conus_result *results, size_t count, const struct prior *prior, const struct cone *cone)
+{
+    const double aperture = cone_cross_section(cone);
+    double largest = 0;
+    double sum = 0;
+    for (size_t i = 0; i < count && cone->radius == 0; i++) {
+        if (results[i].object && results[i].pixels) {
+            largest =
+                fmax(largest, likelihood(&results[i], prior, aperture)); /* of no weight NaN, which is passed over */
+        }
+    }
+    for (size_t i = 0; i < count && largest > 0; i++) {
+        if (results[i].object && results[i].pixels) {
+            results[i].posterior = pow(likelihood(&results[i], prior, aperture) / largest, prior->power);
+            sum += results[i].posterior;
+        }
+    }
+    for (size_t i = 0; i < count && largest > 0; i++) {
+        results[i].posterior /= sum;
+    }
+}

@@ -1,0 +1,301 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The forms of weights (Eq. 30): a row of a table each, and tables of files. */
+#include "selection/weight/weight.h"
+
+#include "base/geometry/math3.h"
+#include "base/memory.h"
+#include "base/order.h"
+#include "conus/own.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const double most_bias = 45; /* degrees */
+enum { ROW_LIMIT = 1000000 };
+
+static double by_nothing(const conus_weight *weight, double x)
+{
+    (void)weight;
+    (void)x;
+    return 1;
+}
+
+/* The density of Eq. 14's tilt per solid angle, 1 on the axis. */
+static double by_gauss(const conus_weight *weight, double degrees)
+{
+    double theta = radians_from_degrees(degrees);
+    double z = degrees / weight->facts.sigma;
+    return exp(-z * z / 2) * (theta > 0 ? theta / sin(theta) : 1);
+}
+
+/* Linear between rows; below the first as there, behind the last 0. */
+static double by_table(const conus_weight *weight, double x)
+{
+    size_t low = 0;
+    size_t high = weight->facts.rows - 1;
+    if (x <= weight->at[0] || x > weight->at[high]) {
+        return x <= weight->at[0] ? weight->values[0] : 0;
+    }
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        *(weight->at[middle] < x ? &low : &high) = middle;
+    }
+    double part = (x - weight->at[low]) / (weight->at[high] - weight->at[low]);
+    return weight->values[low] + part * (weight->values[high] - weight->values[low]);
+}
+
+static const struct form {
+    const char *name;
+    double (*value)(const conus_weight *weight, double x);
+    enum weight_by by;
+    const char *number; /* NULL = it has none */
+    double low, high;   /* between which that is */
+    double own;         /* the opening of its own region, in units of the number */
+} forms[] = {
+    {"hard", by_nothing, WEIGHT_BY_NOTHING, NULL, 0, 0, 0},
+    {"gauss", by_gauss, WEIGHT_BY_ANGLE, "degrees", 0.01, 20, 8},
+};
+
+static const struct form *find_form(struct text name)
+{
+    for (size_t i = 0; i < sizeof forms / sizeof forms[0]; i++) {
+        if (text_equal(name, forms[i].name)) {
+            return &forms[i];
+        }
+    }
+    return NULL;
+}
+
+static conus_status fail_unknown(struct text name)
+{
+    char known[128] = "";
+    size_t used = 0;
+    for (size_t i = 0; i < sizeof forms / sizeof forms[0]; i++) {
+        used += (size_t)snprintf(known + used, sizeof known - used, "%s, ", forms[i].name);
+    }
+    return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is unknown, allowed are %sor a file", TEXT_SHOW(name, 60), known);
+}
+
+/* A number behind "gauss=". */
+static conus_status read_number(conus_weight *out, const struct form *form, struct text text)
+{
+    double number;
+    if (!form->number) {
+        return text.data ? fail(CONUS_ERROR_ARGUMENT, "%s has no numbers", form->name) : CONUS_OK;
+    }
+    if (!text.data || !text_to_double(text, &number)) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s=%.*s: one number is needed, %s", form->name, TEXT_SHOW(text, 60),
+                    form->number);
+    }
+    if (!(number >= form->low && number <= form->high)) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: %.*s is out of range, allowed is %g to %g %s", form->name,
+                    TEXT_SHOW(text, 60), form->low, form->high, form->number);
+    }
+    out->facts.sigma = number;
+    out->facts.own = form->own * number;
+    return CONUS_OK;
+}
+
+/* bias=X:Y */
+static conus_status read_bias(conus_weight *out, struct text text)
+{
+    struct text field;
+    bool more = true;
+    size_t count = 0;
+    bool is_fine = true;
+    if (out->facts.by != WEIGHT_BY_ANGLE) {
+        return fail(CONUS_ERROR_ARGUMENT, "bias: only gauss and a table by angle_deg have one");
+    }
+    while (is_fine && text_field(&text, ':', &more, &field)) {
+        double *number = &out->facts.bias[count < 2 ? count : 1];
+        is_fine = count++ < 2 && text_to_double(field, number) && fabs(*number) <= most_bias;
+    }
+    return is_fine && count == 2 ? CONUS_OK
+                                 : fail(CONUS_ERROR_ARGUMENT,
+                                        "bias: two numbers X:Y are needed, degrees to the right and up, from %g to %g",
+                                        -most_bias, most_bias);
+}
+
+/* A table on the way: rows of angle and weight. */
+struct rows {
+    double (*at)[2];
+    size_t count, capacity;
+    enum weight_by by;
+};
+
+enum { ANGLE, OFFSET, WEIGHT };
+static const char *const columns[] = {"angle_deg", "offset_mm", "weight"};
+
+static conus_status take_row(void *user, const struct text *cells)
+{
+    struct rows *rows = user;
+    if (!cells[WEIGHT].data || !cells[ANGLE].data == !cells[OFFSET].data) {
+        return fail(CONUS_ERROR_DATA, "columns angle_deg or offset_mm, and weight, are needed");
+    }
+    size_t place = cells[ANGLE].data ? ANGLE : OFFSET;
+    rows->by = place == ANGLE ? WEIGHT_BY_ANGLE : WEIGHT_BY_OFFSET;
+    double row[2];
+    if (!text_to_double(cells[WEIGHT], &row[1]) || !(row[1] >= 0 && isfinite(row[1]))) {
+        return fail(CONUS_ERROR_DATA, "weight: %.*s is no number of 0 or more", TEXT_SHOW(cells[WEIGHT], 40));
+    }
+    if (!text_to_double(cells[place], &row[0]) || !isfinite(row[0])) {
+        return fail(CONUS_ERROR_DATA, "%s: %.*s is no number", columns[place], TEXT_SHOW(cells[place], 40));
+    }
+    if (!(row[0] >= 0 && (place == OFFSET || row[0] < 90))) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: %.*s is out of range, allowed is 0 %s", columns[place],
+                    TEXT_SHOW(cells[place], 40), place == OFFSET ? "or more" : "to less than 90");
+    }
+    if (rows->count == ROW_LIMIT) {
+        return fail(CONUS_ERROR_DATA, "more than %d rows", ROW_LIMIT);
+    }
+    if (!memory_reserve(&rows->at, &rows->capacity, rows->count + 1, sizeof *rows->at)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    memcpy(rows->at[rows->count++], row, sizeof row);
+    return CONUS_OK;
+}
+
+static int by_first(const void *a, const void *b)
+{
+    double x = *(const double *)a;
+    double y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static conus_status fill_table(conus_weight *out, const struct rows *rows, const char *path)
+{
+    if (rows->count < 2) {
+        return fail(CONUS_ERROR_DATA, "%s: %zu rows, at least two are needed", path, rows->count);
+    }
+    order_sort(rows->at, rows->count, sizeof *rows->at, by_first);
+    out->at = memory_raw(rows->count, sizeof *out->at);
+    out->values = memory_raw(rows->count, sizeof *out->values);
+    if (!out->at || !out->values) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < rows->count; i++) {
+        if (i && rows->at[i][0] == rows->at[i - 1][0]) {
+            return fail(CONUS_ERROR_DATA, "%s: %s %g is there twice", path,
+                        columns[rows->by == WEIGHT_BY_ANGLE ? ANGLE : OFFSET], rows->at[i][0]);
+        }
+        out->at[i] = rows->at[i][0];
+        out->values[i] = rows->at[i][1];
+    }
+    const double last = out->at[rows->count - 1];
+    out->facts.form = "table";
+    out->facts.rows = rows->count;
+    out->facts.by = rows->by;
+    out->facts.own = rows->by == WEIGHT_BY_ANGLE ? 2 * last : last;
+    out->value = by_table;
+    return CONUS_OK;
+}
+
+static conus_status read_table(conus_weight *out, const char *path)
+{
+    struct rows rows = {0};
+    const struct row_reader reader = {columns, 3, take_row, &rows};
+    conus_status status = rows_read(path, &reader);
+    status = status ? status : fill_table(out, &rows, path);
+    memory_free(rows.at);
+    return status;
+}
+
+/* A form by its name, or the path of a table; "gauss" before "=". */
+static conus_status read_form(conus_weight *out, struct text head)
+{
+    const char *equals = memchr(head.data, '=', head.size);
+    const struct text name = {head.data, equals ? (size_t)(equals - head.data) : head.size};
+    const struct form *form = find_form(name);
+    if (form) {
+        out->facts.form = form->name;
+        out->facts.by = form->by;
+        out->value = form->value;
+        const size_t size = equals ? head.size - name.size - 1 : 0;
+        return read_number(out, form, (struct text){equals ? equals + 1 : NULL, size});
+    }
+    const bool is_word = text_has_only(name, "abcdefghijklmnopqrstuvwxyz");
+    if (is_word) {
+        return fail_unknown(name);
+    }
+    char *path = memory_text(head.data, head.size);
+    conus_status status = path ? read_table(out, path) : CONUS_ERROR_MEMORY;
+    memory_free(path);
+    return status;
+}
+
+conus_status conus_weight_create(conus_weight **out, const char *text)
+{
+    const size_t length = weight_head(text);
+    const char *rest = text + length;
+    struct text key;
+    struct text value;
+    bool has_bias = false;
+    conus_weight *weight = memory_zeroed(1, sizeof *weight);
+    conus_status status = weight ? read_form(weight, (struct text){text, length}) : CONUS_ERROR_MEMORY;
+    while (!status && weight_key(&key, &value, &rest)) {
+        status = !text_equal(key, "bias")
+                     ? fail(CONUS_ERROR_ARGUMENT, "key \"%.*s\" is unknown, allowed is bias", TEXT_SHOW(key, 40))
+                 : has_bias ? fail(CONUS_ERROR_ARGUMENT, "bias is there twice")
+                            : read_bias(weight, value);
+        has_bias = true;
+    }
+    if (status) {
+        conus_weight_destroy(weight);
+        return status;
+    }
+    *out = weight;
+    return CONUS_OK;
+}
+
+void conus_weight_destroy(conus_weight *weight)
+{
+    if (weight) {
+        memory_free(weight->at);
+        memory_free(weight->values);
+        memory_free(weight);
+    }
+}
+
+double conus_weight_angle(const conus_weight *weight)
+{
+    return weight->facts.by == WEIGHT_BY_ANGLE ? weight->facts.own : NAN;
+}
+
+double conus_weight_radius(const conus_weight *weight)
+{
+    return weight->facts.by == WEIGHT_BY_OFFSET ? weight->facts.own : NAN;
+}
+
+double conus_weight_sigma(const conus_weight *weight)
+{
+    return weight->facts.sigma;
+}
+
+double conus_weight_at(const conus_weight *weight, double x)
+{
+    return weight->value(weight, x);
+}
+
+size_t conus_weight_path_length(const char *text)
+{
+    const size_t length = weight_head(text);
+    const char *equals = memchr(text, '=', length);
+    const struct text name = {text, equals ? (size_t)(equals - text) : length};
+    return text_has_only(name, "abcdefghijklmnopqrstuvwxyz") ? 0 : length;
+}
+
+void weight_turn(conus_pose *pose, const conus_weight *weight)
+{
+    if (!weight || (weight->facts.bias[0] == 0 && weight->facts.bias[1] == 0)) {
+        return;
+    }
+    const double *bias = weight->facts.bias;
+    const double degrees = hypot(bias[0], bias[1]);
+    double *m = pose->world_from_device;
+    double axis[3]; /* X y - Y x, about which -z turns towards -(X x + Y y) */
+    vec3_scale(axis, m + 4, bias[0] / degrees);
+    vec3_add_scaled(axis, axis, -bias[1] / degrees, m);
+    for (int column = 0; column < 3; column++) {
+        vec3_turn(m + 4 * column, m + 4 * column, axis, radians_from_degrees(degrees));
+    }
+}

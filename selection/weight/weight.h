@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Weights of rays: how much each direction counts (Eq. 30), and the prior of what is meant (Eq. 32). */
+#ifndef CONUS_SELECTION_WEIGHT_WEIGHT_H
+#define CONUS_SELECTION_WEIGHT_WEIGHT_H
+
+#include "base/text.h"
+#include "conus/selection.h"
+#include "selection/cone/aperture.h"
+
+/** What a weight depends on. */
+enum weight_by { WEIGHT_BY_NOTHING, WEIGHT_BY_ANGLE, WEIGHT_BY_OFFSET };
+
+/** What of a weight reports have. */
+struct weight_facts {
+    const char *form;  /**< "hard", "gauss" or "table". */
+    enum weight_by by; /**< Degrees off the axis, or mm. */
+    double sigma;      /**< Of gauss, degrees; 0 of another. */
+    double bias[2];    /**< To the right and up, degrees. */
+    double own;        /**< Opening in degrees, or radius in mm, of the region outside of which it is 0; 0 = none. */
+    size_t rows;       /**< Of a table. */
+};
+
+struct conus_weight {
+    struct weight_facts facts;
+    double (*value)(const conus_weight *weight, double x);
+    double *at, *values; /**< [rows] Ascending. */
+};
+
+/** Turns the frame of a device that points off by the bias to where what is meant lies. */
+void weight_turn(conus_pose *pose, const conus_weight *weight);
+
+/** w W of each pixel (Eq. 31), kept from one query to the next. A zeroed one is ready. */
+struct soft {
+    uint32_t resolution;
+    conus_aperture shape;
+    double angle;
+    double *pixels; /**< [n*n] In units of 2^-32 of a power of two, above 16 x 16 pixels, so sums are exact. */
+    uint8_t *sides; /**< [n*n] Which pixels beside it are in the cone, too: left 1, right 2, below 4, above 8. */
+    double total;   /**< Sum over the pixels in the cone, in the pixels' order. */
+};
+
+/** Makes it that of a cone, whose aperture is prepared. That takes time only where the last one had another shape. */
+conus_status soft_prepare(struct soft *soft, const conus_weight *weight, const struct aperture *aperture,
+                          const struct cone *cone);
+void soft_finish(struct soft *soft);
+
+/** What is meant, before the pose is known. */
+struct prior {
+    bool by_size;  /**< Each direction is meant as often, not each object. */
+    bool of_file;  /**< `times` is that of a file. */
+    double power;  /**< The exponent of likelihoods. */
+    double *times; /**< [object_count + 1] How many times as often as others each object is meant; NULL = once. */
+};
+
+/** Reads equal|size|FILE[,power=G]; NULL is equal. @p group: as what each object is reported; NULL = itself. */
+conus_status prior_read(struct prior *out, const char *text, const conus_atlas *atlas, const uint32_t *group);
+void prior_finish(struct prior *prior);
+
+/** Sets the posterior of the results of a cone, in which weights are set. */
+void prior_apply(conus_result *results, size_t count, const struct prior *prior, const struct cone *cone);
+
+/** Rows of a table with a header. */
+struct row_reader {
+    const char *const *names; /**< [count] of its columns, upper or lower case. */
+    size_t count;
+    /** Takes a row: the cells in the order of the names; data is NULL where there is no such column. The message of a
+     * failure begins behind path and line. */
+    conus_status (*take)(void *user, const struct text *cells);
+    void *user;
+};
+enum { ROW_CELLS = 4 };
+
+/** Reads a file of at most 64 MiB. Columns of other names are an error. */
+conus_status rows_read(const char *path, const struct row_reader *reader);
+
+/** Where the first ",key=" begins behind a form or path; the length of the text where there is none. */
+size_t weight_head(const char *text);
+
+/** Takes ",key=value" off *rest. False at its end. */
+bool weight_key(struct text *key, struct text *value, const char **rest);
+
+#endif

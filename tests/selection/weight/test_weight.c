@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Weights of rays (Eq. 30): forms at single angles, and no memory. tests/python/test_weight.py tests Eq. 31 and Eq. 32
+ * by an oracle and by samples, tests/python/test_errors.py Eq. 29. */
+#include "atlas/phantom/phantom.h"
+#include "base/geometry/math3.h"
+#include "conus/own.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const char *write_file(const char *name, const char *text)
+{
+    const char *path = test_scratch(name);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs(text, file);
+    assert_int_equal(fclose(file), 0);
+    return path;
+}
+
+/* exp(-2) at 2 sigma; times theta / sin theta. */
+static void gauss_is_a_density_per_solid_angle(void **state)
+{
+    (void)state;
+    conus_weight *weight = NULL;
+    assert_ok(conus_weight_create(&weight, "gauss=10,bias=3:-4"));
+    assert_near(conus_weight_at(weight, 0), 1, 0);
+    assert_near(conus_weight_at(weight, 20), exp(-2) * radians_from_degrees(20) / sin(radians_from_degrees(20)), 1e-15);
+    assert_near(conus_weight_angle(weight), 80, 0);
+    assert_near(conus_weight_sigma(weight), 10, 0);
+    assert_true(isnan(conus_weight_radius(weight)));
+    conus_weight_destroy(weight);
+    conus_weight_destroy(NULL);
+}
+
+static void a_table_is_linear_between_its_rows(void **state)
+{
+    (void)state;
+    conus_weight *weight = NULL;
+    assert_ok(conus_weight_create(&weight, write_file("offsets.csv", "weight,offset_mm\n4,3\n2,1\n0,7\n")));
+    const double wanted[][2] = {{0, 2}, {1, 2}, {2, 3}, {3, 4}, {5, 2}, {7, 0}, {7.5, 0}};
+    for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
+        assert_near(conus_weight_at(weight, wanted[i][0]), wanted[i][1], 1e-15);
+    }
+    assert_near(conus_weight_radius(weight), 7, 0);
+    assert_true(isnan(conus_weight_angle(weight)));
+    conus_weight_destroy(weight);
+}
+
+static void paths_end_before_keys(void **state)
+{
+    (void)state;
+    assert_int_equal(conus_weight_path_length("gauss=2,bias=1:1"), 0);
+    assert_int_equal(conus_weight_path_length("size,power=2"), 0);
+    assert_int_equal(conus_weight_path_length("a,b.tsv,bias=1:1"), 7);
+    assert_int_equal(conus_weight_path_length("equal.tsv"), 9);
+}
+
+/* What is asked without memory. */
+struct poor {
+    const conus_atlas *atlas;
+    char weight[512], prior[512];
+};
+
+static conus_status ask(void *data)
+{
+    const struct poor *poor = data;
+    conus_weight *weight = NULL;
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_status status = conus_weight_create(&weight, poor->weight);
+    const conus_selector_options options = {
+        .weight = weight, .prior = poor->prior, .score = "posterior", .resolution = 24};
+    conus_pose pose;
+    (void)!conus_pose_along(&pose, (double[]){0, 0, 150}, (double[]){0, 0, -1}, NULL);
+    status = status ? status : conus_selector_create(&selector, poor->atlas, &options);
+    status = status ? status : conus_select(&selection, selector, &pose, radians_from_degrees(8));
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    conus_weight_destroy(weight);
+    return status;
+}
+
+static void every_failing_allocation_is_clean(void **state)
+{
+    (void)state;
+    struct phantom_drawing drawing = {0};
+    conus_atlas *atlas = NULL;
+    assert_ok(phantom_draw(&drawing, "u-shape", &(conus_phantom_options){0}));
+    assert_ok(phantom_drawing_atlas(&atlas, &drawing));
+    phantom_drawing_finish(&drawing);
+    struct poor poor = {.atlas = atlas};
+    snprintf(poor.weight, sizeof poor.weight, "%s", write_file("bell.tsv", "angle_deg\tweight\n0\t1\n4\t0.5\n"));
+    snprintf(poor.prior, sizeof poor.prior, "%s", write_file("prior.tsv", "index\tprior\n1\t2\n"));
+    assert_ok(ask(&poor));
+    test_every_allocation(ask, &poor);
+    conus_atlas_destroy(atlas);
+}
+
+TEST_GROUP(weight)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(gauss_is_a_density_per_solid_angle),
+        cmocka_unit_test(a_table_is_linear_between_its_rows),
+        cmocka_unit_test(paths_end_before_keys),
+        cmocka_unit_test(every_failing_allocation_is_clean),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
