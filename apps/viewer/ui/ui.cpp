@@ -442,10 +442,23 @@ static void place_tip(const char *text)
     }
 }
 
+// Whether a form lies before the widget's panel: its tip would lie over that.
+static bool is_behind_form()
+{
+    const int not_a_form = ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_ChildWindow |
+                           ImGuiWindowFlags_Tooltip | ImGuiWindowFlags_Popup;
+    const ImGuiContext *context = ImGui::GetCurrentContext();
+    bool found = false;
+    for (const ImGuiWindow *window : context->Windows) {
+        found = found || (window->WasActive && !(window->Flags & not_a_form));
+    }
+    return found && ImGui::GetCurrentWindowRead()->RootWindow->Flags & ImGuiWindowFlags_NoBringToFrontOnFocus;
+}
+
 void ui_tip(const char *text)
 {
     audit_tip();
-    if (ImGui::IsItemHovered()) {
+    if (ImGui::IsItemHovered() && !is_behind_form()) {
         place_tip(text);
         ImGui::BeginTooltip();
         ImGui::TextUnformatted(text);
