@@ -194,7 +194,7 @@ static void a_late_picture_says_so(void **state)
         unsigned *drawn = (unsigned *)(void *)((char *)&pictures.drawn + numbers[i]);
         pictures_note_late(&pictures, 1000);
         assert_true(pictures.late_at == 0 && !pictures.says_late);
-        for (double now = 2000; now < 2000 + PICTURE_LATE_MS; now += 50) {
+        for (int now = 2000; now < 2000 + PICTURE_LATE_MS; now += 50) {
             ++*asked;
             pictures_note_late(&pictures, now);
             assert_false(pictures.says_late);
