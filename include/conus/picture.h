@@ -295,8 +295,9 @@ typedef struct conus_cut_view {
     bool no_outlines;    /**< Leave out the outlines of areas. */
     double window[2];    /**< Grey values of black and white; both 0 = those that span the contrast, without
                             a few extremes. */
-    const conus_selection *selection; /**< NULL = none; else its cone is drawn, areas that it hits are full, those that
-                                         it only pierces hatched, and others pale. */
+    const conus_selection *selection; /**< NULL = none: beside pathways and bundles, without own_colours and a palette,
+                                         areas are as those that are not hit; else its cone is drawn, areas that it
+                                         hits are full, those that it only pierces hatched, and others pale. */
     uint32_t chosen;                  /**< Object that is never pale, with those below it in the area tree, in cuts with
                                          own_colours; 0 = none. */
     bool own_colours;                 /**< As of conus_view. Else areas that are not hit have only an outline, over an

@@ -143,6 +143,7 @@ conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const 
     conus_view on = *options_of(conus_view, sheet);
     struct picture picture = {.atlas = atlas};
     conus_cutter *cutter = NULL;
+    bool *listed = NULL;
     conus_status status = cut_view_check_size(&what);
     on.side = CONUS_SIDE_OF_CONE; /* which is of space */
     status = status ? status : picture_check_sheet(&on);
@@ -151,6 +152,10 @@ conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const 
         return status;
     }
     status = conus_cutter_create(&cutter, atlas);
+    if (!status && !on.point_count) {
+        status = cutter_list_tracts(&listed, atlas, what.selection, what.own_colours || on.own_colours, on.listed);
+        on.listed = listed ? listed : on.listed;
+    }
     status = status ? status : picture_cut_init(&picture, &what, &on);
     if (!status) {
         /* Shrinks the view to the width beside the legend: the shorter side still shows as many mm. An invalid scale
@@ -184,5 +189,6 @@ conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const 
     status = status ? status : make_image(out, &picture, &what, conus_cutter_rgba(cutter));
     conus_cutter_destroy(cutter);
     picture_finish(&picture);
+    memory_free(listed);
     return status;
 }

@@ -750,22 +750,6 @@ static conus_status draw_sheet(struct sheet *sheet)
     return status ? status : picture_add_key(sheet->image, picture);
 }
 
-/* Without a cone, points, or colours that somebody chose, pathways and bundles stand out from areas. */
-static conus_status list_pathways(struct sheet *sheet)
-{
-    const conus_atlas *atlas = sheet->picture.atlas;
-    const conus_view *view = &sheet->view;
-    if (view->selection || view->point_count || view->own_colours || atlas->has_palette || !pathways_shown(atlas)) {
-        return CONUS_OK;
-    }
-    sheet->listed = memory_zeroed(atlas->object_count + 1, sizeof *sheet->listed);
-    for (size_t n = 1; sheet->listed && n <= atlas->object_count; n++) {
-        sheet->listed[n] = n > atlas->area_count || (view->listed && view->listed[n]);
-    }
-    sheet->view.listed = sheet->listed;
-    return sheet->listed ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
 /* Finds for the legend what part of the cuts each object has, in cuts of so many pixels. Beside a view in space all
  * counts as seen; outlines of one grey have no colour to explain. */
 static conus_status see_cuts(struct sheet *sheet)
@@ -854,7 +838,10 @@ conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const
         status = haze_choose(&of.hazy, atlas, &haze);
         of.picture.hazy = &of.hazy;
     }
-    status = status ? status : list_pathways(&of);
+    if (!status && !of.view.point_count) {
+        status = cutter_list_tracts(&of.listed, atlas, of.view.selection, of.view.own_colours, of.view.listed);
+        of.view.listed = of.listed ? of.listed : of.view.listed;
+    }
     status = status || of.view.selection || of.view.point_count ? status : see_cuts(&of);
     status = status ? status : picture_cut_init(&of.picture, &whole, &of.view);
     status = status ? status : draw_sheet(&of);

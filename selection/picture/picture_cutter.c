@@ -7,6 +7,8 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "conus/own.h"
+#include "render/colour/emphasis.h"
+#include "render/colour/pathways.h"
 #include "render/flat/cut.h"
 #include "selection/picture/picture_emphasis.h"
 
@@ -93,11 +95,27 @@ void cutter_cone(struct cut_cone *out, const conus_selection *selection)
                                                         : INFINITY};
 }
 
+conus_status cutter_list_tracts(bool **out, const conus_atlas *atlas, const conus_selection *selection,
+                                bool own_colours, const bool *listed)
+{
+    *out = NULL;
+    if (selection || own_colours || atlas->has_palette || !pathways_shown(atlas)) {
+        return CONUS_OK;
+    }
+    *out = memory_zeroed(atlas->object_count + 1, sizeof **out);
+    for (size_t n = 1; *out && n <= atlas->object_count; n++) {
+        (*out)[n] = n > atlas->area_count || (listed && listed[n]);
+    }
+    return *out ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
 static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, const struct cutter_figure *figure)
 {
     struct cut_cone cone;
     uint8_t *emphasis = NULL;
     const bool has_ranks = picture_has_ranks(view->selection, view->own_colours);
+    const size_t objects = cutter->cut.atlas->object_count;
+    bool *tracts = NULL;
     uint32_t *ranks = NULL;
     uint8_t(*rgb)[3] = NULL;
     uint8_t(*line_rgb)[3] = NULL;
@@ -117,18 +135,31 @@ static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, const
         emphasis = figure->emphasis ? NULL : picture_emphasis(view->selection, has_ranks ? 0 : view->chosen);
         status = emphasis || figure->emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
+    if (!status && !figure->ranks) {
+        status = cutter_list_tracts(&tracts, cutter->cut.atlas, view->selection, view->own_colours, NULL);
+    }
+    if (!status && tracts) {
+        emphasis = memory_zeroed(objects + 1, sizeof *emphasis);
+        status = emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
+    for (size_t n = 1; !status && tracts && n <= objects; n++) {
+        emphasis[n] = tracts[n] ? EMPHASIS_FULL : EMPHASIS_PALE;
+    }
     what.emphasis = emphasis ? emphasis : figure->emphasis;
-    if (!status && (view->selection || figure->ranks) && !view->own_colours) {
-        ranks = figure->ranks ? NULL : picture_ranks(view->selection);
+    if (!status && (view->selection || figure->ranks || tracts) && !view->own_colours) {
+        const bool *listed = tracts ? tracts : figure->listed;
+        ranks = figure->ranks || tracts ? NULL : picture_ranks(view->selection);
         const uint32_t *by = ranks ? ranks : figure->ranks;
-        rgb = by ? picture_rank_colours(by, cutter->cut.atlas, LOOK_NOT_HIT, figure->listed, view->selection) : NULL;
-        line_rgb = by ? picture_rank_colours(by, cutter->cut.atlas, LOOK_OUTLINE, figure->listed, NULL) : NULL;
+        const bool is_fine = by || tracts;
+        rgb = is_fine ? picture_rank_colours(by, cutter->cut.atlas, LOOK_NOT_HIT, listed, view->selection) : NULL;
+        line_rgb = is_fine ? picture_rank_colours(by, cutter->cut.atlas, LOOK_OUTLINE, listed, NULL) : NULL;
         what.rgb = (const uint8_t(*)[3])rgb;
         what.line_rgb = (const uint8_t(*)[3])line_rgb;
         status = rgb && line_rgb ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
     status = status ? status : cut_draw(&cutter->cut, &what);
     memory_free(emphasis);
+    memory_free(tracts);
     memory_free(ranks);
     memory_free(rgb);
     memory_free(line_rgb);

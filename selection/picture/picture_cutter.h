@@ -16,6 +16,14 @@ void cut_view_axes(double right[3], double up[3], const conus_cut_view *view);
 /** The cone or cylinder of a selection, which must outlive @p out. */
 void cutter_cone(struct cut_cone *out, const conus_selection *selection);
 
+/** Without a cone, or colours that somebody chose, pathways and bundles stand out from areas: they have their own
+ * colours, and areas that are not in @p listed, which may be NULL, are a neutral grey.
+ * @param[out] out [objects + 1] What stands out, to be freed; NULL where there is a cone, colours were chosen, or
+ * neither pathways nor bundles are shown.
+ * @return CONUS_OK or CONUS_ERROR_MEMORY. */
+conus_status cutter_list_tracts(bool **out, const conus_atlas *atlas, const conus_selection *selection,
+                                bool own_colours, const bool *listed);
+
 /** What the figure around a cut says about the answer. */
 struct cutter_figure {
     cut_line *line; /**< Gets the lines of surfaces, which are then not drawn. */

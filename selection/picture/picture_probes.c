@@ -429,9 +429,9 @@ static conus_status draw_strip(struct draw_list *list, const struct picture *pic
     double span[2];
     span_of(span, &passed);
     for (size_t i = 0; i <= passed.count; i++) {
-        const bool is_row = i < passed.count; /* after the last all of it */
+        const bool is_row = i < passed.count; /* after the last all of it, from where the probe begins */
         const uint32_t object = is_row ? passed.objects[i] : 0;
-        double entry = fmin(fmax(is_row ? passed.entry[i] : span[0], picture->probes->from), picture->probes->to);
+        double entry = fmin(fmax(passed.entry[is_row ? i : 0], picture->probes->from), picture->probes->to);
         double exit = fmin(is_row ? passed.exit[i] : span[1], picture->probes->to);
         const struct draw_box box = {rint(left), y_of(scale, picture, entry), rint(left + STRIP * em),
                                      y_of(scale, picture, exit)};
@@ -464,7 +464,7 @@ static void draw_depths(struct draw_list *list, const struct picture *picture, c
         step = steps[i] * power >= least ? steps[i] * power : step;
     }
     const char *unit = "mm";
-    const double over[2] = {right - font_width(picture->font, em, unit), MARGIN * em + 0.8 * em};
+    const double over[2] = {right - font_width(picture->font, em, unit) - 0.4 * em, MARGIN * em + 0.8 * em};
     draw_text(list, picture->font, over, em, picture->ink, unit);
     long last = (long)floor((probes->to + 1e-9) / step);
     for (long k = (long)ceil(probes->from / step - 1e-9); k <= last; k++) {

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pictures of a moving view: drawn with fewer pixels, and yet without steps at edges. */
+/* Pictures of a moving view: drawn with fewer pixels, and yet without steps at edges; and when a late one says so. */
 #include "viewer/pictures/edges.h"
 #include "viewer/pictures/painter.h"
+#include "viewer/window/window.h"
 
 #include "conus/own.h"
 #include "test.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -178,12 +180,51 @@ static void a_moving_view_has_no_steps(void **state)
     }
 }
 
+/* A picture of another answer, plan or scene than was asked for says so once that has lasted, also while ever newer
+ * ones are asked for; one that comes, even if it is late again, has its own time. Where there is none nothing is late.
+ */
+static void a_late_picture_says_so(void **state)
+{
+    static const size_t numbers[] = {offsetof(struct painting, answer_number), offsetof(struct painting, plan_number),
+                                     offsetof(struct painting, scene_number)};
+    (void)state;
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        struct pictures pictures = {.painted.name = 1};
+        unsigned *asked = (unsigned *)(void *)((char *)&pictures.asked + numbers[i]);
+        unsigned *drawn = (unsigned *)(void *)((char *)&pictures.drawn + numbers[i]);
+        pictures_note_late(&pictures, 1000);
+        assert_true(pictures.late_at == 0 && !pictures.says_late);
+        for (int now = 2000; now < 2000 + PICTURE_LATE_MS; now += 50) {
+            ++*asked;
+            pictures_note_late(&pictures, now);
+            assert_false(pictures.says_late);
+        }
+        pictures_note_late(&pictures, 2000 + PICTURE_LATE_MS);
+        assert_true(pictures.says_late);
+        *drawn = *asked - 1; /* one of an answer before comes */
+        pictures.late_at = 0;
+        pictures_note_late(&pictures, 3000);
+        assert_false(pictures.says_late);
+        pictures_note_late(&pictures, 3000 + PICTURE_LATE_MS);
+        assert_true(pictures.says_late);
+        *drawn = *asked;
+        pictures_note_late(&pictures, 3001 + PICTURE_LATE_MS);
+        assert_true(pictures.late_at == 0 && !pictures.says_late);
+        ++*asked;
+        pictures.painted.name = 0;
+        pictures_note_late(&pictures, 4000);
+        pictures_note_late(&pictures, 5000);
+        assert_false(pictures.says_late);
+    }
+}
+
 TEST_GROUP(painter)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(edges_have_no_steps),
         cmocka_unit_test(straight_edges_and_planes_stay),
         cmocka_unit_test(a_moving_view_has_no_steps),
+        cmocka_unit_test(a_late_picture_says_so),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

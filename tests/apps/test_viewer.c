@@ -282,6 +282,56 @@ static void lists_have_the_colours_of_pictures(void **state)
     viewer_finish(&viewer);
 }
 
+/* What a cut shows of each kind of object without outlines, at full opacity: how many pixels have the object's own
+ * colour, and how many are nearly grey. */
+static void count_colours(size_t own[2], size_t grey[2], struct viewer *viewer)
+{
+    enum { SIDE = 120 };
+    conus_cutter *cutter = NULL;
+    conus_cut_view view;
+    own[0] = own[1] = grey[0] = grey[1] = 0;
+    viewer->display.fill = 1;
+    viewer->display.no_outlines = true;
+    cut_view(&view, viewer, AXIAL, (double[]){SIDE, SIDE});
+    assert_ok(conus_cutter_create(&cutter, viewer->drawn->atlas));
+    assert_ok(conus_cutter_draw(cutter, &view));
+    for (size_t p = 0; p < (size_t)SIDE * SIDE; p++) {
+        const uint8_t *rgb = conus_cutter_rgba(cutter) + 4 * p;
+        const conus_object *object = conus_atlas_object(viewer->drawn->atlas, conus_cutter_shown(cutter)[p]);
+        if (object) {
+            const bool is_pathway = object->kind == CONUS_KIND_PATHWAY;
+            own[is_pathway] += memcmp(rgb, object->rgb, 3) == 0;
+            grey[is_pathway] += abs(rgb[0] - rgb[1]) < 12 && abs(rgb[1] - rgb[2]) < 12;
+        }
+    }
+    conus_cutter_destroy(cutter);
+}
+
+/* Before there is a cone areas beside a pathway are grey in cuts and lists, and the pathway has its colour. As glass,
+ * and where somebody chose the file's colours, areas have theirs. */
+static void beside_fibres_areas_are_grey(void **state)
+{
+    struct viewer viewer;
+    size_t own[2], grey[2];
+    (void)state;
+    load(&viewer, "brain", "brain.atlas.json");
+    const uint32_t pathway = (uint32_t)viewer.drawn->object_count;
+    assert_ok(conus_atlas_centre(viewer.crosshair, viewer.drawn->atlas, pathway));
+    count_colours(own, grey, &viewer);
+    assert_true(grey[0] > 1000 && !own[0]);
+    assert_true(own[1] > 60 && grey[1] < own[1] / 4); /* a surface's line crosses it */
+    assert_colour(&viewer, 1, (const uint8_t[]){LOOK_RGB(LOOK_NOT_HIT)});
+    assert_colour(&viewer, pathway, conus_atlas_object(viewer.drawn->atlas, pathway)->rgb);
+    viewer_set_opacity(&viewer, 0, 0.15);
+    count_colours(own, grey, &viewer);
+    assert_true(own[0] > 1000 && own[1] > 20);
+    viewer_set_opacity(&viewer, 0, 1);
+    viewer.display.own_colours = true;
+    count_colours(own, grey, &viewer);
+    assert_true(own[0] > 1000 && own[1] > 20);
+    viewer_finish(&viewer);
+}
+
 /* A move after which the same areas are hit first is none that cuts show, another one is. */
 static void moves_are_told_from_other_changes(void **state)
 {
@@ -741,6 +791,7 @@ TEST_GROUP(viewer)
         cmocka_unit_test(a_node_is_shown_whole_in_part_or_not),
         cmocka_unit_test(colours_go_and_come_back),
         cmocka_unit_test(lists_have_the_colours_of_pictures),
+        cmocka_unit_test(beside_fibres_areas_are_grey),
         cmocka_unit_test(moves_are_told_from_other_changes),
         cmocka_unit_test(an_area_that_comes_to_lie_behind_is_a_change),
         cmocka_unit_test(settings_of_the_atlas_are_all_set_or_none),

@@ -26,6 +26,8 @@ boxes = [box for box in svg.iter(space + "rect") if box.get("fill") != "none"]
 frames = [box for box in svg.iter(space + "rect") if box.get("fill") == "none"]
 assert len(boxes) == len(areas) == 6, (len(boxes), len(areas))
 longest = max(float(frame.get("height")) for frame in frames)
+for x in {float(box.get("x")) for box in boxes}:  # each strip is whole, also before the probe's first area
+    assert longest == max(float(frame.get("height")) for frame in frames if abs(float(frame.get("x")) - x) < 3), x
 for name in "level", "tilted":
     own = [row for row in areas if row["query"] == name]
     column = boxes[: len(own)]

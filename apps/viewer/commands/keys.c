@@ -340,7 +340,7 @@ static void go_in_plan(struct window *window, const int by[3])
 static const struct key keys[] = {
     {"?", "this list; F1, too", .act = toggle_help, .is_anywhere = true, .group = "Window"},
     {"f1", NULL, .act = toggle_help, .is_anywhere = true},
-    {"enter", "keep the best hit", .act = confirm, .group = "Pointing"},
+    {"enter", "keep the answer", .act = confirm, .group = "Pointing"},
     {"space", "hold the cone, or let it follow the mouse again, as a click does", .move = hold, .by = {FIRST_TOOL}},
     {"escape", "end the search; clear the cone, and choose no area", .act = clear},
     {"1", "one area, by a single ray, or all areas in the cone", .sets = PROPERTY_ONE_RAY},

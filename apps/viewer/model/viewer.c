@@ -361,13 +361,19 @@ void viewer_choose(struct viewer *viewer, uint32_t object)
     }
 }
 
+/* Whether areas have colours before there is a cone: those that somebody chose, or that tell glass apart. */
+static bool shows_colours(const struct viewer *viewer)
+{
+    return viewer->display.own_colours || viewer->display.safe_colours ||
+           (view_atlas_shows_tracts(viewer->drawn) && viewer->drawn->appearance.opacity[0] < 1);
+}
+
 /* Whether only what is hit has a colour: before there is a cone nothing has one, unless it was chosen, or pathways and
  * bundles are to be told apart; with a plan these neither, beside what its needle is to reach. */
 static bool is_neutral(const struct viewer *viewer)
 {
-    bool shows_colours = viewer->display.own_colours || viewer->display.safe_colours;
     return viewer_selection(viewer) || viewer->plan.task.constraints.count ||
-           !(shows_colours || view_atlas_shows_tracts(viewer->drawn));
+           !(shows_colours(viewer) || view_atlas_shows_tracts(viewer->drawn));
 }
 
 uint32_t viewer_full(const struct viewer *viewer)
@@ -400,7 +406,10 @@ struct answer *viewer_pictured(const struct viewer *viewer)
 /* As conus_view.own_colours says. */
 static bool colours_by_rank(const struct viewer *viewer, uint32_t object)
 {
-    return is_neutral(viewer) && !viewer->display.own_colours && viewer->drawn->appearance.haze[object] == HAZE_NONE;
+    const conus_object *info = conus_atlas_object(viewer->drawn->atlas, object);
+    const bool is_beside = !shows_colours(viewer) && info && info->kind == CONUS_KIND_AREA; /* fibres */
+    return (is_neutral(viewer) || is_beside) && !viewer->display.own_colours &&
+           viewer->drawn->appearance.haze[object] == HAZE_NONE;
 }
 
 size_t viewer_rank(const struct viewer *viewer, uint32_t object)
@@ -457,15 +466,16 @@ void cut_view(conus_cut_view *out, const struct viewer *viewer, enum plane plane
     static const double axes[PLANE_COUNT][2][3] = {
         {{1, 0, 0}, {0, 1, 0}}, {{1, 0, 0}, {0, 0, 1}}, {{0, 1, 0}, {0, 0, 1}}}; /* to the right and up */
     const double *grey = view_atlas_grey(viewer->drawn);
-    *out = (conus_cut_view){.width = (uint32_t)fmax(size[0], 1),
-                            .height = (uint32_t)fmax(size[1], 1),
-                            .fill = viewer->display.fill,
-                            .no_outlines = viewer->display.no_outlines,
-                            .window = {grey[0], grey[1]},
-                            .selection = answer_selection(viewer_pictured(viewer)),
-                            .no_cone = !viewer_selection(viewer) || viewer->tools[FIRST_TOOL].is_point,
-                            .chosen = viewer_full(viewer),
-                            .own_colours = viewer->display.own_colours};
+    *out =
+        (conus_cut_view){.width = (uint32_t)fmax(size[0], 1),
+                         .height = (uint32_t)fmax(size[1], 1),
+                         .fill = viewer->display.fill,
+                         .no_outlines = viewer->display.no_outlines,
+                         .window = {grey[0], grey[1]},
+                         .selection = answer_selection(viewer_pictured(viewer)),
+                         .no_cone = !viewer_selection(viewer) || viewer->tools[FIRST_TOOL].is_point,
+                         .chosen = viewer_full(viewer),
+                         .own_colours = viewer->display.own_colours || (!is_neutral(viewer) && shows_colours(viewer))};
     memcpy(out->centre, viewer->centre, sizeof out->centre);
     out->centre[2 - (int)plane] = viewer->crosshair[2 - (int)plane];
     memcpy(out->right, axes[plane][0], sizeof out->right);

@@ -25,8 +25,6 @@ static const ui_colour dark = {LOOK_RGB(LOOK_UNDER), 255};
 /* The view rests when the mouse, or else a tracker or a replay, has stood still for so long. */
 static const double view_rest_ms = 120, others_rest_ms = 300;
 
-static const double LATE_MS = 400; /* from when on a picture of an answer from before says so */
-
 static const float click = 4; /* pixels: a mouse that moves as far from where it was pressed turns the view */
 
 static const char device_caption[] = "what the device sees";
@@ -173,19 +171,6 @@ static void take_picture(struct window *window)
         }
         free(picture.rgba);
     }
-}
-
-/* Notes since when the picture is of another answer, plan or scene than the lists are: if that lasts, it is said. */
-static void note_lateness(struct window *window)
-{
-    struct pictures *pictures = &window->pictures;
-    const struct painting *drawn = &pictures->drawn, *asked = &pictures->asked;
-    const bool is_late = pictures->painted.name &&
-                         (drawn->answer_number != asked->answer_number || drawn->plan_number != asked->plan_number ||
-                          drawn->scene_number != asked->scene_number);
-    const double now = clock_ms();
-    pictures->late_at = !is_late ? 0 : pictures->late_at > 0 ? pictures->late_at : now + LATE_MS;
-    pictures->says_late = is_late && now >= pictures->late_at;
 }
 
 /* Finds the eye by which the pane is seen, and where the picture lies in it: one of another size than the pane has now
@@ -708,7 +693,7 @@ void pane_3d(struct window *window)
     use_release(window);
     note_moves(window, by_mouse);
     ask_painter(window, window->pictures.moving);
-    note_lateness(window);
+    pictures_note_late(&window->pictures, clock_ms());
     reserve_places(window);
     ui_clip(*box);
     pane_chosen(window);

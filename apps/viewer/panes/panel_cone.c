@@ -74,7 +74,7 @@ static void choose_range(struct viewer *viewer)
         return;
     }
     if (ui_check("Only some depths", &limited,
-                 "only what lies between two depths along the axis, mm from the apex, counts (--range);\n"
+                 "only what lies between two depths along the axis, mm from the start, counts (--range);\n"
                  "F4 and F5 move the farther limit, F2 and F3 the nearer one")) {
         (void)(limited ? query_move_range(viewer, 0, 0) : query_set_range(viewer, 0, 0));
         return;
@@ -83,9 +83,9 @@ static void choose_range(struct viewer *viewer)
         return;
     }
     bool changed = ui_slider("From depth", &from, 0, deepest_mm, "%.1f mm", true);
-    ui_tip("mm along the axis from the apex: nothing before it counts");
+    ui_tip("mm along the axis from the start: nothing before it counts");
     changed = ui_slider("To depth", &to, least_mm, deepest_mm, "%.1f mm", true) || changed;
-    ui_tip("mm along the axis from the apex: nothing behind it counts");
+    ui_tip("mm along the axis from the start: nothing behind it counts");
     if (changed) {
         from = fmin(from, fmax(to - least_mm, 0));
         query_set_range(viewer, from, to);
@@ -185,7 +185,7 @@ static void show_pose(struct viewer *viewer)
     conus_frame_from_world(origin, &viewer->frame, origin);
     conus_frame_direction_from_world(along, &viewer->frame, along);
     bool moved = ui_numbers(label, origin, viewer_place_format(viewer));
-    ui_tip("where the cone has its apex, in the unit of the label beside it; type numbers and press Enter");
+    ui_tip("where the cone starts, in the unit of the label beside it; type numbers and press Enter");
     bool turned = ui_numbers("Direction", along, "%.3f");
     ui_tip("the direction of the cone's axis, of any length; type numbers and press Enter");
     if ((moved || turned) && viewer_to_world(origin, viewer, origin)) {

@@ -35,7 +35,8 @@ static void begin_field(const char *label, float needed)
     if (label[0] != '#') {
         float room = ui_room();
         float wide = ImGui::CalcTextSize(label).x + ImGui::GetStyle().ItemSpacing.x;
-        float column = ImGui::GetCursorPosX() + (wide > 0.36F * room ? wide : 0.36F * room);
+        // a whole pixel: an edge between two of them would be pale
+        float column = std::ceil(ImGui::GetCursorPosX() + (wide > 0.36F * room ? wide : 0.36F * room));
         ImGui::AlignTextToFramePadding();
         ImGui::TextUnformatted(label);
         audit_item(label);
@@ -442,10 +443,23 @@ static void place_tip(const char *text)
     }
 }
 
+// Whether a form lies before the widget's panel: its tip would lie over that.
+static bool is_behind_form()
+{
+    const int not_a_form = ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_ChildWindow |
+                           ImGuiWindowFlags_Tooltip | ImGuiWindowFlags_Popup;
+    const ImGuiContext *context = ImGui::GetCurrentContext();
+    bool found = false;
+    for (const ImGuiWindow *window : context->Windows) {
+        found = found || (window->WasActive && !(window->Flags & not_a_form));
+    }
+    return found && ImGui::GetCurrentWindowRead()->RootWindow->Flags & ImGuiWindowFlags_NoBringToFrontOnFocus;
+}
+
 void ui_tip(const char *text)
 {
     audit_tip();
-    if (ImGui::IsItemHovered()) {
+    if (ImGui::IsItemHovered() && !is_behind_form()) {
         place_tip(text);
         ImGui::BeginTooltip();
         ImGui::TextUnformatted(text);
@@ -531,6 +545,15 @@ bool ui_check(const char *label, bool *value, const char *tip)
     return end_labelled(ImGui::Checkbox(label, value), label, tip);
 }
 
+/* A line along the lower edge of the widget before, which is the chosen one of several. */
+static void underline_chosen(ui_colour colour)
+{
+    const ImVec2 low = ImGui::GetItemRectMin();
+    const ImVec2 high = ImGui::GetItemRectMax();
+    const float thick = 2 * ImGui::GetTextLineHeight() / LOOK_TEXT;
+    ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(low.x, high.y - thick), high, packed(colour));
+}
+
 /* Two or three choices side by side, all seen, in an edge. They are one widget. */
 static bool switch_between(const char *label, size_t *index, const char *const *choices, size_t count, float wide)
 {
@@ -546,6 +569,9 @@ static bool switch_between(const char *label, size_t *index, const char *const *
         if (press(choices[i], ImVec2(right - left, high), is_on ? THEME_BUTTON_HELD : THEME_FIELD,
                   is_on ? THEME_PLAIN : THEME_HINT)) {
             *index = i;
+        }
+        if (is_on) {
+            underline_chosen(theme_marks[THEME_MARK]);
         }
     }
     ImGui::EndGroup();
@@ -761,11 +787,7 @@ bool ui_tab(const char *label, bool shown, const char *tip)
 {
     const bool used = press(label, ImVec2(0, 0), THEME_PANEL, shown ? THEME_PLAIN : THEME_HINT);
     if (shown) {
-        const ImVec2 low = ImGui::GetItemRectMin();
-        const ImVec2 high = ImGui::GetItemRectMax();
-        const float thick = 2 * ImGui::GetTextLineHeight() / LOOK_TEXT;
-        ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(low.x, high.y - thick), high,
-                                                  packed({LOOK_RGB(LOOK_MAIN), 255}));
+        underline_chosen({LOOK_RGB(LOOK_MAIN), 255});
     }
     return end_labelled(used, label, tip);
 }

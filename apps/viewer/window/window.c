@@ -492,6 +492,16 @@ static bool is_behind(const struct window *window)
              frame->shown_head != viewer->head.number || frame->shown_second != viewer->tools[SECOND_TOOL].version));
 }
 
+void pictures_note_late(struct pictures *pictures, double now)
+{
+    const struct painting *drawn = &pictures->drawn, *asked = &pictures->asked;
+    const bool is_late = pictures->painted.name &&
+                         (drawn->answer_number != asked->answer_number || drawn->plan_number != asked->plan_number ||
+                          drawn->scene_number != asked->scene_number);
+    pictures->late_at = !is_late ? 0 : pictures->late_at > 0 ? pictures->late_at : now + PICTURE_LATE_MS;
+    pictures->says_late = is_late && now >= pictures->late_at;
+}
+
 /* Whether the next frame has to say that the picture is of an answer from before. */
 static bool becomes_late(const struct window *window, double now)
 {

@@ -402,6 +402,12 @@ void window_clear(const struct window *window);
 bool window_needs_frame(struct window *window);
 /** Seconds after which it may, though nothing happens: 0 = at once, INFINITY = never. */
 double window_idle_s(const struct window *window);
+enum { PICTURE_LATE_MS = 400 /**< From when on a picture of an answer from before says so. */ };
+
+/** Notes since when, by clock_ms(), the 3-D picture is of another answer, plan or scene than was asked for, and whether
+ * that has lasted so long that it is said. */
+void pictures_note_late(struct pictures *pictures, double now);
+
 /** Whether all pictures are as fine as they get, and show what the viewer holds. */
 bool window_is_settled(const struct window *window);
 /** Writes the window's contents as a PNG. */
