@@ -31,6 +31,7 @@ static const struct bench_scenario scenarios[] = {
      bench_batch_layers, 1000, 5, 15},
     {"clearance", "how far needles stay from areas: cell by cell, and by the search", bench_clearance, 16, 5, 15},
     {"plan", "which needles reach an area and avoid four: with pruning and without", bench_plan, 10000, 3, 20},
+    {"together", "four needles planned together, against lists of all that hold", bench_together, 20000, 3, 40},
     {"python", "select_many() of the Python package against conus batch, the same poses", bench_python, 100000, 5, 40},
     {"torus", "256 rays into 1,000 to 200,000 tori, one at a time or in packets; the paper's pass", bench_torus, 64, 9,
      12},

@@ -114,6 +114,7 @@ conus_status bench_layers(struct bench *bench);
 conus_status bench_volume(struct bench *bench);
 conus_status bench_open(struct bench *bench);
 conus_status bench_plan(struct bench *bench);
+conus_status bench_together(struct bench *bench);
 conus_status bench_startup(struct bench *bench);
 conus_status bench_streamlines(struct bench *bench);
 conus_status bench_torus(struct bench *bench);

@@ -14,6 +14,7 @@
 #include "selection/batch/ring.h"
 #include "selection/batch/worker.h"
 #include "selection/plan/plan_trial.h"
+#include "selection/plan/together/bodies.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -57,10 +58,33 @@ struct bests {
 
 enum { OF_ENTRY, OF_TARGET, BESTS };
 
+/* A pose that was not judged yet, or is no candidate; and one that breaks something. */
+static const int64_t UNKNOWN = INT64_MIN;
+static const int64_t BROKEN = INT64_MIN + 1;
+
+/* What is known of each pose, nm: its leeway, or in -1 - m that it is not more than m, or one of the above. */
+struct learnt {
+    int64_t *items; /* [count] */
+    size_t count, capacity;
+};
+
+/* Which poses a run is about. */
+enum pass {
+    PASS_ONLY,   /* all: there is one run */
+    PASS_SAMPLE, /* about one of SAMPLE, wherever they are; of those that break something nothing is noted */
+    PASS_ALL,    /* all that may have the least leeway or were not judged yet */
+    PASS_MORE    /* all that may have it */
+};
+
+enum { SAMPLE = 16 };
+
 struct conus_plan {
     struct plan_asked asked;
     double (*shanks)[2]; /* [options.shank_count] */
     bool was_run, is_cut, was_mapped, is_listed, is_done;
+    enum pass pass;
+    int64_t least; /* nm of the leeway of what is listed */
+    struct learnt notes;
     uint64_t *left; /* [count + 1] The funnel. */
     struct rejected rejected;
     struct entries list;       /* Feasible poses during a run, then all that is listed. */
@@ -246,6 +270,7 @@ void conus_plan_destroy(conus_plan *plan)
     finish_entries(&plan->list);
     finish_entries(&plan->infeasible);
     plan_bar_finish(&plan->bar);
+    memory_free(plan->notes.items);
     memory_free(plan->asked.jitter.errors);
     memory_free(plan->asked.constraints);
     memory_free(plan->shanks);
@@ -289,6 +314,34 @@ static conus_status make_maps(conus_plan *plan)
     return status;
 }
 
+static int64_t note_of(const conus_plan *plan, uint64_t index)
+{
+    return index < plan->notes.count ? plan->notes.items[index] : UNKNOWN;
+}
+
+/* Whether a run is about a pose. */
+static bool is_asked(const conus_plan *plan, uint64_t index)
+{
+    int64_t note = note_of(plan, index);
+    bool may_have = note > BROKEN && (note < 0 ? -1 - note : note) >= plan->least;
+    return plan->pass == PASS_SAMPLE ? (index * 0x9E3779B97F4A7C15 >> 32) % SAMPLE == 0
+           : plan->pass == PASS_ALL  ? may_have || note == UNKNOWN
+                                     : may_have || plan->pass == PASS_ONLY;
+}
+
+/* What is known of a pose. */
+static void recall(struct plan_trial *trial, const conus_plan *plan)
+{
+    int64_t note = note_of(plan, trial->planned.candidate - 1);
+    trial->is_known = note > BROKEN;
+    if (trial->is_known) {
+        trial->planned.feasible = true;
+        trial->planned.broken = SIZE_MAX;
+        trial->is_measured = note >= 0;
+        trial->planned.leeway = 1e-6 * (double)note;
+    }
+}
+
 static conus_status read_block(void *user, size_t slot, bool *may_follow)
 {
     conus_plan *plan = user;
@@ -306,13 +359,19 @@ static conus_status read_block(void *user, size_t slot, bool *may_follow)
         plan->rows -= status ? 0 : count;
         for (size_t i = 0; i < count && !status; i++) {
             struct plan_trial *trial = &block->trials[block->count];
+            if (!is_asked(plan, number + i)) {
+                continue;
+            }
             const char *why = plan_trial_begin(&trial->planned, &rows[i], &plan->asked);
             if (why) {
-                reject(&block->rejected, rows[i].line, why);
+                if (plan->pass != PASS_SAMPLE && plan->pass != PASS_MORE) {
+                    reject(&block->rejected, rows[i].line, why);
+                }
                 continue;
             }
             trial->planned.candidate = number + i + 1;
             trial->planned.verdicts = trial->verdicts;
+            recall(trial, plan);
             trial->id = block->strings.size;
             buffer_append(&block->strings, rows[i].id, strlen(rows[i].id) + 1);
             block->count++;
@@ -375,7 +434,8 @@ static conus_status answer_block(void *user, size_t slot, size_t worker, const a
         set_bar(block, i, plan);
         pthread_mutex_unlock(&plan->lock);
         plan->workers[worker].judge.leeway.uses_maps = plan->workers[worker].bar.has_maps;
-        status = plan_trial_try(&block->trials[i], &plan->workers[worker], &plan->asked);
+        struct plan_trial *trial = &block->trials[i];
+        status = (trial->is_known ? plan_trial_again : plan_trial_try)(trial, &plan->workers[worker], &plan->asked);
     }
     return status;
 }
@@ -462,7 +522,7 @@ static conus_status take_feasible(conus_plan *plan, const struct plan_trial *tri
     for (size_t k = 0; k < BESTS; k++) {
         take_best(plan, trial, k);
     }
-    if (trial->is_measured) {
+    if (trial->is_measured && (plan->pass == PASS_ONLY || trial->keys[0] >= (double)plan->least)) {
         status = keep_in(list, trial, block, plan);
     }
     if (list->count > plan->asked.options.top &&
@@ -495,9 +555,29 @@ static conus_status take_infeasible(conus_plan *plan, const struct plan_trial *t
 static conus_status report_progress(const conus_plan *plan)
 {
     conus_progress progress = plan->asked.options.progress;
-    return progress && !progress(plan->asked.options.progress_user, (size_t)plan->left[0], 0)
+    size_t tried = plan->pass == PASS_MORE ? 0 : (size_t)plan->left[0];
+    return progress && !progress(plan->asked.options.progress_user, tried, 0)
                ? fail(CONUS_ERROR_CANCELLED, "the plan was cancelled")
                : CONUS_OK;
+}
+
+static conus_status note(conus_plan *plan, const struct plan_trial *trial)
+{
+    struct learnt *notes = &plan->notes;
+    size_t index = (size_t)trial->planned.candidate - 1;
+    if (plan->pass == PASS_ONLY) {
+        return CONUS_OK;
+    }
+    if (!memory_reserve(&notes->items, &notes->capacity, index + 1, sizeof *notes->items)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    while (notes->count <= index) {
+        notes->items[notes->count++] = UNKNOWN;
+    }
+    notes->items[index] = !trial->planned.feasible ? BROKEN
+                          : trial->is_measured     ? (int64_t)trial->keys[0]
+                                                   : -1 - nanometres(trial->most);
+    return CONUS_OK;
 }
 
 static conus_status deliver_block(void *user, size_t slot)
@@ -508,10 +588,18 @@ static conus_status deliver_block(void *user, size_t slot)
     pthread_mutex_lock(&plan->lock);
     for (size_t i = 0; i < block->count && !status; i++) {
         const struct plan_trial *trial = &block->trials[i];
-        for (size_t k = 0; k <= plan->asked.count && (k == 0 || trial->planned.broken > k - 1); k++) {
+        bool is_feasible = trial->planned.feasible;
+        if (plan->pass == PASS_SAMPLE && !is_feasible) {
+            continue; /* once all are looked at */
+        }
+        for (size_t k = 0; k <= plan->asked.count && (k == 0 || trial->planned.broken > k - 1) && !trial->is_known;
+             k++) {
             plan->left[k]++;
         }
-        status = trial->planned.feasible ? take_feasible(plan, trial, block) : take_infeasible(plan, trial, block);
+        status = note(plan, trial);
+        status = status        ? status
+                 : is_feasible ? take_feasible(plan, trial, block)
+                               : take_infeasible(plan, trial, block);
     }
     pthread_mutex_unlock(&plan->lock);
     add_rejected(&plan->rejected, &block->rejected);
@@ -592,11 +680,8 @@ static conus_status complete(conus_plan *plan)
     return status;
 }
 
-conus_status conus_plan_run(conus_plan *plan, conus_pose_stream *poses, uint64_t limit)
+static conus_status run(conus_plan *plan, conus_pose_stream *poses, uint64_t limit)
 {
-    if (plan->was_run) {
-        return fail(CONUS_ERROR_ARGUMENT, "a plan is run once");
-    }
     plan->was_run = true;
     plan->poses = poses;
     plan->rows = limit;
@@ -611,6 +696,36 @@ conus_status conus_plan_run(conus_plan *plan, conus_pose_stream *poses, uint64_t
                                                         .interrupt = stop_reading});
     pthread_mutex_destroy(&plan->lock);
     return status ? status : complete(plan);
+}
+
+conus_status conus_plan_run(conus_plan *plan, conus_pose_stream *poses, uint64_t limit)
+{
+    return plan->was_run ? fail(CONUS_ERROR_ARGUMENT, "a plan is run once") : run(plan, poses, limit);
+}
+
+void plan_sample(conus_plan *plan)
+{
+    plan->pass = PASS_SAMPLE;
+    plan->asked.order.in_nanometres = true;
+    plan->asked.order.rank[0].step = 1e-6;
+}
+
+void plan_forget_list(conus_plan *plan)
+{
+    finish_entries(&plan->list);
+}
+
+conus_status plan_list_again(conus_plan *plan, conus_pose_stream *poses, int64_t least, uint64_t most)
+{
+    plan_forget_list(plan);
+    plan->pass = plan->pass == PASS_SAMPLE ? PASS_ALL : PASS_MORE;
+    plan->is_listed = plan->is_done = false;
+    plan->least = least;
+    plan->asked.options.top = most;
+    plan->bar.is_full = true;
+    plan->bar.keys[0] = (double)least;
+    plan->bar.keys[1] = -INFINITY;
+    return run(plan, poses, UINT64_MAX);
 }
 
 conus_status conus_plan_cut(conus_plan *plan)
@@ -683,20 +798,20 @@ struct plan_judge *plan_judge_of(conus_plan *plan)
     return &plan->workers[0].judge;
 }
 
-conus_status conus_plan_try(const conus_planned **out, conus_plan *plan, const conus_pose_row *row)
+/* Tries a pose that is settled. */
+static conus_status try_row(const conus_planned **out, conus_plan *plan, const conus_pose_row *row, uint64_t number)
 {
     struct block *block = &plan->blocks[ring_slots(plan->asked.options.threads)];
     struct plan_trial *trial = block->trials;
     struct plan_judge *judge = plan_judge_of(plan);
-    conus_pose_row asked = *row;
-    conus_status status = row->error ? CONUS_OK : pose_settle(&asked.pose, row->pose.world_from_device);
-    const char *why = status ? NULL : plan_trial_begin(&trial->planned, &asked, &plan->asked);
-    if (status || why) {
-        return status || why == conus_message() ? CONUS_ERROR_ARGUMENT : fail(CONUS_ERROR_ARGUMENT, "%s", why);
+    const char *why = plan_trial_begin(&trial->planned, row, &plan->asked);
+    if (why) {
+        return why == conus_message() ? CONUS_ERROR_ARGUMENT : fail(CONUS_ERROR_ARGUMENT, "%s", why);
     }
     buffer_clear(&block->strings);
     buffer_text(&block->strings, row->id ? row->id : "");
-    status = buffer_status(&block->strings);
+    conus_status status = buffer_status(&block->strings);
+    trial->planned.candidate = number;
     trial->planned.id = block->strings.data;
     trial->planned.verdicts = trial->verdicts;
     trial->planned.broken = SIZE_MAX;
@@ -713,6 +828,29 @@ conus_status conus_plan_try(const conus_planned **out, conus_plan *plan, const c
     trial->planned.feasible = trial->planned.broken == SIZE_MAX;
     if (!status) {
         *out = &trial->planned;
+    }
+    return status;
+}
+
+conus_status conus_plan_try(const conus_planned **out, conus_plan *plan, const conus_pose_row *row)
+{
+    conus_pose_row asked = *row;
+    conus_status status = row->error ? CONUS_OK : pose_settle(&asked.pose, row->pose.world_from_device);
+    return status ? status : try_row(out, plan, &asked, 0);
+}
+
+conus_status plan_find(const conus_planned **out, conus_plan *plan, conus_pose_stream *poses, uint64_t number)
+{
+    conus_pose_row rows[BLOCK];
+    size_t count = 1;
+    conus_status status = CONUS_OK;
+    *out = NULL;
+    while (count && !*out && !status) {
+        uint64_t before = pose_stream_position(poses);
+        status = conus_pose_stream_read(rows, &count, poses, BLOCK);
+        if (!status && number - before <= count) {
+            status = try_row(out, plan, &rows[number - before - 1], number);
+        }
     }
     return status;
 }

@@ -40,7 +40,8 @@ struct plan_order {
     size_t rank_count;
     struct formula *score; /**< NULL = none. */
     bool needs_leeway, needs_chance;
-    size_t sure_count; /**< So many keys of the rank, the first ones, do without the chance. */
+    bool in_nanometres; /**< Keys are lengths, compared in whole ones (Eq. 27). */
+    size_t sure_count;  /**< So many keys of the rank, the first ones, do without the chance. */
 };
 
 /** Fills a zeroed one; it can be finished after a failure, too. */
@@ -129,6 +130,21 @@ conus_status plan_jitter_ask(conus_planned *pose, conus_verdict *verdicts, struc
                              const struct plan_jitter *jitter, bool is_whole, double least, bool has_bounds);
 
 /* plan.c */
+
+/** Has a plan, the default rank's, compare whole nanometres (Eq. 27), and its run only try about one pose of 16: what
+ * it lists tells how far down the best are. plan_list_again() then tries the others. */
+void plan_sample(conus_plan *plan);
+
+/** Lists anew, once plan_sample() and a run were called: the best @p most of all poses, which @p poses has again, that
+ * have a leeway of @p least nm or more. What is learnt of a pose is kept: none is judged or measured twice, except
+ * samples that break something. Verdicts of what is listed are of no use. */
+conus_status plan_list_again(conus_plan *plan, conus_pose_stream *poses, int64_t least, uint64_t most);
+
+/** Frees what is listed. */
+void plan_forget_list(conus_plan *plan);
+
+/** Tries the pose with that number again, as conus_plan_try(): it is NULL where @p poses ends before. */
+conus_status plan_find(const conus_planned **out, conus_plan *plan, conus_pose_stream *poses, uint64_t number);
 
 /** Measures everything of every pose, also what decides nothing: slower, the same answer, to compare with. */
 void plan_measure_all(conus_plan *plan);

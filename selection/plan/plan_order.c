@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "base/text_number.h"
 #include "selection/plan/plan.h"
+#include "selection/plan/together/bodies.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -196,6 +197,13 @@ static double compared(const struct plan_key *key, double value)
     return key->smaller ? -printed : printed;
 }
 
+/* Without a leeway it is 0. */
+static double in_nanometres(const struct plan_key *key, double value)
+{
+    double whole = isnan(value) ? 0 : (double)nanometres(value);
+    return key->smaller ? -whole : whole;
+}
+
 void plan_order_keys(double *rank, conus_planned *pose, const struct plan_order *order)
 {
     pose->score = NAN;
@@ -207,7 +215,9 @@ void plan_order_keys(double *rank, conus_planned *pose, const struct plan_order 
         pose->score = formula_value(order->score, values);
     }
     for (size_t i = 0; rank && i < order->rank_count; i++) {
-        rank[i] = compared(&order->rank[i], value_of(&order->names[order->rank[i].name], pose));
+        const struct plan_key *key = &order->rank[i];
+        double value = value_of(&order->names[key->name], pose);
+        rank[i] = order->in_nanometres ? in_nanometres(key, value) : compared(key, value);
     }
 }
 

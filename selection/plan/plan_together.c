@@ -7,6 +7,7 @@
 #include "base/options.h"
 #include "base/order.h"
 #include "base/status.h"
+#include "selection/plan/plan.h"
 #include "selection/plan/together/pairs.h"
 #include "selection/plan/together/search.h"
 #include "selection/selector.h"
@@ -14,8 +15,9 @@
 #include <math.h>
 #include <string.h>
 
-/* A list has the best of its needle: so many at first, then LIST_GROWTH times as many, up to the last. */
-enum { LIST_FIRST = 500, LIST_GROWTH = 4, LIST_LAST = 1 << 17 };
+/* A list has the best of its needle, at first some hundred: those that are no worse than so many of a sample. Then it
+ * goes LIST_GROWTH times as far down, up to so many at last. */
+enum { SAMPLE_FIRST = 32, LIST_GROWTH = 4, LIST_LAST = 1 << 17 };
 
 static const uint64_t EFFORT = 100000000;
 static const double MARGIN_LIMIT = 100; /* mm */
@@ -36,12 +38,11 @@ struct needle_of {
     struct bodies bodies;
     bool given, has_leeway;
     conus_plan *plan;
-    const conus_planned *place; /* of a given one */
+    const conus_planned *place; /* in the answer, or the one that is given */
     struct search_item *items;  /* [list.bodies.count] */
     struct search_list list;
-    uint64_t top;
-    bool is_whole; /* the list has all that hold */
-    int64_t floor; /* else all with so much leeway */
+    bool is_whole, is_full; /* the list has all that hold, or as many as it may */
+    int64_t floor;          /* else all with so much leeway */
 };
 
 struct conus_together {
@@ -107,20 +108,23 @@ static conus_status check_plan_options(const conus_plan_options *options)
                      : CONUS_OK;
 }
 
-/* Makes the plan that lists the best `top` candidates. */
-static conus_status create_plan(conus_plan **out, const struct needle_of *needle, conus_together *together,
-                                uint64_t top)
+static conus_status create_plan(struct needle_of *needle, conus_together *together)
 {
     conus_plan_options options = needle->options;
-    options.top = top;
+    options.top = SAMPLE_FIRST;
     options.progress = show_progress;
     options.progress_user = together;
-    return conus_plan_create(out, needle->selector, needle->constraints, needle->constraint_count, &options);
+    conus_status status =
+        conus_plan_create(&needle->plan, needle->selector, needle->constraints, needle->constraint_count, &options);
+    if (!status) {
+        plan_sample(needle->plan);
+    }
+    return status;
 }
 
-static const conus_planned *pose_of(const struct needle_of *needle, const struct search_item *item)
+static const conus_planned *pose_of(const struct needle_of *needle, size_t index)
 {
-    return needle->given ? needle->place : conus_plan_pose(needle->plan, item->index);
+    return needle->given ? needle->place : conus_plan_pose(needle->plan, index);
 }
 
 static void finish_list(struct needle_of *needle)
@@ -130,8 +134,8 @@ static void finish_list(struct needle_of *needle)
     needle->items = NULL;
 }
 
-/* Takes the poses that its plan lists; of a given needle its place. */
-static conus_status take_list(struct needle_of *needle)
+/* Takes the poses that its plan lists, those with so much leeway; of a given needle its place. */
+static conus_status take_list(struct needle_of *needle, int64_t least)
 {
     size_t count = needle->given ? 1 : conus_plan_count(needle->plan);
     finish_list(needle);
@@ -140,58 +144,92 @@ static conus_status take_list(struct needle_of *needle)
         needle->items ? body_list_init(&needle->list.bodies, &needle->bodies, count) : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < count && !status; i++) {
         struct search_item *item = &needle->items[i];
-        const conus_planned *pose = pose_of(needle, &(struct search_item){.index = i});
+        const conus_planned *pose = pose_of(needle, i);
         *item = (struct search_item){.leeway = isnan(pose->leeway) ? 0 : nanometres(pose->leeway),
                                      .depth = nanometres(pose->far),
                                      .number = needle->given ? 1 : pose->candidate,
                                      .index = i};
     }
-    /* Plans compare nine digits: what they leave out may have a little more than the last one. */
-    int64_t last = count && !status ? needle->items[count - 1].leeway : 0;
-    needle->floor = last + 2 + last / 100000000;
+    needle->is_full = count == LIST_LAST;
+    /* What a full list leaves out may have as much as its last one. */
+    needle->floor = needle->is_full && !status ? needle->items[count - 1].leeway + 1 : least;
     needle->is_whole =
         needle->given || conus_plan_left(needle->plan, conus_plan_constraint_count(needle->plan)) == count;
     if (!status) {
         order_sort(needle->items, count, sizeof *needle->items, search_item_compare);
     }
     for (size_t i = 0; i < count && !status; i++) {
-        body_list_set(&needle->list.bodies, i, pose_of(needle, &needle->items[i]));
+        body_list_set(&needle->list.bodies, i, pose_of(needle, needle->items[i].index));
     }
     needle->list.items = needle->items;
+    plan_forget_list(needle->plan);
     return status;
 }
 
-/* Lists the best `top` candidates. */
-static conus_status make_list(struct needle_of *needle, conus_together *together, uint64_t top)
+static void close_candidates(conus_pose_stream *stream, const struct needle_of *needle)
 {
-    conus_plan *plan = NULL;
-    conus_pose_stream *stream = NULL;
-    conus_status status = create_plan(&plan, needle, together, top);
-    status = status ? status : needle->open(&stream, needle->user);
-    status = status ? status : conus_plan_run(plan, stream, UINT64_MAX);
     if (needle->close && stream) {
         needle->close(stream, needle->user);
     } else {
         conus_pose_stream_destroy(stream);
     }
-    if (status) {
-        conus_plan_destroy(plan);
-        return status;
-    }
-    together->tried_before += conus_plan_left(plan, 0);
-    conus_plan_destroy(needle->plan);
-    needle->plan = plan;
-    needle->top = top;
-    return take_list(needle);
+}
+
+/* Lists all candidates with so much leeway. */
+static conus_status list_down_to(struct needle_of *needle, int64_t least)
+{
+    conus_pose_stream *stream = NULL;
+    conus_status status = needle->open(&stream, needle->user);
+    status = status ? status : plan_list_again(needle->plan, stream, least, LIST_LAST);
+    close_candidates(stream, needle);
+    return status ? status : take_list(needle, least);
+}
+
+/* Judges all candidates, and lists the best of them. */
+static conus_status begin_list(struct needle_of *needle, conus_together *together)
+{
+    conus_pose_stream *stream = NULL;
+    conus_status status = create_plan(needle, together);
+    status = status ? status : needle->open(&stream, needle->user);
+    status = status ? status : conus_plan_run(needle->plan, stream, UINT64_MAX);
+    close_candidates(stream, needle);
+    const conus_planned *last = status ? NULL : conus_plan_pose(needle->plan, SAMPLE_FIRST - 1);
+    status = status ? status : list_down_to(needle, last && !isnan(last->leeway) ? nanometres(last->leeway) : 0);
+    together->tried_before += status ? 0 : conus_plan_left(needle->plan, 0);
+    return status;
+}
+
+/* Lists more candidates: LIST_GROWTH times as far down, but not below the cut. */
+static conus_status extend_list(struct needle_of *needle, int64_t cut)
+{
+    int64_t largest = needle->items[0].leeway;
+    int64_t way = largest - needle->floor > largest / 16 ? largest - needle->floor : largest / 16 + 1;
+    int64_t least = largest - LIST_GROWTH * way;
+    return list_down_to(needle, !needle->has_leeway ? 0 : least > cut ? least : cut);
+}
+
+/* Gives a needle its place in the answer. */
+static conus_status find_place(struct needle_of *needle, const struct search_item *item)
+{
+    conus_pose_stream *stream = NULL;
+    conus_status status = needle->open(&stream, needle->user);
+    status = status ? status : plan_find(&needle->place, needle->plan, stream, item->number);
+    close_candidates(stream, needle);
+    const conus_planned *place = needle->place;
+    bool is_same = !status && place && place->feasible && nanometres(place->far) == item->depth &&
+                   (isnan(place->leeway) ? 0 : nanometres(place->leeway)) == item->leeway;
+    return status || is_same
+               ? status
+               : fail(CONUS_ERROR_DATA, "%s: its candidates are others when they are read again", needle->name);
 }
 
 static conus_status place_given(struct needle_of *needle, conus_together *together, const conus_pose_row *given)
 {
     conus_pose_row row = *given;
     row.id = needle->name;
-    conus_status status = create_plan(&needle->plan, needle, together, 1);
+    conus_status status = create_plan(needle, together);
     status = status ? status : conus_plan_try(&needle->place, needle->plan, &row);
-    return status ? status : take_list(needle);
+    return status ? status : take_list(needle, 0);
 }
 
 static conus_status init_needle(struct needle_of *out, conus_together *together, const conus_needle *asked)
@@ -211,9 +249,7 @@ static conus_status init_needle(struct needle_of *out, conus_together *together,
     status = status ? status
                     : bodies_init(&out->bodies, asked->selector->options.radius, options.shanks, options.shank_count,
                                   asked->parts, asked->part_count);
-    status = status         ? status
-             : asked->given ? place_given(out, together, asked->given)
-                            : make_list(out, together, LIST_FIRST);
+    status = status ? status : asked->given ? place_given(out, together, asked->given) : begin_list(out, together);
     for (size_t i = 0; i < asked->constraint_count && !status; i++) {
         out->has_leeway = out->has_leeway || conus_plan_has_leeway(out->plan, i);
     }
@@ -292,6 +328,11 @@ static bool lacks_candidates(const conus_together *together, size_t needle)
     return !of->is_whole && (!of->has_leeway || of->floor > together->cuts[needle]);
 }
 
+static uint64_t effort_left(const conus_together *together)
+{
+    return together->nodes < together->options.effort ? together->options.effort - together->nodes : 0;
+}
+
 /* Searches among the candidates that are known. */
 static conus_status search_known(conus_together *together)
 {
@@ -302,8 +343,8 @@ static conus_status search_known(conus_together *together)
     for (size_t i = 0; i < together->count; i++) {
         together->lists[i] = together->needles[i].list;
     }
-    const uint64_t left = together->nodes < together->options.effort ? together->options.effort - together->nodes : 0;
-    conus_status status = joint_create(&search, together->lists, together->count, left, show_progress, together);
+    conus_status status =
+        joint_create(&search, together->lists, together->count, effort_left(together), show_progress, together);
     status = status ? status : joint_least(&answer, search, all, &together->test, most_of_all(together));
     bool is_least = answer.found && answer.least == answer.most;
     if (!status && answer.found) {
@@ -328,9 +369,8 @@ static conus_status extend_lists(bool *is_longer, conus_together *together)
     *is_longer = false;
     for (size_t i = 0; i < together->count && !status; i++) {
         struct needle_of *needle = &together->needles[i];
-        if (lacks_candidates(together, i) && needle->top < LIST_LAST) {
-            uint64_t top = needle->top * LIST_GROWTH;
-            status = make_list(needle, together, top < LIST_LAST ? top : LIST_LAST);
+        if (lacks_candidates(together, i) && !needle->is_full) {
+            status = extend_list(needle, together->cuts[i]);
             *is_longer = true;
         }
     }
@@ -438,9 +478,9 @@ static conus_status explain(conus_together *together)
     for (size_t i = 0; i < together->count && !set; i++) {
         set = has_none(&together->needles[i]) ? 1U << i : 0;
     }
-    conus_status status = set ? CONUS_OK
-                              : joint_create(&search, together->lists, together->count, together->options.effort,
-                                             show_progress, together);
+    conus_status status =
+        set ? CONUS_OK
+            : joint_create(&search, together->lists, together->count, effort_left(together), show_progress, together);
     if (search) {
         status = find_conflict(&set, search, together);
         status = status || !set ? status : find_limit(&conflict->between, search, set, &together->test, PAIR_BETWEEN);
@@ -470,7 +510,7 @@ static conus_status place_all(conus_together *together, bool is_feasible)
     for (size_t i = 0; i < together->count; i++) {
         const struct needle_of *needle = &together->needles[i];
         const struct search_item *item = &needle->items[chosen[i]];
-        together->placed[i].pose = pose_of(needle, item);
+        together->placed[i].pose = needle->place;
         together->placed[i].candidate = item->number;
         sum += item->leeway;
         depth += item->depth;
@@ -565,7 +605,11 @@ static conus_status answer(conus_together *together)
     for (size_t i = 0; i < together->count; i++) {
         is_none = is_none && (lacks_one || !lacks_candidates(together, i));
     }
-    if (together->has_answer || are_all_given) {
+    for (size_t i = 0; i < together->count && together->has_answer && !status; i++) {
+        struct needle_of *needle = &together->needles[i];
+        status = needle->given ? status : find_place(needle, &needle->items[together->answer.chosen[i]]);
+    }
+    if (!status && (together->has_answer || are_all_given)) {
         status = place_all(together, together->has_answer);
     }
     if (!status && together->has_answer) {

@@ -116,6 +116,21 @@ static conus_status add_chance(struct plan_trial *trial, struct plan_worker *wor
     return status;
 }
 
+/* Whether all constraints have so much: clearances, which are cheaper, are asked first. */
+static conus_status have_least(bool *out, struct plan_worker *worker, const struct plan_asked *asked,
+                               enum plan_quantity quantity, double least)
+{
+    conus_status status = CONUS_OK;
+    for (int of_clearance = 1; of_clearance >= 0; of_clearance--) {
+        for (size_t i = 0; i < asked->count && *out && !status; i++) {
+            if (plan_is_clearance(&asked->constraints[i]) == of_clearance) {
+                status = plan_judge_least(out, &worker->judge, i, quantity, least);
+            }
+        }
+    }
+    return status;
+}
+
 /* Whether a feasible pose may be better than its bar: it is measured no more than that takes. What a
  * pose before it has for its keys is enough to be before it. */
 static conus_status may_enter(bool *out, struct plan_trial *trial, struct plan_worker *worker,
@@ -129,13 +144,11 @@ static conus_status may_enter(bool *out, struct plan_trial *trial, struct plan_w
         return CONUS_OK;
     }
     double least = trial->bar[0] * (first->step > 0 ? first->step : 1); /* less what nine digits may hide */
-    least -= 1e-8 * fabs(least) + 1e-9;
+    least -= 1e-8 * fabs(least) + 1e-9 + (asked->order.in_nanometres ? first->step / 2 : 0);
     bool has_least = !first->smaller && least > 0 && quantity <= PLAN_CHANCE;
-    for (size_t i = 0; i < 2 * asked->count && has_least && quantity < PLAN_CHANCE && *out && !status;
-         i++) { /* clearances, which are cheaper, first */
-        if (plan_is_clearance(&asked->constraints[i % asked->count]) == (i < asked->count)) {
-            status = plan_judge_least(out, &worker->judge, i % asked->count, quantity, least);
-        }
+    if (has_least && quantity < PLAN_CHANCE) {
+        trial->most = least;
+        status = have_least(out, worker, asked, quantity, least);
     }
     if (*out && !status) {
         status = plan_trial_measure(trial, &worker->judge, asked, asked->order.needs_leeway ? PLAN_ALL : PLAN_SLACKS);
@@ -183,4 +196,15 @@ conus_status plan_trial_try(struct plan_trial *trial, struct plan_worker *worker
     status = trial->is_measured ? CONUS_OK : plan_trial_measure(trial, &worker->judge, asked, PLAN_ALL);
     bool is_due = asked->order.needs_chance && trial->planned.feasible && isnan(trial->planned.p_ok);
     return status || !is_due ? status : add_chance(trial, worker, asked, 0);
+}
+
+conus_status plan_trial_again(struct plan_trial *trial, struct plan_worker *worker, const struct plan_asked *asked)
+{
+    bool is_wanted;
+    if (trial->is_measured) {
+        plan_order_keys(trial->keys, &trial->planned, &asked->order);
+        return CONUS_OK;
+    }
+    plan_judge_turn(&worker->judge, &trial->planned);
+    return may_enter(&is_wanted, trial, worker, asked);
 }

@@ -46,7 +46,9 @@ struct plan_trial {
     double *bar;  /**< [rank_count] What it has to be better than, where it has a bar: the last of a full list, or
                      the best of its entry or target so far where that is less. */
     bool has_bar;
+    bool is_known;    /**< It was judged before, and is feasible. */
     bool is_measured; /**< All of this is whole. */
+    double most;      /**< mm: else, where it is feasible, what its leeway does not exceed. */
     bool is_lone;     /**< It breaks planned.broken and nothing else. */
 };
 
@@ -59,5 +61,8 @@ conus_status plan_trial_measure(struct plan_trial *trial, struct plan_judge *jud
 
 /** Tries the pose, which was begun: it is whole where it may be kept. */
 conus_status plan_trial_try(struct plan_trial *trial, struct plan_worker *worker, const struct plan_asked *asked);
+
+/** The same of a pose that is known to be feasible; of one that is measured its leeway is known. */
+conus_status plan_trial_again(struct plan_trial *trial, struct plan_worker *worker, const struct plan_asked *asked);
 
 #endif

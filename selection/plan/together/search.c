@@ -29,8 +29,8 @@ struct search {
     const struct search_list *lists;
     size_t count;
     uint32_t among;
-    size_t used[NEEDLE_LIMIT]; /* So many candidates of each list, the first ones, are looked at. */
-    uint64_t **rows[NEEDLE_LIMIT][NEEDLE_LIMIT];
+    size_t used[NEEDLE_LIMIT];      /* So many candidates of each list, the first ones, are looked at. */
+    uint64_t ***rows[NEEDLE_LIMIT]; /* Of a candidate [count], one for each other needle: NULL until it is asked for. */
     size_t row_bytes;
     double *scratch;
     struct node nodes[NEEDLE_LIMIT + 1];
@@ -66,11 +66,12 @@ static size_t words_of(size_t count)
 static void forget_rows(struct search *search)
 {
     for (size_t i = 0; i < search->count && search->row_bytes; i++) {
-        for (size_t k = 0; k < search->count; k++) {
-            for (size_t c = 0; search->rows[i][k] && c < search->lists[i].bodies.count; c++) {
-                memory_free(search->rows[i][k][c]);
-                search->rows[i][k][c] = NULL;
+        for (size_t c = 0; search->rows[i] && c < search->lists[i].bodies.count; c++) {
+            for (size_t k = 0; search->rows[i][c] && k < search->count; k++) {
+                memory_free(search->rows[i][c][k]);
             }
+            memory_free((void *)search->rows[i][c]);
+            search->rows[i][c] = NULL;
         }
     }
     search->row_bytes = 0;
@@ -93,10 +94,8 @@ conus_status joint_create(struct search **out, const struct search_list *lists, 
     for (size_t i = 0; i < count; i++) {
         size_t size = lists[i].bodies.count;
         most = size > most ? size : most;
-        for (size_t k = 0; k < count && whole; k++) {
-            search->rows[i][k] = k == i ? NULL : memory_zeroed(size, sizeof(uint64_t *));
-            whole = k == i || search->rows[i][k];
-        }
+        search->rows[i] = memory_zeroed(size, sizeof(uint64_t **));
+        whole = whole && search->rows[i];
         for (size_t k = 0; k <= count && whole; k++) {
             search->nodes[k].domains[i] = memory_zeroed(words_of(size), sizeof(uint64_t));
             whole = search->nodes[k].domains[i];
@@ -119,9 +118,7 @@ void joint_destroy(struct search *search)
     search->row_bytes = 1;
     forget_rows(search);
     for (size_t i = 0; i < search->count; i++) {
-        for (size_t k = 0; k < search->count; k++) {
-            memory_free((void *)search->rows[i][k]);
-        }
+        memory_free((void *)search->rows[i]);
         for (size_t k = 0; k <= search->count; k++) {
             memory_free(search->nodes[k].domains[i]);
         }
@@ -138,11 +135,15 @@ uint64_t joint_nodes(const struct search *search)
 /* Which candidates of another needle go with one; NULL without memory. The oldest rows make room for it. */
 static const uint64_t *row_of(struct search *search, size_t needle, size_t candidate, size_t other)
 {
-    uint64_t **row = &search->rows[needle][other][candidate];
-    size_t bytes = words_of(search->used[other]) * sizeof **row;
-    if (!*row && search->row_bytes + bytes > ROWS_BYTES) {
+    uint64_t ***rows = &search->rows[needle][candidate];
+    size_t bytes = words_of(search->used[other]) * sizeof(uint64_t);
+    if ((!*rows || !(*rows)[other]) && search->row_bytes + bytes > ROWS_BYTES) {
         forget_rows(search);
     }
+    if (!*rows && !(*rows = memory_zeroed(search->count, sizeof **rows))) {
+        return NULL;
+    }
+    uint64_t **row = &(*rows)[other];
     if (!*row && (*row = memory_raw(words_of(search->used[other]), sizeof **row))) {
         search->row_bytes += bytes;
         pair_row(*row, search->scratch, &search->lists[needle].bodies, candidate, &search->lists[other].bodies,

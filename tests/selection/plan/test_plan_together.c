@@ -94,6 +94,19 @@ static void write_random(struct candidates *out, const char *name, size_t count,
     write_candidates(out, name, &text);
 }
 
+/* Lists a needle's candidates, all of them. */
+static conus_plan *plan_alone(const conus_needle *needle)
+{
+    const conus_plan_options options = {.threads = 1, .top = UINT64_MAX, .rank = "leeway"};
+    conus_plan *plan = NULL;
+    conus_pose_stream *stream = NULL;
+    assert_ok(conus_plan_create(&plan, needle->selector, needle->constraints, needle->constraint_count, &options));
+    assert_ok(open_table(&stream, needle->user));
+    assert_ok(conus_plan_run(plan, stream, UINT64_MAX));
+    conus_pose_stream_destroy(stream);
+    return plan;
+}
+
 static double point_segment(const double p[3], const double a[3], const double b[3])
 {
     double ab[3], ap[3], away[3];
@@ -271,14 +284,9 @@ static void read_point(double out[3], const conus_planned *pose, double x, doubl
 static void take_needle(struct oracle_needle *out, const struct scene *scene, size_t index)
 {
     const conus_needle *needle = &scene->needles[index];
-    const conus_plan_options options = {.threads = 1, .top = UINT64_MAX, .rank = "leeway"};
-    conus_plan *plan = NULL;
-    conus_pose_stream *stream = NULL;
+    conus_plan *plan = plan_alone(needle);
     *out = (struct oracle_needle){.radius = 0.2 + 0.1 * (double)index};
     out->part = needle->part_count ? needle->parts[0] : (conus_part){0};
-    assert_ok(conus_plan_create(&plan, needle->selector, CONSTRAINTS, 2, &options));
-    assert_ok(open_table(&stream, needle->user));
-    assert_ok(conus_plan_run(plan, stream, UINT64_MAX));
     for (uint64_t number = 1; number <= conus_plan_left(plan, 0); number++) {
         for (size_t i = 0; i < conus_plan_count(plan); i++) {
             const conus_planned *pose = conus_plan_pose(plan, i);
@@ -296,7 +304,6 @@ static void take_needle(struct oracle_needle *out, const struct scene *scene, si
             }
         }
     }
-    conus_pose_stream_destroy(stream);
     conus_plan_destroy(plan);
 }
 
@@ -656,6 +663,83 @@ static void answers_do_not_depend_on_threads(void **state)
     end_scene(&scene);
 }
 
+/* Candidates are read several times, and some of them are looked at first: what is said of them is what a plan of all
+ * says. Every tenth row is none, being a point; of the second needle nothing holds. */
+static void what_is_said_of_candidates(void **state)
+{
+    (void)state;
+    static const conus_constraint never_held[2] = {{.kind = CONUS_CONSTRAINT_REACH, .names = "1", .limit = 0.5},
+                                                   {.kind = CONUS_CONSTRAINT_LENGTH, .limit = 500, .most = 600}};
+    uint64_t seed = 16;
+    struct scene scene;
+    make_scene(&scene, 2);
+    scene.needles[1].constraints = never_held;
+    for (size_t i = 0; i < 2; i++) {
+        struct buffer text = {0};
+        begin_poses(&text);
+        for (int k = 0; k < 3000; k++) {
+            double from[3] = {test_random(&seed, -20, 2), test_random(&seed, 2, 24), test_random(&seed, 2, 24)};
+            double to[3] = {test_random(&seed, 11, 19), test_random(&seed, 9, 17), test_random(&seed, 9, 17)};
+            if (k % 10 == 3) {
+                buffer_format(&text, "point\t1\t2\t3\tn/a\tn/a\tn/a\tn/a\tn/a\n");
+            } else {
+                write_pose(&text, "needle", from, to, 0, floor(test_random(&seed, 20, 30)));
+            }
+        }
+        write_candidates(&scene.candidates[i], i ? "said-1.tsv" : "said-0.tsv", &text);
+    }
+    conus_together *together = NULL;
+    assert_ok(conus_plan_together(&together, scene.needles, 2, NULL));
+    assert_null(conus_together_combination(together));
+    assert_int_equal(conus_together_conflict(together)->needles[0], 1);
+    for (size_t i = 0; i < 2; i++) {
+        conus_plan *alone = plan_alone(&scene.needles[i]);
+        const conus_placed *placed = conus_together_needle(together, i);
+        for (size_t k = 0; k <= 2; k++) {
+            assert_int_equal(conus_plan_left(placed->plan, k), conus_plan_left(alone, k));
+            const conus_planned *miss = conus_plan_miss(alone, k);
+            const conus_planned *found = conus_plan_miss(placed->plan, k);
+            assert_int_equal(miss != NULL, found != NULL);
+            assert_int_equal(miss ? miss->candidate : 0, found ? found->candidate : 0);
+        }
+        assert_int_equal(conus_plan_left(alone, 0), 2700);
+        assert_int_equal(conus_plan_left(alone, 2) == 0, i == 1);
+        assert_int_equal(conus_plan_rejected(placed->plan).count, 300);
+        assert_int_equal(conus_plan_rejected(placed->plan).line, conus_plan_rejected(alone).line);
+        conus_plan_destroy(alone);
+    }
+    assert_non_null(conus_plan_miss(conus_together_needle(together, 1)->plan, 1));
+    conus_together_destroy(together);
+    end_scene(&scene);
+}
+
+/* A file that has other needles when it is read once more. */
+static conus_status open_another(conus_pose_stream **out, void *user)
+{
+    static const double at[3] = {0, 12, 12};
+    static const double to[3] = {15, 12, 12};
+    struct buffer text = {0};
+    begin_poses(&text);
+    write_pose(&text, "another", at, to, 0, 15);
+    conus_status status = open_table(out, user);
+    write_candidates(user, "another.tsv", &text);
+    return status;
+}
+
+static void candidates_that_change_are_refused(void **state)
+{
+    (void)state;
+    uint64_t seed = 17;
+    struct scene scene;
+    make_scene(&scene, 1);
+    write_random(&scene.candidates[0], "before.tsv", 40, &seed, false);
+    scene.needles[0].open = open_another;
+    conus_together *together = NULL;
+    assert_fails(conus_plan_together(&together, scene.needles, 1, NULL), CONUS_ERROR_DATA);
+    assert_string_equal(conus_message(), "A: its candidates are others when they are read again");
+    end_scene(&scene);
+}
+
 static void what_is_not_allowed(void **state)
 {
     (void)state;
@@ -813,6 +897,8 @@ TEST_GROUP(plan_together)
         cmocka_unit_test(the_leeway_of_a_pair),
         cmocka_unit_test(given_needles),
         cmocka_unit_test(answers_do_not_depend_on_threads),
+        cmocka_unit_test(what_is_said_of_candidates),
+        cmocka_unit_test(candidates_that_change_are_refused),
         cmocka_unit_test(what_is_not_allowed),
         cmocka_unit_test(a_run_is_cancelled),
         cmocka_unit_test(a_search_that_is_cancelled_has_an_answer),
