@@ -409,7 +409,7 @@ int settings_pose_cone(double *angle, double out[2], double target, const struct
     }
     out[0] = range.ends[0];
     out[1] = range.beyond + target;
-    *angle = aim->aperture > 0 ? 2 * atan(aim->aperture / 2 / target) : *angle;
+    *angle = aim->aperture > 0 ? 2 * atan(aim->aperture / 2 / target) * (180 / M_PI) : *angle;
     if (!(out[0] < out[1])) {
         return print_usage_error("--range: the target is %.10g mm away, and NEAR is %.10g", target, out[0]);
     }
@@ -422,14 +422,9 @@ const char *settings_level_file(const struct engine_settings *settings)
     return level && level[0] == '@' && !strchr(level, ',') ? level + 1 : NULL;
 }
 
-double radians(double degrees)
-{
-    return degrees * (M_PI / 180);
-}
-
 double settings_angle(const struct aim_settings *settings, const struct engine_settings *engine)
 {
-    return engine->radius > 0 ? 0 : radians(settings->angle != 0 ? settings->angle : DEFAULT_ANGLE);
+    return engine->radius > 0 ? 0 : settings->angle != 0 ? settings->angle : DEFAULT_ANGLE;
 }
 
 bool settings_check_shape(const struct aim_settings *settings, const struct engine_settings *engine,
@@ -586,7 +581,7 @@ bool settings_jitter(conus_jitter_options *out, const char *text, uint32_t sampl
     } else if (!(errors[1] >= 0 && errors[1] <= 1e6)) {
         print_error_line("--jitter: a shift of %.10g mm is out of range, allowed is 0 to 1000000", errors[1]);
     } else {
-        out->tilt = radians(errors[0]);
+        out->tilt = errors[0];
         out->shift = errors[1];
         return true;
     }

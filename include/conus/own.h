@@ -24,7 +24,7 @@ typedef struct conus_batch_options {
     uint32_t threads;   /**< Threads that answer poses, up to 1024; 0 = as many as processors that the process may use.
                            With the gl engine one of them has the device at a time. */
     uint32_t block;     /**< Poses per block, up to 65536; 0 = 256. Memory grows with threads times block. */
-    double angle;       /**< For poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0. */
+    double angle;       /**< For poses that have none of their own, degrees; 0 = 10 degrees, or a cylinder's 0. */
     conus_report_options report; /**< Its format is neither #CONUS_FORMAT_TABLE nor #CONUS_FORMAT_JSON. A probe,
                                     #CONUS_FORMAT_SPIKEGLX or #CONUS_FORMAT_OPEN_EPHYS, is one block of up to 65535
                                     contacts, whatever block says, and must be all that is in the stream. With a
@@ -1301,7 +1301,7 @@ typedef struct conus_phantom_options {
     uint32_t size; /**< Voxels along the longest edge, 16 to 512; 0 = 64. Size times the smallest spacing is the cube
                       around the origin for which the shapes are made: 64 mm, or scaled. */
     double spacing[3]; /**< mm; zeros = 1, 1, 1. At least 4 voxels must fit along every edge. */
-    double oblique;    /**< Turns the grid about (1, 1, 1) by this angle, radians. */
+    double oblique;    /**< Turns the grid about (1, 1, 1) by this angle, degrees. */
     bool flip[3];      /**< Lets i, j, k grow towards left, posterior, inferior. */
 } conus_phantom_options;
 

@@ -184,9 +184,9 @@ typedef struct conus_pose_row {
     conus_pose pose;   /**< Where the device is and points. */
     bool is_point;     /**< The row has only a position, no direction: the pose is not turned. */
     bool trigger;      /**< Column trigger; false if absent. */
-    double angle;      /**< Column angle, full opening, radians; 0 if absent. */
+    double angle;      /**< Column angle, full opening, degrees; 0 if absent. */
     double time_s;     /**< Column time_s, seconds; NaN if absent. */
-    double error_deg;  /**< Column error_deg: how far off the direction may be, degrees (not radians); NaN if absent. */
+    double error_deg;  /**< Column error_deg: how far off the direction may be, degrees; NaN if absent. */
     double error_mm;   /**< Column error_mm: how far off the position may be, mm; NaN if absent. */
     double range[2];   /**< Columns near and far, mm, as for conus_selector_set_range(); NaN if absent. */
     const char *error; /**< NULL, or why the row is no pose; then only id and line have a meaning. */
@@ -440,7 +440,7 @@ CONUS_CHECKED conus_status conus_probe_table(conus_table **out, const conus_prob
  * @param probe The probes.
  * @param poses [count] One for each probe.
  * @param count As many as there are probes.
- * @param roll Turns each probe about its axis, its +y towards its +x, radians: as conus_candidates.roll_step.
+ * @param roll Turns each probe about its axis, its +y towards its +x, degrees: as conus_candidates.roll_step.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another number of poses, and for a turn or a pose that is not finite.
  */
 CONUS_CHECKED conus_status conus_probe_place(conus_pose_list **out, const conus_probe *probe, const conus_pose *poses,

@@ -125,7 +125,7 @@ typedef struct conus_report_options {
     const conus_row_marks *marks; /**< Columns that tell rows apart, not of a track. It must outlive the report. Before
                                      an answer is added, the caller sets its last three members, which are copied; a
                                      batch sets them itself. NULL = none. */
-    double roll;                  /**< Of a batch with a probe: as for conus_probe_place(), radians. */
+    double roll;                  /**< Of a batch with a probe: as for conus_probe_place(), degrees. */
     double depth; /**< Of a batch with a probe: how far the tip lies from a pose along its axis, mm; a pose with a range
                      of its own has the tip at its far end. */
 } conus_report_options;

@@ -10,7 +10,7 @@
 #include "selection/selection.h"
 #include "selection/selector.h"
 
-enum { THREAD_LIMIT = 1024, DEFAULT_BLOCK = 256, DEFAULT_ANGLE_DEG = 10 };
+enum { THREAD_LIMIT = 1024, DEFAULT_BLOCK = 256, DEFAULT_ANGLE = 10 };
 
 conus_status batch_check_options(uint32_t *threads, uint32_t *block, double *angle, const conus_selector *selector)
 {
@@ -30,7 +30,7 @@ conus_status batch_check_options(uint32_t *threads, uint32_t *block, double *ang
     }
     *block = *block ? *block : DEFAULT_BLOCK;
     if (*angle == 0 && selector->options.radius == 0) {
-        *angle = radians_from_degrees(DEFAULT_ANGLE_DEG);
+        *angle = DEFAULT_ANGLE;
     }
     return CONUS_OK;
 }
