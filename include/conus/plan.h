@@ -644,20 +644,6 @@ CONUS_API void conus_together_destroy(conus_together *together);
 CONUS_API const conus_combination *conus_together_combination(const conus_together *together);
 
 /**
- * Gives the options of the answer.
- * @param together The answer.
- * @return With the defaults filled in. Borrowed from the answer.
- */
-CONUS_API const conus_together_options *conus_together_asked(const conus_together *together);
-
-/**
- * Counts the needles.
- * @param together NULL counts 0.
- * @return How many there are.
- */
-CONUS_API size_t conus_together_count(const conus_together *together);
-
-/**
  * Gives a needle.
  * @param together The answer.
  * @param index From 0.

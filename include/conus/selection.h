@@ -406,16 +406,6 @@ CONUS_API void conus_pose_check_destroy(conus_pose_check *check);
 CONUS_API void conus_pose_check_add(conus_pose_check *check, uint64_t number, const conus_pose *pose, double angle);
 
 /**
- * Counts a point. One that is not finite is not counted.
- * @param check The counts.
- * @param number The caller's number of the point.
- * @param point World mm.
- * @param radius Of the ball around it, mm; 0 of a point without one.
- */
-CONUS_API void conus_pose_check_add_point(conus_pose_check *check, uint64_t number, const double point[3],
-                                          double radius);
-
-/**
  * Gives the counts.
  * @param check The counts.
  * @return Borrowed; it changes with conus_pose_check_add().

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "base/system/system.h"
+#include "conus/own.h"
 #include "selection/rank.h"
 #include "selection/selection.h"
 #include "selection/selector.h"

@@ -4,6 +4,7 @@
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/own.h"
 #include "poses/rows/pose_row.h"
 #include "selection/selection.h"
 #include "selection/selector.h"

@@ -2,7 +2,7 @@
 /* Reports in other programs' formats: the kinds of rows that they take, and failing allocations. */
 #include "base/buffer.h"
 #include "base/geometry/math3.h"
-#include "conus/report.h"
+#include "conus/own.h"
 #include "region_scene.h"
 #include "report_scene.h"
 #include "test.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reports on plans: all kinds of rows and formats, for needles beside a box, whose numbers follow by arithmetic. */
 #include "base/files/file.h"
-#include "conus/report.h"
+#include "conus/own.h"
 #include "mesh_scene.h"
 #include "test.h"
 

@@ -2,6 +2,7 @@
 /* Poses that lie or point where they hardly should (conus_pose_check): cones and boxes against many rays, counts by
  * hand. */
 #include "base/geometry/math3.h"
+#include "conus/own.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "selection/study/study.h"
