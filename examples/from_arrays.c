@@ -22,7 +22,7 @@ static void *ask(void *data)
     conus_selection *selection = NULL;
     conus_pose pose;
     conus_status status = conus_pose_along(&pose, (double[]){0, 0, 0}, question->direction, NULL);
-    status = status ? status : conus_select(&selection, question->selector, &pose, 0.2);
+    status = status ? status : conus_select(&selection, question->selector, &pose, 12);
     best = status ? NULL : conus_selection_result(selection, 0);
     snprintf(question->answer, sizeof question->answer, "area %u, first touched at x = %.1f mm",
              best ? best->object : 0, best ? best->contact[0] : 0);

@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <time.h>
 
-static const double default_angle = 10 * 3.14159265358979 / 180;
+static const double default_angle = 10;
 
 static double now_ms(void)
 {

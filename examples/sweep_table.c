@@ -5,7 +5,7 @@
 
 int main(int argc, char **argv)
 {
-    const double origin[3] = {0, 0, 60}, target[3] = {0, 0, 0}, widest = 3.1;
+    const double origin[3] = {0, 0, 60}, target[3] = {0, 0, 0}, widest = 179;
     conus_atlas *atlas = NULL;
     conus_selector *selector = NULL;
     conus_table *table = NULL;

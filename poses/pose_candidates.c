@@ -63,12 +63,12 @@ static conus_status count_rings(struct pose_candidates *out)
 {
     double most = out->asked.tilt_most;
     double step = out->asked.tilt_step;
-    const double least = MATH3_PI / 18000 * (1 - ROUNDING);
-    bool fits = most == 0 || (most > 0 && most <= MATH3_PI / 2 * (1 + ROUNDING) && step >= least && step <= most);
+    const double least = 0.01 * (1 - ROUNDING);
+    bool fits = most == 0 || (most > 0 && most <= 90 && step >= least && step <= most);
     if (!fits || (most == 0 && step != 0)) {
         return fail(CONUS_ERROR_ARGUMENT,
-                    "tilt: up to %g degrees in steps of %g, allowed are up to 90 in steps from 0.01 to that",
-                    degrees_from_radians(most), degrees_from_radians(step));
+                    "tilt: up to %g degrees in steps of %g, allowed are up to 90 in steps from 0.01 to that", most,
+                    step);
     }
     out->ring_count = most > 0 ? (size_t)(most / step + ROUNDING) + 1 : 1;
     out->rings = memory_raw(out->ring_count + 1, sizeof *out->rings);
@@ -78,7 +78,8 @@ static conus_status count_rings(struct pose_candidates *out)
     out->rings[0] = 0;
     out->rings[1] = 1;
     for (size_t i = 1; i < out->ring_count; i++) {
-        out->rings[i + 1] = out->rings[i] + (uint64_t)ring_size((double)i * step, step);
+        const double ring = radians_from_degrees(step);
+        out->rings[i + 1] = out->rings[i] + (uint64_t)ring_size((double)i * ring, ring);
     }
     return CONUS_OK;
 }
@@ -86,11 +87,10 @@ static conus_status count_rings(struct pose_candidates *out)
 static conus_status count_rolls(struct pose_candidates *out)
 {
     double step = out->asked.roll_step;
-    if (step != 0 && !(step >= MATH3_PI / 18000 * (1 - ROUNDING) && step <= MATH3_PI * (1 + ROUNDING))) {
-        return fail(CONUS_ERROR_ARGUMENT, "roll: in steps of %g degrees, allowed are 0.01 to 180",
-                    degrees_from_radians(step));
+    if (step != 0 && !(step >= 0.01 && step <= 180)) {
+        return fail(CONUS_ERROR_ARGUMENT, "roll: in steps of %g degrees, allowed are 0.01 to 180", step);
     }
-    out->rolls = step > 0 ? (uint64_t)ceil(2 * MATH3_PI / step - ROUNDING) : 1;
+    out->rolls = step > 0 ? (uint64_t)ceil(2 * MATH3_PI / radians_from_degrees(step) - ROUNDING) : 1;
     return CONUS_OK;
 }
 
@@ -135,7 +135,7 @@ static conus_status tilt_pose(conus_pose *pose, const struct pose_candidates *ca
         return CONUS_OK;
     }
     uint64_t first = candidates->rings[ring];
-    double tilt = (double)ring * candidates->asked.tilt_step;
+    double tilt = (double)ring * radians_from_degrees(candidates->asked.tilt_step);
     double turn = 2 * MATH3_PI * (double)(number - first) / (double)(candidates->rings[ring + 1] - first);
     const double *m = pose->world_from_device;
     double direction[3];

@@ -328,7 +328,7 @@ conus_status selection_regroup(conus_selection *selection, const struct level *l
 conus_status selection_begin(conus_selection **out, conus_selector *selector, const conus_pose *pose, double angle)
 {
     const conus_selector_options *options = &selector->options;
-    struct cone cone = {.angle = angle,
+    struct cone cone = {.degrees = angle,
                         .resolution = options->resolution,
                         .aperture = options->aperture,
                         .radius = options->radius,
@@ -339,10 +339,11 @@ conus_status selection_begin(conus_selection **out, conus_selector *selector, co
         return status;
     }
     weight_turn(&cone.pose, options->weight);
-    if (angle != selector->angle) {
-        selector->angle = angle;
-        selector->slope = tangent(angle / 2);
+    if (angle != selector->degrees) {
+        selector->degrees = angle;
+        selector->slope = tangent(radians_from_degrees(angle) / 2);
     }
+    cone.angle = radians_from_degrees(angle);
     cone.slope = selector->slope;
     conus_selection *selection = memory_zeroed(1, sizeof *selection);
     if (!selection) {

@@ -30,7 +30,7 @@ static conus_status check_slice_fraction(const conus_selector_options *options)
 
 static conus_status check_options(const conus_selector_options *options)
 {
-    struct cone cone = {.angle = options->radius == 0 ? 1 : 0,
+    struct cone cone = {.degrees = options->radius == 0 ? 1 : 0,
                         .resolution = options->resolution,
                         .radius = options->radius,
                         .range = {options->range[0], options->range[1]}};

@@ -18,7 +18,7 @@ struct conus_selector {
     conus_selector_options options; /**< Defaults filled in; strings are not kept (score is parsed). */
     conus_frame frame;              /**< Of positions in tables. */
     double range[2];                /**< Range of the next question: the options', or a query's own. */
-    double angle, slope;            /**< The last question's angle, which most have, and the tangent of its half. */
+    double degrees, slope;          /**< The last question's angle, which most have, and the tangent of its half. */
     struct ranking ranking;
     bool *on_border;  /**< [object_count + 1] All false between rankings; NULL unless ranking.needs_border. */
     double box[2][3]; /**< Around the areas and pathways, world: where ranking.needs_box (0 of an empty atlas), and */

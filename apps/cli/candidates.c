@@ -351,9 +351,9 @@ static int load_targets(struct place *place, const struct request *request, cons
 int candidates_open(struct candidates *candidates, struct request *request, const struct constraints *constraints)
 {
     bool is_normal = strcmp(candidates->toward.path, "normal") == 0;
-    conus_candidates asked = {.tilt_most = radians(candidates->tilt[0]),
-                              .tilt_step = radians(candidates->tilt[1]),
-                              .roll_step = radians(candidates->roll),
+    conus_candidates asked = {.tilt_most = candidates->tilt[0],
+                              .tilt_step = candidates->tilt[1],
+                              .roll_step = candidates->roll,
                               .to_target = candidates->to_target,
                               .beyond = candidates->beyond,
                               .frame = &request->frame};
@@ -419,19 +419,6 @@ static bool have_usual_turns(const struct written_pose *poses, size_t count, con
     return all;
 }
 
-/* The degrees that are read as just this angle, if there are some. */
-static double exact_degrees(double angle)
-{
-    double nearest = angle / radians(1);
-    for (int i = -4; i <= 4; i++) {
-        double degrees = nearest * (1 + i * 0x1p-53);
-        if (radians(degrees) == angle) {
-            return degrees;
-        }
-    }
-    return nearest;
-}
-
 /* 17 digits are those of one double. */
 static void put_table(FILE *out, const struct written_pose *poses, size_t count, const conus_frame *frame)
 {
@@ -456,7 +443,7 @@ static void put_table(FILE *out, const struct written_pose *poses, size_t count,
         }
         fprintf(out, "\t%.17g\t%.17g", pose->near, pose->far);
         if (has_angle && pose->has_angle) {
-            fprintf(out, "\t%.17g", exact_degrees(pose->angle));
+            fprintf(out, "\t%.17g", pose->angle);
         } else if (has_angle) {
             fputs("\tn/a", out);
         }

@@ -372,7 +372,7 @@ static int put_question(struct page *page)
     }
     conus_status status = conus_pose_toward(&pose, o, t, NULL);
     status = status ? status : conus_selector_create(&selector, page->atlas, &options);
-    status = status ? status : conus_select(&selection, selector, &pose, radians(settings->angle));
+    status = status ? status : conus_select(&selection, selector, &pose, settings->angle);
     status = status ? status : conus_report_create(&report, selector, &rows);
     status = status ? status : conus_report_add(report, "1", selection);
     status = status ? status : conus_report_text(&text, &size, report);

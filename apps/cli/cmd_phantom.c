@@ -77,7 +77,7 @@ static bool read_flip(bool flip[3], const char *axes)
 static int run_phantom(const void *given, const struct arguments *arguments)
 {
     const struct phantom_settings *settings = given;
-    conus_phantom_options phantom = {.size = settings->size, .oblique = radians(settings->oblique)};
+    conus_phantom_options phantom = {.size = settings->size, .oblique = settings->oblique};
     memcpy(phantom.spacing, settings->spacing, sizeof phantom.spacing);
     if (!check_kind(arguments->operands[0]) || (settings->flip && !read_flip(phantom.flip, settings->flip))) {
         return EXIT_USAGE;

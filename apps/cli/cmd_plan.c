@@ -354,7 +354,7 @@ static conus_status make_reports(struct planning *planning)
     return status;
 }
 
-enum { ANGLE = 3, REACH, FEASIBLE, CANDIDATE, MAPS };
+enum { REACH = 4, FEASIBLE, CANDIDATE, MAPS };
 /* Where the numbers of a map are in conus_plan_best; the last two are whole. */
 static const struct {
     const char *name;
@@ -363,7 +363,7 @@ static const struct {
 } map_kinds[MAPS] = {{"leeway_mm", offsetof(conus_plan_best, leeway), true},
                      {"slack_mm", offsetof(conus_plan_best, slack), false},
                      {"depth_mm", offsetof(conus_plan_best, far), false},
-                     [ANGLE] = {"entry_angle_deg", offsetof(conus_plan_best, entry_angle), false},
+                     {"entry_angle_deg", offsetof(conus_plan_best, entry_angle), false},
                      [REACH] = {"reach1", offsetof(conus_plan_best, reach), false},
                      {"feasible", offsetof(conus_plan_best, feasible), true},
                      {"candidate", offsetof(conus_plan_best, candidate), false}};
@@ -404,8 +404,7 @@ static int write_map(const struct planning *planning, const char *path, bool of_
     for (size_t i = 0; i < count; i++) {
         const conus_plan_best *site = best(planning->plan, i + 1);
         for (size_t k = 0; k < FEASIBLE; k++) {
-            double value = *(const double *)((const char *)site + map_kinds[k].offset);
-            values[k * count + i] = (float)(k == ANGLE ? value / radians(1) : value);
+            values[k * count + i] = (float)*(const double *)((const char *)site + map_kinds[k].offset);
         }
         values[FEASIBLE * count + i] = (float)site->feasible;
         candidates[i] = site->candidate;

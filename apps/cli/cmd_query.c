@@ -639,7 +639,7 @@ static int place_probe(struct query_run *run)
     }
     code = find_poses(poses, count, run);
     conus_status status =
-        code ? CONUS_OK : conus_probe_place(&contacts, run->probe, poses, count, radians(run->settings->probe.roll));
+        code ? CONUS_OK : conus_probe_place(&contacts, run->probe, poses, count, run->settings->probe.roll);
     if (!code && !status) {
         say_probe(run, poses);
         run->insertions = request->poses;
@@ -718,7 +718,7 @@ static int answer_query(struct query_run *run)
         say_note(CONUS_SEVERITY_NOTE, request->settings->common.quiet,
                  "axes that end at a target are asked as cones of %g degrees: --radius MM asks a needle of that width, "
                  "--segments FILE all that the axis passes",
-                 settings_angle(&request->settings->aim, &request->settings->engine) * (180 / M_PI));
+                 settings_angle(&request->settings->aim, &request->settings->engine));
     }
     return request_code(request, write_all(run));
 }

@@ -53,8 +53,8 @@ enum {
 /* Opacity of areas that no probe passes, and of those that a beam passes on its way. */
 static const double FAINT = 0.12, PASSED = 0.5;
 
-/* Opening, radians, of the cone that says in what other space a probe would pass something. */
-static const double NARROW = 1e-3;
+/* Opening, degrees, of the cone that says in what other space a probe would pass something. */
+static const double NARROW = 0.06;
 
 static const char QUERY[] = "{query}";
 static const char ROW[] = "{row}";
@@ -979,7 +979,7 @@ static int draw_picture(struct picture *picture, const conus_selection *selectio
     size_t count = 0;
     const double *f = settings->frustum;
     conus_view view = {.slices = settings->slices,
-                       .field_of_view = radians(settings->field_of_view),
+                       .field_of_view = settings->field_of_view,
                        .frustum = {f[0], f[1], f[2], f[3]},
                        .camera = picture->has_camera ? &picture->camera : NULL,
                        .selection = selection,

@@ -49,7 +49,7 @@ struct sweep {
     const struct sweep_settings *settings;
     struct request request;
     conus_rows rows;
-    double *angles; /* of --angles, radians */
+    double *angles; /* of --angles, degrees */
     size_t angle_count;
     conus_jitter_options jitter;
     bool jitter_of_rows; /* the errors are those of the file's columns */
@@ -94,7 +94,6 @@ static bool read_angles(struct sweep *sweep)
             return refuse("--angles: %.10g is out of range, allowed is more than 0 and less than 180",
                           sweep->angles[i]);
         }
-        sweep->angles[i] = radians(sweep->angles[i]);
     }
     return true;
 }
@@ -166,7 +165,7 @@ static conus_status add_chances(struct sweep *sweep, const struct answerer *answ
     options.progress = show_sample;
     options.progress_user = &sweep->request;
     if (sweep->jitter_of_rows) {
-        options.tilt = isfinite(row->error_deg) ? radians(row->error_deg) : 0;
+        options.tilt = isfinite(row->error_deg) ? row->error_deg : 0;
         options.shift = isfinite(row->error_mm) ? row->error_mm : 0;
     }
     conus_status status = conus_jitter(&table, answerer->selector, &row->pose, angle, &options);

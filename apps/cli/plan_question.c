@@ -83,10 +83,7 @@ static void put_misses(FILE *out, const conus_plan *plan, const conus_report *re
         const conus_constraint *constraint = conus_plan_constraint(plan, i);
         if (miss) {
             bool is_clearance = constraint->kind == CONUS_CONSTRAINT_AVOID && !constraint->measure;
-            double unit = constraint->kind == CONUS_CONSTRAINT_LEAN || constraint->kind == CONUS_CONSTRAINT_ENTRY_ANGLE
-                              ? radians(1)
-                              : 1;
-            double value = miss->verdicts[i].value / unit - (is_clearance ? radius : 0);
+            double value = miss->verdicts[i].value - (is_clearance ? radius : 0);
             fprintf(out, "\n%s breaks only one of them, %s: it has %.4g", miss->id, conus_report_constraint(report, i),
                     value);
             count++;

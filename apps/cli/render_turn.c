@@ -53,7 +53,7 @@ bool turn_check(const struct turn_settings *settings, const char *output, const 
 static conus_status find_start(conus_pose *out, const double centre[3], double radius, const conus_view *view)
 {
     static const double up[3] = {0, 0, 1};
-    double upward = view->field_of_view > 0 ? view->field_of_view / 2 : UPWARD_DEGREES * RADIANS;
+    double upward = RADIANS * (view->field_of_view > 0 ? view->field_of_view / 2 : UPWARD_DEGREES);
     double aspect = view->width && view->height ? (double)view->width / view->height : 1;
     double across = atan(tan(upward) * aspect);
     double distance = ROOM * radius / sin(fmin(upward, across));
@@ -142,7 +142,7 @@ conus_status turn_fit(double *field_of_view, const conus_atlas *atlas, conus_ren
         reach = status ? reach : fmax(reach, reach_of(image, room));
         conus_image_destroy(image);
     }
-    *field_of_view = reach > 0 ? 2 * atan(tan(UPWARD_DEGREES * RADIANS) * reach / FILLED) : 0;
+    *field_of_view = reach > 0 ? 2 * atan(tan(UPWARD_DEGREES * RADIANS) * reach / FILLED) / RADIANS : 0;
     return status;
 }
 

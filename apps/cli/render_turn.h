@@ -25,7 +25,7 @@ bool turn_check(const struct turn_settings *settings, const char *output, const 
 conus_status turn_camera(conus_pose *out, const struct turn_settings *settings, uint32_t frame, const conus_pose *start,
                          const conus_atlas *atlas, const conus_view *view);
 
-/** The field of view, radians, in which what @p view shows from such cameras fills the picture from at least one side
+/** The field of view, degrees, in which what @p view shows from such cameras fills the picture from at least one side
  * all around, in a part @p room of its width: a legend may take the rest. */
 conus_status turn_fit(double *field_of_view, const conus_atlas *atlas, conus_renderer *renderer, const conus_view *view,
                       double room);

@@ -140,7 +140,7 @@ void request_count_pose(struct request *request, size_t line, const conus_pose *
 /** Counts a point for each atlas, likewise. */
 void request_count_point(struct request *request, size_t line, const double point[3], double radius);
 
-/** The row's angle, radians; without one that of --angle. */
+/** The row's angle, degrees; without one that of --angle. */
 double request_angle(const struct request *request, const conus_pose_row *row);
 /** Begins to show how many of the steps of @p rows rows are done; request_each_row() does. */
 void request_start_progress(struct request *request, size_t rows);

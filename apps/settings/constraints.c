@@ -148,7 +148,7 @@ static bool read_lean(conus_constraint *out, char *text)
         print_error_line("--lean: the direction 0,0,0 has no length");
     } else {
         memcpy(out->direction, numbers, sizeof out->direction);
-        out->limit = radians(numbers[3]);
+        out->limit = numbers[3];
         return true;
     }
     return false;
@@ -171,7 +171,7 @@ static bool read_entry_angle(conus_constraint *out, char *text)
 {
     double degrees = 0;
     bool is_number = number_parse(text, &degrees); /* as the parser has checked */
-    out->limit = radians(degrees);
+    out->limit = degrees;
     return is_number;
 }
 

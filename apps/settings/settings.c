@@ -428,7 +428,7 @@ int settings_pose_cone(double *angle, double out[2], double target, const struct
     }
     out[0] = range.ends[0];
     out[1] = range.beyond + target;
-    *angle = aim->aperture > 0 ? 2 * atan(aim->aperture / 2 / target) : *angle;
+    *angle = aim->aperture > 0 ? 2 * atan(aim->aperture / 2 / target) * (180 / M_PI) : *angle;
     if (!(out[0] < out[1])) {
         return print_usage_error("--range: the target is %.10g mm away, and NEAR is %.10g", target, out[0]);
     }
@@ -441,14 +441,9 @@ const char *settings_level_file(const struct engine_settings *settings)
     return level && level[0] == '@' && !strchr(level, ',') ? level + 1 : NULL;
 }
 
-double radians(double degrees)
-{
-    return degrees * (M_PI / 180);
-}
-
 double settings_angle(const struct aim_settings *settings, const struct engine_settings *engine)
 {
-    return engine->radius > 0 ? 0 : radians(settings->angle != 0 ? settings->angle : DEFAULT_ANGLE);
+    return engine->radius > 0 ? 0 : settings->angle != 0 ? settings->angle : DEFAULT_ANGLE;
 }
 
 bool settings_check_shape(const struct aim_settings *settings, const struct engine_settings *engine,
@@ -507,7 +502,7 @@ void settings_say_weight(const struct aim_settings *aim, const struct engine_set
                          const struct common_settings *common)
 {
     const double sigma = settings->made ? conus_weight_sigma(settings->made) : 0;
-    const double angle = settings_angle(aim, settings) * (180 / M_PI);
+    const double angle = settings_angle(aim, settings);
     const uint32_t resolution = settings->resolution ? settings->resolution : CONUS_RESOLUTION_DEFAULT;
     const double pixels = sigma * resolution / angle;
     const double rim = sigma > 0 ? conus_weight_at(settings->made, angle / 2) : 0;
@@ -700,7 +695,7 @@ bool settings_error(conus_pose_error *out, const char *text, bool has_needles)
 
 static bool set_error(conus_jitter_options *out, const conus_pose_error *error)
 {
-    out->tilt = radians(error->tilt_deg);
+    out->tilt = error->tilt_deg;
     out->shift = error->shift;
     out->entry = error->entry;
     out->target = error->target;
@@ -726,7 +721,7 @@ bool settings_jitter(conus_jitter_options *out, const char *text, uint32_t sampl
     } else if (!(errors[1] >= 0 && errors[1] <= 1e6)) {
         print_error_line("--jitter: a shift of %.10g mm is out of range, allowed is 0 to 1000000", errors[1]);
     } else {
-        out->tilt = radians(errors[0]);
+        out->tilt = errors[0];
         out->shift = errors[1];
         return true;
     }

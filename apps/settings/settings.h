@@ -141,10 +141,7 @@ int settings_pose(conus_pose *out, double *target, struct named_places *places, 
 /** The file of areas that --level names; NULL if it names none. */
 const char *settings_level_file(const struct engine_settings *settings);
 
-/** A number of degrees in radians. */
-double radians(double degrees);
-
-/** Angle, radians, and range of the pose of the options, whose target is so far away: of a beam those from the focus to
+/** Angle, degrees, and range of the pose of the options, whose target is so far away: of a beam those from the focus to
  * the transducer; the range ends at --toward where --range says so, and else is NaN, for that of the selector. Returns
  * the exit code and prints an error unless it is 0. */
 int settings_pose_cone(double *angle, double range[2], double target, const struct aim_settings *aim,
@@ -153,7 +150,7 @@ int settings_pose_cone(double *angle, double range[2], double target, const stru
 /** How the ranges of the poses of a file end: as --range says, or at the transducers of beams. */
 struct depth_range settings_range(const struct aim_settings *aim, const struct engine_settings *engine);
 
-/** --angle in radians, or its default; of a cylinder 0. */
+/** --angle in degrees, or its default; of a cylinder 0. */
 double settings_angle(const struct aim_settings *settings, const struct engine_settings *engine);
 
 /** Whether angle and radius go together; prints an error if not. */

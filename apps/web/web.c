@@ -326,7 +326,7 @@ EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double to
     status = status ? status
                     : conus_pose_toward(&pose, (const double[]){x, y, z},
                                         (const double[]){toward_x, toward_y, toward_z}, NULL);
-    status = status ? status : conus_select(&page.selection, page.selector, &pose, angle * RADIANS);
+    status = status ? status : conus_select(&page.selection, page.selector, &pose, angle);
     FILE *out = status ? NULL : begin_text();
     if (out) {
         fprintf(out, "{\"depth\": %.9g, ", all_layers ? 0 : find_depth(&pose));
@@ -374,7 +374,7 @@ static conus_status select_nothing(void)
     }
     conus_status status = prepare_selector(&page.selector, page.resolution, page.all_layers);
     status = status ? status : conus_pose_toward(&pose, far_away, farther, NULL);
-    return status ? status : conus_select(&page.nothing, page.selector, &pose, RADIANS);
+    return status ? status : conus_select(&page.nothing, page.selector, &pose, 1);
 }
 
 /* Draws a cut, without the cone: right and up are unit vectors along axes of the world, each a digit of "xyz" as 0 to
@@ -534,7 +534,7 @@ static conus_status look(uint32_t side, const double eye[7])
     viewer->side = side;
     conus_status status = prepare_selector(&viewer->selector, side, false);
     status = status ? status : conus_pose_toward(&pose, eye, eye + 3, up);
-    status = status ? status : conus_select(&selection, viewer->selector, &pose, eye[6] * RADIANS);
+    status = status ? status : conus_select(&selection, viewer->selector, &pose, eye[6]);
     if (status) {
         return status;
     }

@@ -185,9 +185,9 @@ static conus_status check_options(conus_phantom_options *options)
         return fail(CONUS_ERROR_ARGUMENT, "spacing: %g mm with %g mm leaves less than %d voxels of %u along an edge",
                     most, least, EDGE_MINIMUM, options->size);
     }
-    return isfinite(options->oblique) ? CONUS_OK
-                                      : fail(CONUS_ERROR_ARGUMENT, "oblique: %g, a finite angle is needed",
-                                             degrees_from_radians(options->oblique));
+    return isfinite(options->oblique)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "oblique: %g, a finite angle is needed", options->oblique);
 }
 
 /* Rotation about (1, 1, 1) (Rodrigues): circulant, so three numbers make it. */
@@ -211,7 +211,7 @@ static conus_status make_grid(conus_volume_info *out, const char *name, const co
         .role = CONUS_ROLE_PARCELLATION, .path = name, .volume_count = 1, .slope = 1, .space_code = SPACE_SCANNER};
     double m[16];
     double middle[3];
-    rotate_about_diagonal(m, options->oblique);
+    rotate_about_diagonal(m, radians_from_degrees(options->oblique));
     for (int axis = 0; axis < 3; axis++) {
         grid.dim[axis] = (size_t)ceil(edge / options->spacing[axis] - 1e-9);
         middle[axis] = ((double)grid.dim[axis] - 1) / 2;

@@ -307,7 +307,7 @@ static void select_all_layers(void *data)
     for (size_t i = 0; i < work->count; i++) {
         conus_selection *selection = NULL;
         const struct cone *cone = &work->cones[i];
-        conus_status status = conus_select(&selection, work->selector, &cone->pose, cone->angle);
+        conus_status status = conus_select(&selection, work->selector, &cone->pose, degrees_from_radians(cone->angle));
         work->status = work->status ? work->status : status;
         conus_selection_destroy(selection);
     }

@@ -79,7 +79,7 @@ static conus_status ask(char **rows, const char *path)
     conus_status status = conus_atlas_load(&atlas, path, NULL);
     status = status ? status : conus_selector_create(&selector, atlas, NULL);
     status = status ? status : conus_pose_toward(&pose, (double[]){-90, 20, 20}, (double[]){0, -10, 10}, NULL);
-    status = status ? status : conus_select(&selection, selector, &pose, 0.2);
+    status = status ? status : conus_select(&selection, selector, &pose, 11.5);
     status = status ? status : conus_report_create(&report, selector, NULL);
     status = status ? status : conus_report_add(report, "1", selection);
     status = status ? status : conus_report_text(&text, &size, report);

@@ -18,7 +18,7 @@
  *
  * These conventions hold for every function; exceptions are stated where they occur. docs/api.md has the reasons.
  *
- *  - Space: world is right-handed RAS+: +x right, +y anterior, +z superior, in mm. Angles are in radians.
+ *  - Space: world is right-handed RAS+: +x right, +y anterior, +z superior, in mm. Angles are in degrees.
  *  - Matrices: column-major double[16], column vectors, last row 0 0 0 1. `a_from_b` maps b coordinates to a.
  *  - Errors: a function that can fail returns conus_status. On failure its outputs are untouched, and conus_message()
  *    says in one line what was found and what is allowed. Every such function may also return #CONUS_ERROR_MEMORY.

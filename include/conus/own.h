@@ -24,7 +24,7 @@ typedef struct conus_batch_options {
     uint32_t threads;   /**< Threads that answer poses, up to 1024; 0 = as many as processors that the process may use.
                            With the gl engine one of them has the device at a time. */
     uint32_t block;     /**< Poses per block, up to 65536; 0 = 256. Memory grows with threads times block. */
-    double angle;       /**< For poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0. */
+    double angle;       /**< For poses that have none of their own, degrees; 0 = 10 degrees, or a cylinder's 0. */
     conus_report_options report; /**< Its format is neither #CONUS_FORMAT_TABLE nor #CONUS_FORMAT_JSON. A probe,
                                     #CONUS_FORMAT_SPIKEGLX or #CONUS_FORMAT_OPEN_EPHYS, is one block of up to 65535
                                     contacts, whatever block says, and must be all that is in the stream. With a
@@ -333,6 +333,15 @@ CONUS_API conus_severity conus_pose_list_note_severity(const conus_pose_list *li
  * @return #CONUS_OK; as conus_pose_from_matrix() or conus_pose_along().
  */
 CONUS_CHECKED conus_status conus_pose_array_at(conus_pose *out, const conus_pose_array *poses, size_t index);
+
+/**
+ * Checks that the file and the atlas belong to one brain. Adds a note where one of them does not name its space. A file
+ * that names no space fits any atlas; a scan of one person fits an atlas that was moved (conus_atlas_move()).
+ * @param stream The stream.
+ * @param atlas The atlas.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA where they name different brains, a scan of one person and a template, say.
+ */
+CONUS_CHECKED conus_status conus_pose_stream_match(conus_pose_stream *stream, const conus_atlas *atlas);
 /** @} */
 
 /** @name A window
@@ -525,6 +534,20 @@ CONUS_API bool conus_plan_has_leeway(const conus_plan *plan, size_t index);
  */
 CONUS_CHECKED conus_status conus_plan_distance(double *out, conus_plan *plan, size_t pose, size_t constraint,
                                                double depth);
+
+/**
+ * Counts the needles.
+ * @param together NULL counts 0.
+ * @return How many there are.
+ */
+CONUS_API size_t conus_together_count(const conus_together *together);
+
+/**
+ * Gives the options of the answer.
+ * @param together The answer.
+ * @return With the defaults filled in. Borrowed from the answer.
+ */
+CONUS_API const conus_together_options *conus_together_asked(const conus_together *together);
 /** @} */
 
 /** @name Surfaces of areas, and numbers of vertices
@@ -686,6 +709,102 @@ CONUS_API size_t conus_selection_rank(const conus_selection *selection, uint32_t
  * @return 0.4 to 1; 1 of what is not hit first, or of a ball.
  */
 CONUS_API double conus_selection_weight(const conus_selection *selection, uint32_t object);
+
+/**
+ * Counts a point. One that is not finite is not counted.
+ * @param check The counts.
+ * @param number The caller's number of the point.
+ * @param point World mm.
+ * @param radius Of the ball around it, mm; 0 of a point without one.
+ */
+CONUS_API void conus_pose_check_add_point(conus_pose_check *check, uint64_t number, const double point[3],
+                                          double radius);
+/** @} */
+
+/** @name Reports
+ * @{ */
+
+/**
+ * Says whether a column of reports holds numbers that are measured or counted.
+ * @param name Name of the column, in whatever rows and list of voxels.
+ * @return False of names, kinds and labels, "name" and "index" for example, and of a column that no report has.
+ */
+CONUS_API bool conus_column_is_number(const char *name);
+
+/**
+ * Adds the best combination of several needles. Without one it has no row.
+ * @param report Of #CONUS_ROWS_NEEDLES, whose columns then are those of all needles' constraints, too, or of
+ * #CONUS_ROWS_PAIRS. Nothing else is added to it.
+ * @param together Its needles' selectors have the atlas and the frame of @p report; must outlive the last text of it.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, for a second answer, and for needles of which the
+ * constraints have too many columns together.
+ */
+CONUS_CHECKED conus_status conus_report_add_together(conus_report *report, const conus_together *together);
+
+/**
+ * Gives the table of connected areas: names in the first row and the first column, and the number of streamlines
+ * between them; in JSON also their mean lengths, and the sources.
+ * @param[out] text Borrowed from the report until the next text is asked for. UTF-8.
+ * @param[out] size Bytes.
+ * @param report Of #CONUS_ROWS_CONNECTIONS, as #CONUS_FORMAT_TSV, #CONUS_FORMAT_CSV or #CONUS_FORMAT_JSON.
+ * @param table Of conus_connectivity() with pairs, as for conus_report_add_table(): its parts are written.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another report; #CONUS_ERROR_UNSUPPORTED for more than 8192 areas.
+ */
+CONUS_CHECKED conus_status conus_report_matrix(const char **text, size_t *size, conus_report *report,
+                                               const conus_table *table);
+
+/**
+ * Writes the voxels hit first (with all layers, and of a ball, all with their centre in it), nearest first, as TSV:
+ * query pathway i j k x y z value distance_mm kind index; behind query the column atlas, where the report has it. With
+ * all layers, and of a ball, the points of bundles' streamlines in it follow, by bundle, streamline and point: i is the
+ * streamline's number in its tractogram, j the point's along it, both from 0; k and value are n/a.
+ * @param[out] text As of conus_report_text().
+ * @param[out] size Bytes, without the NUL.
+ * @param report The report.
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
+ */
+CONUS_CHECKED conus_status conus_report_voxels(const char **text, size_t *size, conus_report *report);
+
+/**
+ * Writes the JSON sidecar of a mask of one of the answers (docs/formats.md).
+ * @param[out] text As of conus_report_text().
+ * @param[out] size Bytes, without the NUL.
+ * @param report The report.
+ * @param grid The mask.
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
+ */
+CONUS_CHECKED conus_status conus_report_grid_sidecar(const char **text, size_t *size, conus_report *report,
+                                                     const conus_grid *grid);
+
+/**
+ * Writes the probes.tsv of the draft BEP032 of BIDS: for each probe the smallest area of the area tree that contains
+ * all of its contacts, and their side.
+ * @param[out] text UTF-8 with a final NUL. Borrowed until the next call on the report.
+ * @param[out] size Bytes, without the NUL.
+ * @param report Of #CONUS_FORMAT_BEP032, with all contacts.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another report, and while answers are missing.
+ */
+CONUS_CHECKED conus_status conus_report_probes(const char **text, size_t *size, conus_report *report);
+
+/**
+ * Writes the coordsystem.json of the draft BEP032 of BIDS: the space of x, y and z, and their unit.
+ * @param[out] text UTF-8 with a final NUL. Borrowed until the next call on the report.
+ * @param[out] size Bytes, without the NUL.
+ * @param report With the option @p placed.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another report.
+ */
+CONUS_CHECKED conus_status conus_report_coordsystem(const char **text, size_t *size, conus_report *report);
+
+/**
+ * Writes the text of the answers since the last call and forgets them, for a report that goes on. The header row of
+ * TSV, CSV and #CONUS_FORMAT_BIDS, or of a track's table, comes once, with the first call. Not for #CONUS_FORMAT_JSON
+ * and the formats of probes, which are one whole.
+ * @param[out] text As of conus_report_text().
+ * @param[out] size Bytes, without the NUL.
+ * @param report The report.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a format that is one whole, and as of conus_report_text().
+ */
+CONUS_CHECKED conus_status conus_report_take(const char **text, size_t *size, conus_report *report);
 /** @} */
 
 /** @name Weights
@@ -1354,7 +1473,7 @@ typedef struct conus_phantom_options {
     uint32_t size; /**< Voxels along the longest edge, 16 to 512; 0 = 64. Size times the smallest spacing is the cube
                       around the origin for which the shapes are made: 64 mm, or scaled. */
     double spacing[3]; /**< mm; zeros = 1, 1, 1. At least 4 voxels must fit along every edge. */
-    double oblique;    /**< Turns the grid about (1, 1, 1) by this angle, radians. */
+    double oblique;    /**< Turns the grid about (1, 1, 1) by this angle, degrees. */
     bool flip[3];      /**< Lets i, j, k grow towards left, posterior, inferior. */
 } conus_phantom_options;
 

@@ -173,7 +173,7 @@ typedef struct conus_view {
     uint32_t width;       /**< Pixels, 1 to 16384; 0 = 1400. */
     uint32_t height;      /**< Pixels, 1 to 16384; 0 = 1050. */
     uint32_t slices;      /**< N of Eq. 7; 0 = default. */
-    double field_of_view; /**< Vertical, radians, in (0, pi); 0 = 30 degrees. */
+    double field_of_view; /**< Vertical, degrees, in (0, 180); 0 = 30. */
     double frustum[4]; /**< Instead, of a camera: where its picture's left, right, lower and upper edge are at depth 1
                           (tangents, as glFrustum() has them at its near plane), off-axis, too. All 0 = symmetric, as
                           wide as field_of_view says. */

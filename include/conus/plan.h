@@ -28,10 +28,10 @@ typedef enum conus_constraint_kind {
     CONUS_CONSTRAINT_AVOID,      /**< The clearance of the structure (Eq. 21) is more than the limit, mm; by
                                     #CONUS_MEASURE_SHARE or #CONUS_MEASURE_PIERCED the measure is at most the limit. */
     CONUS_CONSTRAINT_LENGTH,     /**< far - near is between the limit and most, mm. */
-    CONUS_CONSTRAINT_LEAN,       /**< The axis and direction enclose at most the limit, radians. */
+    CONUS_CONSTRAINT_LEAN,       /**< The axis and direction enclose at most the limit, degrees. */
     CONUS_CONSTRAINT_APART,      /**< The axis is farther than the limit from those of other needles, mm. */
     CONUS_CONSTRAINT_FIRST,      /**< The first object that the axis passes is of the structure. */
-    CONUS_CONSTRAINT_ENTRY_ANGLE /**< The axis and the inward normal at its entry enclose at most the limit, radians. */
+    CONUS_CONSTRAINT_ENTRY_ANGLE /**< The axis and the inward normal at its entry enclose at most the limit, degrees. */
 } conus_constraint_kind;
 
 /** Measures of a structure. Measures from #CONUS_MEASURE_SHARE on are of the cone or cylinder. */
@@ -92,7 +92,7 @@ typedef struct conus_plan_options {
                            KEY/STEP compares floor(key / STEP). NULL = "leeway,-depth". */
     const char *score;  /**< Formula of the key score: numbers, keys, + - * / and parentheses, as of Eq. 12. NULL =
                            none. */
-    double angle;       /**< Opening of poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0.
+    double angle;       /**< Opening of poses that have none of their own, degrees; 0 = 10, or a cylinder's 0.
                            Only measures of the cone need it. */
     double far;         /**< Far end of poses that have none of their own, mm from the apex; 0 = that of the selector's
                            range. */
@@ -117,7 +117,7 @@ typedef struct conus_plan_options {
 typedef struct conus_verdict {
     bool holds;      /**< Whether it holds. */
     double value;    /**< The measured value: of a clearance the axis's distance (radius not taken off), of LENGTH far
-                        - near, of LEAN and ENTRY_ANGLE the angle, radians, of APART the distance, of FIRST 1 or 0. */
+                        - near, of LEAN and ENTRY_ANGLE the angle, degrees, of APART the distance, of FIRST 1 or 0. */
     double slack;    /**< By how much it holds, at least 0, or more than 0 of a clearance or APART; below, it breaks by
                         so much. Of a clearance value - radius - limit. */
     double leeway;   /**< mm by which no point of the axis may move so that it breaks (Eq. 22), 0 where it does; NaN
@@ -141,7 +141,7 @@ typedef struct conus_planned {
     conus_pose pose;               /**< Apex and axis. */
     double near;                   /**< Where the needle begins, mm from the apex. */
     double far;                    /**< Where it ends. */
-    double angle;                  /**< Opening of its cone, radians; 0 of a cylinder. */
+    double angle;                  /**< Opening of its cone, degrees; 0 of a cylinder. */
     double leeway;                 /**< The least of the verdicts' (Eq. 22), mm; NaN where none is known. */
     size_t leeway_of;              /**< Index of that constraint; SIZE_MAX where there is none. */
     double slack;                  /**< The least of the clearances' slacks, mm; NaN without one. */
@@ -151,7 +151,7 @@ typedef struct conus_planned {
     const conus_verdict *verdicts; /**< [constraints] Of each constraint. */
     uint64_t entry;                /**< As of conus_pose_row, 0 = none. */
     uint64_t target;               /**< As of conus_pose_row, 0 = none. */
-    double entry_angle;            /**< Between the axis and the inward normal at the entry, radians; NaN without it. */
+    double entry_angle;            /**< Between the axis and the inward normal at the entry, degrees; NaN without it. */
     double normal[3];              /**< Outward at its entry, as conus_pose_row has it. */
     double p_ok;    /**< Probability that all constraints hold under jitter (Eq. 14); NaN without it, and of a miss. */
     bool has_angle; /**< The opening is the row's own. */
@@ -232,7 +232,7 @@ typedef struct conus_plan_best {
     double leeway;      /**< As of conus_planned, mm. */
     double slack;       /**< As of conus_planned, mm. */
     double far;         /**< As of conus_planned, mm. */
-    double entry_angle; /**< As of conus_planned, radians. */
+    double entry_angle; /**< As of conus_planned, degrees. */
     double reach;       /**< Value of the first REACH; NaN without one. */
 } conus_plan_best;
 
@@ -281,7 +281,7 @@ CONUS_API conus_plan_faults conus_plan_rejected(const conus_plan *plan);
  * How far a pose may be off along one degree of freedom, to either side, before a constraint breaks (Eq. 23).
  * @{ */
 
-/** A degree of freedom. Shifts and the depth are in mm, up to 20; turns in radians, up to 30 degrees. */
+/** A degree of freedom. Shifts and the depth are in mm, up to 20; turns in degrees, up to 30. */
 typedef enum conus_freedom {
     CONUS_FREEDOM_X = 0,    /**< Shift along x, */
     CONUS_FREEDOM_Y,        /**< y, */
@@ -311,7 +311,7 @@ typedef struct conus_tolerance {
     conus_freedom freedom;         /**< Along what. */
     bool negative;                 /**< To the other side. */
     conus_tolerance_method method; /**< How that was found. */
-    double holds_to;               /**< mm or radians, at least 0: no constraint breaks up to here. */
+    double holds_to;               /**< mm or degrees, at least 0: no constraint breaks up to here. */
     double fails_at;   /**< Here one does; NaN where none breaks up to 20 mm, 30 degrees, or the near end. */
     size_t constraint; /**< Index of that constraint; SIZE_MAX without one. */
     uint32_t object;   /**< Its conus_verdict.object there. */
@@ -491,13 +491,13 @@ typedef struct conus_candidates {
     size_t entry_count;    /**< At least 1. */
     const double *targets; /**< [target_count][3] To which it points, world mm. NULL = against the entry's normal. */
     size_t target_count;   /**< At least 1 with targets, else 0. */
-    double tilt_most;      /**< Up to which angle each direction is tilted, 0 to pi/2 radians; 0 = it is not. */
+    double tilt_most;      /**< Up to which angle each direction is tilted, 0 to 90 degrees; 0 = it is not. */
     double tilt_step;      /**< Angle between one ring of tilted directions and the next, and within a ring at most,
-                              from pi/18000 radians (0.01 degrees) to tilt_most. */
+                              from 0.01 degrees to tilt_most. */
     bool to_target;        /**< Rows have a far end: the target's distance from the entry plus @p beyond. */
     double beyond;         /**< mm; below 0 it ends before the target. */
-    double roll_step; /**< Each is also turned about its axis: ceil(2 pi / roll_step) times, equally; from pi/18000 to
-                         pi radians; 0 = not turned. */
+    double roll_step;      /**< Each is also turned about its axis: ceil(360 / roll_step) times, equally; from 0.01 to
+                              180 degrees; 0 = not turned. */
     const conus_frame *frame;        /**< Needles are turned about their axes as its space has it, as by
                                         conus_frame_turn_pose(); copied. NULL = #CONUS_SPACE_RAS. */
     const char *const *entry_names;  /**< [entry_count] What the entries are called in ids, in place of eI, up to 64
@@ -513,7 +513,7 @@ typedef struct conus_candidates {
 /**
  * Makes a stream of all candidates, in the order of entries, of one entry in that of targets, of these two in that of
  * tilts: the direction itself, then rings at tilt_step, 2 tilt_step and so on up to tilt_most; a ring at the angle t
- * has ceil(2 pi sin(t) / tilt_step) directions, from the device's +y on towards its +x (Eq. 2); of one tilt in that of
+ * has ceil(360 sin(t) / tilt_step) directions, from the device's +y on towards its +x (Eq. 2); of one tilt in that of
  * turns, which move the device's +y towards its +x. No memory grows with their number. A row's id is "eI-tJ-kK-rR" with
  * the numbers or names of entry, target, tilt and turn, from 1, without those that can only be 1; its line is its own
  * number. An entry that is the target itself is a row with an error.
@@ -642,20 +642,6 @@ CONUS_API void conus_together_destroy(conus_together *together);
  * @return NULL where there is none. Borrowed from the answer.
  */
 CONUS_API const conus_combination *conus_together_combination(const conus_together *together);
-
-/**
- * Gives the options of the answer.
- * @param together The answer.
- * @return With the defaults filled in. Borrowed from the answer.
- */
-CONUS_API const conus_together_options *conus_together_asked(const conus_together *together);
-
-/**
- * Counts the needles.
- * @param together NULL counts 0.
- * @return How many there are.
- */
-CONUS_API size_t conus_together_count(const conus_together *together);
 
 /**
  * Gives a needle.

@@ -136,7 +136,7 @@ typedef struct conus_pose_options {
                                  their shafts, each to the contact with the next higher number. */
     uint64_t max_memory;      /**< Largest file of a format that is read whole, in bytes; 0 = 1 GiB. */
     conus_log log;            /**< Receives what a careful user should know, while the file is opened and from
-                                 conus_pose_stream_match() and conus_pose_list_match(); NULL = no callback. */
+                                 conus_pose_list_match(); NULL = no callback. */
     void *log_user;           /**< Passed to @p log; must outlive the stream or list. */
     const conus_frame *frame; /**< Where the space of the numbers in the file lies, instead of @p space; copied. NULL =
                                  @p space, which then is #CONUS_SPACE_RAS or #CONUS_SPACE_LPS. In #CONUS_SPACE_CCF and
@@ -184,9 +184,9 @@ typedef struct conus_pose_row {
     conus_pose pose;   /**< Where the device is and points. */
     bool is_point;     /**< The row has only a position, no direction: the pose is not turned. */
     bool trigger;      /**< Column trigger; false if absent. */
-    double angle;      /**< Column angle, full opening, radians; 0 if absent. */
+    double angle;      /**< Column angle, full opening, degrees; 0 if absent. */
     double time_s;     /**< Column time_s, seconds; NaN if absent. */
-    double error_deg;  /**< Column error_deg: how far off the direction may be, degrees (not radians); NaN if absent. */
+    double error_deg;  /**< Column error_deg: how far off the direction may be, degrees; NaN if absent. */
     double error_mm;   /**< Column error_mm: how far off the position may be, mm; NaN if absent. */
     double range[2];   /**< Columns near and far, mm, as for conus_selector_set_range(); NaN if absent. */
     const char *error; /**< NULL, or why the row is no pose; then only id and line have a meaning. */
@@ -240,15 +240,6 @@ CONUS_CHECKED conus_status conus_pose_stream_read(conus_pose_row *rows, size_t *
 CONUS_API void conus_pose_stream_stop(conus_pose_stream *stream);
 
 /**
- * Checks that the file and the atlas belong to one brain. Adds a note where one of them does not name its space. A file
- * that names no space fits any atlas; a scan of one person fits an atlas that was moved (conus_atlas_move()).
- * @param stream The stream.
- * @param atlas The atlas.
- * @return #CONUS_OK; #CONUS_ERROR_DATA where they name different brains, a scan of one person and a template, say.
- */
-CONUS_CHECKED conus_status conus_pose_stream_match(conus_pose_stream *stream, const conus_atlas *atlas);
-
-/**
  * Ends a stream.
  * @param stream NULL is allowed.
  */
@@ -285,10 +276,11 @@ CONUS_API size_t conus_pose_list_count(const conus_pose_list *list);
 CONUS_API const conus_pose_row *conus_pose_list_row(const conus_pose_list *list, size_t index);
 
 /**
- * Checks that the file and the atlas belong to one brain, as conus_pose_stream_match().
+ * Checks that the file and the atlas belong to one brain. Adds a note where one of them does not name its space. A file
+ * that names no space fits any atlas; a scan of one person fits an atlas that was moved (conus_atlas_move()).
  * @param list The list.
  * @param atlas The atlas.
- * @return #CONUS_OK; #CONUS_ERROR_DATA where they name different brains.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA where they name different brains, a scan of one person and a template, say.
  */
 CONUS_CHECKED conus_status conus_pose_list_match(conus_pose_list *list, const conus_atlas *atlas);
 
@@ -440,7 +432,7 @@ CONUS_CHECKED conus_status conus_probe_table(conus_table **out, const conus_prob
  * @param probe The probes.
  * @param poses [count] One for each probe.
  * @param count As many as there are probes.
- * @param roll Turns each probe about its axis, its +y towards its +x, radians: as conus_candidates.roll_step.
+ * @param roll Turns each probe about its axis, its +y towards its +x, degrees: as conus_candidates.roll_step.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another number of poses, and for a turn or a pose that is not finite.
  */
 CONUS_CHECKED conus_status conus_probe_place(conus_pose_list **out, const conus_probe *probe, const conus_pose *poses,

@@ -55,7 +55,7 @@ typedef enum conus_rows {
     CONUS_ROWS_PROFILE,     /**< From conus_report_add_profile(). */
     CONUS_ROWS_TOLERANCE,   /**< From conus_report_add_tolerance(). */
     CONUS_ROWS_CLUSTERS,    /**< Tables of conus_clusters(). */
-    CONUS_ROWS_NEEDLES,     /**< From conus_report_add_together(), a row for each needle. */
+    CONUS_ROWS_NEEDLES,     /**< Of needles that were planned together, a row for each. */
     CONUS_ROWS_PAIRS        /**< From the same, a row for each two needles. */
 } conus_rows;
 
@@ -93,7 +93,7 @@ typedef struct conus_report_options {
     conus_rows rows;              /**< Kind of its rows. */
     conus_format format;          /**< Its format. */
     conus_space space;            /**< Space of the positions written. */
-    bool all_voxels;              /**< conus_report_voxels(): areas' voxels too, not only pathways'. */
+    bool all_voxels;              /**< Voxels of areas are kept, too, not only of pathways. */
     bool no_voxels;               /**< Do not keep any for it: quicker, and less memory. */
     const char *command;          /**< The command line, for the provenance; NULL = none. */
     const conus_tracker *tracker; /**< For a report on its steps, with the columns time_s, selected and confirmed; it
@@ -113,11 +113,11 @@ typedef struct conus_report_options {
     const conus_probe *probe; /**< For #CONUS_ROWS_ANSWERS and #CONUS_ROWS_SUMMARIES: each query is a contact of these,
                                  in their order, with the columns probe, shank_id and channel; #CONUS_FORMAT_BEP032
                                  needs it. It must outlive the report. NULL = none. */
-    bool placed;              /**< For #CONUS_FORMAT_BEP032: x, y and z are positions in @p space or @p frame, which
-                                 conus_report_coordsystem() describes, not those on the probe. */
-    bool points;              /**< For #CONUS_ROWS_ANSWERS and #CONUS_ROWS_SUMMARIES: columns x, y and z with the point,
-                                 or the apex, that was asked. */
-    bool radii; /**< With @p points: a column radius_mm with the radius of the ball, 0 of a point alone. */
+    bool placed; /**< For #CONUS_FORMAT_BEP032: x, y and z are positions in @p space or @p frame, not those on the
+                    probe. */
+    bool points; /**< For #CONUS_ROWS_ANSWERS and #CONUS_ROWS_SUMMARIES: columns x, y and z with the point,
+                    or the apex, that was asked. */
+    bool radii;  /**< With @p points: a column radius_mm with the radius of the ball, 0 of a point alone. */
     const conus_named_place *places; /**< [place_count] How the question was understood: the first lines of a table for
                                         people; points are "Places" of JSON and sidecar, sentences "Understood". They
                                         must outlive the report. */
@@ -125,7 +125,7 @@ typedef struct conus_report_options {
     const conus_row_marks *marks; /**< Columns that tell rows apart, not of a track. It must outlive the report. Before
                                      an answer is added, the caller sets its last three members, which are copied; a
                                      batch sets them itself. NULL = none. */
-    double roll;                  /**< Of a batch with a probe: as for conus_probe_place(), radians. */
+    double roll;                  /**< Of a batch with a probe: as for conus_probe_place(), degrees. */
     double depth; /**< Of a batch with a probe: how far the tip lies from a pose along its axis, mm; a pose with a range
                      of its own has the tip at its far end. */
 } conus_report_options;
@@ -163,18 +163,6 @@ CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *qu
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, of another frame, or within another distance.
  */
 CONUS_CHECKED conus_status conus_report_add_table(conus_report *report, const char *query_id, conus_table *table);
-
-/**
- * Gives the table of connected areas: names in the first row and the first column, and the number of streamlines
- * between them; in JSON also their mean lengths, and the sources.
- * @param[out] text Borrowed from the report until the next text is asked for. UTF-8.
- * @param[out] size Bytes.
- * @param report Of #CONUS_ROWS_CONNECTIONS, as #CONUS_FORMAT_TSV, #CONUS_FORMAT_CSV or #CONUS_FORMAT_JSON.
- * @param table Of conus_connectivity() with pairs, as for conus_report_add_table(): its parts are written.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another report; #CONUS_ERROR_UNSUPPORTED for more than 8192 areas.
- */
-CONUS_CHECKED conus_status conus_report_matrix(const char **text, size_t *size, conus_report *report,
-                                               const conus_table *table);
 
 /**
  * Adds the poses that a plan lists.
@@ -218,16 +206,6 @@ CONUS_CHECKED conus_status conus_report_add_tolerance(conus_report *report, conu
                                                       const conus_tolerance_options *options);
 
 /**
- * Adds the best combination of several needles. Without one it has no row.
- * @param report Of #CONUS_ROWS_NEEDLES, whose columns then are those of all needles' constraints, too, or of
- * #CONUS_ROWS_PAIRS. Nothing else is added to it.
- * @param together Its needles' selectors have the atlas and the frame of @p report; must outlive the last text of it.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, for a second answer, and for needles of which the
- * constraints have too many columns together.
- */
-CONUS_CHECKED conus_status conus_report_add_together(conus_report *report, const conus_together *together);
-
-/**
  * Adds a query without an answer: one row of kind "error" with "line N: " and @p reason for a name, all else missing.
  * @param report The report.
  * @param query_id As for conus_report_add().
@@ -250,25 +228,6 @@ CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const ch
 CONUS_CHECKED conus_status conus_report_join(conus_report *report, conus_report *more);
 
 /**
- * Writes the probes.tsv of the draft BEP032 of BIDS: for each probe the smallest area of the area tree that contains
- * all of its contacts, and their side.
- * @param[out] text UTF-8 with a final NUL. Borrowed until the next call on the report.
- * @param[out] size Bytes, without the NUL.
- * @param report Of #CONUS_FORMAT_BEP032, with all contacts.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another report, and while answers are missing.
- */
-CONUS_CHECKED conus_status conus_report_probes(const char **text, size_t *size, conus_report *report);
-
-/**
- * Writes the coordsystem.json of the draft BEP032 of BIDS: the space of x, y and z, and their unit.
- * @param[out] text UTF-8 with a final NUL. Borrowed until the next call on the report.
- * @param[out] size Bytes, without the NUL.
- * @param report With the option @p placed.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another report.
- */
-CONUS_CHECKED conus_status conus_report_coordsystem(const char **text, size_t *size, conus_report *report);
-
-/**
  * Writes the whole text in the report's format.
  * @param[out] text UTF-8 with a final NUL. Borrowed until the next call on the report.
  * @param[out] size Bytes, without the NUL.
@@ -279,29 +238,6 @@ CONUS_CHECKED conus_status conus_report_coordsystem(const char **text, size_t *s
 CONUS_CHECKED conus_status conus_report_text(const char **text, size_t *size, conus_report *report);
 
 /**
- * Writes the text of the answers since the last call and forgets them, for a report that goes on. The header row of
- * TSV, CSV and #CONUS_FORMAT_BIDS, or of a track's table, comes once, with the first call. Not for #CONUS_FORMAT_JSON
- * and the formats of probes, which are one whole.
- * @param[out] text As of conus_report_text().
- * @param[out] size Bytes, without the NUL.
- * @param report The report.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a format that is one whole, and as of conus_report_text().
- */
-CONUS_CHECKED conus_status conus_report_take(const char **text, size_t *size, conus_report *report);
-
-/**
- * Writes the voxels hit first (with all layers, and of a ball, all with their centre in it), nearest first, as TSV:
- * query pathway i j k x y z value distance_mm kind index; behind query the column atlas, where the report has it. With
- * all layers, and of a ball, the points of bundles' streamlines in it follow, by bundle, streamline and point: i is the
- * streamline's number in its tractogram, j the point's along it, both from 0; k and value are n/a.
- * @param[out] text As of conus_report_text().
- * @param[out] size Bytes, without the NUL.
- * @param report The report.
- * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
- */
-CONUS_CHECKED conus_status conus_report_voxels(const char **text, size_t *size, conus_report *report);
-
-/**
  * Writes the JSON sidecar: columns, units, space, atlas files with SHA-256, settings, version.
  * @param[out] text As of conus_report_text().
  * @param[out] size Bytes, without the NUL.
@@ -309,24 +245,6 @@ CONUS_CHECKED conus_status conus_report_voxels(const char **text, size_t *size, 
  * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
  */
 CONUS_CHECKED conus_status conus_report_sidecar(const char **text, size_t *size, conus_report *report);
-
-/**
- * Writes the JSON sidecar of a mask of one of the answers (docs/formats.md).
- * @param[out] text As of conus_report_text().
- * @param[out] size Bytes, without the NUL.
- * @param report The report.
- * @param grid The mask.
- * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
- */
-CONUS_CHECKED conus_status conus_report_grid_sidecar(const char **text, size_t *size, conus_report *report,
-                                                     const conus_grid *grid);
-
-/**
- * Says whether a column of reports holds numbers that are measured or counted.
- * @param name Name of the column, in whatever rows and list of voxels.
- * @return False of names, kinds and labels, "name" and "index" for example, and of a column that no report has.
- */
-CONUS_API bool conus_column_is_number(const char *name);
 
 /**
  * Ends a report.

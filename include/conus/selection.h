@@ -162,7 +162,7 @@ CONUS_API const char *conus_selector_engine(const conus_selector *selector);
  * @param[out] out The selection; end it with conus_selection_destroy().
  * @param selector The selector.
  * @param pose Apex and axis.
- * @param angle Full opening, radians, in (0, pi); 0 for a cylinder.
+ * @param angle Full opening, degrees, in (0, 180); 0 for a cylinder.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another angle or a pose that is not rigid; #CONUS_ERROR_GL where the
  * driver fails.
  */
@@ -214,7 +214,7 @@ typedef struct conus_result {
     uint32_t pixels;   /**< Pixels of the cone that hit it first. */
     double share;      /**< Its part of the cone's solid angle (Eq. 4); all shares sum to 1. */
     double centre_px;  /**< Smallest distance of its pixels to the buffer's centre, in pixels. */
-    double offset;     /**< Smallest angle of its rays to the axis, radians. */
+    double offset;     /**< Smallest angle of its rays to the axis, degrees. */
     double distance;   /**< Nearest first hit of any of its pixels, mm from the apex. */
     double contact[3]; /**< World position of its contact (Eq. 11), mm; NaN if no pixel hits it first. */
 
@@ -401,7 +401,7 @@ typedef struct conus_pose_finding {
     uint64_t first;  /**< The lowest number among them; the other members are of that one. */
     uint32_t object; /**< The object that it is inside of, else 0. */
     conus_pose pose; /**< Where it is and points. */
-    double angle;    /**< Its full opening, radians. */
+    double angle;    /**< Its full opening, degrees. */
 } conus_pose_finding;
 
 /** Findings about poses that seem to come from another space or unit. */
@@ -446,19 +446,9 @@ CONUS_API void conus_pose_check_destroy(conus_pose_check *check);
  * @param check The counts.
  * @param number The caller's number of the pose.
  * @param pose Apex and axis.
- * @param angle Full opening, radians.
+ * @param angle Full opening, degrees.
  */
 CONUS_API void conus_pose_check_add(conus_pose_check *check, uint64_t number, const conus_pose *pose, double angle);
-
-/**
- * Counts a point. One that is not finite is not counted.
- * @param check The counts.
- * @param number The caller's number of the point.
- * @param point World mm.
- * @param radius Of the ball around it, mm; 0 of a point without one.
- */
-CONUS_API void conus_pose_check_add_point(conus_pose_check *check, uint64_t number, const double point[3],
-                                          double radius);
 
 /**
  * Gives the counts.
@@ -490,7 +480,7 @@ typedef struct conus_pose_array {
     const double *origin;    /**< [count 3] World mm. */
     const double *direction; /**< [count 3] Any length but 0; NULL = points, for conus_select_many() only. */
     const double *up;        /**< [count 3] As for conus_pose_along(); NULL = the default of Eq. 2. */
-    const double *angle;     /**< [count] Full opening, radians; where it is 0, and where this is NULL, the options'. */
+    const double *angle;     /**< [count] Full opening, degrees; where it is 0, and where this is NULL, the options'. */
     const double *range;     /**< [count 2] As for conus_selector_set_range(), mm; NULL = the selector's options'. */
     const conus_frame *frame; /**< Devices without matrices are turned as its space has it, as by
                                  conus_frame_turn_pose(); left-handed matrices are read where that makes them. NULL =
@@ -506,7 +496,7 @@ typedef struct conus_many_options {
     uint32_t threads;   /**< Threads that answer poses, up to 1024; 0 = as many as processors that the process may use.
                            With the gl engine one of them has the device at a time. */
     uint32_t block;     /**< Poses per block, up to 65536; 0 = 256. Memory grows with threads times block. */
-    double angle;       /**< For poses that have none of their own, radians; 0 = the weight's own, else 10
+    double angle;       /**< For poses that have none of their own, degrees; 0 = the weight's own, else 10
                            degrees, or a cylinder's 0. */
     double radius;      /**< Of points, mm, as for conus_select_ball(). */
 } conus_many_options;

@@ -25,7 +25,7 @@ extern "C" {
  * @param[out] out The columns of `conus sweep` (docs/formats.md) but query; end it with conus_table_destroy().
  * @param selector The selector.
  * @param pose Apex and axis.
- * @param widest Full opening to grow to, radians, in (0, pi).
+ * @param widest Full opening to grow to, degrees, in (0, 180).
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another opening, and for a selector with a square aperture or a radius.
  */
 CONUS_CHECKED conus_status conus_sweep(conus_table **out, const conus_selector *selector, const conus_pose *pose,
@@ -34,9 +34,8 @@ CONUS_CHECKED conus_status conus_sweep(conus_table **out, const conus_selector *
 /** How far off a pose may be: independent normal errors (Eq. 14). */
 typedef struct conus_jitter_options {
     size_t struct_size; /**< Its size, as #CONUS_JITTER_OPTIONS_INIT sets it; 0 = that of this version. */
-    double
-        tilt; /**< Standard deviation of the axis's tilt about the device's x, and about its y; radians, 0 to pi/2. */
-    double shift;            /**< Standard deviation of the position along each of its axes, mm, 0 to 1e6. */
+    double tilt;  /**< Standard deviation of the axis's tilt about the device's x, and about its y; degrees, 0 to 90. */
+    double shift; /**< Standard deviation of the position along each of its axes, mm, 0 to 1e6. */
     uint32_t samples;        /**< Poses to trace from, a power of two from 16 to 2^20; 0 = 1024. */
     conus_progress progress; /**< Hears of each pose that was traced from; false ends it. NULL = no callback. */
     void *progress_user;     /**< Passed to @p progress. */
@@ -68,7 +67,7 @@ CONUS_CHECKED conus_status conus_jitter(conus_table **out, conus_selector *selec
 /** An error of poses that a study has published: standard deviations per axis, 0 where it has none (Eq. 29). */
 typedef struct conus_pose_error {
     const char *name;     /**< "tms-cap". */
-    double tilt_deg;      /**< As conus_jitter_options.tilt, but degrees. */
+    double tilt_deg;      /**< As conus_jitter_options.tilt, degrees. */
     double shift;         /**< As conus_jitter_options.shift, mm. */
     double entry;         /**< As conus_jitter_options.entry, mm. */
     double target;        /**< As conus_jitter_options.target, mm. */

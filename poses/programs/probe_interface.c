@@ -536,7 +536,7 @@ conus_status conus_probe_place(conus_pose_list **out, const conus_probe *probe, 
     (void)job_need(&job, list);
     for (size_t i = 0; i < count; i++) {
         turned[i] = poses[i];
-        (void)JOB_CALL(&job, pose_roll(&turned[i], roll));
+        (void)JOB_CALL(&job, pose_roll(&turned[i], radians_from_degrees(roll)));
     }
     for (size_t i = 0; i < probe->count && job_ok(&job); i++) {
         const conus_probe_contact *contact = &probe->contacts[i];

@@ -405,7 +405,7 @@ static conus_status read_row(conus_pose_row *row, struct pose_name *name, const 
     status = status || columns->place ? status : pose_from_values(row, columns, values, options);
     double angle = values[ROLE_ANGLE];
     if (!status && columns->has[ROLE_ANGLE] && !isnan(angle) && !columns->is_of_points) {
-        row->angle = angle == 0 ? row->angle : radians_from_degrees(angle);
+        row->angle = angle == 0 ? row->angle : angle;
         status = angle == 0
                      ? fail(CONUS_ERROR_DATA, "angle: 0 degrees, allowed is more than 0 and less than 180, or n/a "
                                               "for none")

@@ -64,10 +64,10 @@ conus_status pose_no_number(const char *what, struct text field)
 
 conus_status pose_check_angle(double angle)
 {
-    return angle > 0 && angle < MATH3_PI
+    return angle > 0 && angle < 180
                ? CONUS_OK
-               : fail(CONUS_ERROR_ARGUMENT, "angle: %g degrees, allowed is more than 0 and less than 180%s",
-                      degrees_from_radians(angle), angle == 0 ? "; 0 needs a radius" : "");
+               : fail(CONUS_ERROR_ARGUMENT, "angle: %g degrees, allowed is more than 0 and less than 180%s", angle,
+                      angle == 0 ? "; 0 needs a radius" : "");
 }
 
 conus_status pose_check_range(const double range[2])
@@ -100,8 +100,9 @@ void pose_row_end(conus_pose_row *row, const conus_pose_options *options)
         return;
     }
     row->range[1] = isnan(row->range[1]) || is_own ? row->target_mm + options->beyond : row->range[1];
-    row->angle =
-        row->angle == 0 && options->aperture > 0 ? 2 * atan(options->aperture / 2 / row->target_mm) : row->angle;
+    row->angle = row->angle == 0 && options->aperture > 0
+                     ? degrees_from_radians(2 * atan(options->aperture / 2 / row->target_mm))
+                     : row->angle;
     row->error = !isnan(row->range[1])
                      ? NULL
                      : "a direction alone, without the target at which the range is to end: columns tx, ty, tz";

@@ -38,7 +38,7 @@ conus_pose_row pose_row_at(size_t line);
  * wrong with it, NULL if nothing is; not to have one is fine. */
 const char *pose_check_id(struct text *id, char ordinal[POSE_ORDINAL_SIZE], uint64_t number);
 
-/** CONUS_ERROR_ARGUMENT with what is allowed, unless @p angle, in radians, is a cone's full opening angle. */
+/** CONUS_ERROR_ARGUMENT with what is allowed, unless @p angle, in degrees, is a cone's full opening angle. */
 conus_status pose_check_angle(double angle);
 
 /** CONUS_ERROR_ARGUMENT with what is allowed, unless @p range is of two depths, mm. */

@@ -11,7 +11,7 @@
 ('left', 59)
 
 Positions are RAS mm, or in the space that a selector was given, and angles degrees; but ``results``
-are the library's own structs, with world positions and radians.
+are the library's own structs, with world positions; angles are in degrees.
 """
 from ._answers import Answers, Hit, Selection, Step, Track
 from ._atlas import Atlas, InstalledAtlas, Placement, Selector, atlases, load

@@ -162,7 +162,7 @@ def _columns(
         columns[name] = results[name]
     columns["pierced"] = counts(results["pierced"], unassigned) if layers else np.nan
     columns["center_px"] = _finite(results["centre_px"])
-    columns["offset_deg"] = _finite(np.rad2deg(results["offset"]))
+    columns["offset_deg"] = _finite(results["offset"])
     columns["distance_mm"] = _finite(results["distance"])
     columns.update(points_of("contact_", results["contact"], space))
     columns.update(own_points_of(atlas, "atlas_", results["contact"], space))
@@ -270,7 +270,7 @@ class Streamlines(Bound):
 class Selection(Bound):
     """The answer to one pose: a sequence of :class:`Hit`, best first; "unassigned" is the last.
 
-    ``results`` is the same as an array of the library's records (angles in radians, lengths in mm,
+    ``results`` is the same as an array of the library's records (angles in degrees, lengths in mm,
     positions always in RAS mm).
     """
 

@@ -740,12 +740,12 @@ class Selector(Guarded):
     def _angle(self, angle: Optional[float]) -> float:
         if angle is None:
             own = lib.conus_weight_angle(self._weight) if self._weight else math.nan
-            return 0.0 if self._is_cylinder else math.radians(10 if math.isnan(own) else own)
+            return 0.0 if self._is_cylinder else (10.0 if math.isnan(own) else own)
         angle = real("angle", angle)
         if not (angle == 0 if self._is_cylinder else 0 < angle < 180):
             allowed = "0 of a cylinder" if self._is_cylinder else "more than 0 and less than 180"
             raise ArgumentError(f"angle: {angle:g} degrees, allowed is {allowed}")
-        return math.radians(angle)
+        return angle
 
     def select(
         self,
@@ -1110,7 +1110,7 @@ class Selector(Guarded):
         Table
             The narrowest first.
         """
-        aim, opening = self._pose(origin, toward, direction, up, pose), math.radians(real("angle", angle))
+        aim, opening = self._pose(origin, toward, direction, up, pose), real("angle", angle)
         sweep = self._table(lib.conus_sweep, aim, opening)
         self._warn_of(aim, opening)
         return sweep
@@ -1142,7 +1142,7 @@ class Selector(Guarded):
         """
         aim, out = self._pose(origin, toward, direction, up, pose), ffi.new("conus_table **")
         options, opening = ffi.new("conus_jitter_options *"), self._angle(angle)
-        options.tilt, options.shift = math.radians(real("degrees", degrees)), real("mm", mm)
+        options.tilt, options.shift = real("degrees", degrees), real("mm", mm)
         options.samples = whole("samples", samples)
         if error is not None:
             if degrees or mm:
@@ -1150,7 +1150,7 @@ class Selector(Guarded):
             law = error_of("error", error)
             if law.entry > 0:
                 raise ArgumentError(f"error: {error} is an error of needles, which plan(jitter=...) knows")
-            options.tilt, options.shift = math.radians(law.tilt_deg), law.shift
+            options.tilt, options.shift = law.tilt_deg, law.shift
         self._call(lib.conus_jitter, out, self._p, aim, opening, options)
         jitter = Table(out[0])
         self._warn_of(aim, opening)

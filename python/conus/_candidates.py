@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import os
 from typing import TYPE_CHECKING, Any, Iterator, Optional
 
@@ -129,8 +128,8 @@ def candidates_stream(selector: Selector, entries: Any, targets: Any, tilt: Any,
     if places[1]:
         asked.targets, asked.target_count = lib.conus_sites_points(places[1]), lib.conus_sites_count(places[1])
     if tilt is not None:
-        asked.tilt_most, asked.tilt_step = (math.radians(angle) for angle in vector("tilt", tilt, 2))
-    asked.roll_step = 0 if roll is None else math.radians(real("roll", roll))
+        asked.tilt_most, asked.tilt_step = vector("tilt", tilt, 2)
+    asked.roll_step = 0 if roll is None else real("roll", roll)
     asked.to_target, asked.beyond = beyond is not None, beyond or 0
     asked.frame = selector.space._frame if selector.space else ffi.NULL
     check(lib.conus_candidates_open(out, asked))

@@ -668,7 +668,7 @@ def _set_lens(view: Any, field_of_view: Optional[float], frustum: Optional[Seque
     if field_of_view is not None:
         if field_of_view == 0:  # which is the library's word for its default
             raise ArgumentError("field of view of 0 degrees; allowed is more than 0 and less than 180")
-        view.field_of_view = math.radians(real("field_of_view", field_of_view))
+        view.field_of_view = real("field_of_view", field_of_view)
     if frustum is not None:
         view.frustum = vector("frustum", frustum, 4)
         if not any(view.frustum):

@@ -112,7 +112,7 @@ def constraints_of(reach: Any, avoid: Any, length: Any, lean: Any, apart: Any, f
         low, high = vector("length", length, 2)
         found.add("length", limit=low, most=high)
     for direction, degrees in _pairs("lean", lean, "(direction, degrees)"):
-        found.add("lean", direction=vector("lean", direction), limit=math.radians(real("lean", degrees)))
+        found.add("lean", direction=vector("lean", direction), limit=real("lean", degrees))
     for ends, distance in _pairs("apart", apart, "(ends, mm)"):
         needles = np.ascontiguousarray(numbers("apart", ends))
         if needles.ndim != 3 or needles.shape[1:] != (2, 3):
@@ -122,7 +122,7 @@ def constraints_of(reach: Any, avoid: Any, length: Any, lean: Any, apart: Any, f
     for names, _ in _structures("first", first):
         found.add("first", names=utf8("first", names))
     if entry_angle is not None:
-        found.add("entry_angle", limit=math.radians(real("entry_angle", entry_angle)))
+        found.add("entry_angle", limit=real("entry_angle", entry_angle))
     if found.contacts and not any("contacts" in row for row in found.rows):
         raise ArgumentError("contacts have no effect without a reach by contacts or probability")
     return found
@@ -159,7 +159,7 @@ def _jitter_of(jitter: Any, samples: int) -> Any:
     options.samples = whole("samples", samples)
     if isinstance(jitter, str):
         error = error_of("jitter", jitter)
-        options.tilt, options.shift = math.radians(error.tilt_deg), error.shift
+        options.tilt, options.shift = error.tilt_deg, error.shift
         options.entry, options.target, options.depth = error.entry, error.target, error.depth
     elif isinstance(jitter, Mapping):
         for key, value in jitter.items():
@@ -168,7 +168,7 @@ def _jitter_of(jitter: Any, samples: int) -> Any:
             setattr(options, key, real(f"jitter: {key}", value))
     else:
         degrees, options.shift = vector("jitter", jitter, 2)
-        options.tilt = math.radians(degrees)
+        options.tilt = degrees
     return options
 
 
@@ -297,7 +297,7 @@ class Plan(Bound):
         """What the list would say of this pose, also where it breaks constraints.
 
         ``broken`` is the index of the first constraint that breaks, or None; ``verdicts`` has for each constraint
-        whether it ``holds``, its ``value``, ``slack`` and ``leeway``, angles in radians, and with jitter ``p``. mm.
+        whether it ``holds``, its ``value``, ``slack`` and ``leeway``, angles in degrees, and with jitter ``p``. mm.
         """
         row, out = ffi.new("conus_pose_row *"), ffi.new("conus_planned **")
         name = ffi.new("char[]", b"")
@@ -340,8 +340,7 @@ class Plan(Bound):
         best = lib.conus_plan_entry if of == "entries" else lib.conus_plan_target
         member, is_count = _MAPS[key], key in ("feasible", "candidate")
         values = [getattr(best(self._p, i + 1), member) for i in range(len(self.sources[of]))]
-        found: Array = np.array(values, np.uint64 if is_count else float)
-        return found * (180 / math.pi) if member == "entry_angle" else found
+        return np.array(values, np.uint64 if is_count else float)
 
     def save(self, path: Any) -> None:
         """Writes the rows; the ending says the format: .tsv, .csv, .json, .ndjson or, for people, .txt."""
@@ -369,7 +368,7 @@ def plan_of(
     options.top = 2**64 - 1 if top is None else whole("top", top, 1, 2**64 - 1)
     options.infeasible = flag("infeasible", infeasible)
     options.far = 0 if far is None else far
-    options.angle = 0 if angle is None else math.radians(real("angle", angle))
+    options.angle = 0 if angle is None else real("angle", angle)
     if shanks is not None:
         places = np.ascontiguousarray(numbers("shanks", shanks))
         if places.ndim != 2 or places.shape[1] != 2:

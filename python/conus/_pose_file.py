@@ -88,7 +88,7 @@ class Poses(Guarded):
                             for row in rows])
         numbers = numbers.reshape(count, 7)
         numbers[np.isnan(self.origins[:, 0])] = np.nan
-        self.angles = np.rad2deg(numbers[:, 0])
+        self.angles = numbers[:, 0]
         self.times_s, self.errors_deg, self.errors_mm = numbers[:, 1:4].T.copy()
         self.ranges, self.radii = numbers[:, 4:6].copy(), numbers[:, 6].copy()
         self.triggers = np.array([bool(row.trigger and not row.error) for row in rows], bool)

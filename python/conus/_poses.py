@@ -76,7 +76,7 @@ class PoseArray:
             if up is not None:
                 self._add("up", rows_of("up", up, (3,)))
         if np.ndim(unmasked("angle", angle)):
-            self._add("angle", np.deg2rad(rows_of("angle", angle, ())))
+            self._add("angle", rows_of("angle", angle, ()))
         if near is not None or far is not None:
             none = np.full(len(self._alive[0]), np.nan)
             ends = [none if end is None else rows_of(name, end, ()) for name, end in (("near", near), ("far", far))]
@@ -103,7 +103,7 @@ class PoseArray:
         return self.struct.range + 2 * index if self.struct.range else ffi.NULL
 
     def angle(self, index: int, default: float) -> float:
-        """Full opening, radians; where it is 0, the default."""
+        """Full opening, degrees; where it is 0, the default."""
         return float(self.struct.angle[index]) or default if self.struct.angle else default
 
 

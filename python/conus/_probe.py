@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 import tempfile
 from typing import TYPE_CHECKING, Any
@@ -55,7 +54,7 @@ class Probe(Bound):
     def _place(self, poses: Any, count: int, roll: float) -> Array:
         """(n, 3) world mm, of a C array of conus_pose."""
         out = ffi.new("conus_pose_list **")
-        check(lib.conus_probe_place(out, self._p, poses, count, math.radians(real("roll", roll))))
+        check(lib.conus_probe_place(out, self._p, poses, count, real("roll", roll)))
         rows = owned(out[0], lib.conus_pose_list_destroy)
         return np.array([list(lib.conus_pose_list_row(rows, i).pose.world_from_device)[12:15] for i in range(len(self))])
 

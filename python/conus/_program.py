@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import json
-import math
 import os
 import re
 import shutil
@@ -191,7 +190,7 @@ def page_of(hits: Any) -> str:
     resolution = lib.conus_selection_evidence(hits._p).resolution
     with tempfile.TemporaryDirectory() as folder:
         output = os.path.join(folder, "page.html")
-        page(path, output, origin=[float(x) for x in matrix[3, :3]], toward=toward, angle=math.degrees(opening),
+        page(path, output, origin=[float(x) for x in matrix[3, :3]], toward=toward, angle=opening,
              layers=layers, resolution=resolution)
         with open(output, encoding="utf-8") as file:
             written = file.read()

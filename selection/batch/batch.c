@@ -118,7 +118,7 @@ conus_status conus_batch_create(conus_batch **out, conus_selector *selector, con
         (conus_probe_count(filled.report.probe) != 1 || report_is_foreign(filled.report.format) ||
          !isfinite(filled.report.roll) || !(filled.report.depth >= 0))) {
         return fail(CONUS_ERROR_ARGUMENT,
-                    "probe: a batch places one, in rows of its own, turned by a number of radians "
+                    "probe: a batch places one, in rows of its own, turned by a number of degrees "
                     "and 0 mm or more deep");
     }
     conus_status status = batch_check_options(&filled.threads, &filled.block, &filled.angle, selector);
@@ -283,7 +283,7 @@ static conus_status add_contacts(struct block *block, const conus_pose_row *row,
     for (int a = 0; a < 3; a++) {
         m[12 + a] -= depth * m[8 + a];
     }
-    conus_status status = pose_roll(&placed, report->roll);
+    conus_status status = pose_roll(&placed, radians_from_degrees(report->roll));
     for (size_t i = 0; i < conus_probe_contact_count(report->probe) && !status; i++) {
         const conus_probe_contact *contact = conus_probe_at(report->probe, i);
         struct batch_pose pose = {.line = row->line, .is_point = true, .range = {NAN, NAN}, .radius = NAN};

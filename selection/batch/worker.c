@@ -6,11 +6,12 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "base/system/system.h"
+#include "conus/own.h"
 #include "selection/rank.h"
 #include "selection/selection.h"
 #include "selection/selector.h"
 
-enum { THREAD_LIMIT = 1024, DEFAULT_BLOCK = 256, DEFAULT_ANGLE_DEG = 10 };
+enum { THREAD_LIMIT = 1024, DEFAULT_BLOCK = 256, DEFAULT_ANGLE = 10 };
 
 conus_status batch_check_options(uint32_t *threads, uint32_t *block, double *angle, const conus_selector *selector)
 {
@@ -32,7 +33,7 @@ conus_status batch_check_options(uint32_t *threads, uint32_t *block, double *ang
     if (*angle == 0 && selector->options.radius == 0) {
         const conus_weight *weight = selector->options.weight;
         const double own = weight ? conus_weight_angle(weight) : NAN;
-        *angle = radians_from_degrees(isnan(own) ? DEFAULT_ANGLE_DEG : own);
+        *angle = isnan(own) ? DEFAULT_ANGLE : own;
     }
     return CONUS_OK;
 }

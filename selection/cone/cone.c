@@ -19,11 +19,10 @@ conus_status cone_check(const struct cone *cone)
     if (!(cone->radius >= 0 && isfinite(cone->radius))) {
         return fail(CONUS_ERROR_ARGUMENT, "radius: %g mm, allowed is more than 0", cone->radius);
     }
-    if (cone->radius > 0 && !(cone->angle == 0)) {
-        return fail(CONUS_ERROR_ARGUMENT, "angle: %g degrees with a radius: a cylinder has angle 0",
-                    degrees_from_radians(cone->angle));
+    if (cone->radius > 0 && !(cone->degrees == 0)) {
+        return fail(CONUS_ERROR_ARGUMENT, "angle: %g degrees with a radius: a cylinder has angle 0", cone->degrees);
     }
-    conus_status status = cone->radius > 0 ? CONUS_OK : pose_check_angle(cone->angle);
+    conus_status status = cone->radius > 0 ? CONUS_OK : pose_check_angle(cone->degrees);
     if (!status && (cone->range[0] != 0 || cone->range[1] != 0)) {
         status = pose_check_range(cone->range);
     }

@@ -26,7 +26,8 @@ struct cone_tracing {
 
 struct cone {
     conus_pose pose;
-    double angle;        /**< Full opening angle, radians, in (0, pi); 0 of a cylinder. */
+    double degrees;      /**< Full opening angle as it was given, in (0, 180); 0 of a cylinder. */
+    double angle;        /**< The same, radians. */
     uint32_t resolution; /**< n */
     conus_aperture aperture;
     double radius;   /**< Radius of a cylinder, mm; 0 for a cone. */

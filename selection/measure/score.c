@@ -29,12 +29,18 @@ static double radius_of(const conus_result *result, const struct cone *cone)
     return 2 * result->centre_px / cone->resolution;
 }
 
+/* The result's offset, radians. */
+static double off_axis(const conus_result *result, const struct cone *cone)
+{
+    return cone_off_axis(cone, radius_of(result, cone));
+}
+
 static double by_centre(const conus_result *result, const struct score_view *view)
 {
     const struct cone *cone = view->cone;
     return !result->pixels    ? 0
            : cone->radius > 0 ? 1 - radius_of(result, cone)
-                              : 1 - result->offset / (cone->angle / 2);
+                              : 1 - off_axis(result, cone) / (cone->angle / 2);
 }
 
 static double by_distance(const conus_result *result, const struct score_view *view)
@@ -110,8 +116,7 @@ static double contact_distance(const conus_result *result, const struct cone *co
 
 static double by_mrtk(const conus_result *result, const struct score_view *view)
 {
-    return -(MRTK_DISTANCE_WEIGHT * contact_distance(result, view->cone) +
-             MRTK_ANGLE_WEIGHT * degrees_from_radians(result->offset));
+    return -(MRTK_DISTANCE_WEIGHT * contact_distance(result, view->cone) + MRTK_ANGLE_WEIGHT * result->offset);
 }
 
 static double by_smallest(const conus_result *result, const struct score_view *view)
@@ -239,8 +244,9 @@ double score_contribution(const conus_result *result, const struct cone *cone, d
     if (cone->radius > 0) {
         return clamp(1 - radius_of(result, cone));
     }
-    double depth = contact_distance(result, cone) * cos(result->offset); /* d_proj; d_perp = d_proj tan(offset) */
-    double angle = atan(tan(result->offset) * pow(depth, 1 - exponent));
+    double offset = off_axis(result, cone);
+    double depth = contact_distance(result, cone) * cos(offset); /* d_proj; d_perp = d_proj tan(offset) */
+    double angle = atan(tan(offset) * pow(depth, 1 - exponent));
     return clamp(1 - angle / (cone->angle / 2));
 }
 

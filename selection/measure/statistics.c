@@ -415,7 +415,7 @@ static conus_result describe(uint32_t number, const struct tallied *object, cons
     }
     if (number && object->pixels) {
         result.centre_px = sqrt(object->square) / 2;
-        result.offset = cone_off_axis(cone, cone_radius_of(object->square, cone->resolution));
+        result.offset = degrees_from_radians(cone_off_axis(cone, cone_radius_of(object->square, cone->resolution)));
         result.distance = object->nearest;
         cone_point(result.contact, cone, object->pixel % cone->resolution, object->pixel / cone->resolution,
                    object->contact_distance);

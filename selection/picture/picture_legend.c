@@ -659,8 +659,8 @@ void picture_describe_cone(char out[2][PICTURE_TEXT], const struct cone *cone, c
         conus_frame_from_world(at, frame, at);
     }
     char *line = out[0];
-    int size = snprintf(line, PICTURE_TEXT, "%s%.4g%s from", rod ? "radius " : "",
-                        rod ? cone->radius : degrees_from_radians(cone->angle), rod ? " mm" : "\u00b0");
+    int size = snprintf(line, PICTURE_TEXT, "%s%.4g%s from", rod ? "radius " : "", rod ? cone->radius : cone->degrees,
+                        rod ? " mm" : "\u00b0");
     for (size_t a = 0; a < 3; a++) {
         const char *axis = space < CONUS_SPACE_CCF ? "" : conus_space_axis(space, a);
         char number[PICTURE_NUMBER];

@@ -159,7 +159,7 @@ conus_status picture_see(struct picture *picture)
     conus_status status = picture->seen ? CONUS_OK : CONUS_ERROR_MEMORY;
     status = status ? status : conus_pose_from_matrix(&eye, picture->camera.world_from_camera);
     status = status ? status : conus_selector_create(&selector, atlas, &rays);
-    status = status ? status : conus_select(&seen, selector, &eye, 2 * atan(slope));
+    status = status ? status : conus_select(&seen, selector, &eye, degrees_from_radians(2 * atan(slope)));
     status = status ? status : see_selection(picture, seen);
     if (rays.layers == CONUS_LAYERS_VISIBLE) {
         picture->sight = seen;

@@ -176,7 +176,7 @@ static conus_status add_attributes(conus_image *image, const conus_selection *se
     char near[TEXT_NUMBER_SIZE];
     char far[TEXT_NUMBER_SIZE];
     char range[2 * TEXT_NUMBER_SIZE];
-    text_number(angle, degrees_from_radians(cone->angle));
+    text_number(angle, cone->degrees);
     text_number(fraction, selection->slice_fraction);
     text_number(radius, cone->radius);
     snprintf(range, sizeof range, "%s %s", text_number(near, cone->range[0]), text_number(far, cone->range[1]));
@@ -270,7 +270,7 @@ static conus_status draw_legend(struct draw_list *panel, const conus_selection *
         char title[96];
         bool rod = selection->cone.radius > 0;
         snprintf(title, sizeof title, "What the device saw, %.4g%s",
-                 rod ? selection->cone.radius : degrees_from_radians(selection->cone.angle), rod ? " mm" : "\xc2\xb0");
+                 rod ? selection->cone.radius : selection->cone.degrees, rod ? " mm" : "\xc2\xb0");
         const struct legend legend = {.title = title,
                                       .header = {"pixels", "share", "distance"},
                                       .rows = rows,

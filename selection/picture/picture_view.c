@@ -123,15 +123,15 @@ static conus_status fill_options(conus_view *out, const conus_view *view, const 
     options.width = options.width ? options.width : DEFAULT_WIDTH;
     options.height = options.height ? options.height : DEFAULT_HEIGHT;
     if (options.field_of_view == 0) {
-        options.field_of_view = radians_from_degrees(30);
+        options.field_of_view = 30;
     }
     if (options.width > SIDE_LIMIT || options.height > SIDE_LIMIT) {
         return fail(CONUS_ERROR_ARGUMENT, "picture of %u x %u pixels; allowed is 1 to %d", options.width,
                     options.height, SIDE_LIMIT);
     }
-    if (!(options.field_of_view > 0 && options.field_of_view < MATH3_PI)) {
+    if (!(options.field_of_view > 0 && options.field_of_view < 180)) {
         return fail(CONUS_ERROR_ARGUMENT, "field of view of %g degrees; allowed is more than 0 and less than 180",
-                    degrees_from_radians(options.field_of_view));
+                    options.field_of_view);
     }
     if (!(options.fade >= 0 && options.fade <= 1)) {
         return fail(CONUS_ERROR_ARGUMENT, "fade of %g; allowed is 0 to 1", options.fade);
@@ -270,8 +270,8 @@ struct shown_points {
 
 static void frame_all(struct picture *picture, const struct shown_points *points)
 {
-    camera_frame_points(&picture->camera, points->xyz, points->count, points->forward, picture->options.field_of_view,
-                        &picture->frame);
+    camera_frame_points(&picture->camera, points->xyz, points->count, points->forward,
+                        radians_from_degrees(picture->options.field_of_view), &picture->frame);
 }
 
 /* Finds a place for the camera from which all points are in the frame and none under the scale and the directions.
@@ -355,7 +355,9 @@ static conus_status see_contact(double *out, const struct picture *picture, conu
     double from[3];
     vec3_add_scaled(from, hit->contact, -away, forward);
     conus_status status = conus_pose_toward(&eye, from, hit->contact, NULL);
-    status = status ? status : conus_select(&seen, selector, &eye, 2 * atan(around * picture->radius / away));
+    status = status
+                 ? status
+                 : conus_select(&seen, selector, &eye, degrees_from_radians(2 * atan(around * picture->radius / away)));
     *out = 0;
     for (size_t i = 0; i < conus_selection_count(seen); i++) {
         const conus_result *result = conus_selection_result(seen, i);
@@ -466,7 +468,8 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
         if (!status && has_frustum(options)) {
             camera_from_frustum(&picture->camera, &pose, options->frustum);
         } else if (!status) {
-            camera_from_pose(&picture->camera, &pose, options->field_of_view, picture->drawing[0], picture->drawing[1]);
+            camera_from_pose(&picture->camera, &pose, radians_from_degrees(options->field_of_view), picture->drawing[0],
+                             picture->drawing[1]);
         }
         set_frame(picture, false);
         return status ? fail_in(status, "camera") : CONUS_OK;
@@ -637,7 +640,7 @@ static conus_status add_lens(conus_image *image, const conus_view *options)
     char number[4][TEXT_NUMBER_SIZE];
     char text[4 * TEXT_NUMBER_SIZE];
     if (!has_frustum(options)) {
-        text_number(text, degrees_from_radians(options->field_of_view));
+        text_number(text, options->field_of_view);
         return image_add_text(image, "conus:fieldOfViewDegrees", text);
     }
     for (int k = 0; k < 4; k++) {
@@ -659,7 +662,7 @@ static conus_status add_attributes(conus_image *image, const struct picture *pic
     if (!status && picture->options.selection) {
         const struct cone *cone = &picture->options.selection->cone;
         char angle[TEXT_NUMBER_SIZE];
-        status = image_add_text(image, "conus:angleDegrees", text_number(angle, degrees_from_radians(cone->angle)));
+        status = image_add_text(image, "conus:angleDegrees", text_number(angle, cone->degrees));
         status = status ? status : image_add_matrix(image, "conus:worldFromDevice", cone->pose.world_from_device);
     }
     return status;

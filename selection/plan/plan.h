@@ -90,6 +90,9 @@ conus_status plan_judge_init(struct plan_judge *out, conus_selector *selector,
                              const struct plan_constraint *constraints, const double (*offsets)[2], size_t shank_count);
 void plan_judge_finish(struct plan_judge *judge);
 
+/** The angle between the axis and the inward normal at the entry, radians. */
+double plan_entry_angle(const conus_planned *pose);
+
 /** Turns to another candidate. */
 void plan_judge_turn(struct plan_judge *judge, const conus_planned *pose);
 

@@ -244,12 +244,12 @@ static conus_status check_numbers(const conus_constraint *asked)
                    : fail(CONUS_ERROR_ARGUMENT, "%g to %g mm, allowed is MAX from MIN on", asked->limit, asked->most);
     case CONUS_CONSTRAINT_LEAN: {
         double unit[3];
-        return asked->limit <= MATH3_PI && vec3_is_finite(asked->direction) && vec3_normalise(unit, asked->direction)
+        return asked->limit <= 180 && vec3_is_finite(asked->direction) && vec3_normalise(unit, asked->direction)
                    ? CONUS_OK
                    : fail(CONUS_ERROR_ARGUMENT, "allowed are a direction of any length but 0, and 0 to 180 degrees");
     }
     case CONUS_CONSTRAINT_ENTRY_ANGLE:
-        return asked->limit <= MATH3_PI ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "allowed are 0 to 180 degrees");
+        return asked->limit <= 180 ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "allowed are 0 to 180 degrees");
     case CONUS_CONSTRAINT_APART:
         return asked->needle_count && asked->needles && is_finite(asked->needles, 6 * asked->needle_count)
                    ? CONUS_OK

@@ -54,6 +54,12 @@ static inline bool plan_is_of_cone(conus_measure measure)
     return measure >= CONUS_MEASURE_SHARE;
 }
 
+/** Whether it measures an angle: degrees in the verdict, radians while it is judged. */
+static inline bool plan_is_of_direction(const struct plan_constraint *constraint)
+{
+    return constraint->asked.kind == CONUS_CONSTRAINT_LEAN || constraint->asked.kind == CONUS_CONSTRAINT_ENTRY_ANGLE;
+}
+
 /** Whether the constraint is a distance that must be kept. */
 static inline bool plan_is_clearance(const struct plan_constraint *constraint)
 {

@@ -32,7 +32,7 @@ static void move(conus_planned *out, const conus_planned *pose, const struct pla
     *out = *pose;
     jitter_needle(&out->pose, &out->far, &pose->pose, &jitter->options, jitter->errors[index]);
     out->far = fmax(out->far, out->near + ROUNDING);
-    out->entry_angle = isnan(pose->entry_angle) ? NAN : vec3_angle(out->pose.world_from_device + 8, pose->normal);
+    out->entry_angle = isnan(pose->entry_angle) ? NAN : degrees_from_radians(plan_entry_angle(out));
 }
 
 /* By how many mm the points of the shanks are off at most, at equal depth: the most is at an end of one. */

@@ -177,7 +177,7 @@ static double value_of(const struct plan_name *name, const conus_planned *pose)
     case PLAN_DEPTH:
         return pose->far;
     case PLAN_ENTRY_ANGLE:
-        return degrees_from_radians(pose->entry_angle);
+        return pose->entry_angle;
     case PLAN_VALUE:
         return pose->verdicts[name->constraint].value;
     default:

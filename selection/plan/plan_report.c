@@ -70,8 +70,8 @@ static void say_constraint(struct buffer *out, const struct report_constraint *c
         buffer_format(out, "a length of %.9g to %.9g mm", asked->limit, asked->most);
         break;
     case CONUS_CONSTRAINT_LEAN:
-        buffer_format(out, "at most %.9g degrees between axis and direction (%.4g, %.4g, %.4g)",
-                      degrees_from_radians(asked->limit), direction[0], direction[1], direction[2]);
+        buffer_format(out, "at most %.9g degrees between axis and direction (%.4g, %.4g, %.4g)", asked->limit,
+                      direction[0], direction[1], direction[2]);
         break;
     case CONUS_CONSTRAINT_APART:
         buffer_format(out, "more than %.9g mm from each of %zu other needles", asked->limit, asked->needle_count);
@@ -80,7 +80,7 @@ static void say_constraint(struct buffer *out, const struct report_constraint *c
         buffer_format(out, "%s as the first object on the axis", constraint->name);
         break;
     case CONUS_CONSTRAINT_ENTRY_ANGLE:
-        buffer_format(out, "at most %.9g degrees between axis and inward normal", degrees_from_radians(asked->limit));
+        buffer_format(out, "at most %.9g degrees between axis and inward normal", asked->limit);
         break;
     }
     if (asked->shank > 0) {
@@ -97,16 +97,13 @@ static void add_column(struct report_plan *out, size_t index, const char *const 
                        const char *what, size_t member)
 {
     const struct report_constraint *constraint = &out->constraints[index];
-    bool is_angle = report_is_angle(constraint) && member == offsetof(conus_verdict, value);
     buffer_format(&out->words, "%s%s%zu%s", affixes[0], constraint->kind, constraint->index, affixes[1]);
     buffer_append(&out->words, "", 1);
     buffer_format(&out->words, "%s; %s", what, ASKED);
     say_constraint(&out->words, constraint);
     buffer_append(&out->words, "", 1);
-    out->columns[out->column_count++] = (struct report_column){.units = units,
-                                                               .type = is_angle ? COLUMN_ANGLE : COLUMN_NUMBER,
-                                                               .offset = index * sizeof(conus_verdict) + member,
-                                                               .home = HOME_VERDICTS};
+    out->columns[out->column_count++] = (struct report_column){
+        .units = units, .type = COLUMN_NUMBER, .offset = index * sizeof(conus_verdict) + member, .home = HOME_VERDICTS};
 }
 
 static void add_columns(struct report_plan *out, size_t index)
@@ -194,7 +191,7 @@ static conus_status begin_plan(conus_report *report, const conus_plan *plan, boo
 static conus_status add_pose(struct report_row **rows, conus_report *report, const conus_planned *pose, size_t count)
 {
     const struct report_query query = {
-        .asked = {.cone = {.pose = pose->pose, .angle = pose->angle, .range = {pose->near, pose->far}},
+        .asked = {.cone = {.pose = pose->pose, .degrees = pose->angle, .range = {pose->near, pose->far}},
                   .is_axis = true}};
     conus_status status = report_append(rows, report, pose->id, &query, count);
     const double *m = pose->pose.world_from_device;

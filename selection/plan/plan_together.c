@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Plans needles together: has the candidates of each listed as far down as the search asks for, and takes its answer
  * apart (Eq. 25 to 28). */
-#include "conus/plan.h"
+#include "conus/own.h"
 
 #include "base/memory.h"
 #include "base/options.h"

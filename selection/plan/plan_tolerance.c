@@ -57,7 +57,7 @@ static void move(conus_planned *out, const struct motion *motion, double s)
         vec3_sub(m + 12, m + 12, motion->pivot);
         vec3_turn(m + 12, m + 12, motion->along, s);
         vec3_add_scaled(m + 12, m + 12, 1, motion->pivot);
-        out->entry_angle = isnan(out->entry_angle) ? NAN : vec3_angle(m + 8, out->normal);
+        out->entry_angle = isnan(out->entry_angle) ? NAN : degrees_from_radians(plan_entry_angle(out));
     }
 }
 
@@ -114,7 +114,7 @@ static struct course start_course(const struct plan_constraint *constraint, cons
     const conus_constraint *asked = &constraint->asked;
     struct course course = {.kind = COURSE_SAMPLED, .rate = motion->lever, .guess = FIRST_GUESS, .fails = NAN};
     bool is_tip = asked->kind == CONUS_CONSTRAINT_REACH && asked->measure == CONUS_MEASURE_TIP;
-    bool is_direction = asked->kind == CONUS_CONSTRAINT_LEAN || asked->kind == CONUS_CONSTRAINT_ENTRY_ANGLE;
+    bool is_direction = plan_is_of_direction(constraint);
     if (asked->kind == CONUS_CONSTRAINT_LENGTH || is_direction) {
         course.kind = is_direction && motion->is_turn     ? COURSE_MARCH
                       : !is_direction && motion->is_depth ? COURSE_SPAN
@@ -310,6 +310,10 @@ conus_status conus_plan_tolerance(conus_tolerance *out, conus_plan *plan, const 
         init_motion(&motion, judge, pose, &rows[i], &filled);
         status = pose->feasible ? follow(&rows[i], judge, courses, count, &motion)
                                 : describe(&rows[i], judge, pose->broken, &motion);
+        if (motion.is_turn) {
+            rows[i].holds_to = degrees_from_radians(rows[i].holds_to);
+            rows[i].fails_at = degrees_from_radians(rows[i].fails_at);
+        }
     }
     memory_free(courses);
     if (!status) {

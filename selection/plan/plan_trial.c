@@ -51,10 +51,9 @@ const char *plan_trial_begin(conus_planned *out, const conus_pose_row *row, cons
                            .has_angle = has_angle,
                            .entry = row->entry,
                            .target = row->target,
-                           .p_ok = NAN,
-                           .entry_angle = vec3_angle(row->pose.world_from_device + 8, row->normal)};
+                           .p_ok = NAN};
     memcpy(out->normal, row->normal, sizeof out->normal);
-    out->entry_angle = has_normal ? out->entry_angle : NAN;
+    out->entry_angle = has_normal ? degrees_from_radians(plan_entry_angle(out)) : NAN;
     if (has_angle && pose_check_angle(row->angle)) {
         return conus_message();
     }

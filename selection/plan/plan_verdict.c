@@ -362,6 +362,11 @@ static void sum_results(conus_verdict *out, const struct plan_judge *judge, cons
     }
 }
 
+double plan_entry_angle(const conus_planned *pose)
+{
+    return vec3_angle(pose->pose.world_from_device + 8, pose->normal);
+}
+
 static conus_status measure_cone(conus_verdict *out, struct plan_judge *judge, const struct plan_constraint *constraint)
 {
     const double range[2] = {judge->pose->near, judge->pose->far};
@@ -426,12 +431,13 @@ static conus_status measure(conus_verdict *out, struct plan_judge *judge, const 
         measure_crossing(out, judge, constraint);
         break;
     case CONUS_CONSTRAINT_ENTRY_ANGLE:
-        out->value = judge->pose->entry_angle;
+        out->value = plan_entry_angle(judge->pose);
         break;
     }
     return CONUS_OK;
 }
 
+/* Slack and verdict; angles are radians here. */
 static void decide(conus_verdict *out, const struct plan_constraint *constraint, double radius)
 {
     const conus_constraint *asked = &constraint->asked;
@@ -451,7 +457,7 @@ static void decide(conus_verdict *out, const struct plan_constraint *constraint,
         break;
     case CONUS_CONSTRAINT_LEAN:
     case CONUS_CONSTRAINT_ENTRY_ANGLE:
-        out->slack = asked->limit - out->value;
+        out->slack = radians_from_degrees(asked->limit) - out->value;
         break;
     case CONUS_CONSTRAINT_APART:
         out->slack = out->value - asked->limit;
@@ -508,6 +514,10 @@ static conus_status judge_shank(conus_verdict *out, struct plan_judge *judge, co
         return status;
     }
     decide(out, constraint, radius);
+    if (plan_is_of_direction(constraint)) {
+        out->value = degrees_from_radians(out->value);
+        out->slack = degrees_from_radians(out->slack);
+    }
     return care == PLAN_ALL ? find_leeway(out, judge, constraint) : CONUS_OK;
 }
 

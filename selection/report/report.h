@@ -75,12 +75,6 @@ static inline bool report_is_clearance(const struct report_constraint *constrain
     return constraint->asked->kind == CONUS_CONSTRAINT_AVOID && constraint->asked->measure == CONUS_MEASURE_LENGTH;
 }
 
-/** Whether it measures an angle, which reports give in degrees. */
-static inline bool report_is_angle(const struct report_constraint *constraint)
-{
-    return constraint->asked->kind == CONUS_CONSTRAINT_LEAN || constraint->asked->kind == CONUS_CONSTRAINT_ENTRY_ANGLE;
-}
-
 /** A row of a table. */
 struct report_table_row {
     conus_kind kind;

@@ -131,7 +131,7 @@ static const struct report_column answer_columns[] = {
     {"pierced", NULL, "pixels whose ray passes it, hidden or not", OF_ROW(COUNT, result.pierced),
      .needs = NEEDS_RAYS | NEEDS_LAYERS},
     {"center_px", "pixel", "smallest distance of its pixels to the buffer's centre", OF_ROW(NUMBER, result.centre_px)},
-    {"offset_deg", "degree", "smallest angle between its rays and the axis", OF_ROW(ANGLE, result.offset)},
+    {"offset_deg", "degree", "smallest angle between its rays and the axis", OF_ROW(NUMBER, result.offset)},
     {"distance_mm", "mm", "distance from the apex to the nearest first contact of any of its pixels",
      OF_ROW(NUMBER, result.distance)},
     {"contact_x", "mm", "first contact on its ray closest to the axis, x", OF_ROW(X, result.contact)},
@@ -215,7 +215,7 @@ static const struct report_column track_columns[] = {
 };
 
 static const struct report_column share_columns[] = {
-    {"angle_deg", "degree", "full opening angle of the cone", OF_QUERY(ANGLE, asked.cone.angle)},
+    {"angle_deg", "degree", "full opening angle of the cone", OF_QUERY(NUMBER, asked.cone.degrees)},
 };
 
 /* Plans: one row per pose, constraint, or constraint and depth. */
@@ -376,7 +376,7 @@ static const struct report_column plan_columns[] = {
     {"tip_y", "mm", "the same, y", OF_ROW(Y, planned.at)},
     {"tip_z", "mm", "the same, z", OF_ROW(Z, planned.at)},
     {"far_mm", "mm", "how far that is from the apex", OF_POSE(NUMBER, far)},
-    {"entry_angle_deg", "degree", "between the axis and the inward normal at the entry", OF_POSE(ANGLE, entry_angle)},
+    {"entry_angle_deg", "degree", "between the axis and the inward normal at the entry", OF_POSE(NUMBER, entry_angle)},
     {"leeway_mm", "mm", "no point of the axis may be off by so much that a constraint breaks, as far as is known",
      OF_POSE(NUMBER, leeway)},
     {"leeway_of", NULL, "the constraint that has the least leeway, named as broken", NAMED(get_leeway_of)},
@@ -409,16 +409,10 @@ static struct cell get_constraint_name(const conus_report *report, const struct 
     return text_cell(constraint_of(report, row)->name);
 }
 
-/* A number of a constraint, of angles in degrees. */
-static struct cell measured_cell(const conus_report *report, const struct report_row *row, double number)
-{
-    bool is_angle = report_is_angle(constraint_of(report, row));
-    return number_cell(is_angle ? degrees_from_radians(number) : number);
-}
-
 static struct cell get_value(const conus_report *report, const struct report_row *row)
 {
-    return measured_cell(report, row, verdict_of(row)->value);
+    (void)report;
+    return number_cell(verdict_of(row)->value);
 }
 
 static struct cell get_limit(const conus_report *report, const struct report_row *row)
@@ -426,12 +420,13 @@ static struct cell get_limit(const conus_report *report, const struct report_row
     const conus_constraint *asked = constraint_of(report, row)->asked;
     double value = verdict_of(row)->value;
     bool is_upper = asked->kind == CONUS_CONSTRAINT_LENGTH && asked->most - value < value - asked->limit;
-    return measured_cell(report, row, is_upper ? asked->most : asked->limit);
+    return number_cell(is_upper ? asked->most : asked->limit);
 }
 
 static struct cell get_slack(const conus_report *report, const struct report_row *row)
 {
-    return measured_cell(report, row, verdict_of(row)->slack);
+    (void)report;
+    return number_cell(verdict_of(row)->slack);
 }
 
 static struct cell get_leeway(const conus_report *report, const struct report_row *row)
@@ -533,21 +528,16 @@ static struct cell get_unit(const conus_report *report, const struct report_row 
     return text_cell(is_turn(row) ? "degree" : "mm");
 }
 
-static struct cell off_cell(const struct report_row *row, double off)
-{
-    return number_cell(is_turn(row) ? degrees_from_radians(off) : off);
-}
-
 static struct cell get_holds_to(const conus_report *report, const struct report_row *row)
 {
     (void)report;
-    return off_cell(row, row->planned.tolerance.holds_to);
+    return number_cell(row->planned.tolerance.holds_to);
 }
 
 static struct cell get_fails_at(const conus_report *report, const struct report_row *row)
 {
     (void)report;
-    return off_cell(row, row->planned.tolerance.fails_at);
+    return number_cell(row->planned.tolerance.fails_at);
 }
 
 static struct cell get_breaks(const conus_report *report, const struct report_row *row)

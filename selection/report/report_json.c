@@ -125,8 +125,8 @@ static json_t *json_from_shape(const struct report_query *query)
                          json_from_matrix(query->asked.cone.pose.world_from_device));
     }
     json_t *cone = json_pack("{s: o, s: f, s: i, s: o}", "query", json_from_text(query->id), "angle_deg",
-                             degrees_from_radians(query->asked.cone.angle), "cone_pixels", (int)query->cone_pixels,
-                             "world_from_device_ras", json_from_matrix(query->asked.cone.pose.world_from_device));
+                             query->asked.cone.degrees, "cone_pixels", (int)query->cone_pixels, "world_from_device_ras",
+                             json_from_matrix(query->asked.cone.pose.world_from_device));
     return whole_or_null(cone, !cone_is_wide(&query->asked.cone) || put_value(cone, "spread", json_string("even")));
 }
 
@@ -416,11 +416,9 @@ static json_t *json_from_settings(const conus_report *report)
 
 static json_t *json_from_constraint(const struct report_constraint *constraint)
 {
-    bool is_angle = report_is_angle(constraint);
-    double limit = constraint->asked->limit;
     json_t *entry =
         json_pack("{s: s, s: I, s: f, s: o}", "kind", constraint->kind, "index", (json_int_t)constraint->index, "limit",
-                  is_angle ? degrees_from_radians(limit) : limit, "asked", json_from_text(constraint->words));
+                  constraint->asked->limit, "asked", json_from_text(constraint->words));
     bool whole = (!constraint->name || put_value(entry, "name", json_from_text(constraint->name))) &&
                  (!constraint->measure || put_value(entry, "measure", json_string(constraint->measure))) &&
                  (!constraint->asked->contacts.count ||
@@ -435,9 +433,8 @@ static json_t *json_from_miss(const struct report_constraint *constraint, size_t
     if (!pose) {
         return json_null();
     }
-    double unit = report_is_angle(constraint) ? degrees_from_radians(1) : 1;
-    return json_pack("{s: o, s: f, s: f}", "query", json_from_text(pose->id), "value",
-                     pose->verdicts[index].value * unit, "slack", pose->verdicts[index].slack * unit);
+    return json_pack("{s: o, s: f, s: f}", "query", json_from_text(pose->id), "value", pose->verdicts[index].value,
+                     "slack", pose->verdicts[index].slack);
 }
 
 /* The errors of all poses: of tilt and position, or of both ends and the depth. */
@@ -449,7 +446,7 @@ static bool add_errors(json_t *plan, const conus_jitter_options *jitter)
                      of_ends ? json_pack("{s: I, s: f, s: f, s: f}", "samples", (json_int_t)jitter->samples, "entry_mm",
                                          jitter->entry, "target_mm", jitter->target, "depth_mm", jitter->depth)
                              : json_pack("{s: I, s: f, s: f}", "samples", (json_int_t)jitter->samples, "error_deg",
-                                         degrees_from_radians(jitter->tilt), "error_mm", jitter->shift));
+                                         jitter->tilt, "error_mm", jitter->shift));
 }
 
 static bool add_plan(json_t *root, const struct report_plan *plan)

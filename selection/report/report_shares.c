@@ -87,7 +87,7 @@ static void write_shares(struct buffer *out, const conus_report *report, struct 
     buffer_format(out, "%-*s  %10s  share of cone in %% at an angle of ... degrees\n%-*s  %10s", width, "name", "label",
                   width, "", "");
     for (size_t i = block.first; i < block.end; i++) {
-        buffer_format(out, "  %6.4g", degrees_from_radians(report->queries[i].asked.cone.angle));
+        buffer_format(out, "  %6.4g", report->queries[i].asked.cone.degrees);
     }
     buffer_text(out, "\n");
     for (size_t i = block.first; i < block.end; i++) {

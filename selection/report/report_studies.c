@@ -98,8 +98,8 @@ static void write_chances_foot(struct buffer *out, const conus_report *report, c
     buffer_format(out,
                   "%u poses with errors of %.4g degrees about each axis and %.4g mm along each (standard deviations); "
                   "ranked by %s; engine %s\n",
-                  query->asked.jitter.samples, degrees_from_radians(query->asked.jitter.tilt),
-                  query->asked.jitter.shift, report->score, report->engine);
+                  query->asked.jitter.samples, query->asked.jitter.tilt, query->asked.jitter.shift, report->score,
+                  report->engine);
 }
 
 static void write_region_head(struct buffer *out, const conus_report *report, const struct report_query *query)

@@ -95,7 +95,7 @@ static void write_shape(struct buffer *out, const struct cone *cone)
     if (cone->radius > 0) {
         buffer_format(out, "%s %.4g mm", square ? "square rod of half width" : "cylinder of radius", cone->radius);
     } else {
-        buffer_format(out, "%s of %.4g degrees", square ? "square pyramid" : "cone", degrees_from_radians(cone->angle));
+        buffer_format(out, "%s of %.4g degrees", square ? "square pyramid" : "cone", cone->degrees);
         buffer_text(out, cone_is_wide(cone) ? ", rays spread evenly," : "");
     }
     if (cone_has_range(cone)) {
@@ -313,7 +313,7 @@ static void write_visible_result(struct buffer *out, const conus_report *report,
         memcpy(contact, result->contact, sizeof contact);
         report_point(report, contact);
         write_number(out, 9, 2, result->distance, "");
-        write_number(out, 8, 2, degrees_from_radians(result->offset), "");
+        write_number(out, 8, 2, result->offset, "");
         write_number(out, 8, table_digits(report), contact[0], "");
         write_number(out, 7, table_digits(report), contact[1], "");
         write_number(out, 7, table_digits(report), contact[2], "");

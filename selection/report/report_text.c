@@ -3,6 +3,7 @@
 #include "selection/report/report.h"
 
 #include "base/memory.h"
+#include "conus/own.h"
 #include "selection/report/report_bep032.h"
 #include "selection/report/report_writers.h"
 

@@ -74,7 +74,7 @@ static void write_row(void *user, const conus_report *report, const struct repor
     buffer_format(out, "  %10s  %10s  %6s %%  %6u", label, isfinite(row->result.score) ? score : "",
                   table_share(share, row->result.share, report->selector.resolution), row->result.pixels);
     if (isfinite(row->result.offset)) {
-        buffer_format(out, "  %8.2f", degrees_from_radians(row->result.offset));
+        buffer_format(out, "  %8.2f", row->result.offset);
     } else if (object) {
         buffer_format(out, "  %8s", "");
     }

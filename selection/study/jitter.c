@@ -85,19 +85,17 @@ void jitter_sample(double out[JITTER_DIMENSIONS], uint32_t index)
     }
 }
 
-void jitter_pose(conus_pose *out, const conus_pose *pose, const conus_jitter_options *options,
-                 const double errors[JITTER_DIMENSIONS])
+/* The device turned by a vector about its x and y, radians, and moved along its axes, mm. */
+static void move_pose(conus_pose *out, const conus_pose *pose, const double about[2], const double shift[3])
 {
     double m[16];
     double turn[16];
-    double about[2] = {options->tilt * errors[0], options->tilt * errors[1]};
     double angle = hypot(about[0], about[1]);
     double cosine = cos(angle);
     double sine = sin(angle);
     memcpy(m, pose->world_from_device, sizeof m);
     for (int a = 0; a < 3; a++) {
-        double along = options->shift * errors[2 + a];
-        vec3_add_scaled(m + 12, m + 12, along, pose->world_from_device + 4 * a);
+        vec3_add_scaled(m + 12, m + 12, shift[a], pose->world_from_device + 4 * a);
     }
     mat4_identity(turn);
     if (angle > 0) { /* Rodrigues, about (x, y, 0) */
@@ -124,6 +122,15 @@ void jitter_pose(conus_pose *out, const conus_pose *pose, const conus_jitter_opt
     mat4_multiply(out->world_from_device, m, turn);
 }
 
+void jitter_pose(conus_pose *out, const conus_pose *pose, const conus_jitter_options *options,
+                 const double errors[JITTER_DIMENSIONS])
+{
+    const double tilt = radians_from_degrees(options->tilt);
+    const double shift = options->shift;
+    move_pose(out, pose, (const double[]){tilt * errors[0], tilt * errors[1]},
+              (const double[]){shift * errors[2], shift * errors[3], shift * errors[4]});
+}
+
 static bool jitter_is_of_ends(const conus_jitter_options *options)
 {
     return options->entry != 0 || options->target != 0 || options->depth != 0;
@@ -141,8 +148,7 @@ void jitter_needle(conus_pose *out, double *far, const conus_pose *pose, const c
     const double along[2] = {options->target * errors[2] - begin[0], options->target * errors[3] - begin[1]};
     double across = hypot(along[0], along[1]);
     double turn = across > 0 ? atan2(across, *far) / across : 0;
-    jitter_pose(out, pose, &(conus_jitter_options){.tilt = 1, .shift = 1},
-                (const double[JITTER_DIMENSIONS]){turn * along[1], -turn * along[0], begin[0], begin[1], 0});
+    move_pose(out, pose, (const double[]){turn * along[1], -turn * along[0]}, (const double[]){begin[0], begin[1], 0});
     *far += options->depth * errors[4];
 }
 
@@ -154,9 +160,8 @@ conus_status jitter_check(conus_jitter_options *options)
     } lengths[] = {
         {"shift", options->shift}, {"entry", options->entry}, {"target", options->target}, {"depth", options->depth}};
     options->samples = options->samples ? options->samples : DEFAULT_SAMPLES;
-    if (!(options->tilt >= 0 && options->tilt <= MATH3_PI / 2)) {
-        return fail(CONUS_ERROR_ARGUMENT, "jitter: a tilt of %g degrees, allowed is 0 to 90",
-                    degrees_from_radians(options->tilt));
+    if (!(options->tilt >= 0 && options->tilt <= 90)) {
+        return fail(CONUS_ERROR_ARGUMENT, "jitter: a tilt of %g degrees, allowed is 0 to 90", options->tilt);
     }
     for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
         if (!(lengths[i].value >= 0 && lengths[i].value <= 1e6)) {
@@ -189,7 +194,7 @@ static conus_status answer_sample(struct count *counts, conus_selector *selector
     double errors[JITTER_DIMENSIONS];
     jitter_sample(errors, index);
     jitter_pose(&pose, &asked->cone.pose, &asked->jitter, errors);
-    conus_status status = conus_select(&selection, selector, &pose, asked->cone.angle);
+    conus_status status = conus_select(&selection, selector, &pose, asked->cone.degrees);
     if (status) {
         return status;
     }
@@ -254,7 +259,7 @@ static const struct table_field columns[] = {
      TABLE_OF(NUMBER, struct row, share_deviation)},
     {"samples", NULL, "poses that were looked from", TABLE_OF(COUNT, struct row, samples)},
     {"error_deg", "degree", "standard deviation of the tilt of the axis, about each of two axes",
-     TABLE_OF(ANGLE, struct row, tilt)},
+     TABLE_OF(NUMBER, struct row, tilt)},
     {"error_mm", "mm", "standard deviation of the position, along each of three axes",
      TABLE_OF(NUMBER, struct row, shift)},
 };
@@ -337,7 +342,8 @@ conus_status conus_jitter(conus_table **out, conus_selector *selector, const con
                           const conus_jitter_options *options)
 {
     struct table_question asked = {.jitter = *options_of(conus_jitter_options, options),
-                                   .cone = {.angle = angle,
+                                   .cone = {.degrees = angle,
+                                            .angle = radians_from_degrees(angle),
                                             .resolution = selector->options.resolution,
                                             .aperture = selector->options.aperture,
                                             .radius = selector->options.radius,

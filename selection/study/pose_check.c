@@ -4,6 +4,7 @@
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/own.h"
 #include "poses/rows/pose_row.h"
 #include "selection/selection.h"
 #include "selection/selector.h"
@@ -183,7 +184,7 @@ void conus_pose_check_destroy(conus_pose_check *check)
 static void count(conus_pose_finding *finding, uint64_t number, const struct cone *cone, uint32_t object)
 {
     if (!finding->count || number < finding->first) {
-        *finding = (conus_pose_finding){finding->count, number, object, cone->pose, cone->angle};
+        *finding = (conus_pose_finding){finding->count, number, object, cone->pose, cone->degrees};
     }
     finding->count++;
 }
@@ -191,7 +192,11 @@ static void count(conus_pose_finding *finding, uint64_t number, const struct con
 void conus_pose_check_add(conus_pose_check *check, uint64_t number, const conus_pose *pose, double angle)
 {
     const conus_selector_options *options = &check->selector->options;
-    struct cone cone = {.angle = angle, .resolution = 1, .aperture = options->aperture, .radius = options->radius};
+    struct cone cone = {.degrees = angle,
+                        .angle = radians_from_degrees(angle),
+                        .resolution = 1,
+                        .aperture = options->aperture,
+                        .radius = options->radius};
     const double *apex = cone.pose.world_from_device + 12;
     if (!check->has_box || pose_settle(&cone.pose, pose->world_from_device) || cone_check(&cone)) {
         return;

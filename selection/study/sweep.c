@@ -273,7 +273,7 @@ static void search(struct admission *admissions, const conus_selector *selector,
 /* When a growing cone admits an object (Eq. 13): a row of the table. */
 struct row {
     struct table_object object;
-    double angle;    /* full opening of the narrowest round cone that holds some of it, radians; 0: the axis hits it */
+    double angle;    /* full opening of the narrowest round cone that holds some of it, degrees; 0: the axis hits it */
     double margin;   /* further opening until the next object; NaN if there is none */
     double point[3]; /* what is admitted first, world */
     double distance; /* mm from the apex to there */
@@ -284,7 +284,7 @@ static struct cell half_angle(const struct table_source *source, const void *row
 {
     (void)source;
     (void)index;
-    return number_cell(degrees_from_radians(((const struct row *)row)->angle / 2));
+    return number_cell(((const struct row *)row)->angle / 2);
 }
 
 static struct cell measured(const struct table_source *source, const void *of, size_t index)
@@ -301,10 +301,10 @@ static const struct table_field columns[] = {
     TABLE_IDENTITY,
     {"rank", NULL, "1 is admitted first", TABLE_COUNT_BY(table_place)},
     {"angle_deg", "degree", "full opening angle of the narrowest cone that holds some of it",
-     TABLE_OF(ANGLE, struct row, angle)},
+     TABLE_OF(NUMBER, struct row, angle)},
     {"half_angle_deg", "degree", "half of that: the angle to the axis", TABLE_NUMBER_BY(half_angle)},
     {"margin_deg", "degree", "by how much the cone must open further for the next one",
-     TABLE_OF(ANGLE, struct row, margin)},
+     TABLE_OF(NUMBER, struct row, margin)},
     {"distance_mm", "mm", "distance from the apex to what is admitted first", TABLE_OF(NUMBER, struct row, distance)},
     {"x", "mm", "where that is, x", TABLE_OF(X, struct row, point)},
     {"y", "mm", "the same, y", TABLE_OF(Y, struct row, point)},
@@ -338,7 +338,8 @@ static struct row describe(const struct admission *admission, const conus_atlas 
     return row;
 }
 
-/* Keeps what the widest cone admits, in the order of its angles, and the margin to the first that it does not. */
+/* Keeps what the widest cone admits, in the order of its angles, and the margin to the first that it does not. Angles
+ * are radians until they are ordered. */
 static size_t list_rows(struct row *rows, const struct admission *admissions, const conus_atlas *atlas,
                         const struct cone *cone)
 {
@@ -354,6 +355,10 @@ static size_t list_rows(struct row *rows, const struct admission *admissions, co
     }
     while (count > 0 && rows[count - 1].angle > cone->angle) {
         count--;
+    }
+    for (size_t i = 0; i < count; i++) {
+        rows[i].angle = degrees_from_radians(rows[i].angle);
+        rows[i].margin = degrees_from_radians(rows[i].margin);
     }
     return count;
 }
@@ -381,8 +386,10 @@ static conus_status sweep_cone(conus_table **out, const conus_selector *selector
 conus_status conus_sweep(conus_table **out, const conus_selector *selector, const conus_pose *pose, double widest)
 {
     const conus_selector_options *options = &selector->options;
-    struct cone cone = {
-        .angle = widest, .resolution = options->resolution, .range = {selector->range[0], selector->range[1]}};
+    struct cone cone = {.degrees = widest,
+                        .angle = radians_from_degrees(widest),
+                        .resolution = options->resolution,
+                        .range = {selector->range[0], selector->range[1]}};
     if (selector->options.radius > 0) {
         return fail(CONUS_ERROR_ARGUMENT, "radius: %g mm, but a cylinder has no angle to sweep",
                     selector->options.radius);

@@ -31,8 +31,6 @@ struct cell cell_at(enum column_type type, const void *place, const conus_atlas 
         return integer_cell(*(const uint64_t *)place);
     case COLUMN_TEXT:
         return text_cell(*(const char *const *)place);
-    case COLUMN_ANGLE:
-        return number_cell(degrees_from_radians(*numbers));
     case COLUMN_TIME:
         return isfinite(*numbers) ? (struct cell){.type = CELL_TIME, .number = *numbers} : no_cell();
     case COLUMN_X:

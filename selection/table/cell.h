@@ -46,7 +46,6 @@ enum column_type {
     COLUMN_LARGE_COUNT, /**< A uint64_t. */
     COLUMN_RANK,        /**< A uint32_t, n/a if 0.                                          */
     COLUMN_NUMBER,      /**< A double, n/a unless finite.                                   */
-    COLUMN_ANGLE,       /**< The same, radians that are written in degrees.                 */
     COLUMN_TIME,        /**< A double, seconds.                                             */
     COLUMN_X,           /**< A coordinate of a double[3], world, written in the frame's space. */
     COLUMN_Y,

@@ -172,9 +172,8 @@ static void studies_answer_as_the_library_does(void **state)
     assert_true(studies_use(&viewer, &shaken));
     await_study(&viewer);
     const struct study_table *table = viewer.study.answer->tables;
-    const conus_jitter_options options = {.tilt = 2 * (M_PI / 180), .shift = 1.5, .samples = 64};
-    assert_ok(
-        conus_jitter(&jitter, viewer.drawn->selector, &viewer.tools[FIRST_TOOL].pose, 40 * (M_PI / 180), &options));
+    const conus_jitter_options options = {.tilt = 2, .shift = 1.5, .samples = 64};
+    assert_ok(conus_jitter(&jitter, viewer.drawn->selector, &viewer.tools[FIRST_TOOL].pose, 40, &options));
     assert_same_tables(table->chances, jitter);
     conus_table_destroy(jitter);
     viewer_finish(&viewer);

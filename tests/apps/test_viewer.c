@@ -649,7 +649,7 @@ static void a_question_follows_from_the_cone(void **state)
     assert_near(viewer_query(&options, &viewer, FIRST_TOOL, 1), 0, 0);
     assert_null(options.level);
     viewer.cone.one_ray = true;
-    assert_near(viewer_query(&options, &viewer, FIRST_TOOL, 0), 0.1 * M_PI / 180, 1e-15);
+    assert_near(viewer_query(&options, &viewer, FIRST_TOOL, 0), 0.1, 0);
     assert_int_equal(options.layers, CONUS_LAYERS_VISIBLE);
     assert_int_equal(options.resolution, 1);
     assert_near(options.radius, 0, 0);

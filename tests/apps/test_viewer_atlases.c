@@ -66,7 +66,7 @@ static void assert_answers(const struct viewer *viewer, size_t index)
     conus_selection *answer = NULL;
     assert_ok(conus_selector_create(&selector, on->atlas, &viewer->cone.options));
     assert_ok(conus_select(&answer, selector, &viewer->tools[FIRST_TOOL].pose,
-                           viewer->cone.options.radius > 0 ? 0 : viewer->tools[FIRST_TOOL].angle * (M_PI / 180)));
+                           viewer->cone.options.radius > 0 ? 0 : viewer->tools[FIRST_TOOL].angle));
     char *wanted = table_of(selector, answer);
     char *shown = table_of(on->selector, view_atlas_selection(on, FIRST_TOOL));
     assert_string_equal(shown, wanted);

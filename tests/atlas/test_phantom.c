@@ -13,8 +13,8 @@ static const conus_phantom_options grids[] = {
     {.size = 48},
     {.size = 64, .spacing = {1, 1, 2.5}},
     {.size = 96, .spacing = {2.0 / 3, 1, 2.0 / 3}, .flip = {true, false, false}},
-    {.oblique = 0.4, .flip = {false, true, true}},
-    {.spacing = {1, 2, 1}, .oblique = -2, .flip = {true, true, true}},
+    {.oblique = 0.4 * 180 / MATH3_PI, .flip = {false, true, true}},
+    {.spacing = {1, 2, 1}, .oblique = -2 * 180 / MATH3_PI, .flip = {true, true, true}},
 };
 enum { GRIDS = sizeof grids / sizeof grids[0] };
 
@@ -163,7 +163,7 @@ static void grids_are_where_the_options_put_them(void **state)
 static void assert_orientation(double degrees, bool flip_i, bool flip_k, const char *wanted)
 {
     struct phantom_drawing drawing;
-    conus_phantom_options options = {.oblique = radians_from_degrees(degrees), .flip = {flip_i, false, flip_k}};
+    conus_phantom_options options = {.oblique = degrees, .flip = {flip_i, false, flip_k}};
     assert_ok(phantom_draw(&drawing, "torus", &options));
     assert_string_equal(drawing.grid.orientation, wanted);
     phantom_drawing_finish(&drawing);

@@ -75,6 +75,25 @@ answers_are() {
     run -1 "$CONUS_EXAMPLES/render_to_memory" sphere.nii.gz no/such/folder.png
 }
 
+# The same poses in a file, asked by the program: the best row of each, and its distance.
+@test "thousand_poses prints the column of conus batch, and is C++17, too" {
+    ball
+    run -0 --separate-stderr "$CONUS_EXAMPLES/thousand_poses" sphere.nii.gz
+    [ -z "$stderr" ]
+    echo "$output" >said
+    awk 'BEGIN { print "x\ty\tz\ttx\tty\ttz"; for (i = 0; i < 1000; i++) {
+        t = i * 6.283185307179586 / 1000; printf "%.17g\t%.17g\t0\t0\t0\t0\n", 100 * cos(t), 100 * sin(t) } }' >poses.tsv
+    conus batch sphere.nii.gz --poses poses.tsv -q -o rows.tsv
+    awk -F'\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
+        $at["rank"] == 1 { printf "%.2f\n", $at["distance_mm"] }' rows.tsv >wanted
+    [ "$(wc -l <wanted)" -eq 1000 ]
+    cmp said wanted
+    run -1 --separate-stderr "$CONUS_EXAMPLES/thousand_poses" none.nii.gz
+    [ -z "$output" ] && [[ "$stderr" == 'none.nii.gz: '* ]]
+    c++ -std=c++17 -Wall -Werror -fsyntax-only -x c++ -I "$BATS_TEST_DIRNAME/../../include" \
+        "$BATS_TEST_DIRNAME/../../examples/thousand_poses.c"
+}
+
 # The deepest voxels at the axis of a cone from z = 60 mm are the nearest to it: sqrt(2) mm beside it, at z = -19 mm.
 @test "sweep_table prints two columns, and is C++17, too" {
     ball

@@ -76,7 +76,7 @@ static void ask(const conus_atlas *atlas)
         const conus_report_options rows = {.format = CONUS_FORMAT_JSON};
         if (!conus_selector_create(&selector, atlas, &options)) {
             if (!conus_pose_toward(&pose, from[i], (double[]){1, 1, 0.5}, NULL) &&
-                !conus_select(&selection, selector, &pose, 0.3) && !conus_report_create(&report, selector, &rows) &&
+                !conus_select(&selection, selector, &pose, 17) && !conus_report_create(&report, selector, &rows) &&
                 !conus_report_add(report, "1", selection) && !conus_report_text(&text, &size, report) && !size) {
                 abort();
             }

@@ -3,6 +3,7 @@
 #include "pack/pack_file.h"
 
 #include "base/files/file.h"
+#include "base/geometry/math3.h"
 #include "conus/own.h"
 #include "pack/pack_check.h"
 #include "pack/pack_layout.h"
@@ -131,7 +132,7 @@ static char *answer_of(const conus_atlas *atlas)
     const conus_selector_options options = {.resolution = 8, .engine = CONUS_ENGINE_RAYS, .layers = CONUS_LAYERS_ALL};
     assert_ok(conus_selector_create(&selector, atlas, &options));
     assert_ok(conus_pose_toward(&pose, (double[]){3, -30, 2}, (double[]){0, 0, 0}, NULL));
-    assert_ok(conus_select(&selection, selector, &pose, 0.5));
+    assert_ok(conus_select(&selection, selector, &pose, degrees_from_radians(0.5)));
     assert_ok(conus_report_create(&report, selector, &(const conus_report_options){.format = CONUS_FORMAT_TSV}));
     assert_ok(conus_report_add(report, "1", selection));
     assert_ok(conus_report_text(&text, &size, report));

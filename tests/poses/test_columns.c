@@ -457,7 +457,7 @@ static void angles_and_ends(void **state)
         const char *comma = strchr(angles[i], ',');
         snprintf(text, sizeof text, "x,y,z,dx,dy,dz,%.*s\n0,0,0,3,4,0%s\n", (int)(comma - angles[i]), angles[i], comma);
         conus_pose_list *list = pose_text_parse(text_from(text), NULL);
-        assert_true(fabs(conus_pose_list_row(list, 0)->angle - 0.01) < 1e-12);
+        assert_true(fabs(conus_pose_list_row(list, 0)->angle - degrees_from_radians(0.01)) < 1e-12);
         conus_pose_list_destroy(list);
     }
 }

@@ -113,8 +113,8 @@ static void rings_surround_the_direction(void **state)
     const double step = 5 * MATH3_PI / 180;
     conus_candidates asked = pairs;
     asked.entry_count = asked.target_count = 1;
-    asked.tilt_most = 3 * step;
-    asked.tilt_step = step;
+    asked.tilt_most = 15;
+    asked.tilt_step = 5;
     conus_pose_stream *stream = open_candidates(asked);
     conus_pose_row row;
     assert_true(read_one(&row, stream));
@@ -140,7 +140,7 @@ static void rings_surround_the_direction(void **state)
     }
     assert_false(read_one(&row, stream));
     conus_pose_stream_destroy(stream);
-    asked.tilt_most = asked.tilt_step = MATH3_PI / 2; /* 4 sideways */
+    asked.tilt_most = asked.tilt_step = 90; /* 4 sideways */
     stream = open_candidates(asked);
     uint64_t count;
     assert_ok(conus_pose_stream_count(&count, stream));
@@ -154,8 +154,8 @@ static void turns_about_the_axis(void **state)
     (void)state;
     conus_candidates asked = pairs;
     asked.entry_count = asked.target_count = 1;
-    asked.tilt_most = asked.tilt_step = MATH3_PI / 2; /* 5 directions */
-    asked.roll_step = 2 * MATH3_PI / 3;
+    asked.tilt_most = asked.tilt_step = 90; /* 5 directions */
+    asked.roll_step = 120;
     conus_pose_stream *stream = open_candidates(asked);
     for (int tilt = 1; tilt <= 5; tilt++) {
         double first[16];
@@ -241,13 +241,14 @@ static void what_cannot_be_is_refused(void **state)
         {{.entries = entries[0], .entry_count = 2}, "entry 1 has no normal"},
         {{.entries = entries[0], .entry_count = 3, .normals = flat}, "entry 2 has no normal"},
         {{.entries = entries[0], .entry_count = 1, .normals = flat, .to_target = true}, "there is none"},
-        {{.entries = entries[0], .entry_count = 1, .normals = flat, .tilt_most = 1}, "tilt: up to"},
-        {{.entries = entries[0], .entry_count = 1, .normals = flat, .tilt_most = 0.1, .tilt_step = 0.2}, "tilt: up to"},
-        {{.entries = entries[0], .entry_count = 1, .normals = flat, .tilt_most = 1, .tilt_step = 1e-4}, "tilt: up to"},
-        {{.entries = entries[0], .entry_count = 1, .normals = flat, .tilt_most = 2, .tilt_step = 1}, "tilt: up to"},
-        {{.entries = entries[0], .entry_count = 1, .normals = flat, .tilt_most = NAN, .tilt_step = 1}, "tilt: up to"},
+        {{.entries = entries[0], .entry_count = 1, .normals = flat, .tilt_most = 60}, "tilt: up to"},
+        {{.entries = entries[0], .entry_count = 1, .normals = flat, .tilt_most = 6, .tilt_step = 12}, "tilt: up to"},
+        {{.entries = entries[0], .entry_count = 1, .normals = flat, .tilt_most = 60, .tilt_step = 0.006},
+         "tilt: up to"},
+        {{.entries = entries[0], .entry_count = 1, .normals = flat, .tilt_most = 115, .tilt_step = 60}, "tilt: up to"},
+        {{.entries = entries[0], .entry_count = 1, .normals = flat, .tilt_most = NAN, .tilt_step = 60}, "tilt: up to"},
         {{.entries = entries[0], .entry_count = 1, .normals = flat, .beyond = NAN}, "beyond"},
-        {{.entries = entries[0], .entry_count = 1, .normals = flat, .roll_step = 4}, "roll: in steps of"},
+        {{.entries = entries[0], .entry_count = 1, .normals = flat, .roll_step = 230}, "roll: in steps of"},
         {{.entries = entries[0], .entry_count = 1, .normals = flat, .roll_step = NAN}, "roll: in steps of"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -271,7 +272,7 @@ static void too_many_candidates_are_refused(void **state)
     assert_ok(conus_pose_stream_count(&count, stream));
     assert_int_equal(count, CONUS_CANDIDATE_LIMIT);
     conus_pose_stream_destroy(stream);
-    asked.tilt_most = asked.tilt_step = 0.1;
+    asked.tilt_most = asked.tilt_step = 6;
     assert_fails(conus_candidates_open(&stream, &asked), CONUS_ERROR_ARGUMENT);
     assert_non_null(strstr(conus_message(), "allowed are 1.1e+12"));
     free(points);
@@ -282,7 +283,7 @@ static conus_status read_all(void *data)
     (void)data;
     conus_candidates asked = pairs;
     asked.targets = entries[0];
-    asked.tilt_most = asked.tilt_step = 0.5;
+    asked.tilt_most = asked.tilt_step = 30;
     conus_pose_stream *stream = NULL;
     conus_pose_row rows[7];
     size_t count = 1;

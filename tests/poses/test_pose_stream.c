@@ -235,7 +235,7 @@ static void optional_columns_are_read(void **state)
                                       "0,0,0,0,1,0,0,1,False,1,1\n",
                                       NULL);
     conus_pose_row row = read_one(stream);
-    assert_near(row.angle, radians_from_degrees(20), 1e-15);
+    assert_near(row.angle, 20, 0);
     assert_near(row.time_s, 1.5, 0);
     assert_true(row.trigger);
     assert_near(row.error_deg, 2.5, 0);

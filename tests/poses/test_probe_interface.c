@@ -135,7 +135,7 @@ static void poses_place_contacts(void **state)
     assert_near(coordinate(list, 4, 1), 2, 1e-12);
     assert_near(coordinate(list, 4, 2), 3.195, 1e-12);
     conus_pose_list_destroy(list);
-    assert_ok(conus_probe_place(&list, probe, &pose, 1, MATH3_PI / 2));
+    assert_ok(conus_probe_place(&list, probe, &pose, 1, 90));
     assert_near(coordinate(list, 4, 0), 1, 1e-12);
     assert_near(coordinate(list, 4, 1), 2 - 0.266, 1e-12);
     assert_near(coordinate(list, 4, 2), 3.195, 1e-12);
@@ -291,7 +291,7 @@ static conus_status load_and_place(void *path)
     const conus_pose poses[2] = {{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}},
                                  {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}};
     conus_status status = conus_probe_load(&probe, path, NULL);
-    status = status ? status : conus_probe_place(&list, probe, poses, conus_probe_count(probe), 1);
+    status = status ? status : conus_probe_place(&list, probe, poses, conus_probe_count(probe), 57);
     conus_pose_list_destroy(list);
     conus_probe *two = NULL;
     bool is_one = !status && conus_probe_count(probe) == 1;

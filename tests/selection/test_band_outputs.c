@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Outputs for bands of values: masks, lists of voxels, packed atlases, pictures' attributes. */
 #include "atlas/atlas.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"
 #include "render/image/image.h"
@@ -120,7 +121,7 @@ static void answer(char **rows, conus_image **image, const conus_atlas *atlas)
     conus_pose pose;
     assert_ok(conus_selector_create(&selector, atlas, &all));
     assert_ok(conus_pose_toward(&pose, (double[]){60, 20, 30}, (double[]){1, 2, 3}, NULL));
-    assert_ok(conus_select(&selection, selector, &pose, 0.3));
+    assert_ok(conus_select(&selection, selector, &pose, degrees_from_radians(0.3)));
     assert_ok(conus_report_create(&report, selector, &options));
     assert_ok(conus_report_add(report, "q", selection));
     assert_ok(conus_report_text(&text, &size, report));

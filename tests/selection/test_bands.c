@@ -139,7 +139,7 @@ static void check_share(conus_engine engine, conus_sampling sampling, double fra
     }
     conus_selector *selector = make_selector(atlas, &options);
     assert_ok(conus_pose_toward(&pose, (double[]){0.6 * D, 0, 0.8 * D}, (double[]){0, 0, 0}, NULL));
-    assert_ok(conus_select(&selection, selector, &pose, 2 * h));
+    assert_ok(conus_select(&selection, selector, &pose, degrees_from_radians(2 * h)));
     double share = result_of(selection, object)->share;
     double e = sqrt(3) / 2;
     assert_true(share > 0.99 * share_of_ball(radius - e, D, h));

@@ -6,7 +6,7 @@
 
 static struct cone looking_down(double degrees, uint32_t resolution)
 {
-    struct cone cone = {.angle = radians_from_degrees(degrees), .resolution = resolution};
+    struct cone cone = {.degrees = degrees, .angle = radians_from_degrees(degrees), .resolution = resolution};
     mat4_identity(cone.pose.world_from_device);
     return cone;
 }

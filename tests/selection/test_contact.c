@@ -115,7 +115,7 @@ static void check_step(conus_engine engine)
             conus_selector *selector = NULL;
             conus_selection *selection = NULL;
             assert_gl(conus_selector_create(&selector, atlas, &options));
-            assert_ok(conus_select(&selection, selector, &pose, radians_from_degrees(20)));
+            assert_ok(conus_select(&selection, selector, &pose, 20));
             assert_near(conus_selection_result(selection, 0)->contact[2], -NEAR, 1e-9);
             conus_selection_destroy(selection);
             conus_selector_destroy(selector);

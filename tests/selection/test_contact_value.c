@@ -108,7 +108,7 @@ static void check_poses(const conus_selector_options *options)
         conus_pose pose;
         double from[3];
         random_pose(&pose, from, &seed);
-        assert_ok(conus_select(&selection, selector, &pose, radians_from_degrees(12)));
+        assert_ok(conus_select(&selection, selector, &pose, 12));
         contacts += check_results(selection, from);
         conus_selection_destroy(selection);
     }
@@ -199,7 +199,7 @@ static void labels_have_none(void **state)
     assert_ok(conus_atlas_create(&atlas, &voxels, NULL, 0, NULL));
     conus_selector *selector = make_selector(atlas, NULL);
     assert_ok(conus_pose_toward(&pose, (double[]){0.5, 0.5, -9}, (double[]){0.5, 0.5, 0}, NULL));
-    assert_ok(conus_select(&selection, selector, &pose, 0.1));
+    assert_ok(conus_select(&selection, selector, &pose, degrees_from_radians(0.1)));
     assert_int_equal(conus_selection_result(selection, 0)->object, 1);
     assert_true(isnan(conus_selection_result(selection, 0)->contact_value));
     conus_selection_destroy(selection);

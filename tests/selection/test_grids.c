@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Areas on several grids: the answers are those of each grid alone, joined at the nearest hit. */
 #include "atlas/atlas.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "gl_pair.h"
 #include "scene.h"
@@ -184,7 +185,7 @@ static conus_selection *ask(conus_selector **selector, const conus_atlas *atlas,
     conus_selection *selection = NULL;
     *selector = NULL;
     assert_ok(conus_selector_create(selector, atlas, &options));
-    assert_ok(conus_select(&selection, *selector, pose, angle));
+    assert_ok(conus_select(&selection, *selector, pose, degrees_from_radians(angle)));
     return selection;
 }
 

@@ -2,6 +2,7 @@
 /* A hidden object is as if it had never been loaded, to the last bit: every answer equals that of a twin in which
  * hidden voxels are background, hidden pathways are volumes without objects, and hidden meshes are left out. */
 #include "atlas/atlas.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"
 #include "mesh_scene.h"
@@ -85,8 +86,8 @@ static void assert_same_sweep(const conus_selector *a, const conus_selector *b, 
 {
     conus_table *mine = NULL;
     conus_table *other = NULL;
-    assert_ok(conus_sweep(&mine, a, pose, 2));
-    assert_ok(conus_sweep(&other, b, pose, 2));
+    assert_ok(conus_sweep(&mine, a, pose, degrees_from_radians(2)));
+    assert_ok(conus_sweep(&other, b, pose, degrees_from_radians(2)));
     assert_int_equal(conus_table_rows(mine), conus_table_rows(other));
     assert_memory_equal(conus_table_objects(mine), conus_table_objects(other), conus_table_rows(mine) * 4);
     assert_same_tables(mine, other);
@@ -135,7 +136,7 @@ static size_t compare_one(conus_atlas *const atlases[2], const conus_selector_op
     conus_selection *answers[2] = {NULL};
     for (int k = 0; k < 2; k++) {
         assert_ok(conus_selector_create(&selectors[k], atlases[k], options));
-        assert_ok(conus_select(&answers[k], selectors[k], &pose, options->radius > 0 ? 0 : 0.8));
+        assert_ok(conus_select(&answers[k], selectors[k], &pose, degrees_from_radians(options->radius > 0 ? 0 : 0.8)));
     }
     size_t count = conus_selection_count(answers[0]);
     assert_same_answer(answers[0], answers[1], 0);

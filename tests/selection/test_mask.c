@@ -36,7 +36,7 @@ static int set_up(void **state)
 {
     static struct fixture fixture;
     const conus_phantom_options options = {
-        .size = 32, .spacing = {2, 2.5, 3}, .oblique = 0.4, .flip = {true, false, true}};
+        .size = 32, .spacing = {2, 2.5, 3}, .oblique = 0.4 * 180 / MATH3_PI, .flip = {true, false, true}};
     struct phantom_drawing drawing;
     conus_pose pose;
     fixture = (struct fixture){0};
@@ -47,7 +47,7 @@ static int set_up(void **state)
     const conus_selector_options layers = {.layers = CONUS_LAYERS_ALL};
     assert_ok(conus_selector_create(&fixture.selector, fixture.atlas, &layers));
     assert_ok(conus_pose_toward(&pose, (double[]){-70, 20, 15}, (double[]){1, 2, 3}, NULL));
-    assert_ok(conus_select(&fixture.selection, fixture.selector, &pose, 0.3));
+    assert_ok(conus_select(&fixture.selection, fixture.selector, &pose, degrees_from_radians(0.3)));
     *state = &fixture;
     return 0;
 }
@@ -266,7 +266,7 @@ static void everything_needs_no_name_on_one_grid(void **state)
         add_pathway(atlas, info, "three");
         assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.layers = CONUS_LAYERS_ALL}));
         assert_ok(conus_pose_toward(&pose, (double[]){-70, 20, 15}, (double[]){1, 2, 3}, NULL));
-        assert_ok(conus_select(&selection, selector, &pose, 0.3));
+        assert_ok(conus_select(&selection, selector, &pose, degrees_from_radians(0.3)));
         conus_status status = conus_selection_grid(&grid, selection, &everything);
         assert_int_equal(status, moved ? CONUS_ERROR_ARGUMENT : CONUS_OK);
         if (moved) { /* the third one */

@@ -85,7 +85,7 @@ static double score_of(const conus_atlas *atlas, const conus_selector_options *o
     conus_selector_options of16 = *options;
     of16.resolution = of16.resolution ? of16.resolution : 16;
     assert_ok(conus_selector_create(&selector, atlas, &of16));
-    assert_ok(conus_select(&selection, selector, pose, radians_from_degrees(degrees)));
+    assert_ok(conus_select(&selection, selector, pose, degrees));
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         score = result->object == object ? result->score : score;

@@ -71,7 +71,7 @@ static bool is_in_cone(const struct volume *volume, const conus_pose *pose, doub
 static bool is_found(conus_selector *selector, const conus_pose *pose, double angle)
 {
     conus_selection *selection = NULL;
-    assert_ok(conus_select(&selection, selector, pose, angle));
+    assert_ok(conus_select(&selection, selector, pose, degrees_from_radians(angle)));
     bool found = conus_selection_count(selection) > 1;
     conus_selection_destroy(selection);
     return found;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Rolled up areas (Eq. 10) are exactly as if their voxels had been relabelled beforehand. */
+#include "base/geometry/math3.h"
 #include "mesh_scene.h"
 #include "report_scene.h"
 #include "same_answer.h"
@@ -72,7 +73,7 @@ static conus_selection *select_from(const conus_atlas *atlas, const conus_select
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
     assert_ok(conus_selector_create(&selector, atlas, options));
-    assert_ok(conus_select(&selection, selector, pose, options->radius > 0 ? 0 : 0.7));
+    assert_ok(conus_select(&selection, selector, pose, degrees_from_radians(options->radius > 0 ? 0 : 0.7)));
     conus_selector_destroy(selector);
     return selection;
 }
@@ -326,7 +327,7 @@ static void every_allocation_may_fail(void **state)
     const struct report_attempt attempt = {.atlas = atlas,
                                            .options = {.layers = CONUS_LAYERS_ALL, .level = "1"},
                                            .pose = scene_generic_pose(&random, atlas),
-                                           .angle = 1};
+                                           .angle = 57};
     report_every_allocation(&attempt);
     conus_atlas_destroy(atlas);
 }

@@ -72,7 +72,7 @@ static int set_up(void **state)
     assert_ok(ranking_parse(&fixture.selector.ranking, NULL));
     conus_pose pose;
     assert_ok(conus_pose_along(&pose, (double[]){0, 0, 50}, (double[]){0, 0, -1}, NULL));
-    assert_ok(conus_select(&fixture.selection, &fixture.selector, &pose, radians_from_degrees(60)));
+    assert_ok(conus_select(&fixture.selection, &fixture.selector, &pose, 60));
     *state = &fixture;
     return 0;
 }
@@ -104,7 +104,7 @@ static void results_follow_from_the_pixels(void **state)
     assert_near(one->share, 2 * inner / total, 1e-12);
     assert_near(one->score, one->share, 0);
     assert_near(one->centre_px, sqrt(0.125) * 2, 1e-12);
-    assert_near(one->offset, atan(sqrt(0.125) * t), 1e-12);
+    assert_near(one->offset, degrees_from_radians(atan(sqrt(0.125) * t)), 1e-12);
     assert_near(one->distance, 90, 0);
     double ray[3] = {0.25 * t, 0.25 * t, -1};
     vec3_normalise(ray, ray);
@@ -270,7 +270,8 @@ static conus_status select_and_report(void *data)
     static const conus_format formats[] = {CONUS_FORMAT_TABLE, CONUS_FORMAT_TSV, CONUS_FORMAT_JSON,
                                            CONUS_FORMAT_NDJSON};
     conus_selection *selection = NULL;
-    conus_status status = conus_select(&selection, &fixture->selector, &fixture->selection->cone.pose, 1);
+    conus_status status =
+        conus_select(&selection, &fixture->selector, &fixture->selection->cone.pose, degrees_from_radians(1));
     for (size_t i = 0; !status && i < sizeof formats / sizeof formats[0]; i++) {
         conus_report *report = NULL;
         const conus_report_options options = {.format = formats[i], .all_voxels = true};
@@ -298,9 +299,10 @@ static void bad_queries_are_refused(void **state)
     conus_selection *selection = NULL;
     conus_pose pose = fixture->selection->cone.pose;
     assert_fails(conus_select(&selection, &fixture->selector, &pose, 0), CONUS_ERROR_ARGUMENT);
-    assert_fails(conus_select(&selection, &fixture->selector, &pose, MATH3_PI), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_select(&selection, &fixture->selector, &pose, degrees_from_radians(MATH3_PI)),
+                 CONUS_ERROR_ARGUMENT);
     pose.world_from_device[12] = NAN;
-    assert_fails(conus_select(&selection, &fixture->selector, &pose, 1), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_select(&selection, &fixture->selector, &pose, degrees_from_radians(1)), CONUS_ERROR_ARGUMENT);
     assert_null(selection);
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Selectors that share their tables answer at the same time, each like the first one alone. */
+#include "base/geometry/math3.h"
 #include "test.h"
 #include "test_gl.h"
 
@@ -30,7 +31,7 @@ static void *ask_all(void *data)
         answers->status = conus_pose_toward(&pose, (double[]){90 * cos(a), 90 * sin(a), 4 * a},
                                             (double[]){3 * cos(7 * a), 3 * sin(5 * a), 0}, NULL);
         if (!answers->status) {
-            answers->status = conus_select(&selection, answers->selector, &pose, 0.2);
+            answers->status = conus_select(&selection, answers->selector, &pose, degrees_from_radians(0.2));
         }
         if (!answers->status) {
             answers->counts[n] = conus_selection_count(selection);

@@ -212,7 +212,7 @@ static double share_of_ball(conus_selector *selector, double away, double beside
     for (int a = 0; a < 3; a++) {
         cone.pose.world_from_device[12 + a] = away * (cos(beside) * m[8 + a] - sin(beside) * m[a]);
     }
-    assert_ok(conus_select(&selection, selector, &cone.pose, 2 * half));
+    assert_ok(conus_select(&selection, selector, &cone.pose, degrees_from_radians(2 * half)));
     double share = share_of(selection, 1);
     conus_selection_destroy(selection);
     return share;
@@ -296,12 +296,13 @@ static void volumes_and_scores_follow(void **state)
     assert_near(ball->volume / whole, 1, 0.01);
     /* The ball's centre is atan(40 / 60) off the axis, its rim asin(1/3) nearer. */
     double least = atan2(40, 60) - asin(20.0 / 60);
-    assert_near(ball->offset, least, radians_from_degrees(165) / 128);
-    assert_near(ball->score, 1 - ball->offset / (cone.angle / 2), 1e-12);
-    assert_near(ball->centre_px, ball->offset / (cone.angle / 2) * 64, 1e-9);
+    assert_near(radians_from_degrees(ball->offset), least, radians_from_degrees(165) / 128);
+    assert_near(ball->score, 1 - radians_from_degrees(ball->offset) / (cone.angle / 2), 1e-12);
+    assert_near(ball->centre_px, radians_from_degrees(ball->offset) / (cone.angle / 2) * 64, 1e-9);
     double way[3];
     vec3_sub(way, ball->contact, cone.pose.world_from_device + 12);
-    assert_near(acos(-vec3_dot(way, cone.pose.world_from_device + 8) / vec3_length(way)), ball->offset, 1e-9);
+    assert_near(acos(-vec3_dot(way, cone.pose.world_from_device + 8) / vec3_length(way)),
+                radians_from_degrees(ball->offset), 1e-9);
     conus_selection_destroy(selection);
     cone = mesh_scene_cone((double[]){0, 0, 0}, (double[]){1, 1, 0}, 165, 128);
     selection = mesh_scene_select(atlas, &options, &cone);
@@ -457,7 +458,7 @@ static double largest_difference(conus_selector *const selectors[2], size_t obje
     conus_selection *selections[2];
     double most = 0;
     for (int fine = 0; fine < 2; fine++) {
-        assert_ok(conus_select(&selections[fine], selectors[fine], pose, radians_from_degrees(degrees)));
+        assert_ok(conus_select(&selections[fine], selectors[fine], pose, degrees));
     }
     for (uint32_t object = 0; object <= objects; object++) {
         most = fmax(most, fabs(share_of(selections[0], object) - share_of(selections[1], object)));

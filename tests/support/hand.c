@@ -125,7 +125,7 @@ static conus_status choose(struct trial *trial, conus_selector *chooser, const d
         conus_selection *selection = NULL;
         place_device(origin, centre, source);
         status = conus_pose_toward(&trial->aim, origin, centre, NULL);
-        status = status ? status : conus_select(&selection, chooser, &trial->aim, radians_from_degrees(40));
+        status = status ? status : conus_select(&selection, chooser, &trial->aim, 40);
         chosen = !status && choose_area(trial, target, selection, source);
         conus_selection_destroy(selection);
         if (chosen) {
@@ -232,8 +232,7 @@ static conus_status follow(struct hand_outcome *out, size_t method, conus_tracke
     for (size_t i = 0; !status && i < trial->count; i++) {
         const struct sample *sample = &trial->samples[i];
         conus_selection *selection = NULL;
-        status = conus_tracker_step(&selection, tracker, sample->time, &sample->pose, radians_from_degrees(10),
-                                    sample->trigger);
+        status = conus_tracker_step(&selection, tracker, sample->time, &sample->pose, 10, sample->trigger);
         const conus_step *step = conus_selection_step(selection);
         if (step) {
             bool counts = sample->time > trial->arrival && !sample->trigger && i > 0;

@@ -42,7 +42,8 @@ conus_selection *mesh_scene_select(const conus_atlas *atlas, const conus_selecto
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
     assert_ok(conus_selector_create(&selector, atlas, options));
-    assert_ok(conus_select(&selection, selector, &cone->pose, options->radius > 0 ? 0 : cone->angle));
+    assert_ok(
+        conus_select(&selection, selector, &cone->pose, degrees_from_radians(options->radius > 0 ? 0 : cone->angle)));
     conus_selector_destroy(selector);
     return selection;
 }

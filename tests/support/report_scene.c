@@ -2,6 +2,7 @@
 /* An atlas and its answers, for reports. */
 #include "report_scene.h"
 
+#include "base/geometry/math3.h"
 #include "scene.h"
 #include "test.h"
 
@@ -14,11 +15,11 @@ struct report_scene report_scene_create_from(uint64_t seed)
 {
     struct report_scene scene = {.atlas = scene_atlas(&seed, 14, 1)};
     const conus_pose pose = scene_generic_pose(&seed, scene.atlas);
-    const conus_jitter_options errors = {.tilt = 0.1, .shift = 2, .samples = 16};
+    const conus_jitter_options errors = {.tilt = 0.1 * 180 / MATH3_PI, .shift = 2, .samples = 16};
     assert_ok(conus_selector_create(&scene.selector, scene.atlas, NULL));
-    assert_ok(conus_select(&scene.cone, scene.selector, &pose, 1));
-    assert_ok(conus_sweep(&scene.sweep, scene.selector, &pose, 1));
-    assert_ok(conus_jitter(&scene.jitter, scene.selector, &pose, 1, &errors));
+    assert_ok(conus_select(&scene.cone, scene.selector, &pose, degrees_from_radians(1)));
+    assert_ok(conus_sweep(&scene.sweep, scene.selector, &pose, degrees_from_radians(1)));
+    assert_ok(conus_jitter(&scene.jitter, scene.selector, &pose, degrees_from_radians(1), &errors));
     for (int i = 0; i < 2; i++) {
         const double *at = pose.world_from_device + 12;
         const double centre[3] = {at[0], at[1], at[2] + i};

@@ -44,7 +44,7 @@ int main(int argc, char **argv)
         conus_pose pose;
         conus_selection *selection = NULL;
         need(conus_pose_toward(&pose, given, given + 3, NULL));
-        need(conus_select(&selection, selector, &pose, given[6] * 3.14159265358979323846 / 180));
+        need(conus_select(&selection, selector, &pose, given[6]));
         for (int a = 0; a < 3; a++) {
             view.centre[a] = given[9 + a];
             view.right[a] = a == right;

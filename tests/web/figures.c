@@ -44,7 +44,7 @@ static conus_selection *ask(conus_selector *selector, const double question[7])
     conus_pose pose;
     conus_selection *selection = NULL;
     need(conus_pose_toward(&pose, question, question + 3, NULL));
-    need(conus_select(&selection, selector, &pose, question[6] * 3.14159265358979323846 / 180));
+    need(conus_select(&selection, selector, &pose, question[6]));
     return selection;
 }
 

@@ -4,6 +4,7 @@
 
 #include "base/path.h"
 #include "cli/answers/answer_format.h"
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
 

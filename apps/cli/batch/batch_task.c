@@ -294,7 +294,7 @@ static void say_question(const struct task *task)
                  engine->radius, conus_pose_stream_has_points(task->poses) ? ", round points balls" : "");
     } else {
         snprintf(shape, sizeof shape, "%s of %g degrees%s%s", is_square ? "square pyramids" : "cones",
-                 settings_angle(&settings->aim, engine) * (180 / M_PI),
+                 settings_angle(&settings->aim, engine),
                  option_given(task->arguments, "angle")      ? ""
                  : conus_pose_stream_has_ranges(task->poses) ? " (the default; --angle DEGREES or, for needles, "
                                                                "--radius MM changes it)"
@@ -355,7 +355,7 @@ static int build_task(struct task *task)
                    .radii = has_points && conus_pose_stream_has_radii(task->poses),
                    .marks = &task->marks,
                    .probe = task->probe,
-                   .roll = radians(settings->probe.roll),
+                   .roll = settings->probe.roll,
                    .depth = settings->engine.range.ends[1]},
     };
     engine.radius = radius_of(task);
@@ -638,7 +638,7 @@ static int finish_file(struct task *task)
         .weight_files = task->settings->engine.weight_file,
         .probe_file = task->settings->probe.path,
         .contacts = conus_probe_contact_count(task->probe),
-        .angle = settings_angle(&task->settings->aim, &task->settings->engine) * (180 / M_PI),
+        .angle = settings_angle(&task->settings->aim, &task->settings->engine),
         .has_angles = conus_pose_stream_has_angles(task->poses),
         .has_ranges = conus_pose_stream_has_ranges(task->poses),
         .has_points = conus_pose_stream_has_points(task->poses) || task->probe,

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum kind { TEXT_NAME, TEXT_ABBREVIATION, LABEL, COUNT, LONG_COUNT, NUMBER, PART, ANGLE, PLACE };
+enum kind { TEXT_NAME, TEXT_ABBREVIATION, LABEL, COUNT, LONG_COUNT, NUMBER, PART, PLACE };
 
 struct column {
     const char *key, *heading, *unit, *meaning;
@@ -50,7 +50,7 @@ static const struct column columns[RESULT_COLUMNS] = {
     [RESULT_PATH] = {"path_mm", "inside mm", "mm", "mean length of its rays inside it", NUMBER, AT(path), 2, "999.99",
                      .falls = true, .needs_object = true},
     [RESULT_OFFSET] = {"offset_deg", "off axis \u00b0", "degrees", "smallest angle between its rays and the axis",
-                       ANGLE, AT(offset), 2, "89.99"},
+                       NUMBER, AT(offset), 2, "89.99"},
     [RESULT_X] = {"contact_x", "", "", "where the ray nearest to the axis enters it, first coordinate", PLACE,
                   AT(contact), 0, ""},
     [RESULT_Y] = {"contact_y", "", "", "the same, second coordinate", PLACE, AT(contact), 1, ""},
@@ -238,8 +238,6 @@ static double value_of(const struct viewer *viewer, const struct view_atlas *vie
     switch (of->kind) {
     case LABEL:
         return object ? (double)object->label : (double)NAN;
-    case ANGLE:
-        return number_at(result, of) * 180 / M_PI;
     case PLACE:
         conus_frame_from_world(place, &viewer->frame, result->contact);
         return place[of->digits];

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-static const double ray_angle = 1e-3; /* the one pixel's ray is the axis, whatever it is */
+static const double ray_angle = 0.1; /* degrees: the one pixel's ray is the axis, whatever it is */
 
 static conus_status make_picker(struct view_atlas *view, conus_layers layers)
 {

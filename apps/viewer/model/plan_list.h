@@ -18,7 +18,7 @@ struct plan_row {
     char id[PLAN_ID];
     conus_pose pose;
     double range[2];          /**< Near and far end. */
-    double angle;             /**< Opening of its cone, radians; 0 of a cylinder. */
+    double angle;             /**< Opening of its cone, degrees; 0 of a cylinder. */
     double leeway, clearance; /**< NaN where there is none. */
     bool breaks;              /**< It breaks a constraint. */
     char nearest[PLAN_NAME];  /**< The avoided object that has the clearance, or "breaks U"; "" = none. */

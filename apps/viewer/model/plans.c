@@ -296,7 +296,7 @@ static void put_verdict(FILE *out, const struct viewer *viewer, const conus_plan
         fprintf(out, "%s %s first", verdict->holds ? "passes" : "does not pass", name);
         break;
     default:
-        put_measure(out, verdict, verdict->value, asked->limit, M_PI / 180, true, "\u00b0 of lean");
+        put_measure(out, verdict, verdict->value, asked->limit, 1, true, "\u00b0 of lean");
     }
 }
 
@@ -405,7 +405,7 @@ static void judge(struct plan_verdict *out, struct viewer *viewer)
     }
     conus_pose_row row = {.id = "",
                           .pose = tool->pose,
-                          .angle = viewer->cone.options.radius > 0 ? 0 : tool->angle * (M_PI / 180),
+                          .angle = viewer->cone.options.radius > 0 ? 0 : tool->angle,
                           .range = {range[0], range[1]}};
     conus_frame_turn_pose(&row.pose, &viewer->frame, true);
     conus_status status = prepare_live(viewer);
@@ -532,7 +532,7 @@ bool plans_go(struct viewer *viewer, size_t index)
         return false;
     }
     if (row->angle > 0 && constraints_last_measure(&viewer->plan.task.constraints) >= CONUS_MEASURE_SHARE) {
-        tool->angle = row->angle * (180 / M_PI);
+        tool->angle = row->angle;
     }
     tool->held = true;
     tool_aim(viewer, FIRST_TOOL, &row->pose);

@@ -138,8 +138,7 @@ static conus_status sweep(struct work *work, size_t atlas)
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < answer->angle_count && !status && !work->stopped; i++) {
         conus_selection *selection = NULL;
-        status =
-            conus_select(&selection, work->selectors[atlas], &answer->question.pose, answer->angles[i] * (M_PI / 180));
+        status = conus_select(&selection, work->selectors[atlas], &answer->question.pose, answer->angles[i]);
         status = status ? status : conus_report_add(work->reports[atlas], "1", selection);
         status = status ? status : note_shares(table, selection, i, answer->angle_count);
         conus_selection_destroy(selection);
@@ -163,7 +162,7 @@ static bool list_angles(struct study_answer *answer)
 static conus_status shake(struct work *work, size_t atlas)
 {
     const struct study_question *question = &work->answer->question;
-    const conus_jitter_options options = {.tilt = question->settings.tilt_deg * (M_PI / 180),
+    const conus_jitter_options options = {.tilt = question->settings.tilt_deg,
                                           .shift = question->settings.shift_mm,
                                           .samples = (uint32_t)question->settings.samples,
                                           .progress = go_on,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file A study of the cone: its shares over its angle, or the chances under errors of its pose, in all atlases. Or
  * of candidates against constraints: a plan.
- * Angles in degrees in settings, radians elsewhere; mm. */
+ * Angles in degrees; mm. */
 #ifndef CONUS_VIEWER_MODEL_STUDY_H
 #define CONUS_VIEWER_MODEL_STUDY_H
 

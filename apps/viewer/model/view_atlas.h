@@ -51,7 +51,7 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source);
 /** Ends all but the atlas itself. */
 void view_atlas_finish(struct view_atlas *view);
 
-/** Asks for what is in the cone of a tool, of full opening @p angle, radians. Where that fails, there is no answer. */
+/** Asks for what is in the cone of a tool, of full opening @p angle, degrees. Where that fails, there is no answer. */
 conus_status view_atlas_select(struct view_atlas *view, enum tool_number tool, const conus_selector_options *options,
                                const conus_pose *pose, double angle);
 /** The answer to a cone of these options from @p pose, where nothing is: pictures with it have no colour of their

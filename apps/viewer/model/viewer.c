@@ -120,7 +120,7 @@ double viewer_query(conus_selector_options *options, const struct viewer *viewer
         options->layers = CONUS_LAYERS_VISIBLE;
     }
     double angle = cone->one_ray ? ray_angle : viewer->tools[tool].angle;
-    return options->radius > 0 ? 0 : angle * (M_PI / 180); /* as conus query has it, to the last bit */
+    return options->radius > 0 ? 0 : angle;
 }
 
 const char *viewer_shape(const struct viewer *viewer)

@@ -149,7 +149,7 @@ const char *viewer_place_text(char out[VIEWER_PLACE_TEXT], const struct viewer *
 /** How a coordinate is printed, and written so, without a "-0.0". Returns the characters. */
 const char *viewer_place_format(const struct viewer *viewer);
 size_t viewer_put_coordinate(char *out, size_t size, const struct viewer *viewer, double value);
-/** How atlas @p index is asked for a tool: the options and its full opening, radians, 0 of a cylinder; with one_ray
+/** How atlas @p index is asked for a tool: the options and its full opening, degrees, 0 of a cylinder; with one_ray
  * those of that ray. The level is borrowed from the viewer. */
 double viewer_query(conus_selector_options *options, const struct viewer *viewer, enum tool_number tool, size_t index);
 /** What the atlases are asked with: "cone", "cylinder", "axis" of a single ray, "point" or "ball". */

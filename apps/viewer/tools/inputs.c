@@ -407,7 +407,7 @@ static void aim_at(struct viewer *viewer, const conus_pose_row *row)
         viewer->cone.options.radius = row->radius;
     }
     if (row->angle > 0 && viewer->cone.options.radius == 0) {
-        viewer->tools[FIRST_TOOL].angle = row->angle * 180 / M_PI;
+        viewer->tools[FIRST_TOOL].angle = row->angle;
     }
     (row->is_point ? tool_aim_point : tool_aim)(viewer, FIRST_TOOL, &row->pose);
 }

@@ -20,7 +20,8 @@ static void put(double out[3], const conus_pose *pose, double x, double y, doubl
 
 void shell_find(struct shell *out, const conus_pose *pose, double radius, double angle, double near, double far)
 {
-    double slope = tan(angle / 2);
+    double half = angle * (M_PI / 180) / 2;
+    double slope = tan(half);
     const double *m = pose->world_from_device;
     for (size_t i = 0; i < SHELL_POINTS; i++) {
         double turn = 2 * M_PI * (double)i / SHELL_POINTS;
@@ -29,7 +30,7 @@ void shell_find(struct shell *out, const conus_pose *pose, double radius, double
         put(out->near[i], pose, x, y, radius + near * slope, near);
         put(out->far[i], pose, x, y, radius + far * slope, far);
         for (int a = 0; a < 3; a++) {
-            out->out[i][a] = cos(angle / 2) * (x * m[a] + y * m[4 + a]) + sin(angle / 2) * m[8 + a];
+            out->out[i][a] = cos(half) * (x * m[a] + y * m[4 + a]) + sin(half) * m[8 + a];
         }
     }
 }

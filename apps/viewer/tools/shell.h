@@ -17,7 +17,7 @@ struct shell {
 
 /** Finds the wall at @p pose between two depths along the axis: @p radius at the apex, 0 of a cone, and the full
  * opening
- * @p angle, radians, 0 of a cylinder. */
+ * @p angle, degrees, 0 of a cylinder. */
 void shell_find(struct shell *out, const conus_pose *pose, double radius, double angle, double near, double far);
 
 /** A straight piece of the wall in a plane. */

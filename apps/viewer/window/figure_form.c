@@ -68,7 +68,7 @@ static bool set_camera(conus_view *view, struct eye *eye, const char *streamline
     double *f = eye->frustum;
     view->camera = &eye->camera;
     if (f[0] == -f[1] && f[2] == -f[3]) {
-        view->field_of_view = 2 * atan(f[3]);
+        view->field_of_view = 2 * atan(f[3]) * (180 / M_PI);
         return true;
     }
     eye_fit(eye, (double[]){view->width, view->height});

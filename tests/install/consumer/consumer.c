@@ -20,7 +20,7 @@ int main(int count, char **words)
         status = conus_selector_create(&selector, atlas, NULL);
     }
     if (!status) {
-        status = conus_select(&selection, selector, &pose, 0.7);
+        status = conus_select(&selection, selector, &pose, 40);
     }
     if (status) {
         fprintf(stderr, "%s\n", conus_message());

@@ -38,7 +38,7 @@ try {
     const Atlas atlas_owner(atlas);
     check(conus_selector_create(&selector, atlas, nullptr));
     const Selector selector_owner(selector);
-    check(conus_select(&selection, selector, &pose, 0.7));
+    check(conus_select(&selection, selector, &pose, 40));
     const Selection selection_owner(selection);
     const conus_result *best = conus_selection_result(selection, 0);
     std::cout << conus_version() << ' ' << conus_atlas_object(atlas, best->object)->name << '\n';

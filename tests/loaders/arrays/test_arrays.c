@@ -2,6 +2,7 @@
 /* Atlases from arrays: they equal those of files with the same numbers; values out of range are refused. */
 #include "test.h"
 
+#include "base/geometry/math3.h"
 #include "conus/own.h"
 
 #include <math.h>
@@ -46,7 +47,7 @@ static uint32_t label_ahead(const conus_atlas *atlas, double x)
     conus_pose pose;
     assert_int_equal(conus_selector_create(&selector, atlas, NULL), CONUS_OK);
     assert_int_equal(conus_pose_along(&pose, (double[]){x, 0.1, 0.1}, (double[]){1, 0, 0}, NULL), CONUS_OK);
-    assert_int_equal(conus_select(&selection, selector, &pose, 0.01), CONUS_OK);
+    assert_int_equal(conus_select(&selection, selector, &pose, degrees_from_radians(0.01)), CONUS_OK);
     const conus_result *best = conus_selection_result(selection, 0);
     uint32_t label = best->object ? conus_atlas_object(atlas, best->object)->label : 0;
     conus_selection_destroy(selection);

@@ -56,8 +56,8 @@ static void a_ball_is_one_wherever_the_voxels_point(void **state)
         {0},
         {.flip = {true}},
         {.flip = {true, true, true}},
-        {.oblique = 0.5},
-        {.oblique = -0.7, .flip = {false, true}},
+        {.oblique = 0.5 * 180 / MATH3_PI},
+        {.oblique = -0.7 * 180 / MATH3_PI, .flip = {false, true}},
         {.spacing = {1, 1, 2}},
     };
     for (size_t i = 0; i < sizeof grids / sizeof grids[0]; i++) {

@@ -97,7 +97,7 @@ static void read_phantom(struct bytes *out, const char *folder, const char *name
 static void the_same_phantom_is_the_same_bytes(void **state)
 {
     (void)state;
-    const conus_phantom_options options = {.size = 20, .oblique = 0.3};
+    const conus_phantom_options options = {.size = 20, .oblique = 0.3 * 180 / MATH3_PI};
     const char *once = test_scratch("once");
     const char *again = test_scratch("again");
     assert_ok(conus_phantom_write("nested", once, &options));
@@ -231,8 +231,8 @@ static void nibabel_and_numpy_agree(void **state)
     static const conus_phantom_options grids[] = {
         {.size = 48},
         {.size = 48, .spacing = {1, 1.5, 2.5}, .flip = {true, false, false}},
-        {.size = 40, .spacing = {0.75, 0.75, 1.25}, .oblique = 0.6, .flip = {false, true, false}},
-        {.size = 40, .oblique = 2.5, .flip = {true, true, true}},
+        {.size = 40, .spacing = {0.75, 0.75, 1.25}, .oblique = 0.6 * 180 / MATH3_PI, .flip = {false, true, false}},
+        {.size = 40, .oblique = 2.5 * 180 / MATH3_PI, .flip = {true, true, true}},
         {.size = 32, .oblique = MATH3_PI},
     };
     if (system("/usr/bin/python3 -c 'import nibabel, numpy' 2>/dev/null")) {
@@ -276,8 +276,9 @@ static void what_is_written_reads_back(void **state)
     (void)state;
     for (size_t i = 0; phantom_entry(i); i++) {
         check_reading_back(phantom_entry(i)->info.name, &(conus_phantom_options){.size = 40});
-        check_reading_back(phantom_entry(i)->info.name,
-                           &(conus_phantom_options){.size = 30, .oblique = 1, .flip = {true, false, false}});
+        check_reading_back(
+            phantom_entry(i)->info.name,
+            &(conus_phantom_options){.size = 30, .oblique = 1 * 180 / MATH3_PI, .flip = {true, false, false}});
     }
 }
 

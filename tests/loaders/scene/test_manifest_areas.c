@@ -89,7 +89,7 @@ static void shapes_of_all_kinds_are_hit_by_one_cone(void **state)
                                 "\"pathways\": [{\"file\": \"sphere.nii.gz\", \"name\": \"Ball\"}]");
     assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.engine = CONUS_ENGINE_RAYS}));
     assert_ok(conus_pose_along(&pose, (double[]){25, 1, 1}, (double[]){-1, 0, 0}, NULL));
-    assert_ok(conus_select(&selection, selector, &pose, 30 * 3.14159265358979 / 180));
+    assert_ok(conus_select(&selection, selector, &pose, 30));
     bool hit[4] = {false};
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);

@@ -92,7 +92,7 @@ static conus_selection *select_from_eye(const conus_atlas *atlas, conus_selector
     options.resolution = RESOLUTION;
     assert_gl(conus_selector_create(&selector, atlas, &options));
     assert_ok(conus_pose_toward(&pose, eye, (double[]){0, 0, 0}, NULL));
-    assert_ok(conus_select(&selection, selector, &pose, radians_from_degrees(50)));
+    assert_ok(conus_select(&selection, selector, &pose, 50));
     conus_selector_destroy(selector);
     return selection;
 }

@@ -296,7 +296,7 @@ static conus_image *picture_of_rings(void)
     conus_pose pose;
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     assert_ok(conus_pose_toward(&pose, (double[]){-50, -30, 35}, (double[]){-6, 0, 4}, NULL));
-    assert_ok(conus_select(&selection, selector, &pose, radians_from_degrees(12)));
+    assert_ok(conus_select(&selection, selector, &pose, 12));
     const conus_view view = {.width = 240, .height = 180, .selection = selection, .no_legend = true};
     assert_ok(conus_render(&image, renderer, &view));
     conus_selection_destroy(selection);

@@ -116,7 +116,8 @@ static void a_symmetric_eye_is_the_plain_camera(void **state)
     }
     conus_view off_axis = {.camera = &camera};
     memcpy(off_axis.frustum, plain, sizeof plain);
-    conus_image *a = render(renderer, (conus_view){.camera = &camera, .field_of_view = field_of_view});
+    conus_image *a =
+        render(renderer, (conus_view){.camera = &camera, .field_of_view = degrees_from_radians(field_of_view)});
     conus_image *b = render(renderer, off_axis);
     assert_ok(conus_image_compare(&difference, a, b, 0));
     assert_int_equal(difference.differing, 0);
@@ -211,7 +212,7 @@ static void frusta_that_are_none_are_refused(void **state)
     conus_pose camera;
     memcpy(camera.world_from_device, window_at_front, sizeof window_at_front);
     const conus_view views[] = {{.frustum = {-1, 1, -1, 1}}, /* no camera */
-                                {.camera = &camera, .frustum = {-1, 1, -1, 1}, .field_of_view = 1},
+                                {.camera = &camera, .frustum = {-1, 1, -1, 1}, .field_of_view = 1 * 180 / MATH3_PI},
                                 {.camera = &camera, .frustum = {1, -1, -1, 1}},
                                 {.camera = &camera, .frustum = {-1, 1, 0.5, 0.5}},
                                 {.camera = &camera, .frustum = {-1, 1, 0, 0}},

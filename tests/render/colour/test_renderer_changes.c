@@ -36,7 +36,7 @@ static conus_image *render(conus_renderer *renderer, conus_view view)
     view.camera = &camera;
     view.width = WIDTH;
     view.height = HEIGHT;
-    view.field_of_view = 0.35;
+    view.field_of_view = 0.35 * 180 / MATH3_PI;
     view.no_legend = true;
     assert_ok(conus_render(&image, renderer, &view));
     return image;
@@ -257,7 +257,7 @@ static void areas_that_are_hit_are_drawn_beside_pathways(void **state)
     conus_pose pose;
     assert_ok(conus_pose_along(&pose, (double[]){-12, 60, 0}, (double[]){0, -1, 0}, NULL));
     assert_ok(conus_selector_create(&selector, atlas, NULL));
-    assert_ok(conus_select(&selection, selector, &pose, 0.05));
+    assert_ok(conus_select(&selection, selector, &pose, degrees_from_radians(0.05)));
     assert_int_equal(conus_selection_result(selection, 0)->object, 1);
     conus_image *alone = render(renderer, (conus_view){0});
     conus_image *with = render(renderer, (conus_view){.selection = selection, .own_colours = true});

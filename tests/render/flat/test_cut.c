@@ -299,7 +299,7 @@ static void outlines_of_what_is_not_hit_are_seen_on_any_grey(void **state)
     conus_atlas *atlas = picture_atlas(&grid, stripe_at, NULL, grey_of);
     assert_ok(conus_pose_along(&away, (double[]){0, 0, 90}, (double[]){0, 0, 1}, NULL));
     assert_ok(conus_selector_create(&selector, atlas, NULL));
-    assert_ok(conus_select(&nothing, selector, &away, 0.1));
+    assert_ok(conus_select(&nothing, selector, &away, degrees_from_radians(0.1)));
     conus_cut_view view = whole;
     view.window[0] = -300;
     view.window[1] = 300;
@@ -350,7 +350,7 @@ static conus_selection *select_in(conus_atlas *atlas, const conus_selector_optio
     conus_pose pose;
     assert_ok(conus_pose_along(&pose, (double[]){0, 60, 0}, (double[]){0, -1, 0}, NULL));
     assert_ok(conus_selector_create(&selector, atlas, options));
-    assert_ok(conus_select(&selection, selector, &pose, radians_from_degrees(degrees)));
+    assert_ok(conus_select(&selection, selector, &pose, degrees));
     conus_selector_destroy(selector);
     return selection;
 }

@@ -58,7 +58,7 @@ static int set_up(void **state)
             fixture.direction[i][k] = -2 * pose.world_from_device[8 + k];
             fixture.up[i][k] = pose.world_from_device[4 + k];
         }
-        fixture.angle[i] = i % 3 ? radians_from_degrees(5 + (double)(i % 40)) : 0;
+        fixture.angle[i] = i % 3 ? 5 + (double)(i % 40) : 0;
         if (i % BAD == 0) {
             fixture.matrix[i][12] = fixture.origin[i][0] = i % 2 ? INFINITY : NAN;
         }
@@ -75,7 +75,7 @@ static int tear_down(void **state)
     return 0;
 }
 
-static const conus_many_options twenty_degrees = {.angle = 20 * 3.14159265358979323846 / 180};
+static const conus_many_options twenty_degrees = {.angle = 20};
 
 static void check_pose(const struct fixture *fixture, const struct received *received, size_t i, const conus_pose *pose)
 {
@@ -267,7 +267,7 @@ static void an_angle_out_of_range_is_a_pose_s_fault(void **state)
 {
     struct fixture *fixture = *state;
     struct received received = {.as_expected = true};
-    const double angles[] = {-1, NAN, 4};
+    const double angles[] = {-1, NAN, 181};
     const conus_pose_array poses = {.count = 3, .matrix = fixture->matrix[1], .angle = angles};
     assert_ok(conus_select_many(NULL, fixture->selector, &poses, NULL, receive, &received));
     assert_int_equal(received.poses, 3);

@@ -4,8 +4,7 @@
 #include "atlas/labels/labels.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "conus/report.h"
-#include "conus/study.h"
+#include "conus/own.h"
 #include "scene.h"
 #include "tables.h"
 #include "test.h"
@@ -516,7 +515,7 @@ static void test_a_cone_picks_streamlines(void **state)
     conus_pose pose;
     assert_ok(conus_pose_along(&pose, (const double[]){15, 30, 0}, (const double[]){0, -1, 0}, NULL));
     assert_ok(conus_selector_create(&selector, atlas, NULL));
-    assert_ok(conus_select(&selection, selector, &pose, 10 * MATH3_PI / 180));
+    assert_ok(conus_select(&selection, selector, &pose, 10));
     assert_ok(conus_connectivity(&table, selector, selection, 0, true));
     assert_int_equal(conus_table_rows(table), 2);
     check(table, 0, (struct connection){5, 2, 3, 1, 1, 10});

@@ -53,7 +53,7 @@ static void aim(struct view *view, const conus_pose *pose, double degrees)
     view->selection = NULL;
     view->pose = *pose;
     view->angle = radians_from_degrees(degrees);
-    assert_ok(conus_select(&view->selection, view->selector, pose, view->angle));
+    assert_ok(conus_select(&view->selection, view->selector, pose, degrees_from_radians(view->angle)));
 }
 
 static void aim_along(struct view *view, const double origin[3], const double direction[3], double degrees)
@@ -89,8 +89,8 @@ static const conus_phantom_options grids[] = {
     {0},
     {.size = 128, .spacing = {0.5, 0.5, 0.5}},
     {.spacing = {1, 1, 2.5}, .flip = {true, false, false}},
-    {.oblique = 0.7, .flip = {false, true, true}},
-    {.size = 96, .spacing = {2.0 / 3, 1, 0.8}, .oblique = -1.9, .flip = {true, true, true}},
+    {.oblique = 0.7 * 180 / MATH3_PI, .flip = {false, true, true}},
+    {.size = 96, .spacing = {2.0 / 3, 1, 0.8}, .oblique = -1.9 * 180 / MATH3_PI, .flip = {true, true, true}},
 };
 enum { GRIDS = sizeof grids / sizeof grids[0] };
 
@@ -458,7 +458,7 @@ static void scores_rank_by_what_they_say(void **state)
     aim_along(&view, origin, down, 50);
     assert_int_equal(result_of(&view, 2)->rank, 1);
     assert_near(result_of(&view, 2)->score, 1, 1e-12);
-    double off = result_of(&view, 1)->offset;
+    double off = radians_from_degrees(result_of(&view, 1)->offset);
     assert_near(result_of(&view, 1)->score, 1 - off / radians_from_degrees(25), 1e-12);
     open_selector(&view, 15, "distance");
     aim_along(&view, origin, down, 50);

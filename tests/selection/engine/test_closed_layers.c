@@ -17,7 +17,7 @@ static const conus_phantom_options grids[] = {
     {0},
     {.size = 128, .spacing = {0.5, 0.5, 0.5}},
     {.spacing = {1, 1, 2.5}, .flip = {true, false, false}},
-    {.oblique = 0.7, .flip = {false, true, true}},
+    {.oblique = 0.7 * 180 / MATH3_PI, .flip = {false, true, true}},
 };
 enum { GRIDS = sizeof grids / sizeof grids[0] };
 
@@ -45,7 +45,7 @@ static conus_selection *select_from(const struct view *view, const struct cone *
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
     assert_ok(conus_selector_create(&selector, view->atlas, &options));
-    assert_ok(conus_select(&selection, selector, &cone->pose, cone->angle));
+    assert_ok(conus_select(&selection, selector, &cone->pose, degrees_from_radians(cone->angle)));
     conus_selector_destroy(selector);
     return selection;
 }

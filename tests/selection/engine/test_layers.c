@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* All layers (Eq. 10): the container of the intervals, and the rays engine's intervals. */
+#include "base/geometry/math3.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "selection/selection.h"
@@ -249,7 +250,7 @@ static void shapes_out_of_range_are_refused(void **state)
     struct cone cone = scene_cone(&random, atlas);
     conus_selection *selection = NULL;
     assert_ok(conus_selector_create(&selector, atlas, &cylinder));
-    assert_fails(conus_select(&selection, selector, &cone.pose, 0.2), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_select(&selection, selector, &cone.pose, degrees_from_radians(0.2)), CONUS_ERROR_ARGUMENT);
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
 }
@@ -266,7 +267,7 @@ static conus_status select_all(void *data)
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
     conus_status status = conus_selector_create(&selector, attempt->atlas, &options);
-    status = status ? status : conus_select(&selection, selector, &attempt->cone.pose, 1);
+    status = status ? status : conus_select(&selection, selector, &attempt->cone.pose, degrees_from_radians(1));
     conus_selection_destroy(selection);
     conus_selector_destroy(selector);
     return status;

@@ -247,7 +247,8 @@ static void test_results_are_sums_over_voxels(void **unused)
         for (int i = 0; i < 10; i++) {
             conus_selection *selection = NULL;
             conus_pose pose = scene_pose(&state, atlas);
-            assert_ok(conus_select(&selection, selector, &pose, scene % 5 ? random_angle(&state) : 0));
+            assert_ok(
+                conus_select(&selection, selector, &pose, degrees_from_radians(scene % 5 ? random_angle(&state) : 0)));
             check_selection(selection, atlas);
             conus_selection_destroy(selection);
         }
@@ -401,7 +402,7 @@ static void test_many_areas(void **unused)
     for (int i = 0; i < 20; i++) {
         conus_selection *selection = NULL;
         conus_pose pose = scene_pose(&state, atlas);
-        assert_ok(conus_select(&selection, selector, &pose, random_angle(&state)));
+        assert_ok(conus_select(&selection, selector, &pose, degrees_from_radians(random_angle(&state))));
         check_selection(selection, atlas);
         conus_selection_destroy(selection);
     }
@@ -417,7 +418,7 @@ static void test_memory(void **unused)
     struct report_attempt attempt = {.atlas = atlas,
                                      .options = {.layers = CONUS_LAYERS_ALL, .resolution = 2},
                                      .report = {.all_voxels = true},
-                                     .angle = 0.5};
+                                     .angle = 29};
     assert_ok(conus_pose_toward(&attempt.pose, (double[]){-30, 5, 1}, (double[]){0, 1, 2}, NULL));
     report_every_allocation(&attempt);
     conus_atlas_destroy(atlas);

@@ -81,7 +81,7 @@ static double counted(const struct question *question, const conus_atlas *atlas)
     double volume = 0;
     assert_ok(conus_selector_create(&selector, atlas, &options));
     assert_ok(conus_pose_along(&pose, question->origin, question->direction, NULL));
-    assert_ok(conus_select(&selection, selector, &pose, radians_from_degrees(question->degrees)));
+    assert_ok(conus_select(&selection, selector, &pose, question->degrees));
     for (size_t i = 0; i + 1 < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         volume += conus_atlas_object(atlas, result->object)->label == question->label ? result->volume : 0;
@@ -128,7 +128,7 @@ static double relative_error(const struct question *question, double spacing)
     uint64_t random = 11;
     double sum = 0;
     for (int grid = 0; grid < GRIDS; grid++) {
-        conus_atlas *atlas = painted(question, spacing, test_random(&random, 0.1, 0.9));
+        conus_atlas *atlas = painted(question, spacing, degrees_from_radians(test_random(&random, 0.1, 0.9)));
         double volume = counted(question, atlas);
         assert_near(volume, counted_one_by_one(question, atlas), 1e-9 * volume);
         double error = volume / question->volume - 1;

@@ -11,15 +11,22 @@
 #include <string.h>
 
 static const struct cone ten_degrees = {.pose.world_from_device = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
+                                        .degrees = 10,
                                         .angle = MATH3_PI / 18,
                                         .resolution = 16};
+
+/* How far from the middle the pixel of a ray that is so far off the axis is. */
+static double pixel_of(double tangent)
+{
+    return 8 * tangent / tan(MATH3_PI / 36);
+}
 
 /* An object whose contact is `depth` mm along the axis and `off` beside it. */
 static conus_result result_at(double depth, double off)
 {
     return (conus_result){.object = 1,
                           .pixels = 1,
-                          .offset = atan2(off, depth),
+                          .centre_px = off > 0 ? pixel_of(off / depth) : 0,
                           .distance = hypot(depth, off),
                           .contact = {off, 0, -depth}};
 }
@@ -67,7 +74,7 @@ static void inside_an_object_it_is_the_limit(void **state)
 {
     (void)state;
     assert_near(contribution(0, 0, 0.8), 1, 0);
-    conus_result around = {.object = 1, .pixels = 208, .offset = 0.01, .contact = {0, 0, 0}};
+    conus_result around = {.object = 1, .pixels = 208, .centre_px = pixel_of(tan(0.01)), .contact = {0, 0, 0}};
     assert_near(score_contribution(&around, &ten_degrees, 0.8), 1, 0);
     assert_near(score_contribution(&around, &ten_degrees, 1), 1 - 0.01 / (MATH3_PI / 36), 1e-12);
     around.pixels = 0; /* hidden */
@@ -101,7 +108,7 @@ static void select_from(struct view *view, const conus_selector_options *options
     conus_selector_options of16 = *options;
     of16.resolution = of16.resolution ? of16.resolution : 16;
     assert_ok(conus_selector_create(&view->selector, view->atlas, &of16));
-    assert_ok(conus_select(&view->selection, view->selector, pose, radians_from_degrees(degrees)));
+    assert_ok(conus_select(&view->selection, view->selector, pose, degrees));
 }
 
 static void open_phantom(struct view *view, const char *kind)
@@ -163,8 +170,7 @@ static void each_score_follows_its_definition(void **state)
     assert_near(score_of(&view, "unoccluded", 2), (double)ball.pixels / ball.pierced, 1e-12);
     assert_true(u.pierced > u.pixels);
     assert_near(score_of(&view, "unoccluded", 1), (double)u.pixels / u.pierced, 1e-12);
-    assert_near(score_of(&view, "mrtk", 2),
-                -(0.25 * vec3_length(contact) / 1000 + 1.0 * degrees_from_radians(ball.offset)), 1e-12);
+    assert_near(score_of(&view, "mrtk", 2), -(0.25 * vec3_length(contact) / 1000 + 1.0 * ball.offset), 1e-12);
     /* The phantom's shapes, not the grid that they are painted in, reach from (-22, -6, -18) to (22, 6, 18): they begin
      * 42 mm below the apex at (3, -2, 60). */
     double far = sqrt(25.0 * 25 + 8.0 * 8 + 78.0 * 78);
@@ -291,7 +297,7 @@ static void needs_are_known_and_checked(void **state)
     const conus_selector_options moving = {.score = "intenselect"};
     const conus_pose pose = pose_above(60);
     assert_ok(conus_selector_create(&view.selector, view.atlas, &moving));
-    assert_fails(conus_select(&view.selection, view.selector, &pose, 1), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_select(&view.selection, view.selector, &pose, degrees_from_radians(1)), CONUS_ERROR_ARGUMENT);
     assert_string_equal(conus_message(), "score: intenselect needs a history, which only a track has");
     close_view(&view);
 }

@@ -219,7 +219,7 @@ static conus_selection *selection_of(conus_selector **selector, const conus_atla
     conus_pose pose;
     assert_ok(conus_selector_create(selector, atlas, options));
     assert_ok(conus_pose_along(&pose, origin, (double[]){0, 0, 1}, NULL));
-    assert_ok(conus_select(&selection, *selector, &pose, radians_from_degrees(degrees)));
+    assert_ok(conus_select(&selection, *selector, &pose, degrees));
     return selection;
 }
 

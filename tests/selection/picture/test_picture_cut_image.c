@@ -151,7 +151,7 @@ static conus_image *sheet_of(const char *area, const char *pathway)
     assert_ok(area_rows_add_pathway(atlas, pathway));
     assert_ok(conus_pose_along(&pose, (double[]){0, 0, 9}, (double[]){0, 0, -1}, NULL));
     assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.layers = CONUS_LAYERS_ALL}));
-    assert_ok(conus_select(&selection, selector, &pose, 0.01));
+    assert_ok(conus_select(&selection, selector, &pose, degrees_from_radians(0.01)));
     assert_int_equal(conus_selection_count(selection), 3); /* with `unassigned` */
     const conus_cut_view view = {.mm_per_pixel = 0.5, .width = WIDTH, .height = HEIGHT, .selection = selection};
     assert_ok(conus_cut_image(&image, atlas, &view, &(conus_view){.legend = CONUS_LEGEND_BELOW}));
@@ -188,7 +188,7 @@ static void a_legend_has_its_place(void **state)
     (void)state;
     assert_ok(conus_pose_along(&pose, (double[]){0, 0, 90}, (double[]){0, 0, -1}, NULL)); /* across the cut */
     assert_ok(conus_selector_create(&selector, atlas, NULL));
-    assert_ok(conus_select(&selection, selector, &pose, 0.01));
+    assert_ok(conus_select(&selection, selector, &pose, degrees_from_radians(0.01)));
     view.selection = selection;
     sheet.legend = CONUS_LEGEND_BELOW;
     assert_ok(conus_cut_image(&image, atlas, &view, &sheet));
@@ -370,7 +370,7 @@ static conus_selection *select_from_left(const conus_atlas *atlas, double far)
     const double from[3] = {low[0] - far * (high[0] - low[0]), 0, 0};
     assert_ok(conus_pose_along(&pose, from, (double[]){1, 0, 0}, NULL));
     assert_ok(conus_selector_create(&selector, atlas, &options));
-    assert_ok(conus_select(&selection, selector, &pose, radians_from_degrees(20)));
+    assert_ok(conus_select(&selection, selector, &pose, 20));
     conus_selector_destroy(selector);
     return selection;
 }

@@ -47,7 +47,7 @@ static int make_scene(void **state)
     scene.atlas = picture_atlas(&grid, balls, NULL, NULL);
     assert_ok(conus_selector_create(&scene.selector, scene.atlas, NULL));
     assert_ok(conus_pose_toward(&pose, (double[]){-60, 0, 0}, (double[]){0, 0, 0}, NULL));
-    assert_ok(conus_select(&scene.selection, scene.selector, &pose, radians_from_degrees(60)));
+    assert_ok(conus_select(&scene.selection, scene.selector, &pose, 60));
     *state = &scene;
     return 0;
 }
@@ -87,7 +87,7 @@ static conus_image *render(const struct scene *scene, conus_view view)
 static void the_legend_is_in_the_space_asked_for(void **state)
 {
     (void)state;
-    struct cone cone = {.angle = radians_from_degrees(20)};
+    struct cone cone = {.degrees = 20, .angle = radians_from_degrees(20)};
     assert_ok(conus_pose_toward(&cone.pose, (double[]){-0.25, 4.5, 12.5}, (double[3]){0}, NULL));
     static const struct {
         conus_frame frame;
@@ -341,7 +341,7 @@ static size_t count_words(const struct scene *scene, conus_layers layers, const 
     size_t count = 0;
     assert_ok(conus_selector_create(&selector, scene->atlas, &options));
     assert_ok(conus_pose_toward(&pose, (double[]){-60, 0, 0}, (double[]){0, 0, 0}, NULL));
-    assert_ok(conus_select(&selection, selector, &pose, radians_from_degrees(60)));
+    assert_ok(conus_select(&selection, selector, &pose, 60));
     conus_image *image =
         render(scene, (conus_view){.width = 4 * WIDTH, .height = 4 * HEIGHT, .selection = selection, .shapes = true});
     for (size_t i = 0; i < image->list->count; i++) {
@@ -445,7 +445,7 @@ static void scale_and_directions_lie_on_nothing(void **state)
     conus_selection *selection = NULL;
     conus_pose pose;
     assert_ok(conus_pose_toward(&pose, (double[]){-40, 0, 0}, (double[]){0, 0, 0}, NULL));
-    assert_ok(conus_select(&selection, scene.selector, &pose, radians_from_degrees(10)));
+    assert_ok(conus_select(&selection, scene.selector, &pose, 10));
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         for (int side = CONUS_SIDE_OF_CONE; side <= CONUS_SIDE_BOTTOM; side++) {
             const conus_view view = {.width = sizes[i].width,
@@ -691,7 +691,7 @@ static void colours_are_weighted_by_share(void **state)
     conus_pose pose;
     bool has_weak = false;
     assert_ok(conus_pose_toward(&pose, (double[]){-30, -60, 0}, (double[]){-14, 0, 0}, NULL));
-    assert_ok(conus_select(&selection, scene.selector, &pose, radians_from_degrees(50)));
+    assert_ok(conus_select(&selection, scene.selector, &pose, 50));
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         const double part = fmin(fmax((result->share - 0.02) / 0.48, 0), 1);
@@ -827,7 +827,7 @@ static void the_side_beside_the_cone_is_60_degrees_off(void **state)
         conus_selection *selection = NULL;
         conus_pose pose;
         assert_ok(conus_pose_toward(&pose, from[i], (double[]){0, 0, 0}, NULL));
-        assert_ok(conus_select(&selection, scene.selector, &pose, radians_from_degrees(20)));
+        assert_ok(conus_select(&selection, scene.selector, &pose, 20));
         const conus_view view = {.side = CONUS_SIDE_BESIDE_CONE,
                                  .width = 400,
                                  .height = 300,
@@ -936,7 +936,7 @@ static void a_measured_distance_is_drawn(void **state)
         const conus_view view = {.width = 400,
                                  .height = 300,
                                  .camera = &camera,
-                                 .field_of_view = radians_from_degrees(60),
+                                 .field_of_view = 60,
                                  .shapes = true,
                                  .measured = behind ? (double[]){-30, 0, 10, 30, -201, 10} : places};
         image = render(&scene, view);
@@ -968,7 +968,7 @@ static void the_side_across_the_cone_is_at_right_angles(void **state)
         conus_pose pose;
         double cosine = 0;
         assert_ok(conus_pose_toward(&pose, from[i], (double[]){0, 0, 0}, NULL));
-        assert_ok(conus_select(&selection, scene.selector, &pose, radians_from_degrees(20)));
+        assert_ok(conus_select(&selection, scene.selector, &pose, 20));
         const conus_view view = {.side = CONUS_SIDE_ACROSS_CONE,
                                  .width = 200,
                                  .height = 150,

@@ -79,7 +79,7 @@ static struct scene see_layers(conus_atlas *atlas, const double from[3], double 
     scene.renderer = picture_renderer(scene.atlas, NULL);
     assert_ok(conus_selector_create(&scene.selector, scene.atlas, &options));
     assert_ok(conus_pose_toward(&pose, from, (double[]){0, 0, 0}, NULL));
-    assert_ok(conus_select(&scene.selection, scene.selector, &pose, radians_from_degrees(degrees)));
+    assert_ok(conus_select(&scene.selection, scene.selector, &pose, degrees));
     return scene;
 }
 

@@ -32,7 +32,7 @@ static struct fixture make_fixture(uint32_t resolution, conus_aperture aperture)
                (double[]){(double)info->dim[0] / 2, (double)info->dim[1] / 2, (double)info->dim[2] / 2});
     assert_ok(conus_selector_create(&fixture.selector, fixture.atlas, &options));
     assert_ok(conus_pose_toward(&pose, corner, centre, NULL));
-    assert_ok(conus_select(&fixture.selection, fixture.selector, &pose, radians_from_degrees(35)));
+    assert_ok(conus_select(&fixture.selection, fixture.selector, &pose, 35));
     return fixture;
 }
 

@@ -70,7 +70,7 @@ static void those_in_the_cone_stand_out(void **state)
     assert_ok(conus_renderer_create(&renderer, atlas, NULL));
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     assert_ok(conus_pose_toward(&pose, (double[]){-30, 15, 0}, (double[]){0, 15, 0}, NULL));
-    assert_ok(conus_select(&selection, selector, &pose, radians_from_degrees(6)));
+    assert_ok(conus_select(&selection, selector, &pose, 6));
     draw(without, renderer, NULL);
     draw(with, renderer, selection);
     assert_near(without[0], without[1], 0.1 * without[0]);

@@ -43,7 +43,7 @@ static struct fixture make_fixture(conus_atlas *atlas, const double origin[3])
     conus_pose pose;
     assert_ok(conus_selector_create(&fixture.selector, atlas, &(conus_selector_options){.resolution = 16}));
     assert_ok(conus_pose_toward(&pose, origin, (double[]){0, 0, 0}, NULL));
-    assert_ok(conus_select(&fixture.selection, fixture.selector, &pose, radians_from_degrees(20)));
+    assert_ok(conus_select(&fixture.selection, fixture.selector, &pose, 20));
     assert_ok(conus_renderer_create(&fixture.renderer, atlas, NULL));
     return fixture;
 }
@@ -109,7 +109,8 @@ static void options_show_in_the_picture(void **state)
         render(&fixture, (conus_view){.no_legend = true, .camera = &camera, .selection = fixture.selection});
     conus_image *letters =
         render(&fixture, (conus_view){.camera = &camera, .selection = fixture.selection, .legend = CONUS_LEGEND_NONE});
-    conus_image *close = render(&fixture, (conus_view){.no_legend = true, .camera = &camera, .field_of_view = 0.3});
+    conus_image *close =
+        render(&fixture, (conus_view){.no_legend = true, .camera = &camera, .field_of_view = 0.3 * 180 / MATH3_PI});
     assert_true(difference(plain, cone) > 0);
     assert_true(difference(cone, letters) > 0);
     assert_true(difference(plain, close) > 0);
@@ -168,8 +169,12 @@ static void options_out_of_range_are_refused(void **state)
     (void)state;
     struct fixture fixture = ball_fixture();
     const conus_pose bad = {{1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
-    const conus_view views[] = {{.width = 16385},       {.height = 20000},      {.field_of_view = -1},
-                                {.field_of_view = NAN}, {.field_of_view = 3.2}, {.slices = 65537},
+    const conus_view views[] = {{.width = 16385},
+                                {.height = 20000},
+                                {.field_of_view = -1 * 180 / MATH3_PI},
+                                {.field_of_view = NAN},
+                                {.field_of_view = 3.2 * 180 / MATH3_PI},
+                                {.slices = 65537},
                                 {.camera = &bad}};
     for (size_t i = 0; i < sizeof views / sizeof *views; i++) {
         conus_image *image = NULL;
@@ -201,7 +206,7 @@ static void allocations_may_fail(void **state)
 static void a_phantom_looks_as_it_did(void **state)
 {
     (void)state;
-    const conus_phantom_options options = {.size = 48, .oblique = 0.3};
+    const conus_phantom_options options = {.size = 48, .oblique = 0.3 * 180 / MATH3_PI};
     struct phantom_drawing drawing = {0};
     conus_atlas *atlas = NULL;
     assert_ok(phantom_draw(&drawing, "u-shape", &options));
@@ -252,7 +257,7 @@ static conus_image *draw_level(conus_atlas *atlas, const char *level)
     conus_pose pose;
     assert_ok(conus_selector_create(&fixture.selector, atlas, &options));
     assert_ok(conus_pose_toward(&pose, (double[]){-60, 0, 0}, (double[]){0, 0, 0}, NULL));
-    assert_ok(conus_select(&fixture.selection, fixture.selector, &pose, radians_from_degrees(20)));
+    assert_ok(conus_select(&fixture.selection, fixture.selector, &pose, 20));
     assert_ok(conus_renderer_create(&fixture.renderer, atlas, NULL));
     const conus_view view = {.width = 200, .height = 150, .selection = fixture.selection};
     assert_ok(conus_render(&image, fixture.renderer, &view));
@@ -311,7 +316,7 @@ static void a_draft_has_the_areas_of_its_answer(void **state)
     conus_selection *right = NULL;
     conus_pose pose;
     assert_ok(conus_pose_toward(&pose, (double[]){60, 0, 0}, (double[]){0, 0, 0}, NULL));
-    assert_ok(conus_select(&right, left.selector, &pose, radians_from_degrees(20)));
+    assert_ok(conus_select(&right, left.selector, &pose, 20));
     const conus_view whole = {.selection = left.selection, .no_legend = true};
     conus_view draft = {.selection = right, .no_legend = true, .draft = true, .side = CONUS_SIDE_FRONT};
     conus_image_destroy(render(&left, whole));
@@ -359,7 +364,7 @@ static void no_picture_is_late(void **state)
     for (int i = 0; i < 2; i++) {
         conus_pose pose;
         assert_ok(conus_pose_toward(&pose, origins[i], (double[]){0, 0, 0}, NULL));
-        assert_ok(conus_select(&answers[i], selector, &pose, radians_from_degrees(20)));
+        assert_ok(conus_select(&answers[i], selector, &pose, 20));
     }
     assert_ok(conus_renderer_create(&renderer, atlas, &rays));
     conus_view view = {.width = 48, .height = 36, .no_legend = true};

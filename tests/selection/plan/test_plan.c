@@ -240,10 +240,10 @@ static void shape_of_the_needle(void **state)
     conus_constraint want = {.kind = CONUS_CONSTRAINT_LENGTH, .limit = 5, .most = 20};
     check(judge_one(&want, 18), true, 18, 2, NAN);
     check(judge_one(&want, 25), false, 25, -5, NAN);
-    want = (conus_constraint){.kind = CONUS_CONSTRAINT_LEAN, .limit = 1, .direction = {5, 5, 0}};
-    check(judge_one(&want, 18), true, atan(1), 1 - atan(1), NAN);
-    want.limit = 0.5;
-    check(judge_one(&want, 18), false, atan(1), 0.5 - atan(1), NAN);
+    want = (conus_constraint){.kind = CONUS_CONSTRAINT_LEAN, .limit = 57, .direction = {5, 5, 0}};
+    check(judge_one(&want, 18), true, 45, 57 - 45, NAN);
+    want.limit = 30;
+    check(judge_one(&want, 18), false, 45, 30 - 45, NAN);
     const double others[12] = {0, 100, 13, 9, 100, 13, 7, 13, 17, 7, 30, 17};
     want = (conus_constraint){.kind = CONUS_CONSTRAINT_APART, .limit = 1, .needles = others, .needle_count = 2};
     conus_verdict verdict = judge_one(&want, 18);
@@ -486,7 +486,7 @@ static void describe(struct buffer *out, const struct answer *answer, size_t con
 static void same_with_any_threads_and_pruning(void **state)
 {
     (void)state;
-    static const conus_jitter_options off = {.tilt = 0.03, .shift = 0.5, .samples = 64};
+    static const conus_jitter_options off = {.tilt = 1.7, .shift = 0.5, .samples = 64};
     static const conus_jitter_options ends = {.entry = 0.5, .target = 1, .depth = 0.5, .samples = 32};
     static const conus_plan_options ways[] = {
         {.top = 5},
@@ -728,7 +728,7 @@ static void bad_arguments(void **state)
         {.kind = CONUS_CONSTRAINT_AVOID, .names = "1", .measure = CONUS_MEASURE_TIP},
         {.kind = CONUS_CONSTRAINT_LENGTH, .limit = 2, .most = 1},
         {.kind = CONUS_CONSTRAINT_LEAN, .limit = 1},
-        {.kind = CONUS_CONSTRAINT_LEAN, .limit = 4, .direction = {1}},
+        {.kind = CONUS_CONSTRAINT_LEAN, .limit = 181, .direction = {1}},
         {.kind = CONUS_CONSTRAINT_APART, .limit = 1},
         {.names = "1", .shank = 2},
         {.names = "1", .shank = -3},
@@ -748,7 +748,7 @@ static void bad_arguments(void **state)
         {.rank = "depht"},  {.rank = "reach2"}, {.rank = "depth/0"}, {.rank = "depth*2"},
         {.rank = ""},       {.rank = "share"},  {.score = "2 *"},    {.score = "score"},
         {.rank = "score"},  {.far = -1},        {.far = NAN},        {.shanks = beyond, .shank_count = 2},
-        {.shanks = beyond}, {.angle = 4},       {.threads = 100000},
+        {.shanks = beyond}, {.angle = 181},     {.threads = 100000},
     };
     conus_atlas *atlas = boxes();
     conus_selector *selector = NULL;
@@ -926,7 +926,7 @@ static void cut_is_the_plan_of_what_was_tried(void **state)
 {
     (void)state;
     const conus_constraint wants[2][2] = {{reach("1", 2), avoid("2", 3)}, {reach("1", 2), avoid("2", 90)}};
-    const conus_jitter_options jitter = {.tilt = 0.02, .shift = 0.5, .samples = 16};
+    const conus_jitter_options jitter = {.tilt = 1.2, .shift = 0.5, .samples = 16};
     const conus_plan_options options[] = {
         {.top = 5, .entries = ENTRIES, .targets = TARGETS},
         {.top = 40, .infeasible = true, .threads = 3},

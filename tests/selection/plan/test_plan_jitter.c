@@ -114,7 +114,7 @@ static void probabilities_are_integrals(void **state)
     static const double needle[7] = {0, 13, 13, 1, 0, 0, 15};
     static const conus_constraint wants[] = {
         {.measure = CONUS_MEASURE_TIP, .names = "1"},
-        {.kind = CONUS_CONSTRAINT_LEAN, .limit = 0.05, .direction = {1, 0, 0}},
+        {.kind = CONUS_CONSTRAINT_LEAN, .limit = 0.05 * 180 / MATH3_PI, .direction = {1, 0, 0}},
         {.kind = CONUS_CONSTRAINT_LENGTH, .most = 16},
     };
     const double sides = (2 * below(5 / 2.0) - 1) * pow(2 * below(3 / 2.0) - 1, 2);
@@ -124,7 +124,7 @@ static void probabilities_are_integrals(void **state)
     } cases[] = {
         {{.samples = SAMPLES}, {1, 1, 1, 1}},
         {{.samples = SAMPLES, .shift = 2}, {sides, 1, 1, sides}},
-        {{.samples = SAMPLES, .tilt = 0.04},
+        {{.samples = SAMPLES, .tilt = 0.04 * 180 / MATH3_PI},
          {1, 1 - exp(-0.5 * pow(0.05 / 0.04, 2)), 1, 1 - exp(-0.5 * pow(0.05 / 0.04, 2))}},
         {{.samples = SAMPLES, .depth = 2}, {2 * below(5 / 2.0) - 1, 1, below(0.5), below(0.5) - below(-2.5)}},
         {{.samples = SAMPLES, .entry = 0.3, .target = 0.4},
@@ -161,7 +161,7 @@ static void an_outer_shank_moves_farther(void **state)
     static const double shanks[2][2] = {{0, 0}, {14, 0}};
     static const conus_constraint wants[2] = {{.names = "1", .limit = 0.5},
                                               {.kind = CONUS_CONSTRAINT_AVOID, .names = "1", .limit = 1}};
-    const conus_jitter_options errors = {.samples = 1024, .tilt = 0.1};
+    const conus_jitter_options errors = {.samples = 1024, .tilt = 0.1 * 180 / MATH3_PI};
     conus_atlas *atlas = box();
     for (int is_avoid = 0; is_avoid < 2; is_avoid++) {
         const double outer[7] = {15, is_avoid ? 18.2 : 15, 13, 0, 1, 0, 1};
@@ -311,14 +311,14 @@ static void what_cannot_be_is_refused(void **state)
         {.measure = CONUS_MEASURE_PROBABILITY, .names = "1", .limit = 1.5},
     };
     static const conus_jitter_options errors[] = {
-        {.tilt = -1},
-        {.tilt = 2},
+        {.tilt = -1 * 180 / MATH3_PI},
+        {.tilt = 2 * 180 / MATH3_PI},
         {.shift = -1},
         {.shift = NAN},
         {.entry = 1e7},
         {.target = -1},
         {.depth = NAN},
-        {.tilt = 0.1, .entry = 1},
+        {.tilt = 0.1 * 180 / MATH3_PI, .entry = 1},
         {.shift = 1, .depth = 1},
         {.samples = 100},
         {.samples = 8},
@@ -341,7 +341,7 @@ static void what_cannot_be_is_refused(void **state)
     assert_true(strstr(conus_message(), "jitter") != NULL);
     conus_pose pose;
     assert_ok(conus_pose_along(&pose, (const double[]){0, 13, 13}, (const double[]){1, 0, 0}, NULL));
-    assert_fails(conus_jitter(&jitter, selector, &pose, 0.1, &(conus_jitter_options){.entry = 1}),
+    assert_fails(conus_jitter(&jitter, selector, &pose, degrees_from_radians(0.1), &(conus_jitter_options){.entry = 1}),
                  CONUS_ERROR_ARGUMENT);
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);

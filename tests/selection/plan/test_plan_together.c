@@ -6,8 +6,7 @@
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "conus/plan.h"
-#include "conus/pose.h"
+#include "conus/own.h"
 #include "scene.h"
 #include "test.h"
 

@@ -143,16 +143,18 @@ static double unit_of(const conus_tolerance *row)
     return row->freedom >= CONUS_FREEDOM_PITCH ? radians_from_degrees(1) : 1;
 }
 
+/* `expected` is mm or radians. */
 static void check(const conus_tolerance *row, double expected, size_t constraint)
 {
     assert_int_equal(row->method, CONUS_TOLERANCE_EXACT);
-    assert_near(row->holds_to, expected, 1.1e-6 * unit_of(row));
-    assert_true(row->holds_to <= expected + 1e-9);
+    const double unit = unit_of(row);
+    assert_near(row->holds_to * unit, expected, 1.1e-6 * unit);
+    assert_true(row->holds_to * unit <= expected + 1e-9);
     assert_int_equal(row->constraint, constraint);
     if (constraint == SIZE_MAX) {
         assert_true(isnan(row->fails_at) && isnan(row->depth) && isnan(row->at[0]));
     } else {
-        assert_true(row->fails_at >= expected - 1e-9 && row->fails_at - row->holds_to <= 1.001e-6 * unit_of(row));
+        assert_true(row->fails_at * unit >= expected - 1e-9 && row->fails_at - row->holds_to <= 1.001e-6);
     }
 }
 
@@ -228,10 +230,9 @@ static void beside_a_wall(void **state)
 {
     (void)state;
     conus_tolerance rows[CONUS_TOLERANCE_COUNT];
-    const conus_constraint wants[3] = {
-        {.kind = CONUS_CONSTRAINT_AVOID, .names = "2", .limit = 1},
-        {.kind = CONUS_CONSTRAINT_LEAN, .direction = {1, 0, 0}, .limit = radians_from_degrees(20)},
-        {.kind = CONUS_CONSTRAINT_LENGTH, .limit = 0, .most = 26 + 7}};
+    const conus_constraint wants[3] = {{.kind = CONUS_CONSTRAINT_AVOID, .names = "2", .limit = 1},
+                                       {.kind = CONUS_CONSTRAINT_LEAN, .direction = {1, 0, 0}, .limit = 20},
+                                       {.kind = CONUS_CONSTRAINT_LENGTH, .limit = 0, .most = 26 + 7}};
     conus_atlas *atlas = boxes();
     struct trial trial = begin(atlas, 0.5, wants, 3);
     aim(&trial, (const double[]){0, 13, 13}, (const double[]){1, 0, 0}, NAN, 26);
@@ -266,7 +267,7 @@ static void other_constraints(void **state)
     const conus_constraint tip = {.names = "1", .measure = CONUS_MEASURE_TIP};
     const conus_constraint first = {.kind = CONUS_CONSTRAINT_FIRST, .names = "1"};
     const conus_constraint apart = {.kind = CONUS_CONSTRAINT_APART, .limit = 2, .needles = other, .needle_count = 1};
-    const conus_constraint entry = {.kind = CONUS_CONSTRAINT_ENTRY_ANGLE, .limit = radians_from_degrees(25)};
+    const conus_constraint entry = {.kind = CONUS_CONSTRAINT_ENTRY_ANGLE, .limit = 25};
     const conus_constraint part = {.names = "1", .limit = 2, .part = {0, 3}};
     conus_tolerance rows[CONUS_TOLERANCE_COUNT];
     conus_atlas *atlas = boxes();
@@ -413,13 +414,13 @@ static void random_needles(void **state)
         for (size_t i = t % 3; i < CONUS_TOLERANCE_COUNT; i += 3) {
             const conus_tolerance *row = &rows[i];
             for (int k = 0; k <= PLACES; k++) {
-                double s = row->holds_to * k / PLACES;
+                double s = row->holds_to * unit_of(row) * k / PLACES;
                 assert_true(holds(&trial, single, shanks, options.shank_count, row, s));
             }
             assert_int_equal(row->method, CONUS_TOLERANCE_EXACT);
             if (!isnan(row->fails_at)) {
-                assert_false(holds(&trial, single, shanks, options.shank_count, row, row->fails_at));
-                assert_true(row->fails_at - row->holds_to <= 1.001e-6 * unit_of(row));
+                assert_false(holds(&trial, single, shanks, options.shank_count, row, row->fails_at * unit_of(row)));
+                assert_true(row->fails_at - row->holds_to <= 1.001e-6);
                 found++;
             }
         }

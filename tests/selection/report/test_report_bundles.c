@@ -289,7 +289,7 @@ static void points_of_walks_as_by_a_loop(void **state)
         const double at[3] = {test_random(&seed, -40, 40), test_random(&seed, -40, 40), test_random(&seed, -40, 40)};
         assert_ok(conus_pose_toward(&pose, at, (double[]){0, 0, 0}, NULL));
         assert_ok(i % 2 ? conus_select_ball(&selection, selector, at, test_random(&seed, 1, 40))
-                        : conus_select(&selection, selector, &pose, test_random(&seed, 0.1, 2)));
+                        : conus_select(&selection, selector, &pose, degrees_from_radians(test_random(&seed, 0.1, 2))));
         assert_ok(conus_report_create(&report, selector, NULL));
         assert_ok(conus_report_add(report, "q", selection));
         buffer_text(&wanted, voxel_header);

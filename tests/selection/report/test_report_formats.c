@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reports in other programs' formats: the kinds of rows that they take, and failing allocations. */
 #include "base/buffer.h"
-#include "conus/report.h"
+#include "base/geometry/math3.h"
+#include "conus/own.h"
 #include "region_scene.h"
 #include "report_scene.h"
 #include "test.h"
@@ -245,13 +246,52 @@ static void what_a_row_has_is_not_kept_again(void **state)
     report_scene_destroy(&scene);
 }
 
+/* 212 of them would not come back from radians. A cone has them all, errors of a pose those up to 90. */
+static void degrees_come_out_as_they_were_given(void **state)
+{
+    (void)state;
+    struct report_scene scene = report_scene_create();
+    const conus_pose pose = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 50, 1}};
+    conus_selector *selector = NULL;
+    size_t lost = 0;
+    assert_ok(conus_selector_create(&selector, scene.atlas, &(conus_selector_options){.resolution = 1}));
+    scene.options.format = CONUS_FORMAT_JSON;
+    for (int tenths = 1; tenths < 1800; tenths++) {
+        const double degrees = tenths / 10.0;
+        conus_selection *selection = NULL;
+        conus_report *report = NULL;
+        const char *text = NULL;
+        size_t size = 0;
+        assert_ok(conus_select(&selection, selector, &pose, degrees));
+        assert_ok(conus_report_create(&report, selector, &scene.options));
+        assert_ok(conus_report_add(report, "1", selection));
+        assert_ok(conus_report_text(&text, &size, report));
+        const char *said = strstr(text, "\"angle_deg\": ");
+        assert_non_null(said);
+        assert_true(strtod(said + 13, NULL) == degrees);
+        lost += degrees_from_radians(radians_from_degrees(degrees)) != degrees;
+        conus_report_destroy(report);
+        conus_selection_destroy(selection);
+        if (tenths <= 900) {
+            conus_table *jitter = NULL;
+            assert_ok(
+                conus_jitter(&jitter, selector, &pose, 20, &(conus_jitter_options){.tilt = degrees, .samples = 16}));
+            assert_true(conus_table_numbers(jitter, "error_deg")[0] == degrees);
+            conus_table_destroy(jitter);
+        }
+    }
+    assert_int_equal(lost, 212);
+    conus_selector_destroy(selector);
+    report_scene_destroy(&scene);
+}
+
 TEST_GROUP(report_formats)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_failing_allocation_is_survived), cmocka_unit_test(only_answers_are_written_in_them),
         cmocka_unit_test(a_table_has_a_row_for_each_answer),    cmocka_unit_test(parts_join_without_a_seam),
         cmocka_unit_test(json_is_what_jansson_writes),          cmocka_unit_test(rows_of_one_name_are_told_apart),
-        cmocka_unit_test(what_a_row_has_is_not_kept_again),
+        cmocka_unit_test(what_a_row_has_is_not_kept_again),     cmocka_unit_test(degrees_come_out_as_they_were_given),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reports on plans: all kinds of rows and formats, for needles beside a box, whose numbers follow by arithmetic. */
 #include "base/files/file.h"
-#include "conus/report.h"
+#include "conus/own.h"
 #include "mesh_scene.h"
 #include "test.h"
 
@@ -18,7 +18,7 @@ struct made {
 static const conus_constraint CONSTRAINTS[] = {
     {.kind = CONUS_CONSTRAINT_REACH, .names = "1", .limit = 4},
     {.kind = CONUS_CONSTRAINT_AVOID, .names = "2", .limit = 3},
-    {.kind = CONUS_CONSTRAINT_LEAN, .direction = {0, 0, 2}, .limit = 2},
+    {.kind = CONUS_CONSTRAINT_LEAN, .direction = {0, 0, 2}, .limit = 114.591559},
 };
 
 /* Axes along x from 0 through the box from 10 to 40, to the depths 16, 13 and 27. A second box begins at 30; around it
@@ -93,7 +93,7 @@ static void has_lines(const struct made *made, conus_rows rows, size_t first, co
 }
 
 /* a is 6 mm in the first box and 14 mm from the second, c 17 and 3 mm, b 3 and 17 mm; all lean by 90 degrees, which is
- * less than 2 radians. The slack of c is 3 mm less the margin and the radius, -0.5. */
+ * less than 114.6. The slack of c is 3 mm less the margin and the radius, -0.5. */
 static void rows_follow_from_the_boxes(void **state)
 {
     (void)state;

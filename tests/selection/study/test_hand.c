@@ -150,8 +150,7 @@ static void the_record_can_be_followed(void **state)
         if (row->time_s > 10 * 20) {
             break;
         }
-        assert_ok(
-            conus_tracker_step(&selection, tracker, row->time_s, &row->pose, radians_from_degrees(10), row->trigger));
+        assert_ok(conus_tracker_step(&selection, tracker, row->time_s, &row->pose, 10, row->trigger));
         presses += conus_selection_step(selection)->confirmed != 0;
         conus_selection_destroy(selection);
     }
@@ -178,7 +177,7 @@ static void sweep(double scores[CHECKS][OBJECTS], const conus_atlas *atlas, cons
         conus_pose pose;
         conus_selection *selection = NULL;
         assert_ok(conus_pose_toward(&pose, (double[]){-400, 0, 0}, target, NULL));
-        assert_ok(conus_tracker_step(&selection, tracker, t, &pose, radians_from_degrees(10), false));
+        assert_ok(conus_tracker_step(&selection, tracker, t, &pose, 10, false));
         for (size_t r = 0; i && i % (rate / 10) == 0 && r + 1 < conus_selection_count(selection); r++) {
             const conus_result *result = conus_selection_result(selection, r);
             scores[i / (rate / 10) - 1][result->object] = result->score;

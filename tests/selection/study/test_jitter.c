@@ -49,7 +49,7 @@ static conus_table *jitter_of(const conus_atlas *atlas, const conus_selector_opt
     conus_selector *selector = NULL;
     conus_table *jitter = NULL;
     assert_ok(conus_selector_create(&selector, atlas, selector_options));
-    assert_ok(conus_jitter(&jitter, selector, pose, radians_from_degrees(degrees), options));
+    assert_ok(conus_jitter(&jitter, selector, pose, degrees, options));
     conus_selector_destroy(selector);
     return jitter;
 }
@@ -83,7 +83,7 @@ static void check_rows(const conus_table *jitter, bool layers)
         assert_true(layers && object ? in_cone >= seen && in_cone <= 1 : isnan(in_cone));
         assert_true(share >= 0 && share <= seen + 1e-12 && table_number_at(jitter, "sd_share", i) >= 0);
         assert_int_equal(table_count_at(jitter, "samples", i), asked->jitter.samples);
-        assert_true(table_number_at(jitter, "error_deg", i) == degrees_from_radians(asked->jitter.tilt));
+        assert_true(table_number_at(jitter, "error_deg", i) == asked->jitter.tilt);
         assert_true(table_number_at(jitter, "error_mm", i) == asked->jitter.shift);
         hits += hit;
         shares += share;
@@ -150,7 +150,7 @@ static void poses_move_as_the_errors_say(void **state)
     uint64_t seed = 6;
     conus_pose pose;
     conus_pose moved;
-    const conus_jitter_options options = {.tilt = 0.1, .shift = 2};
+    const conus_jitter_options options = {.tilt = 0.1 * 180 / MATH3_PI, .shift = 2};
     assert_ok(conus_pose_along(&pose, (double[]){1, 2, 3}, (double[]){1, -1, 0.5}, NULL));
     const double *m = pose.world_from_device;
     for (int i = 0; i < 100; i++) {
@@ -212,7 +212,7 @@ static void a_tilt_across_an_edge_is_one_too(void **state)
     conus_pose pose = down_from(0, 0, 100);
     for (int edge = -30; edge <= 30; edge += 6) {
         conus_atlas *atlas = half_spaces(edge);
-        const conus_jitter_options options = {.tilt = 0.1};
+        const conus_jitter_options options = {.tilt = 0.1 * 180 / MATH3_PI};
         double error;
         double hit = hit_of(atlas, &pose, &options, 1, &error);
         assert_near(hit, tilted_below(edge, 100, 0.1), 0.006);
@@ -296,7 +296,7 @@ static void without_errors_there_is_one_answer(void **state)
     conus_pose pose = scene_generic_pose(&seed, atlas);
     conus_table *jitter = jitter_of(atlas, &rays_of_16, &pose, 60, &(conus_jitter_options){0});
     assert_ok(conus_selector_create(&selector, atlas, &rays_of_16));
-    assert_ok(conus_select(&selection, selector, &pose, radians_from_degrees(60)));
+    assert_ok(conus_select(&selection, selector, &pose, 60));
     check_rows(jitter, false);
     assert_int_equal(conus_table_rows(jitter), conus_selection_count(selection));
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
@@ -357,7 +357,7 @@ static void shares_are_means(void **state)
     (void)state;
     conus_pose pose = down_from(0, 0, 100);
     conus_atlas *atlas = half_spaces(0);
-    const conus_jitter_options options = {.shift = 2, .tilt = 0.02, .samples = 4096};
+    const conus_jitter_options options = {.shift = 2, .tilt = 0.02 * 180 / MATH3_PI, .samples = 4096};
     const conus_selector_options fine = {.resolution = 64};
     conus_table *jitter = jitter_of(atlas, &fine, &pose, 10, &options);
     double wanted = deviation_of_part(2 * sqrt(2) / (100 * tan(radians_from_degrees(5))));
@@ -389,7 +389,7 @@ static void select_samples(struct samples *out, const conus_atlas *atlas, const 
         double errors[JITTER_DIMENSIONS];
         jitter_sample(errors, i);
         jitter_pose(&moved, pose, options, errors);
-        assert_ok(conus_select(&selection, selector, &moved, radians_from_degrees(degrees)));
+        assert_ok(conus_select(&selection, selector, &moved, degrees));
         for (size_t r = 0; r < conus_selection_count(selection); r++) {
             const conus_result *result = conus_selection_result(selection, r);
             if (result->object == 1) {
@@ -423,7 +423,7 @@ static void deviation_and_error_are_those_of_samples(void **state)
     (void)state;
     conus_atlas *atlas = half_spaces(1);
     const conus_pose pose = down_from(0, 0, 100);
-    const conus_jitter_options options = {.shift = 3, .tilt = 0.02, .samples = FEW};
+    const conus_jitter_options options = {.shift = 3, .tilt = 0.02 * 180 / MATH3_PI, .samples = FEW};
     struct samples samples;
     double sets[JITTER_SETS] = {0};
     conus_table *jitter = jitter_of(atlas, NULL, &pose, 10, &options);
@@ -445,7 +445,7 @@ static void both_engines_say_the_same(void **state)
     conus_atlas *atlas = scene_atlas(&seed, 14, 1);
     const conus_selector_options by_gl = {.engine = CONUS_ENGINE_GL, .resolution = 8};
     const conus_selector_options by_rays = {.engine = CONUS_ENGINE_RAYS, .resolution = 8};
-    const conus_jitter_options options = {.tilt = 0.1, .shift = 3, .samples = 64};
+    const conus_jitter_options options = {.tilt = 0.1 * 180 / MATH3_PI, .shift = 3, .samples = 64};
     conus_selector *selector = NULL;
     assert_gl(conus_selector_create(&selector, atlas, &by_gl));
     conus_selector_destroy(selector);
@@ -468,7 +468,7 @@ static void all_layers_know_what_is_hidden(void **state)
         conus_atlas *atlas = scene_atlas(&seed, 14, 1);
         conus_pose pose = scene_generic_pose(&seed, atlas);
         const conus_selector_options all = {.layers = CONUS_LAYERS_ALL, .resolution = 4};
-        const conus_jitter_options options = {.tilt = 0.2, .shift = 1, .samples = 32};
+        const conus_jitter_options options = {.tilt = 0.2 * 180 / MATH3_PI, .shift = 1, .samples = 32};
         conus_table *jitter = jitter_of(atlas, &all, &pose, 30, &options);
         check_rows(jitter, true);
         for (size_t r = 0; r < conus_table_rows(jitter); r++) {
@@ -487,12 +487,19 @@ static void limits_are_named(void **state)
     conus_pose pose = down_from(0, 0, 100);
     conus_selector *selector = NULL;
     conus_table *jitter = NULL;
-    static const conus_jitter_options wrong[] = {
-        {.tilt = -1},   {.tilt = 2},    {.tilt = NAN},   {.shift = -1},         {.shift = NAN},
-        {.shift = 1e7}, {.samples = 8}, {.samples = 48}, {.samples = 1U << 21}, {.shift = INFINITY}};
+    static const conus_jitter_options wrong[] = {{.tilt = -1 * 180 / MATH3_PI},
+                                                 {.tilt = 2 * 180 / MATH3_PI},
+                                                 {.tilt = NAN},
+                                                 {.shift = -1},
+                                                 {.shift = NAN},
+                                                 {.shift = 1e7},
+                                                 {.samples = 8},
+                                                 {.samples = 48},
+                                                 {.samples = 1U << 21},
+                                                 {.shift = INFINITY}};
     assert_ok(conus_selector_create(&selector, atlas, &one_ray));
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
-        assert_fails(conus_jitter(&jitter, selector, &pose, 1, &wrong[i]), CONUS_ERROR_ARGUMENT);
+        assert_fails(conus_jitter(&jitter, selector, &pose, degrees_from_radians(1), &wrong[i]), CONUS_ERROR_ARGUMENT);
     }
     assert_fails(conus_jitter(&jitter, selector, &pose, 0, &wrong[9]), CONUS_ERROR_ARGUMENT);
     assert_fails(conus_jitter(&jitter, selector, &pose, NAN, &(conus_jitter_options){0}), CONUS_ERROR_ARGUMENT);
@@ -505,7 +512,8 @@ static conus_status make_jitter(void *data)
 {
     conus_table *jitter = NULL;
     conus_pose pose = down_from(0, 0, 100);
-    conus_status status = conus_jitter(&jitter, data, &pose, 1, &(conus_jitter_options){.shift = 1, .samples = 16});
+    conus_status status =
+        conus_jitter(&jitter, data, &pose, degrees_from_radians(1), &(conus_jitter_options){.shift = 1, .samples = 16});
     conus_table_destroy(jitter);
     return status;
 }
@@ -540,7 +548,7 @@ static void a_callback_ends_it(void **state)
     const conus_pose pose = down_from(0, 0, 100);
     const conus_jitter_options options = {.samples = 16, .progress = stop_at_five, .progress_user = &heard};
     assert_ok(conus_selector_create(&selector, atlas, NULL));
-    assert_fails(conus_jitter(&jitter, selector, &pose, 0.2, &options), CONUS_ERROR_CANCELLED);
+    assert_fails(conus_jitter(&jitter, selector, &pose, degrees_from_radians(0.2), &options), CONUS_ERROR_CANCELLED);
     assert_string_equal(conus_message(), "jitter: cancelled after 5 of 16 poses");
     assert_null(jitter);
     conus_selector_destroy(selector);

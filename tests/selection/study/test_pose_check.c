@@ -2,6 +2,7 @@
 /* Poses that lie or point where they hardly should (conus_pose_check): cones and boxes against many rays, counts by
  * hand. */
 #include "base/geometry/math3.h"
+#include "conus/own.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "selection/study/study.h"
@@ -113,9 +114,9 @@ static void what_is_hit_is_not_missed(void **state)
         double high[3];
         const conus_selector_options options = {.aperture = i % 2 ? CONUS_APERTURE_SQUARE : CONUS_APERTURE_CIRCLE};
         assert_ok(conus_selector_create(&selector, atlas, &options));
-        assert_ok(conus_select(&selection, selector, &cone.pose, cone.angle));
+        assert_ok(conus_select(&selection, selector, &cone.pose, degrees_from_radians(cone.angle)));
         assert_ok(conus_pose_check_create(&check, selector));
-        conus_pose_check_add(check, 1, &cone.pose, cone.angle);
+        conus_pose_check_add(check, 1, &cone.pose, degrees_from_radians(cone.angle));
         const conus_pose_findings *found = conus_pose_check_found(check);
         const conus_result *first = conus_selection_result(selection, 0);
         assert_int_equal(found->poses, conus_atlas_bounds(low, high, atlas) == CONUS_OK);
@@ -164,10 +165,10 @@ static void poses_are_counted_by_kind(void **state)
     assert_ok(conus_pose_check_create(&check, selector));
     for (size_t i = 6; i > 0; i--) { /* the lowest number counts, not the first call */
         const conus_pose pose = looking_up_from(places[i - 1][0], places[i - 1][1], places[i - 1][2]);
-        conus_pose_check_add(check, i + 1, &pose, 0.2);
+        conus_pose_check_add(check, i + 1, &pose, 12);
     }
     const conus_pose pose = looking_up_from(0, 0, 0);
-    conus_pose_check_add(check, 20, &pose, 4); /* not an angle */
+    conus_pose_check_add(check, 20, &pose, 181); /* not an angle */
     const conus_pose_findings *found = conus_pose_check_found(check);
     assert_int_equal(found->poses, 6);
     assert_int_equal(found->inside.count, 3);
@@ -175,7 +176,7 @@ static void poses_are_counted_by_kind(void **state)
     assert_int_equal(found->inside.object, 2);
     assert_int_equal(found->away.count, 2);
     assert_int_equal(found->away.first, 3);
-    assert_near(found->away.angle, 0.2, 0);
+    assert_near(found->away.angle, 12, 0);
     assert_near(found->away.pose.world_from_device[14], 50, 0);
     assert_int_equal(found->tiny.count, 1);
     assert_int_equal(found->tiny.first, 6);
@@ -262,7 +263,7 @@ static uint64_t inside_first(const conus_atlas *atlas, const conus_selector_opti
     assert_ok(conus_pose_check_create(&check, selector));
     for (size_t i = 0; i < count; i++) {
         const conus_pose pose = looking_up_from(places[i][0], places[i][1], places[i][2]);
-        conus_pose_check_add(check, i + 1, &pose, options->radius > 0 ? 0 : 0.2);
+        conus_pose_check_add(check, i + 1, &pose, degrees_from_radians(options->radius > 0 ? 0 : 0.2));
     }
     const conus_pose_finding inside = conus_pose_check_found(check)->inside;
     assert_true(inside.count <= 1);
@@ -346,7 +347,7 @@ static conus_pose_suggestion reading_of(conus_selector *selector, const double f
     conus_pose_suggestion reading = {.object = 99};
     assert_ok(conus_pose_check_create(&check, selector));
     assert_ok(conus_pose_along(&pose, from, forward, NULL));
-    conus_pose_check_add(check, 1, &pose, 0.2);
+    conus_pose_check_add(check, 1, &pose, degrees_from_radians(0.2));
     assert_ok(conus_pose_check_suggest(&reading, conus_pose_check_found(check), selector));
     conus_pose_check_destroy(check);
     return reading;
@@ -415,7 +416,7 @@ static void a_reading_without_memory_is_an_error(void **state)
     conus_atlas *atlas = block();
     conus_selector *selector = NULL;
     assert_ok(conus_selector_create(&selector, atlas, NULL));
-    conus_pose_findings found = {.away = {.count = 1, .angle = 0.2, .pose = looking_up_from(1, 1, 50)}};
+    conus_pose_findings found = {.away = {.count = 1, .angle = 12, .pose = looking_up_from(1, 1, 50)}};
     conus_pose_suggestion reading = {.object = 99};
     long failures = 0;
     conus_status status = CONUS_ERROR_MEMORY;

@@ -47,7 +47,7 @@ static conus_table *sweep_of(const conus_atlas *atlas, const conus_selector_opti
     conus_selector *selector = NULL;
     conus_table *sweep = NULL;
     assert_ok(conus_selector_create(&selector, atlas, options));
-    assert_ok(conus_sweep(&sweep, selector, pose, radians_from_degrees(degrees)));
+    assert_ok(conus_sweep(&sweep, selector, pose, degrees));
     conus_selector_destroy(selector);
     return sweep;
 }
@@ -143,7 +143,7 @@ static uint64_t voxels_in(conus_selector *selector, const conus_pose *pose, doub
 {
     conus_selection *selection = NULL;
     uint64_t voxels = 0;
-    assert_ok(conus_select(&selection, selector, pose, angle));
+    assert_ok(conus_select(&selection, selector, pose, degrees_from_radians(angle)));
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         voxels = result->object == object ? result->voxels : voxels;
@@ -257,17 +257,17 @@ static void a_ball_is_admitted_at_its_tangent(void **state)
     for (int beside = 21; beside < 60; beside += 7) {
         conus_pose pose = pose_of((double[]){-100, beside, 0}, (double[]){1, 0, 0});
         double wanted = 2 * (atan2(beside, 100) - asin(20 / hypot(beside, 100)));
-        assert_ok(conus_sweep(&sweep, selector, &pose, radians_from_degrees(170)));
+        assert_ok(conus_sweep(&sweep, selector, &pose, 170));
         assert_near(find(sweep, 1).angle, wanted, 1e-4);
         conus_table_destroy(sweep);
     }
     conus_pose through = pose_of((double[]){-100, 19, 0}, (double[]){1, 0, 0});
     conus_pose inside = pose_of((double[]){3, 4, 5}, (double[]){0, 0.6, 0.8});
-    assert_ok(conus_sweep(&sweep, selector, &through, radians_from_degrees(1)));
+    assert_ok(conus_sweep(&sweep, selector, &through, 1));
     assert_true(find(sweep, 1).angle == 0);
     assert_near(find(sweep, 1).distance, 100 - sqrt(400 - 19 * 19), 1); /* where the axis enters or leaves it */
     conus_table_destroy(sweep);
-    assert_ok(conus_sweep(&sweep, selector, &inside, radians_from_degrees(1)));
+    assert_ok(conus_sweep(&sweep, selector, &inside, 1));
     assert_true(find(sweep, 1).angle == 0);
     assert_true(find(sweep, 1).distance == 0); /* the apex is in it */
     conus_table_destroy(sweep);
@@ -364,7 +364,7 @@ static void ties_go_to_the_nearer_then_to_the_lower_number(void **state)
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     for (int narrower = 0; narrower < 2; narrower++) {
         conus_table *sweep = NULL;
-        assert_ok(conus_sweep(&sweep, selector, &pose, narrower ? nextafter(both, 0) : both));
+        assert_ok(conus_sweep(&sweep, selector, &pose, degrees_from_radians(narrower ? nextafter(both, 0) : both)));
         assert_int_equal(conus_table_rows(sweep), narrower ? 2 : 4);
         for (size_t i = 0; i < conus_table_rows(sweep); i++) {
             assert_int_equal(conus_table_objects(sweep)[i], order[i]);
@@ -404,16 +404,16 @@ static void limits_are_named(void **state)
     conus_table *sweep = NULL;
     for (int i = 0; i < 2; i++) {
         assert_ok(conus_selector_create(&selector, atlas, &wrong[i]));
-        assert_fails(conus_sweep(&sweep, selector, &pose, 1), CONUS_ERROR_ARGUMENT);
+        assert_fails(conus_sweep(&sweep, selector, &pose, degrees_from_radians(1)), CONUS_ERROR_ARGUMENT);
         conus_selector_destroy(selector);
     }
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     for (int i = 0; i < 4; i++) {
         static const double angles[] = {0, -1, MATH3_PI, NAN};
-        assert_fails(conus_sweep(&sweep, selector, &pose, angles[i]), CONUS_ERROR_ARGUMENT);
+        assert_fails(conus_sweep(&sweep, selector, &pose, degrees_from_radians(angles[i])), CONUS_ERROR_ARGUMENT);
     }
     pose.world_from_device[3] = 1;
-    assert_fails(conus_sweep(&sweep, selector, &pose, 1), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_sweep(&sweep, selector, &pose, degrees_from_radians(1)), CONUS_ERROR_ARGUMENT);
     assert_null(sweep);
     assert_int_equal(conus_table_rows(NULL), 0);
     conus_table_destroy(NULL);
@@ -426,7 +426,7 @@ static conus_status make_sweep(void *data)
     conus_selector *selector = data;
     conus_table *sweep = NULL;
     conus_pose pose = pose_of((double[]){0, 0, 100}, (double[]){0, 0, -1});
-    conus_status status = conus_sweep(&sweep, selector, &pose, 1);
+    conus_status status = conus_sweep(&sweep, selector, &pose, degrees_from_radians(1));
     conus_table_destroy(sweep);
     return status;
 }

@@ -44,8 +44,7 @@ static conus_status try_step(struct track *track, double time, double x, bool tr
     conus_pose pose;
     conus_selection *selection = NULL;
     assert_ok(conus_pose_along(&pose, (double[]){x, 0, 150}, (double[]){0, 0, -1}, NULL));
-    conus_status status =
-        conus_tracker_step(&selection, track->tracker, time, &pose, radians_from_degrees(track->degrees), trigger);
+    conus_status status = conus_tracker_step(&selection, track->tracker, time, &pose, track->degrees, trigger);
     if (!status) {
         conus_selection_destroy(track->selection);
         track->selection = selection;
@@ -204,9 +203,11 @@ static void refuse_pose(struct track *track, double time)
 {
     conus_pose pose = {.world_from_device = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, NAN, 0, 1}};
     conus_selection *selection = NULL;
-    assert_fails(conus_tracker_step(&selection, track->tracker, time, &pose, 1, true), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_tracker_step(&selection, track->tracker, time, &pose, degrees_from_radians(1), true),
+                 CONUS_ERROR_ARGUMENT);
     pose.world_from_device[13] = 0;
-    assert_fails(conus_tracker_step(&selection, track->tracker, time, &pose, 4, true), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_tracker_step(&selection, track->tracker, time, &pose, degrees_from_radians(4), true),
+                 CONUS_ERROR_ARGUMENT);
     assert_null(selection);
 }
 
@@ -397,7 +398,7 @@ static conus_status follow(void *data)
         const char *text;
         size_t size;
         (void)!conus_pose_along(&pose, (double[]){20 * sin(i), 0, 150}, (double[]){0, 0, -1}, NULL);
-        status = conus_tracker_step(&selection, tracker, i * 0.1, &pose, 0.1, i == 5);
+        status = conus_tracker_step(&selection, tracker, i * 0.1, &pose, degrees_from_radians(0.1), i == 5);
         status = status ? status : conus_report_add(report, "1", selection);
         status = status ? status : conus_report_take(&text, &size, report);
         conus_selection_destroy(selection);

@@ -35,7 +35,7 @@ static conus_selector *selector_of_all(const conus_atlas *atlas)
 static conus_selection *select_by(conus_selector *selector, const struct cone *cone)
 {
     conus_selection *selection = NULL;
-    assert_ok(conus_select(&selection, selector, &cone->pose, cone->angle));
+    assert_ok(conus_select(&selection, selector, &cone->pose, degrees_from_radians(cone->angle)));
     return selection;
 }
 
@@ -510,7 +510,7 @@ static conus_status create_and_pierce(void *data)
     const conus_selector_options options = {.layers = CONUS_LAYERS_ALL};
     struct cone cone = mesh_scene_cone((double[]){1, 2, 300}, (double[]){0, 0, 0}, 10, 16);
     conus_status status = conus_selector_create(&selector, atlas, &options);
-    status = status ? status : conus_select(&selection, selector, &cone.pose, cone.angle);
+    status = status ? status : conus_select(&selection, selector, &cone.pose, degrees_from_radians(cone.angle));
     conus_selection_destroy(selection);
     conus_selector_destroy(selector);
     return status;
