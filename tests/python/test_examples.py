@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The examples in Python, as plain scripts in an empty folder, and as notebooks."""
 import base64
+import csv
 import functools
 import json
 import os
@@ -50,6 +51,17 @@ def test_every_script_is_tested_and_its_cells_are_marked():
     assert {path.stem for path in FOLDER.glob("*.py")} == tested | {"thousand_poses"}
     for path in notebooks():
         assert len(re.findall("^# %%$", path.read_text(), re.M)) >= 4
+
+
+def test_a_thousand_poses_are_those_of_the_program(tmp_path):
+    """The nearest contact of each pose's best area, with two decimals, is that of conus batch."""
+    turns = np.arange(1000) * (2 * np.pi / 1000)
+    rows = [f"{float(100 * np.cos(t))!r}\t{float(100 * np.sin(t))!r}\t0\t{float(-np.cos(t))!r}\t{float(-np.sin(t))!r}\t0" for t in turns]
+    (tmp_path / "poses.tsv").write_text("x\ty\tz\tdx\tdy\tdz\n" + "\n".join(rows) + "\n")
+    asked = [os.environ["CONUS"], "batch", AAL, "--poses", tmp_path / "poses.tsv", "--summary", "-q", "--format", "csv"]
+    said = csv.DictReader(subprocess.run(asked, capture_output=True, text=True, check=True).stdout.splitlines())
+    printed = subprocess.run([sys.executable, FOLDER / "thousand_poses.py", AAL], capture_output=True, text=True, check=True).stdout
+    assert [f"{float(row['distance_mm']):.2f}" for row in said] == printed.split()
 
 
 def test_tms_session_prints_the_numbers_of_the_recipe():
