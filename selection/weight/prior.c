@@ -16,6 +16,7 @@ struct priors {
     const conus_atlas *atlas;
     const uint32_t *group;
     bool *is_given; /* [object_count + 1] */
+    size_t rows;
 };
 
 enum { NAME, INDEX, PRIOR };
@@ -61,6 +62,7 @@ static conus_status take_row(void *user, const struct text *cells)
         return fail(CONUS_ERROR_DATA, "%.60s is there twice", name);
     }
     priors->is_given[object] = true;
+    priors->rows++;
     priors->out->times[object] = times;
     return CONUS_OK;
 }
@@ -69,7 +71,7 @@ static conus_status read_file(struct prior *out, const char *path, const conus_a
 {
     static const char *const names[] = {"name", "index", "prior"};
     const size_t count = conus_atlas_object_count(atlas) + 1;
-    struct priors priors = {out, atlas, group, memory_zeroed(count, sizeof *priors.is_given)};
+    struct priors priors = {out, atlas, group, memory_zeroed(count, sizeof *priors.is_given), 0};
     const struct row_reader reader = {names, 3, take_row, &priors};
     out->of_file = true;
     out->times = memory_raw(count, sizeof *out->times);
@@ -79,13 +81,16 @@ static conus_status read_file(struct prior *out, const char *path, const conus_a
     }
     status = status ? status : rows_read(path, &reader);
     memory_free(priors.is_given);
-    return status;
+    return status || priors.rows ? status : fail(CONUS_ERROR_DATA, "%s: no rows, at least one is needed", path);
 }
 
-static conus_status read_power(struct prior *out, struct text key, struct text value)
+static conus_status read_power(struct prior *out, struct text key, struct text value, bool is_given)
 {
     if (!text_equal(key, "power")) {
         return fail(CONUS_ERROR_ARGUMENT, "key \"%.*s\" is unknown, allowed is power", TEXT_SHOW(key, 40));
+    }
+    if (is_given) {
+        return fail(CONUS_ERROR_ARGUMENT, "power is there twice");
     }
     return text_to_double(value, &out->power) && out->power >= least_power && out->power <= most_power
                ? CONUS_OK
@@ -110,8 +115,9 @@ conus_status prior_read(struct prior *out, const char *text, const conus_atlas *
                             TEXT_SHOW(head, 60));
         memory_free(path);
     }
-    for (rest += head.size; !status && weight_key(&key, &value, &rest);) {
-        status = read_power(&prior, key, value);
+    bool has_power = false;
+    for (rest += head.size; !status && weight_key(&key, &value, &rest); has_power = true) {
+        status = read_power(&prior, key, value, has_power);
     }
     if (status) {
         prior_finish(&prior);
