@@ -39,6 +39,20 @@ static conus_status find_object(uint32_t *out, const struct text *cells, const c
                   : fail(CONUS_ERROR_DATA, "index: nothing has the number %.*s", TEXT_SHOW(cells[INDEX], 40));
 }
 
+/* Whether nothing is reported as an object: as another one at this level, or as the areas below it in the area tree. */
+static bool has_no_row(const struct priors *priors, uint32_t object)
+{
+    bool is_parent = false;
+    bool has_row = false;
+    for (uint32_t i = 1; i <= conus_atlas_object_count(priors->atlas); i++) {
+        const conus_object *other = conus_atlas_object(priors->atlas, i);
+        const bool has_shape = other->voxels > 0 || other->triangles > 0;
+        is_parent = is_parent || other->parent == object;
+        has_row = has_row || (has_shape && (priors->group ? priors->group[i] : i) == object);
+    }
+    return (priors->group && priors->group[object] != object) || (is_parent && !has_row);
+}
+
 static conus_status take_row(void *user, const struct text *cells)
 {
     struct priors *priors = user;
@@ -55,7 +69,7 @@ static conus_status take_row(void *user, const struct text *cells)
         return status;
     }
     const char *name = conus_atlas_object(priors->atlas, object)->name;
-    if (priors->group && priors->group[object] != object) {
+    if (has_no_row(priors, object)) {
         return fail(CONUS_ERROR_DATA, "%.60s has no row of its own at this level", name);
     }
     if (priors->is_given[object]) {
