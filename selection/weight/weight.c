@@ -6,7 +6,6 @@
 #include "base/memory.h"
 #include "base/order.h"
 #include "conus/own.h"
-#include "poses/rows/pose_row.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -297,8 +296,8 @@ void weight_turn(conus_pose *pose, const conus_weight *weight)
     const double *bias = weight->facts.bias;
     const double degrees = hypot(bias[0], bias[1]);
     double *m = pose->world_from_device;
-    const double hand = pose_is_mirrored(pose) ? -1 : 1; /* in a world that is a mirror image the other one */
-    double axis[3];                                      /* X y - Y x, about which -z turns towards -(X x + Y y) */
+    const double hand = mat4_determinant3(m) < 0 ? -1 : 1; /* in a world that is a mirror image the other one */
+    double axis[3];                                        /* X y - Y x, about which -z turns towards -(X x + Y y) */
     vec3_scale(axis, m + 4, hand * bias[0] / degrees);
     vec3_add_scaled(axis, axis, -hand * bias[1] / degrees, m);
     for (int column = 0; column < 3; column++) {

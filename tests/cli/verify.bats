@@ -548,7 +548,7 @@ store() {
     study
     local text='--angles --atlas --atlas-transform --clearance --clusters --connect --connectivity --contacts --context --coordsystem --endpoints --hide --image --jitter
         --keep --labels --level --listen --mask --mask-object --only --output --pathway --pose --poses --probe --probes --reference --score
-        --segments --shard --sidecar --streamlines --streamlines-out --tool --voxels --world-from-tracker'
+        --segments --shard --sidecar --streamlines --streamlines-out --tool --voxels --weight --world-from-tracker'
     for command in query batch sweep track overlap connect; do
         conus $command --help
     done | sed -nE 's/^  +(-[a-z], )?(--[a-z-]+) [A-Z@].*/\2/p' | sort -u >options
