@@ -27,7 +27,7 @@ struct way {
 struct scene {
     conus_atlas *atlas;
     conus_selector *selector; /* of the rays engine   */
-    double angle;             /* radians              */
+    double angle;             /* degrees              */
     char path[96];            /* of the poses         */
 };
 
@@ -68,7 +68,7 @@ static conus_status make_scene(struct scene *scene, const struct bench *bench)
                                      bench->options.angle);
     }
     status = status ? status : conus_selector_create(&scene->selector, scene->atlas, &held);
-    scene->angle = radians_from_degrees(bench->options.angle);
+    scene->angle = bench->options.angle;
     return status;
 }
 
@@ -89,7 +89,8 @@ static bool keep_rows(void *user, const conus_batch_block *block)
 static conus_status trace_all_poses(struct contender *contender)
 {
     conus_selector *selector = contender->way->selector;
-    struct cone cone = {.angle = contender->scene->angle, .resolution = selector->options.resolution};
+    struct cone cone = {.angle = radians_from_degrees(contender->scene->angle),
+                        .resolution = selector->options.resolution};
     struct evidence evidence;
     cone.slope = cone_slope(&cone);
     conus_status status = evidence_init(&evidence, cone.resolution);

@@ -11,7 +11,7 @@
  *     conus_status status = conus_atlas_load(&atlas, "aal.nii.gz", NULL);
  *     if (!status) status = conus_selector_create(&selector, atlas, NULL);
  *     if (!status) status = conus_pose_toward(&pose, (double[]){-90, 20, 20}, (double[]){0, -10, 10}, NULL);
- *     if (!status) status = conus_select(&selection, selector, &pose, 20 * M_PI / 180);
+ *     if (!status) status = conus_select(&selection, selector, &pose, 20);
  *     for (size_t i = 0; i < conus_selection_count(selection); i++) ...
  *     if (status) fprintf(stderr, "%s\n", conus_message());
  *     conus_selection_destroy(selection); conus_selector_destroy(selector); conus_atlas_destroy(atlas);

@@ -16,6 +16,7 @@ struct priors {
     const conus_atlas *atlas;
     const uint32_t *group;
     bool *is_given; /* [object_count + 1] */
+    size_t rows;
 };
 
 enum { NAME, INDEX, PRIOR };
@@ -38,6 +39,20 @@ static conus_status find_object(uint32_t *out, const struct text *cells, const c
                   : fail(CONUS_ERROR_DATA, "index: nothing has the number %.*s", TEXT_SHOW(cells[INDEX], 40));
 }
 
+/* Whether nothing is reported as an object: as another one at this level, or as the areas below it in the area tree. */
+static bool has_no_row(const struct priors *priors, uint32_t object)
+{
+    bool is_parent = false;
+    bool has_row = false;
+    for (uint32_t i = 1; i <= conus_atlas_object_count(priors->atlas); i++) {
+        const conus_object *other = conus_atlas_object(priors->atlas, i);
+        const bool has_shape = other->voxels > 0 || other->triangles > 0;
+        is_parent = is_parent || other->parent == object;
+        has_row = has_row || (has_shape && (priors->group ? priors->group[i] : i) == object);
+    }
+    return (priors->group && priors->group[object] != object) || (is_parent && !has_row);
+}
+
 static conus_status take_row(void *user, const struct text *cells)
 {
     struct priors *priors = user;
@@ -54,13 +69,14 @@ static conus_status take_row(void *user, const struct text *cells)
         return status;
     }
     const char *name = conus_atlas_object(priors->atlas, object)->name;
-    if (priors->group && priors->group[object] != object) {
+    if (has_no_row(priors, object)) {
         return fail(CONUS_ERROR_DATA, "%.60s has no row of its own at this level", name);
     }
     if (priors->is_given[object]) {
         return fail(CONUS_ERROR_DATA, "%.60s is there twice", name);
     }
     priors->is_given[object] = true;
+    priors->rows++;
     priors->out->times[object] = times;
     return CONUS_OK;
 }
@@ -69,7 +85,7 @@ static conus_status read_file(struct prior *out, const char *path, const conus_a
 {
     static const char *const names[] = {"name", "index", "prior"};
     const size_t count = conus_atlas_object_count(atlas) + 1;
-    struct priors priors = {out, atlas, group, memory_zeroed(count, sizeof *priors.is_given)};
+    struct priors priors = {out, atlas, group, memory_zeroed(count, sizeof *priors.is_given), 0};
     const struct row_reader reader = {names, 3, take_row, &priors};
     out->of_file = true;
     out->times = memory_raw(count, sizeof *out->times);
@@ -79,13 +95,16 @@ static conus_status read_file(struct prior *out, const char *path, const conus_a
     }
     status = status ? status : rows_read(path, &reader);
     memory_free(priors.is_given);
-    return status;
+    return status || priors.rows ? status : fail(CONUS_ERROR_DATA, "%s: no rows, at least one is needed", path);
 }
 
-static conus_status read_power(struct prior *out, struct text key, struct text value)
+static conus_status read_power(struct prior *out, struct text key, struct text value, bool is_given)
 {
     if (!text_equal(key, "power")) {
         return fail(CONUS_ERROR_ARGUMENT, "key \"%.*s\" is unknown, allowed is power", TEXT_SHOW(key, 40));
+    }
+    if (is_given) {
+        return fail(CONUS_ERROR_ARGUMENT, "power is there twice");
     }
     return text_to_double(value, &out->power) && out->power >= least_power && out->power <= most_power
                ? CONUS_OK
@@ -110,8 +129,9 @@ conus_status prior_read(struct prior *out, const char *text, const conus_atlas *
                             TEXT_SHOW(head, 60));
         memory_free(path);
     }
-    for (rest += head.size; !status && weight_key(&key, &value, &rest);) {
-        status = read_power(&prior, key, value);
+    bool has_power = false;
+    for (rest += head.size; !status && weight_key(&key, &value, &rest); has_power = true) {
+        status = read_power(&prior, key, value, has_power);
     }
     if (status) {
         prior_finish(&prior);

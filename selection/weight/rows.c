@@ -18,8 +18,8 @@ static enum table_separator separator_of(struct text header)
                                                    : TABLE_SPACES;
 }
 
-/* Which cell of a row each name has; SIZE_MAX = none. */
-static conus_status read_header(size_t places[ROW_CELLS], const struct row_reader *reader,
+/* Which cell of a row each name has, SIZE_MAX = none; and how many cells rows have. */
+static conus_status read_header(size_t places[ROW_CELLS], size_t *width, const struct row_reader *reader,
                                 const struct table_line *line)
 {
     char known[256] = "";
@@ -28,6 +28,7 @@ static conus_status read_header(size_t places[ROW_CELLS], const struct row_reade
         places[k] = SIZE_MAX;
         used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", k ? ", " : "", reader->names[k]);
     }
+    *width = line->given;
     for (size_t i = 0; i < line->given; i++) {
         size_t k = 0;
         while (k < reader->count && !text_equal_ignoring_case(line->cells[i], reader->names[k])) {
@@ -49,6 +50,7 @@ static conus_status read_lines(struct text rest, size_t *number, const struct ro
 {
     struct table table = {.separator = TABLE_SPACES};
     size_t places[ROW_CELLS];
+    size_t width = 0;
     struct table_line *line = memory_raw(1, sizeof *line);
     struct text text;
     bool has_header = false;
@@ -59,8 +61,10 @@ static conus_status read_lines(struct text rest, size_t *number, const struct ro
         if (!table_split(line, &table, text)) {
             status = fail(CONUS_ERROR_DATA, "more than %d cells", TABLE_CELLS);
         } else if (!has_header) {
-            status = read_header(places, reader, line);
+            status = read_header(places, &width, reader, line);
             has_header = true;
+        } else if (line->given > width) { /* 0,5 where commas separate, say */
+            status = fail(CONUS_ERROR_DATA, "%zu cells, the header has %zu", line->given, width);
         } else {
             for (size_t k = 0; k < reader->count; k++) {
                 bool is_there = places[k] < line->count;

@@ -10,7 +10,8 @@
 #include <math.h>
 #include <stdio.h>
 
-static const double most_bias = 45; /* degrees */
+static const double most_bias = 45;      /* degrees */
+static const double most_weight = 1e100; /* so that sums stay finite */
 enum { ROW_LIMIT = 1000000 };
 
 static double by_nothing(const conus_weight *weight, double x)
@@ -137,6 +138,9 @@ static conus_status take_row(void *user, const struct text *cells)
     double row[2];
     if (!text_to_double(cells[WEIGHT], &row[1]) || !(row[1] >= 0 && isfinite(row[1]))) {
         return fail(CONUS_ERROR_DATA, "weight: %.*s is no number of 0 or more", TEXT_SHOW(cells[WEIGHT], 40));
+    }
+    if (row[1] > most_weight) {
+        return fail(CONUS_ERROR_DATA, "weight: %.*s is more than %g", TEXT_SHOW(cells[WEIGHT], 40), most_weight);
     }
     if (!text_to_double(cells[place], &row[0]) || !isfinite(row[0])) {
         return fail(CONUS_ERROR_DATA, "%s: %.*s is no number", columns[place], TEXT_SHOW(cells[place], 40));
@@ -292,9 +296,10 @@ void weight_turn(conus_pose *pose, const conus_weight *weight)
     const double *bias = weight->facts.bias;
     const double degrees = hypot(bias[0], bias[1]);
     double *m = pose->world_from_device;
-    double axis[3]; /* X y - Y x, about which -z turns towards -(X x + Y y) */
-    vec3_scale(axis, m + 4, bias[0] / degrees);
-    vec3_add_scaled(axis, axis, -bias[1] / degrees, m);
+    const double hand = mat4_determinant3(m) < 0 ? -1 : 1; /* in a world that is a mirror image the other one */
+    double axis[3];                                        /* X y - Y x, about which -z turns towards -(X x + Y y) */
+    vec3_scale(axis, m + 4, hand * bias[0] / degrees);
+    vec3_add_scaled(axis, axis, -hand * bias[1] / degrees, m);
     for (int column = 0; column < 3; column++) {
         vec3_turn(m + 4 * column, m + 4 * column, axis, radians_from_degrees(degrees));
     }

@@ -35,6 +35,20 @@ nested() {
     fails 2 'the closing quote is missing' "${view[@]}" --level '"Outer, the'
 }
 
+@test "a prior is of areas that have rows" {
+    nested
+    printf 'name,prior\nShell,5\n' >prior.csv
+    fails 3 'prior.csv:2: Shell has no row of its own at this level' "${view[@]}" --weight hard --prior prior.csv
+    fails 3 'Shell has no row of its own at this level' "${view[@]}" --weight hard --prior prior.csv --level 1
+    answers "${view[@]}" --weight hard --prior prior.csv --level 2
+    [ "$(cell name 1)" = Shell ]
+    printf 'name,prior\nBall,5\n' >prior.csv
+    fails 3 'Ball has no row of its own at this level' "${view[@]}" --weight hard --prior prior.csv --level 2
+    printf 'name,prior\n"Outer, the",5\n' >prior.csv
+    answers "${view[@]}" --weight hard --prior prior.csv
+    fails 3 'Outer, the has no row of its own' "${view[@]}" --weight hard --prior prior.csv --level 2
+}
+
 @test "a mistyped level is explained" {
     nested
     fails 2 'level: no area has the name, abbreviation or label "Shel"; did you mean "Shell"?' "${view[@]}" --level Shel

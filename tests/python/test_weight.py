@@ -194,6 +194,7 @@ def test_a_prior_of_a_file(tmp_path):
     ("angle_deg\toffset_mm\tweight\n0\t0\t1\n1\t1\t1\n", "needed"),
     ("angle_deg\n0\n1\n", "needed"),
     ("weight\n0\n1\n", "needed"),
+    ("angle_deg,weight\n0,1\n5,0,5\n", "3: 3 cells, the header has 2"), ("angle_deg\tweight\n0\t1\n1\t1e308\n", "more than 1e\\+100"),
     ("angle_deg\tangle_deg\tweight\n0\t1\t1\n", "twice"),
 ])
 def test_wrong_tables_are_data_errors(tmp_path, text, said):
@@ -211,6 +212,7 @@ def test_wrong_tables_are_data_errors(tmp_path, text, said):
     ({"weight": "gauss=1,bias=1:2:3"}, "two numbers"), ({"weight": "gauss=1", "radius": 3}, "cylinder"), ({"prior": "size"}, "needs a weight"),
     ({"score": "posterior"}, "needs a weight"), ({"score": "dose", "weight": "gauss=1"}, "unknown"),
     ({"weight": "gauss=1", "prior": "often"}, "\"often\" is unknown"), ({"weight": "gauss=1", "prior": "size,power=0"}, "0.01"),
+    ({"weight": "gauss=1", "prior": "size,power=2,power=3"}, "power is there twice"),
 ])
 def test_wrong_words_are_refused(options, said):
     with pytest.raises(conus.ArgumentError, match=said):
@@ -228,7 +230,8 @@ def test_coordinates_have_ranges(tmp_path):
 
 @pytest.mark.parametrize("text, said", [
     ("name\tprior\nparts 1\t2\n", "part 1"), ("name\tprior\npart 1\t-2\n", "0 or more"), ("name\tprior\npart 1\t1\npart 1\t2\n", "twice"),
-    ("index\tprior\n77\t1\n", "nothing has the number 77"), ("name\tweight\npart 1\t1\n", "unknown"), ("name\npart 1\n", "needed"),
+    ("index\tprior\n77\t1\n", "nothing has the number 77"), ("name\tweight\npart 1\t1\n", "unknown"), ("name\nx\n", "needed"),
+    ("", "no rows"), ("name\tprior\n", "no rows"), ("name,prior\npart 1,2,5\n", "2: 3 cells, the header has 2"),
 ])
 def test_wrong_priors_are_data_errors(tmp_path, text, said):
     path = tmp_path / "prior.tsv"
@@ -321,5 +324,6 @@ def test_rows_do_not_depend_on_threads_and_are_those_of_query(tmp_path):
     assert (tmp_path / "rows.tsv").read_bytes() == rows[1]
     assert call_conus("verify", tmp_path / "rows.tsv").returncode == 0
     frame = pandas.read_csv(io.BytesIO(rows[1]), sep="\t", na_values="n/a", keep_default_na=False)
-    assert frame.groupby("query")["posterior"].sum().to_numpy() == pytest.approx(1) or frame["posterior"].isna().any()
+    sums = frame.groupby("query")["posterior"].sum(min_count=1).dropna()  # what hits nothing has none
+    assert len(sums) > 50 and sums.to_numpy() == pytest.approx(1)
     assert frame.groupby("query")["weight"].sum().to_numpy() == pytest.approx(1)

@@ -95,7 +95,7 @@ static const struct sentence of_settings[] = {
     {"Settings.weight.form=gauss",
      " Rays were weighted by a normal error of the axis's tilt, with a standard deviation "
      "of {Settings.weight.sigma_deg}° about each of two axes: an object's weight is the "
-     "probability that the axis meets it before any other (Eq. 30 and 31 of conus's "
+     "probability that the axis, if it lies in the cone, meets it before any other (Eq. 30 and 31 of conus's "
      "documentation)."},
     {"Settings.weight.form=table", " Rays were weighted by a table of {Settings.weight.rows} rows (Eq. 30 and 31 of "
                                    "conus's documentation)."},

@@ -233,7 +233,7 @@ static void nibabel_and_numpy_agree(void **state)
         {.size = 48, .spacing = {1, 1.5, 2.5}, .flip = {true, false, false}},
         {.size = 40, .spacing = {0.75, 0.75, 1.25}, .oblique = 0.6 * 180 / MATH3_PI, .flip = {false, true, false}},
         {.size = 40, .oblique = 2.5 * 180 / MATH3_PI, .flip = {true, true, true}},
-        {.size = 32, .oblique = MATH3_PI},
+        {.size = 32, .oblique = 180},
     };
     if (system("/usr/bin/python3 -c 'import nibabel, numpy' 2>/dev/null")) {
         print_message("skipped: no nibabel for /usr/bin/python3\n");

@@ -4,6 +4,7 @@
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
 #include "conus/own.h"
+#include "selection/weight/weight.h"
 #include "test.h"
 
 #include <math.h>
@@ -48,6 +49,29 @@ static void a_table_is_linear_between_its_rows(void **state)
     conus_weight_destroy(weight);
 }
 
+/* The device points 30 degrees to its right of what is meant, or up; its x and y are world axes, x turned round, too.
+ */
+static void a_bias_is_taken_off_in_the_device_s_own_axes(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        const double hand = k % 2 ? -1 : 1; /* left-handed where the world is a mirror image of the pose's space */
+        const bool upward = k / 2;
+        conus_weight *weight = NULL;
+        conus_pose pose = {{hand, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1}};
+        assert_ok(conus_weight_create(&weight, upward ? "gauss=1,bias=0:30" : "gauss=1,bias=30:0"));
+        weight_turn(&pose, weight);
+        const double *m = pose.world_from_device;
+        const double z[3] = {upward ? 0 : hand * 0.5, upward ? 0.5 : 0, sqrt(0.75)};
+        for (int a = 0; a < 3; a++) {
+            assert_near(m[8 + a], z[a], 1e-12);
+            assert_near(m[12 + a], 5 + a, 0);
+        }
+        assert_near(mat4_determinant3(m), hand, 1e-12);
+        conus_weight_destroy(weight);
+    }
+}
+
 static void paths_end_before_keys(void **state)
 {
     (void)state;
@@ -75,7 +99,7 @@ static conus_status ask(void *data)
     conus_pose pose;
     (void)!conus_pose_along(&pose, (double[]){0, 0, 150}, (double[]){0, 0, -1}, NULL);
     status = status ? status : conus_selector_create(&selector, poor->atlas, &options);
-    status = status ? status : conus_select(&selection, selector, &pose, radians_from_degrees(8));
+    status = status ? status : conus_select(&selection, selector, &pose, 8);
     conus_selection_destroy(selection);
     conus_selector_destroy(selector);
     conus_weight_destroy(weight);
@@ -103,6 +127,7 @@ TEST_GROUP(weight)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(gauss_is_a_density_per_solid_angle),
         cmocka_unit_test(a_table_is_linear_between_its_rows),
+        cmocka_unit_test(a_bias_is_taken_off_in_the_device_s_own_axes),
         cmocka_unit_test(paths_end_before_keys),
         cmocka_unit_test(every_failing_allocation_is_clean),
     };
