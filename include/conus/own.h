@@ -962,6 +962,7 @@ typedef struct conus_atlas_facts {
 typedef struct conus_atlas_identity_view {
     const conus_atlas_facts *facts; /**< NULL = none that conus knows. */
     bool is_verified;               /**< By its voxels; false: by its labels and names alone. */
+    bool has_other_names;           /**< It has names, but not those that were published with its voxels. */
     char sum[65];                   /**< SHA-256 of its voxels; "" where it has none of its own: surfaces, several
                                          volumes of labels, areas in halves or hidden. */
 } conus_atlas_identity_view;

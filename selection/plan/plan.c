@@ -314,13 +314,17 @@ static conus_status make_maps(conus_plan *plan)
     return status;
 }
 
-static int64_t note_of(const conus_plan *plan, uint64_t index)
+/* Blocks are read while others are delivered, which may move the notes. */
+static int64_t note_of(conus_plan *plan, uint64_t index)
 {
-    return index < plan->notes.count ? plan->notes.items[index] : UNKNOWN;
+    pthread_mutex_lock(&plan->lock);
+    int64_t note = index < plan->notes.count ? plan->notes.items[index] : UNKNOWN;
+    pthread_mutex_unlock(&plan->lock);
+    return note;
 }
 
 /* Whether a run is about a pose. */
-static bool is_asked(const conus_plan *plan, uint64_t index)
+static bool is_asked(conus_plan *plan, uint64_t index)
 {
     int64_t note = note_of(plan, index);
     bool may_have = note > BROKEN && (note < 0 ? -1 - note : note) >= plan->least;
@@ -330,7 +334,7 @@ static bool is_asked(const conus_plan *plan, uint64_t index)
 }
 
 /* What is known of a pose. */
-static void recall(struct plan_trial *trial, const conus_plan *plan)
+static void recall(struct plan_trial *trial, conus_plan *plan)
 {
     int64_t note = note_of(plan, trial->planned.candidate - 1);
     trial->is_known = note > BROKEN;

@@ -186,6 +186,11 @@ PYTHON
     cp "${aal%.gz}.txt" mine.nii.txt
     answers info mine.nii
     has 'identity     AAL, 116 areas'
+    [[ "$output" != *published* ]]
+    sed '1s/Precentral_L/Precentral_R/' mine.nii.txt >wrong.txt
+    answers info mine.nii --labels wrong.txt
+    has 'identity     AAL, 116 areas'
+    has 'names        others than those that were published with these voxels'
     python3 -c 'f = open("mine.nii", "r+b"); f.seek(352 + 181 * (217 * 90 + 100) + 60); b = f.read(1); f.seek(-1, 1); f.write(b"\1")'
     answers info mine.nii
     has 'identity     AAL by its labels and names; not verified: its voxels are others'

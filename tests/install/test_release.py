@@ -159,6 +159,14 @@ def test_conda_asks_for_switches_that_exist():
     assert "skip" not in recipe["build"]
 
 
+def test_source_package_has_what_its_wheel_is_built_and_installed_from():
+    """The wheel is made from it, without the window and its files of the desktop."""
+    asked = set(re.findall(r"(?<![\w/])(?:packaging|scripts)/[\w./-]+", (ROOT / "cmake" / "install.cmake").read_text()))
+    lines = [line.split() for line in (ROOT / "MANIFEST.in").read_text().splitlines()]
+    included = {name for words in lines if words[0] == "include" for name in words[1:]}
+    assert "scripts/descriptors" in asked and asked - {"packaging/desktop"} <= included
+
+
 def test_homebrew_and_scoop_ask_for_what_a_release_has():
     formula = (ROOT / "packaging" / "homebrew" / "conus.rb").read_text()
     lists = (ROOT / "CMakeLists.txt").read_text()

@@ -376,11 +376,12 @@ static json_t *identity(const conus_atlas *atlas)
     const conus_atlas_identity_view view = conus_atlas_identity(atlas);
     const conus_atlas_facts *facts = view.facts;
     return !*view.sum ? json_null()
-           : !facts   ? json_pack("{s:s,s:n}", "voxels", view.sum, "name")
-                    : json_pack("{s:s,s:s,s:b,s:s?,s:s?,s:s,s:s?}", "voxels", view.sum, "name", facts->name, "verified",
-                                view.is_verified, "edition", view.is_verified ? facts->edition : NULL, "space",
-                                view.is_verified ? facts->space : NULL, "reference", facts->reference, "licence",
-                                view.is_verified ? facts->licence : NULL);
+           : !facts
+               ? json_pack("{s:s,s:n}", "voxels", view.sum, "name")
+               : json_pack("{s:s,s:s,s:b,s:b,s:s?,s:s?,s:s,s:s?}", "voxels", view.sum, "name", facts->name, "verified",
+                           view.is_verified, "other_names", view.has_other_names, "edition",
+                           view.is_verified ? facts->edition : NULL, "space", view.is_verified ? facts->space : NULL,
+                           "reference", facts->reference, "licence", view.is_verified ? facts->licence : NULL);
 }
 
 char *info_json(const conus_atlas *atlas, const conus_installed *installed)
