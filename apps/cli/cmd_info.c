@@ -201,7 +201,8 @@ static void put_identity(FILE *out, const conus_atlas *atlas)
         fprintf(out, "  identity     %s, %s, on %s\n", facts->name, facts->edition, facts->space);
         fprintf(out, "  licence      %s\n", facts->licence);
     } else {
-        fprintf(out, "  identity     %s by its labels and names; not verified: its voxels are others\n", facts->name);
+        fprintf(out, "  identity     %s by its labels and names; not verified: its voxels or their place differ\n",
+                facts->name);
     }
     if (identity.has_other_names) {
         fputs("  names        others than those that were published with these voxels\n", out);

@@ -193,7 +193,7 @@ PYTHON
     has 'names        others than those that were published with these voxels'
     python3 -c 'f = open("mine.nii", "r+b"); f.seek(352 + 181 * (217 * 90 + 100) + 60); b = f.read(1); f.seek(-1, 1); f.write(b"\1")'
     answers info mine.nii
-    has 'identity     AAL by its labels and names; not verified: its voxels are others'
+    has 'identity     AAL by its labels and names; not verified: its voxels or their place differ'
     answers info mine.nii --format json
     has '"verified": false'
     printf '1 One\n2 Two\n' >two.txt

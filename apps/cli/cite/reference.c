@@ -145,7 +145,7 @@ void references_identify(struct references *out, const conus_atlas *atlas)
         char *line = NULL;
         bool is_made =
             asprintf(&line, "%s, %s: %s", identity.facts->name,
-                     identity.is_verified ? "known by its voxels" : "by its labels and names, its voxels are others",
+                     identity.is_verified ? "known by its voxels" : "by its labels and names, not by its voxels",
                      identity.facts->reference) >= 0;
         out->items[out->count] = is_made ? line : NULL;
         out->count += is_made;
