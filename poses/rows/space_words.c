@@ -403,13 +403,14 @@ struct named_axes {
     int letter[NAMED];            /* 0: x */
     size_t count, letters;        /* count may be more */
     size_t units;
+    size_t defined; /* letters: "L, left; R, right; A, anterior; P, posterior" */
     bool of_voxels;
     bool is_spelled;
     bool is_turned;   /* "x flipped" */
     bool is_negative; /* "left is negative", "x < 0: left", "-x is left" */
     bool is_positive; /* "left is positive" */
     bool is_of_one;   /* a word that stands beside the name of one axis */
-    bool is_alone;    /* one axis: "x is left", or what turns some */
+    bool is_alone;    /* one axis or two: "x is left", or what turns some */
     bool has_other;   /* columns */
 };
 
@@ -422,11 +423,11 @@ static bool has_all(const int values[NAMED], size_t count)
     return seen == 7;
 }
 
-static void add_axis(struct named_axes *out, int axis, int side, bool is_spelled)
+static void add_axis(struct named_axes *out, int axis, int side, bool is_spelled, bool is_end)
 {
     const size_t last = out->count - 1;
     if (out->count && last < NAMED && out->axis[last] == axis) {
-        out->side[last] = 0;
+        out->side[last] = is_end ? side : 0; /* "right to left", "right-left" */
     } else if (out->count++ < NAMED) {
         out->axis[last + 1] = axis;
         out->side[last + 1] = side;
@@ -445,6 +446,17 @@ static void add_letter(struct named_axes *out, int letter)
     }
 }
 
+/* "zyx". */
+static bool is_letters(struct text token)
+{
+    int seen = 0;
+    for (size_t i = 0; i < token.size && token.size == NAMED; i++) {
+        const int letter = (token.data[i] | 0x20) - 'x';
+        seen |= letter >= 0 && letter < NAMED ? 1 << letter : 8;
+    }
+    return seen == 7;
+}
+
 /* "-x", not "left-x". */
 static bool has_minus(const struct sentence *sentence, size_t index)
 {
@@ -458,6 +470,7 @@ static bool has_minus(const struct sentence *sentence, size_t index)
 static bool find_axes(struct named_axes *out, const struct sentence *sentence)
 {
     bool all = true;
+    size_t last = AXES; /* the token before is this one */
     *out = (struct named_axes){.of_voxels = has_token(sentence, "i/row") && has_token(sentence, "j/col/column") &&
                                             has_token(sentence, "k/slice")};
     for (size_t i = 0; i < sentence->count && all; i++) {
@@ -477,10 +490,16 @@ static bool find_axes(struct named_axes *out, const struct sentence *sentence)
             out->is_positive || (i > 1 && token_is(sentence, i, "positive") && token_is(sentence, i - 1, "is/are"));
         out->units += space_unit_mm(token) != 0;
         if (k < AXES) {
-            add_axis(out, axes[k].axis, axes[k].side, axes[k].is_spelled);
+            out->defined += last < AXES && axes[k].is_spelled && !axes[last].is_spelled && axes[k].side &&
+                            axes[k].axis == axes[last].axis && axes[k].side == axes[last].side;
+            add_axis(out, axes[k].axis, axes[k].side, axes[k].is_spelled, i && token_is(sentence, i - 1, "to"));
         } else if (text_is_one_of(token, "x/y/z", false)) {
             out->is_negative = out->is_negative || has_minus(sentence, i);
             add_letter(out, (token.data[0] | 0x20) - 'x');
+        } else if (is_letters(token)) {
+            for (size_t j = 0; j < NAMED; j++) {
+                add_letter(out, (token.data[j] | 0x20) - 'x');
+            }
         } else {
             bool is_of_one = is_turned || text_is_one_of(token, beside_axis, false);
             out->is_of_one = out->is_of_one || is_of_one;
@@ -488,25 +507,32 @@ static bool find_axes(struct named_axes *out, const struct sentence *sentence)
                   (out->of_voxels && text_is_one_of(token, "j/k/slice", false));
         }
         out->has_other = out->has_other || is_other;
+        last = k;
     }
     /* "all points mirrored to the left hemisphere" lie there */
     out->is_turned = out->is_turned && !(out->count == 1 && !out->letters && has_token(sentence, "to/onto"));
     const bool are_letters = out->letters == NAMED;
-    bool are_named = has_all(out->axis, out->count) && (are_letters || !out->is_spelled || !out->has_other);
-    out->is_alone = out->is_turned || (out->count == 1 && out->is_spelled && (out->letters == 1 || out->is_positive));
+    bool are_named = has_all(out->axis, out->count) && (are_letters || !out->is_spelled || !out->has_other) &&
+                     out->defined <= NAMED; /* more are a legend */
+    bool is_few = out->is_spelled && out->count && out->count < NAMED;
+    out->is_alone = out->is_turned || (is_few && (out->letters == out->count || (out->count == 1 && out->is_positive)));
     return all &&
            (out->is_alone || (!out->is_of_one && (out->of_voxels || are_letters || are_named || out->units >= NAMED)));
 }
 
-/* "x is left", "left is positive": the sign of one axis. */
-static void keep_axis(struct space_words *words, const struct named_axes *named)
+/* "x is left, y is posterior", "left is positive": the sign of one axis, or of two. */
+static void keep_signs(struct space_words *words, const struct named_axes *named)
 {
-    const int side = named->is_negative ? -named->side[0] : named->side[0];
-    bool is_other = named->letters && named->letter[0] != named->axis[0];
-    if (named->is_turned || is_other || (side < 0 && named->axis[0] == 2)) {
+    bool is_turned = named->is_turned;
+    for (size_t i = 0; i < named->count && i < NAMED; i++) {
+        const int side = named->is_negative ? -named->side[i] : named->side[i];
+        bool is_other = named->letters && named->letter[i] != named->axis[i];
+        is_turned = is_turned || is_other || (side < 0 && named->axis[i] == 2);
+        words->may_be_lps = words->may_be_lps || (side < 0 && named->axis[i] < 2);
+    }
+    if (is_turned) {
         snprintf(words->order, sizeof words->order, "turned");
     }
-    words->may_be_lps = words->may_be_lps || (side < 0 && named->axis[0] < 2);
 }
 
 static void keep_axes(struct space_words *words, const struct named_axes *named)
@@ -520,7 +546,7 @@ static void keep_axes(struct space_words *words, const struct named_axes *named)
     const bool is_lps = fit && side[0] < 0 && side[1] < 0 && side[2] > 0;
     const bool are_plain = are_letters && (are_named ? fit && side[0] >= 0 && side[1] >= 0 && side[2] >= 0 : in_order);
     if (named->is_alone) {
-        keep_axis(words, named);
+        keep_signs(words, named);
     } else if (named->of_voxels) {
         snprintf(words->order, sizeof words->order, "ijk");
     } else if (is_ras || (is_lps && (are_letters || !named->is_spelled))) {
