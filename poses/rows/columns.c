@@ -416,6 +416,10 @@ static void take_family(struct head *head, const struct family *family, enum col
                   axis_shown(head, k));
             continue;
         }
+        const struct text cell = head->line.cells[family->at[k]];
+        FAULT_IF(text_starts(cell, "-") && !head->is_named, head,
+                 "column \"%.*s\" says that its numbers have the other sign: turn them, and call it %.*s",
+                 POSE_QUOTE(cell), (int)cell.size - 1, cell.data + 1);
         double own = head->unit[family->at[k]];
         FAULT_IF(own != 0 && unit != 0 && own != unit, head, "%s: two units, %s", what, FAMILY_SHOWN(head, family));
         unit = own != 0 ? own : unit;

@@ -482,7 +482,7 @@ static bool find_axes(struct named_axes *out, const struct sentence *sentence)
         }
         const char *end = i + 1 < sentence->count ? sentence->tokens[i + 1].data : token.data;
         bool is_other = text_is_one_of(token, other_columns, false);
-        bool is_turned = text_is_one_of(token, turned, false);
+        bool is_turned = text_is_one_of(token, turned, false) && !token_is(sentence, i + 1, "no/none/false/0");
         out->is_turned = out->is_turned || is_turned;
         out->is_negative = out->is_negative || text_is_one_of(token, "negative", false) ||
                            (end > token.data && memchr(token.data, '<', (size_t)(end - token.data)));
