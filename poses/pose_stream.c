@@ -340,42 +340,6 @@ static void end_coordsystem(struct job *job, conus_pose_stream *stream)
     list->space.brain = columns->moves ? POSE_BRAIN_MNI152 : list->space.brain;
 }
 
-/* Whether a word is the name of contacts: "RAI1", "RAI-1". */
-static bool is_of_contacts(struct text head, const char *word)
-{
-    const size_t size = strlen(word);
-    bool found = false;
-    for (size_t i = 0; i + size + 1 < head.size && !found; i++) {
-        const char *end = head.data + i + size;
-        end += strchr(" -_", *end) != NULL;
-        found = strncmp(head.data + i, word, size) == 0 && *end >= '0' && *end <= '9';
-    }
-    return found;
-}
-
-/* Refuses what the file's name says of axes or voxels where nothing in it does. */
-static void check_name(struct job *job, const conus_pose_stream *stream)
-{
-    const struct columns *columns = &stream->columns;
-    struct space_words of_name = {0};
-    if (!stream->path || stream->options.any_space || columns->place || columns->said.has_signs ||
-        columns->has[ROLE_SPACE]) {
-        return;
-    }
-    space_words_hear_name(&of_name, text_from(path_base(stream->path)));
-    if (of_name.may_be_lps && stream->options.space == CONUS_SPACE_RAS) {
-        job_bad(job, "its name says \"LPS\", and nothing in it: --space lps reads the positions so; "
-                     "--any-space takes them as RAS, with x to the right");
-    }
-    bool is_of_mm = of_name.why == space_why_voxels && (columns->said.space.name[0] || columns->has_unit);
-    bool is_said = stream->list.coordsystem || columns->has_space || is_of_mm;
-    if (of_name.why && !is_said && stream->options.space == CONUS_SPACE_RAS &&
-        !is_of_contacts(whole_lines(&stream->lines), of_name.heard)) {
-        job_bad(job, "its name says \"%s\", and nothing in it: %s; --any-space takes the positions as they are",
-                of_name.heard, of_name.why);
-    }
-}
-
 /* By as much as tells what the columns are: of a pipe that is silent behind its header perhaps the header alone. */
 static void plan_table(struct job *job, conus_pose_stream *stream)
 {
@@ -409,7 +373,7 @@ static void plan_table(struct job *job, conus_pose_stream *stream)
             (void)JOB_CALL(job, pose_lines_fill(lines, lines->size + 1, false));
         }
     }
-    check_name(job, stream);
+    columns_check_name(job, columns, stream->path, whole_lines(lines), &stream->options, stream->list.coordsystem);
     if (stream->list.coordsystem) {
         end_coordsystem(job, stream);
     } else if (!stream->list.space.name[0]) {
@@ -573,7 +537,7 @@ static void parse_whole(struct job *job, conus_pose_stream *stream, struct text 
 {
     conus_pose_list *list = &stream->list;
     const conus_space space = stream->options.space;
-    struct pose_reading to = {.job = job, .list = list, .options = &stream->options};
+    struct pose_reading to = {.job = job, .list = list, .options = &stream->options, .path = stream->path};
     find_program(&to, stream, text);
     /* Positions in the CCF or from bregma are of tables, points, IBL and NWB; other programs' files are of people. */
     if (space >= CONUS_SPACE_CCF && !is_of_rodents(stream->format)) {
@@ -609,7 +573,7 @@ static void read_whole(struct job *job, conus_pose_stream *stream)
         pose_coordsystem_find(job, list, stream->path, is_bids);
     }
     if (is_bids && !list->coordsystem) {
-        check_name(job, stream);
+        columns_check_name(job, &stream->columns, stream->path, whole_lines(&stream->lines), &stream->options, false);
     }
     if (format == CONUS_POSE_FORMAT_LIST && !pairs && list->coordsystem) {
         job_bad(job, "%s beside it is of a table with the columns x, y and z, which this is not",
