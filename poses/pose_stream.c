@@ -373,19 +373,15 @@ static void plan_table(struct job *job, conus_pose_stream *stream)
             (void)JOB_CALL(job, pose_lines_fill(lines, lines->size + 1, false));
         }
     }
-    struct space_words of_name = {0};
-    if (stream->path && !stream->options.any_space) {
-        space_words_hear_name(&of_name, text_from(path_base(stream->path)));
-    }
-    if (!columns->place && of_name.may_be_lps && stream->options.space == CONUS_SPACE_RAS && !columns->said.has_signs &&
-        !columns->has[ROLE_SPACE]) {
-        job_bad(job, "its name says \"LPS\", and nothing in it: --space lps reads the positions so; "
-                     "--any-space takes them as RAS, with x to the right");
-    }
+    columns_check_name(job, columns, stream->path, whole_lines(lines), &stream->options, stream->list.coordsystem);
     if (stream->list.coordsystem) {
         end_coordsystem(job, stream);
     } else if (!stream->list.space.name[0]) {
         stream->list.space = columns_space(columns);
+    }
+    bool is_silent = !stream->list.coordsystem && !stream->list.space.name[0] && !columns->place;
+    if (is_silent && stream->path && stream->options.space < CONUS_SPACE_CCF && !stream->options.any_space) {
+        (void)pose_coordsystem_warn(job, stream->path);
     }
     stream->format = !columns->has_header ? CONUS_POSE_FORMAT_POINTS
                      : columns->pairs     ? CONUS_POSE_FORMAT_LIST
@@ -541,7 +537,7 @@ static void parse_whole(struct job *job, conus_pose_stream *stream, struct text 
 {
     conus_pose_list *list = &stream->list;
     const conus_space space = stream->options.space;
-    struct pose_reading to = {.job = job, .list = list, .options = &stream->options};
+    struct pose_reading to = {.job = job, .list = list, .options = &stream->options, .path = stream->path};
     find_program(&to, stream, text);
     /* Positions in the CCF or from bregma are of tables, points, IBL and NWB; other programs' files are of people. */
     if (space >= CONUS_SPACE_CCF && !is_of_rodents(stream->format)) {
@@ -575,6 +571,9 @@ static void read_whole(struct job *job, conus_pose_stream *stream)
     bool is_bids = format == CONUS_POSE_FORMAT_ELECTRODES || format == CONUS_POSE_FORMAT_NIBS;
     if (stream->path && !pairs && (is_bids || format == CONUS_POSE_FORMAT_LIST)) {
         pose_coordsystem_find(job, list, stream->path, is_bids);
+    }
+    if (is_bids && !list->coordsystem) {
+        columns_check_name(job, &stream->columns, stream->path, whole_lines(&stream->lines), &stream->options, false);
     }
     if (format == CONUS_POSE_FORMAT_LIST && !pairs && list->coordsystem) {
         job_bad(job, "%s beside it is of a table with the columns x, y and z, which this is not",

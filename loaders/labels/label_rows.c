@@ -347,23 +347,28 @@ static void read_row(struct job *job, struct label_row *out, const struct row *r
  * own number, "113 Vermis_1_2 113" among "1 Precentral_L", three are enough. */
 enum { CODED_ROWS = 8, OWN_ROWS = 3 };
 
-/* Whether all names, of two at least, end in a colour that is one word: "Caudate #ff8000", "Caudate 255,128,0". */
+/* Whether all names, of two at least, end in a colour that is one word: "Caudate #ff8000", "Caudate 255,128,0"; not
+ * "S1 3,1,2" and "Broca 44,45,47", of which none has a fraction or three digits. */
 static bool end_in_colours(struct text text)
 {
     size_t rows = 0;
     bool all = true;
+    bool has_colour = false;
     for (struct row row = {0}; all && next_row(&text, &row); rows++) {
         struct text rest = row.rest;
         const struct text word = take_last_word(&rest);
         size_t commas = 0;
+        size_t digits = 0;
         for (size_t i = 0; i < word.size; i++) {
             commas += word.data[i] == ',';
+            digits = strchr("0123456789", word.data[i]) ? digits + 1 : 0;
+            has_colour = has_colour || digits == 3 || strchr("#.", word.data[i]);
         }
         all = rest.size && (commas == 2 ? text_has_only(word, "0123456789.,()")
                                         : text_starts(word, "#") && word.size == 7 &&
                                               text_has_only(word, "#0123456789abcdefABCDEF"));
     }
-    return all && rows > 1;
+    return all && has_colour && rows > 1;
 }
 
 /* Whether most names have three numbers or more between words: "Caudate 1 2 3 255 hidden", colours that end no row. */

@@ -85,6 +85,7 @@ static void sheet_read(const struct pose_reading *to, struct buffer *sheet, cons
     options.format = CONUS_POSE_FORMAT_AUTO;
     (void)JOB_CALL(job, buffer_status(sheet));
     columns_plan(job, &columns, &is_short, rest, &options);
+    columns_check_name(job, &columns, to->path, rest, &options, to->list->space.name[0]);
     if (job_ok(job) && !to->list->space.name[0]) {
         to->list->space = columns_space(&columns);
     }

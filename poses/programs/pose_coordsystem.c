@@ -102,10 +102,10 @@ struct pose_space pose_coordsystem_parse(struct job *job, struct text text, cons
     return space;
 }
 
-enum { CANDIDATES = 4 };
+enum { CANDIDATES = 5 };
 
-/* The table's name with all entities (candidate 0), those of person, task and space (1), of person and space (2), or of
- * the person only (3): files that hold for several tables lack the rest. */
+/* The table's name with all entities (candidate 0), those of person, task and space (1), of person and space (2), of
+ * the person only (3), or none (4): files that hold for several tables lack the rest. */
 static char *system_path(struct job *job, const char *path, int candidate)
 {
     struct text rest = text_from(path_base(path));
@@ -114,7 +114,7 @@ static char *system_path(struct job *job, const char *path, int candidate)
     for (bool more = true; text_field(&rest, '_', &more, &entity);) {
         bool of_person = text_starts(entity, "sub-") || text_starts(entity, "ses-");
         bool of_task = text_starts(entity, "task-") || text_starts(entity, "stimsys-");
-        bool is_kept = candidate == 0 || of_person || (candidate == 1 && of_task) ||
+        bool is_kept = candidate == 0 || (candidate <= 3 && of_person) || (candidate == 1 && of_task) ||
                        (candidate <= 2 && text_starts(entity, "space-"));
         name = more && is_kept ? job_format(job, "%s%.*s_", name, (int)entity.size, entity.data) : name;
     }
@@ -181,17 +181,36 @@ static const char *modalities_of(const char *path)
     return modalities;
 }
 
-void pose_coordsystem_find(struct job *job, conus_pose_list *list, const char *path, bool is_needed)
+/* The file beside a table, of whatever name; NULL without one. */
+static const char *find_beside(struct job *job, const char *path)
 {
-    const char *modalities = modalities_of(path);
     const char *beside = NULL;
-    if (list->coordsystem) { /* it was found before */
-        return;
-    }
-    for (int candidate = 0; modalities && !beside && candidate < CANDIDATES; candidate++) {
+    for (int candidate = 0; !beside && candidate < CANDIDATES; candidate++) {
         beside = system_path(job, path, candidate);
         beside = job_has_file(job, beside) ? beside : NULL;
     }
+    return beside;
+}
+
+bool pose_coordsystem_warn(struct job *job, const char *path)
+{
+    const char *beside = modalities_of(path) ? NULL : find_beside(job, path);
+    if (beside) {
+        job_warn(job,
+                 "%s beside it is not read, for it is of tables called *_electrodes, *_optodes or *_markers: "
+                 "positions are taken as being in the atlas's space",
+                 path_base(beside));
+    }
+    return beside;
+}
+
+void pose_coordsystem_find(struct job *job, conus_pose_list *list, const char *path, bool is_needed)
+{
+    const char *modalities = modalities_of(path);
+    if (list->coordsystem) { /* it was found before */
+        return;
+    }
+    const char *beside = modalities ? find_beside(job, path) : NULL;
     if (beside) {
         list->coordsystem = memory_text(beside, strlen(beside));
         if (!job_need(job, list->coordsystem)) {
@@ -207,6 +226,9 @@ void pose_coordsystem_find(struct job *job, conus_pose_list *list, const char *p
     } else if (is_needed) {
         pose_coordsystem_hear_name(job, list, path);
         bool is_named = list->space.name[0];
+        if (!is_named && pose_coordsystem_warn(job, path)) {
+            return;
+        }
         job_put(job, is_named ? CONUS_SEVERITY_NOTE : CONUS_SEVERITY_WARNING,
                 "no *_%s beside it: positions are taken as mm, and %s%s%s", system_ending,
                 is_named ? "the space is that of its name, \"" : "no space is known", list->space.name,

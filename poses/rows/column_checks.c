@@ -116,7 +116,9 @@ void columns_hear_words(struct head *head)
         }
     }
     hear_rows(head);
-    if (said->why && !(said->why == space_why_unit && out->is_own_unit)) {
+    bool is_own_code =
+        head->options->space == CONUS_SPACE_CCF && text_equal_ignoring_case(text_from(said->heard), "asr");
+    if (said->why && !is_own_code && !(said->why == space_why_unit && out->is_own_unit)) {
         job_bad(job, "positions are said to be \"%s\": %s; %s", said->heard, said->why,
                 said->why == space_why_unit ? "',unit=mm' behind FILE takes them as mm"
                                             : "--any-space takes them as they are");
@@ -144,6 +146,40 @@ void columns_hear_words(struct head *head)
     out->moves = space_moves(&said->space, head->options);
     if (out->moves) {
         space_note_move(job, &said->space);
+    }
+}
+
+/* Whether a word is the name of contacts: "RAI1", "RAI-1". */
+static bool is_of_contacts(struct text head, const char *word)
+{
+    const size_t size = strlen(word);
+    bool found = false;
+    for (size_t i = 0; i + size + 1 < head.size && !found; i++) {
+        const char *end = head.data + i + size;
+        end += strchr(" -_", *end) != NULL;
+        found = strncmp(head.data + i, word, size) == 0 && *end >= '0' && *end <= '9';
+    }
+    return found;
+}
+
+void columns_check_name(struct job *job, const struct columns *columns, const char *path, struct text head,
+                        const conus_pose_options *options, bool is_said)
+{
+    const struct space_words *said = &columns->said;
+    struct space_words of_name = {0};
+    if (!path || options->any_space || options->space != CONUS_SPACE_RAS || columns->place || said->has_signs ||
+        columns->has[ROLE_SPACE]) {
+        return;
+    }
+    space_words_hear_name(&of_name, text_from(path_base(path)));
+    if (of_name.may_be_lps) {
+        job_bad(job, "its name says \"LPS\", and nothing in it: --space lps reads the positions so; "
+                     "--any-space takes them as RAS, with x to the right");
+    }
+    bool is_of_mm = of_name.why == space_why_voxels && (said->space.name[0] || columns->has_unit);
+    if (of_name.why && !is_said && !columns->has_space && !is_of_mm && !is_of_contacts(head, of_name.heard)) {
+        job_bad(job, "its name says \"%s\", and nothing in it: %s; --any-space takes the positions as they are",
+                of_name.heard, of_name.why);
     }
 }
 

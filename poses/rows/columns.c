@@ -416,6 +416,10 @@ static void take_family(struct head *head, const struct family *family, enum col
                   axis_shown(head, k));
             continue;
         }
+        const struct text cell = head->line.cells[family->at[k]];
+        FAULT_IF(text_starts(cell, "-") && !head->is_named, head,
+                 "column \"%.*s\" says that its numbers have the other sign: turn them, and call it %.*s",
+                 POSE_QUOTE(cell), (int)cell.size - 1, cell.data + 1);
         double own = head->unit[family->at[k]];
         FAULT_IF(own != 0 && unit != 0 && own != unit, head, "%s: two units, %s", what, FAMILY_SHOWN(head, family));
         unit = own != 0 ? own : unit;
@@ -1113,6 +1117,17 @@ static bool is_of_spaces(const struct head *head, size_t column, bool named, boo
     return heard && (named || !others);
 }
 
+/* Whether all cells of a column say voxels. */
+static bool is_of_voxels(const struct head *head, size_t column)
+{
+    bool all = head->row_count > 0;
+    for (size_t r = 0; all && r < head->row_count; r++) {
+        struct space_words said;
+        all = space_words_hear_cell(&said, columns_cell(head, r, column), false) && said.why == space_why_voxels;
+    }
+    return all;
+}
+
 /* Columns whose cells say in which space or unit the positions of their rows are. */
 static void find_spaces(struct head *head)
 {
@@ -1121,6 +1136,7 @@ static void find_spaces(struct head *head)
                                 "coordinate type/coord type";
     static const char loose[] = "frame/reference/reference frame/reference space/system/brain/atlas/normalization/"
                                 "normalisation/orientation/axes/convention";
+    static const char typed[] = "type/kind/coord/coords/coordinate/coordinates/position/positions";
     static const char of_units[] = "unit/units/coordinate unit/coordinate units/coord unit/coord units/position unit/"
                                    "position units/xyz unit/xyz units";
     struct columns *out = head->out;
@@ -1138,8 +1154,9 @@ static void find_spaces(struct head *head)
         }
         if (has_unit) {
             set_role(head, i, ROLE_UNIT);
-        } else if (is_space || is_of_spaces(head, i, (is_named || is_unit) && !out->is_bids,
-                                            !is_named && !is_unit && !text_is_one_of(name, loose, true))) {
+        } else if (is_space || (text_is_one_of(name, typed, true) && is_of_voxels(head, i)) ||
+                   is_of_spaces(head, i, (is_named || is_unit) && !out->is_bids,
+                                !is_named && !is_unit && !text_is_one_of(name, loose, true))) {
             set_role(head, i, ROLE_SPACE);
         }
     }

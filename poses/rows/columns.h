@@ -100,6 +100,11 @@ void columns_plan(struct job *job, struct columns *out, bool *is_short, struct t
 /** The space of the rows that are read: MNI 152 of those that are moved there. */
 struct pose_space columns_space(const struct columns *columns);
 
+/** Refuses what the name of the file at @p path (NULL: none) says of axes or voxels where nothing in its @p head does,
+ * nor a file beside it, which then @p is_said. */
+void columns_check_name(struct job *job, const struct columns *columns, const char *path, struct text head,
+                        const conus_pose_options *options, bool is_said);
+
 /** Whether a line behind the head, a comment or words, says another space or unit than the rows were read in:
  * CONUS_ERROR_DATA. */
 conus_status columns_hear_late(const struct columns *columns, struct text line, size_t number,

@@ -188,6 +188,7 @@ struct pose_reading {
     struct job *job;       /**< Its notes become the list's. */
     conus_pose_list *list; /**< Gets the rows; a bad pose is a row with its error. */
     const conus_pose_options *options;
+    const char *path;            /**< NULL: of no file. */
     struct text parsed;          /**< By pose_json() or pose_matlab(), as: */
     struct json_t *json;         /**< the job's; */
     const struct matlab *matlab; /**< likewise. */

@@ -119,6 +119,7 @@ enum pose_brain space_brain_named(struct text name)
 }
 
 struct sentence {
+    const char *begin;
     struct text tokens[TOKENS];
     size_t count;
     bool is_whole;   /* its line says nothing else */
@@ -164,8 +165,14 @@ static bool is_context(const struct sentence *sentence, size_t index)
            (token_is(sentence, index, "dv") && index >= 2 && token_is(sentence, index - 1, "ml"));
 }
 
-/* Words beside which RAS, RPI or voxels are those of positions. */
-static const char of_codes[] = "coord/coordsystem/coordinatesystem/coordsys/orientation/convention/axes/indices/index";
+/* Words beside which voxels, RAS and LPS, or RPI, are those of positions, */
+static const char of_voxels[] = "coord/coordsystem/coordinatesystem/coordsys/indices/index";
+static const char of_signs[] = "coord/coordsystem/coordinatesystem/coordsys/convention/axes";
+static const char of_codes[] = "coord/coordsystem/coordinatesystem/coordsys/convention/axes/orientation/orient/order";
+
+/* but the last two not where the sentence says one of an image: "image axes: LPS" is how its voxels lie. */
+static const char of_images[] = "image/images/scan/scans/volume/volumes/voxel/voxels/grid/nifti/nii/mri/mr/ct/t1/t1w/"
+                                "t2/t2w/flair/acquisition/acquired/resampled";
 
 /* Whether a word for positions, or one of these, is the neighbour of so many tokens, but for small words between. */
 static bool has_context(const struct sentence *sentence, size_t index, size_t count, const char *others)
@@ -256,9 +263,13 @@ static bool is_heard(const struct sentence *sentence, size_t index, const struct
         return !of_coordinates && !has_token(sentence, "mni/mni152/icbm/icbm152") &&
                (is_before || (index && token_is(sentence, index - 1, "space")));
     }
-    const bool is_code = row->brain == SIGNS || row->why == why_code || row->why == space_why_voxels;
+    const char *others = row->why == space_why_voxels     ? of_voxels
+                         : has_token(sentence, of_images) ? ""
+                         : row->brain == SIGNS            ? of_signs
+                         : row->why == why_code           ? of_codes
+                                                          : "";
     return row->weight == STRONG || of_coordinates || sentence->is_of_axes ||
-           has_context(sentence, index, count, is_code ? of_codes : "") ||
+           has_context(sentence, index, count, others) ||
            ((row->brain == SIGNS || (row->weight == ALONE && sentence->is_whole)) && is_alone(sentence, row->words));
 }
 
@@ -267,11 +278,13 @@ static void hear_unit(struct space_words *words, const struct sentence *sentence
 {
     const struct text token = sentence->tokens[index];
     bool is_said = index && token_is(sentence, index - 1, "in/unit/units");
-    bool of_all = index >= 2 && token_is(sentence, index - 2, "all/values/numbers/everything"); /* "all values in cm" */
+    const size_t before = index >= 3 && token_is(sentence, index - 2, "are/is") ? index - 3 : index - 2;
+    bool of_all = index >= 2 && token_is(sentence, before, "all/values/numbers/everything"); /* "all values in cm" */
     bool is_small = token_is(sentence, index, "in") && !in_brackets && !(of_coordinates && sentence->count == 1);
     for (size_t i = 0; i < UNITS && !is_small; i++) {
+        bool is_all = sentence->is_whole && (token.size > 1 || is_said) && is_alone(sentence, units[i].names);
         bool fits = text_is_one_of(token, units[i].names, false) &&
-                    (of_coordinates || sentence->is_of_axes ||
+                    (of_coordinates || sentence->is_of_axes || is_all ||
                      ((is_said || in_brackets || !units[i].is_short) &&
                       (has_context(sentence, index, 1, "") || (is_said && of_all) ||
                        token_is(sentence, index - !!index, "unit/units"))));
@@ -287,7 +300,7 @@ static void hear_unit(struct space_words *words, const struct sentence *sentence
 
 static struct sentence take_apart(struct text text)
 {
-    struct sentence sentence = {0};
+    struct sentence sentence = {.begin = text.data};
     for (size_t i = 0; i < text.size && sentence.count < TOKENS;) {
         size_t size = 0;
         while (i + size < text.size && is_letter(text.data[i + size])) {
@@ -315,8 +328,9 @@ static const char other_columns[] =
     "tz/entry/target";
 
 /* What stands beside the name of one axis: "left hemisphere: x negative". */
-static const char beside_axis[] = "hemisphere/hemispheres/side/pointing/grows/grow/negative";
-static const char turned[] = "flip/flipped/mirrored/inverted/reversed/swapped";
+static const char beside_axis[] = "hemisphere/hemispheres/side/sign/signs/was/were/has/have/been/pointing/points/grows/"
+                                  "grow/negative";
+static const char turned[] = "flip/flipped/mirrored/inverted/negated/reversed/swapped";
 
 /* Names of axes: to the right, front and top, and to which side of these; 0: of neither. */
 static const struct {
@@ -389,13 +403,14 @@ struct named_axes {
     int letter[NAMED];            /* 0: x */
     size_t count, letters;        /* count may be more */
     size_t units;
+    size_t defined; /* letters: "L, left; R, right; A, anterior; P, posterior" */
     bool of_voxels;
     bool is_spelled;
     bool is_turned;   /* "x flipped" */
-    bool is_negative; /* "left is negative", "x < 0: left" */
+    bool is_negative; /* "left is negative", "x < 0: left", "-x is left" */
     bool is_positive; /* "left is positive" */
     bool is_of_one;   /* a word that stands beside the name of one axis */
-    bool is_alone;    /* one axis: "x is left", or what turns some */
+    bool is_alone;    /* one axis or two: "x is left", or what turns some */
     bool has_other;   /* columns */
 };
 
@@ -408,11 +423,11 @@ static bool has_all(const int values[NAMED], size_t count)
     return seen == 7;
 }
 
-static void add_axis(struct named_axes *out, int axis, int side, bool is_spelled)
+static void add_axis(struct named_axes *out, int axis, int side, bool is_spelled, bool is_end)
 {
     const size_t last = out->count - 1;
     if (out->count && last < NAMED && out->axis[last] == axis) {
-        out->side[last] = 0;
+        out->side[last] = is_end ? side : 0; /* "right to left", "right-left" */
     } else if (out->count++ < NAMED) {
         out->axis[last + 1] = axis;
         out->side[last + 1] = side;
@@ -431,11 +446,31 @@ static void add_letter(struct named_axes *out, int letter)
     }
 }
 
+/* "zyx". */
+static bool is_letters(struct text token)
+{
+    int seen = 0;
+    for (size_t i = 0; i < token.size && token.size == NAMED; i++) {
+        const int letter = (token.data[i] | 0x20) - 'x';
+        seen |= letter >= 0 && letter < NAMED ? 1 << letter : 8;
+    }
+    return seen == 7;
+}
+
+/* "-x", not "left-x". */
+static bool has_minus(const struct sentence *sentence, size_t index)
+{
+    const struct text token = sentence->tokens[index];
+    const char *begin = index ? sentence->tokens[index - 1].data + sentence->tokens[index - 1].size : sentence->begin;
+    return token.data > begin && token.data[-1] == '-' && (token.data - 1 > begin || !index);
+}
+
 /* Whether a sentence says which columns are which, and nothing else, in a closed list of words: "columns: AP LAT VERT
  * (mm)". */
 static bool find_axes(struct named_axes *out, const struct sentence *sentence)
 {
     bool all = true;
+    size_t last = AXES; /* the token before is this one */
     *out = (struct named_axes){.of_voxels = has_token(sentence, "i/row") && has_token(sentence, "j/col/column") &&
                                             has_token(sentence, "k/slice")};
     for (size_t i = 0; i < sentence->count && all; i++) {
@@ -447,7 +482,7 @@ static bool find_axes(struct named_axes *out, const struct sentence *sentence)
         }
         const char *end = i + 1 < sentence->count ? sentence->tokens[i + 1].data : token.data;
         bool is_other = text_is_one_of(token, other_columns, false);
-        bool is_turned = text_is_one_of(token, turned, false);
+        bool is_turned = text_is_one_of(token, turned, false) && !token_is(sentence, i + 1, "no/none/false/0");
         out->is_turned = out->is_turned || is_turned;
         out->is_negative = out->is_negative || text_is_one_of(token, "negative", false) ||
                            (end > token.data && memchr(token.data, '<', (size_t)(end - token.data)));
@@ -455,9 +490,16 @@ static bool find_axes(struct named_axes *out, const struct sentence *sentence)
             out->is_positive || (i > 1 && token_is(sentence, i, "positive") && token_is(sentence, i - 1, "is/are"));
         out->units += space_unit_mm(token) != 0;
         if (k < AXES) {
-            add_axis(out, axes[k].axis, axes[k].side, axes[k].is_spelled);
+            out->defined += last < AXES && axes[k].is_spelled && !axes[last].is_spelled && axes[k].side &&
+                            axes[k].axis == axes[last].axis && axes[k].side == axes[last].side;
+            add_axis(out, axes[k].axis, axes[k].side, axes[k].is_spelled, i && token_is(sentence, i - 1, "to"));
         } else if (text_is_one_of(token, "x/y/z", false)) {
+            out->is_negative = out->is_negative || has_minus(sentence, i);
             add_letter(out, (token.data[0] | 0x20) - 'x');
+        } else if (is_letters(token)) {
+            for (size_t j = 0; j < NAMED; j++) {
+                add_letter(out, (token.data[j] | 0x20) - 'x');
+            }
         } else {
             bool is_of_one = is_turned || text_is_one_of(token, beside_axis, false);
             out->is_of_one = out->is_of_one || is_of_one;
@@ -465,23 +507,32 @@ static bool find_axes(struct named_axes *out, const struct sentence *sentence)
                   (out->of_voxels && text_is_one_of(token, "j/k/slice", false));
         }
         out->has_other = out->has_other || is_other;
+        last = k;
     }
+    /* "all points mirrored to the left hemisphere" lie there */
+    out->is_turned = out->is_turned && !(out->count == 1 && !out->letters && has_token(sentence, "to/onto"));
     const bool are_letters = out->letters == NAMED;
-    bool are_named = has_all(out->axis, out->count) && (are_letters || !out->is_spelled || !out->has_other);
-    out->is_alone = out->is_turned || (out->count == 1 && out->is_spelled && (out->letters == 1 || out->is_positive));
+    bool are_named = has_all(out->axis, out->count) && (are_letters || !out->is_spelled || !out->has_other) &&
+                     out->defined <= NAMED; /* more are a legend */
+    bool is_few = out->is_spelled && out->count && out->count < NAMED;
+    out->is_alone = out->is_turned || (is_few && (out->letters == out->count || (out->count == 1 && out->is_positive)));
     return all &&
            (out->is_alone || (!out->is_of_one && (out->of_voxels || are_letters || are_named || out->units >= NAMED)));
 }
 
-/* "x is left", "left is positive": the sign of one axis. */
-static void keep_axis(struct space_words *words, const struct named_axes *named)
+/* "x is left, y is posterior", "left is positive": the sign of one axis, or of two. */
+static void keep_signs(struct space_words *words, const struct named_axes *named)
 {
-    const int side = named->is_negative ? -named->side[0] : named->side[0];
-    bool is_other = named->letters && named->letter[0] != named->axis[0];
-    if (named->is_turned || is_other || (side < 0 && named->axis[0] == 2)) {
+    bool is_turned = named->is_turned;
+    for (size_t i = 0; i < named->count && i < NAMED; i++) {
+        const int side = named->is_negative ? -named->side[i] : named->side[i];
+        bool is_other = named->letters && named->letter[i] != named->axis[i];
+        is_turned = is_turned || is_other || (side < 0 && named->axis[i] == 2);
+        words->may_be_lps = words->may_be_lps || (side < 0 && named->axis[i] < 2);
+    }
+    if (is_turned) {
         snprintf(words->order, sizeof words->order, "turned");
     }
-    words->may_be_lps = words->may_be_lps || (side < 0 && named->axis[0] < 2);
 }
 
 static void keep_axes(struct space_words *words, const struct named_axes *named)
@@ -495,7 +546,7 @@ static void keep_axes(struct space_words *words, const struct named_axes *named)
     const bool is_lps = fit && side[0] < 0 && side[1] < 0 && side[2] > 0;
     const bool are_plain = are_letters && (are_named ? fit && side[0] >= 0 && side[1] >= 0 && side[2] >= 0 : in_order);
     if (named->is_alone) {
-        keep_axis(words, named);
+        keep_signs(words, named);
     } else if (named->of_voxels) {
         snprintf(words->order, sizeof words->order, "ijk");
     } else if (is_ras || (is_lps && (are_letters || !named->is_spelled))) {
@@ -590,7 +641,14 @@ void space_words_hear_of(struct space_words *words, struct text word)
 void space_words_hear_name(struct space_words *words, struct text name)
 {
     const struct sentence sentence = take_apart(name);
+    const size_t extension = memchr(name.data, '.', name.size) != NULL;
+    const size_t last = sentence.count > extension ? sentence.count - extension - 1 : 0;
     hear_sentence(words, name, false, false);
+    const bool is_code = last && token_is(&sentence, last, "rai/lpi/rpi");
+    if (is_code || token_is(&sentence, last, "vox/voxels/ijk")) {
+        keep(words, sentence.tokens[last], &(struct row){.why = is_code ? why_code : space_why_voxels});
+    }
+    words->why = words->why == why_code || words->why == space_why_voxels ? words->why : NULL;
     for (size_t i = 0; i < sentence.count; i++) {
         words->may_be_lps = words->may_be_lps || token_is(&sentence, i, "lps");
         if (!words->heard[0] && token_is(&sentence, i, "native/acpc/scanner/leksell")) {
