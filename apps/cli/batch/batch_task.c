@@ -295,7 +295,9 @@ static void say_question(const struct task *task)
     } else {
         snprintf(shape, sizeof shape, "%s of %g degrees%s%s", is_square ? "square pyramids" : "cones",
                  settings_angle(&settings->aim, engine),
-                 option_given(task->arguments, "angle")      ? ""
+                 option_given(task->arguments, "angle") ? ""
+                 : engine->made && !isnan(conus_weight_angle(engine->made))
+                     ? " (the weight's own; --angle DEGREES changes it)"
                  : conus_pose_stream_has_ranges(task->poses) ? " (the default; --angle DEGREES or, for needles, "
                                                                "--radius MM changes it)"
                                                              : " (the default; --angle DEGREES changes it)",
