@@ -145,12 +145,14 @@ consumer_answers() {
     [ -e runtime/share/zsh/site-functions/_conus ]
     [ -e runtime/share/fish/vendor_completions.d/conus.fish ]
     [ -e runtime/share/conus/matlab/conus.m ]
+    [ -e runtime/share/conus/boutiques/conus-query.json ]
+    [ -x runtime/share/conus/slicer/ConusQuery.py ]
     [ ! -e runtime/include ]
     [ -z "$(find runtime -name '*.a' -o -name '*.pc' -o -name libconus.so)" ]
     [ -e devel/include/conus/conus.h ]
     [ -n "$(find devel -name libconus.a)" ]
     [ ! -e devel/bin ]
-    [ -z "$(find runtime devel -name '*.py')" ]
+    [ -z "$(find runtime devel -name '*.py' ! -path '*/conus/slicer/*')" ] # the package for Python is a component of its own
     [ -e doc/share/doc/conus/docs/commands.md ]
     for example in "$SOURCES"/../../examples/*.{c,py}; do
         cmp "$example" "doc/share/doc/conus/examples/${example##*/}"
