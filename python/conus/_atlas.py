@@ -739,7 +739,7 @@ class Selector(Guarded):
 
     def _angle(self, angle: Optional[float]) -> float:
         if angle is None:
-            own = lib.conus_weight_angle(self._weight) if self._weight else math.nan
+            own = float(lib.conus_weight_angle(self._weight)) if self._weight else math.nan
             return 0.0 if self._is_cylinder else (10.0 if math.isnan(own) else own)
         angle = real("angle", angle)
         if not (angle == 0 if self._is_cylinder else 0 < angle < 180):
