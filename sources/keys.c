@@ -16,7 +16,8 @@ struct source_key {
     unsigned kinds;
     enum key_type type;
     size_t least, most;  /* numbers, with ':' between them: so many, or any number of whole ones; of two
-                            the second is larger */
+                            the second is larger, */
+    bool any_order;      /* unless this is set */
     double low, high;    /* of each */
     bool is_above;       /* it is not `low` itself */
     const char *words;   /* '/' between them; of IS_TEXT: any other is an image, whose keys stand behind it */
@@ -124,6 +125,10 @@ static const struct source_key rows[] = {
      .allowed = "allowed is a number from 0 to 100"},
     {KEY_SHANK, "shank", KEYS_REACH | KEYS_AVOID | KEYS_APART | KEYS_FIRST,
      .allowed = "allowed are any, all and whole numbers above 0"},
+    {KEY_BIAS, "bias", KEYS_WEIGHT, IS_NUMBERS, .least = 2, .most = 2, .any_order = true, .low = -45, .high = 45,
+     .allowed = "two numbers X:Y are needed, degrees to the right and up, from -45 to 45"},
+    {KEY_POWER, "power", KEYS_PRIOR, IS_NUMBERS, .least = 1, .most = 1, .low = 0.01, .high = 100,
+     .allowed = "allowed is a number from 0.01 to 100"},
 };
 
 enum { ROWS = sizeof rows / sizeof rows[0], LISTED = 256 };
@@ -253,7 +258,7 @@ static bool read_numbers(struct key_value *value)
         value->numbers[is_fine ? value->count++ : 0] = number;
     }
     return is_fine && (row->type == IS_WHOLE || value->count == row->least || value->count == row->most) &&
-           (row->least < 2 || value->numbers[0] < value->numbers[1]);
+           (row->least < 2 || row->any_order || value->numbers[0] < value->numbers[1]);
 }
 
 static bool has_value(struct key_value *value)

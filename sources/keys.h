@@ -30,6 +30,8 @@ enum key_kind {
     KEYS_AVOID = 1 << 16,
     KEYS_APART = 1 << 17,
     KEYS_FIRST = 1 << 18,
+    KEYS_WEIGHT = 1 << 19, /**< A form of weights, or a table of them; */
+    KEYS_PRIOR = 1 << 20,  /**< of priors. */
 };
 
 enum source_key_id {
@@ -85,6 +87,8 @@ enum source_key_id {
     KEY_STREAMLINES,
     KEY_MARGIN,
     KEY_SHANK,
+    KEY_BIAS,
+    KEY_POWER,
 };
 
 #define KEY_BIT(id) (UINT64_C(1) << (id))

@@ -4,11 +4,10 @@
 #include "base/memory.h"
 #include "conus/own.h"
 #include "selection/weight/weight.h"
+#include "sources/keys.h"
 
 #include <math.h>
 #include <stdio.h>
-
-static const double least_power = 0.01, most_power = 100;
 
 /* A file of a prior on the way. */
 struct priors {
@@ -98,40 +97,24 @@ static conus_status read_file(struct prior *out, const char *path, const conus_a
     return status || priors.rows ? status : fail(CONUS_ERROR_DATA, "%s: no rows, at least one is needed", path);
 }
 
-static conus_status read_power(struct prior *out, struct text key, struct text value, bool is_given)
-{
-    if (!text_equal(key, "power")) {
-        return fail(CONUS_ERROR_ARGUMENT, "key \"%.*s\" is unknown, allowed is power", TEXT_SHOW(key, 40));
-    }
-    if (is_given) {
-        return fail(CONUS_ERROR_ARGUMENT, "power is there twice");
-    }
-    return text_to_double(value, &out->power) && out->power >= least_power && out->power <= most_power
-               ? CONUS_OK
-               : fail(CONUS_ERROR_ARGUMENT, "power: %.*s is no number from %g to %g", TEXT_SHOW(value, 40), least_power,
-                      most_power);
-}
-
 conus_status prior_read(struct prior *out, const char *text, const conus_atlas *atlas, const uint32_t *group)
 {
-    const char *rest = text ? text : "equal";
-    const struct text head = {rest, weight_head(rest)};
-    struct text key;
-    struct text value;
-    struct prior prior = {.power = 1, .by_size = text_equal(head, "size")};
+    const char *given = text ? text : "equal";
+    struct source_keys keys;
+    if (!keys_read(&keys, given, KEYS_PRIOR)) {
+        return fail(CONUS_ERROR_ARGUMENT, "prior: %s", keys.why);
+    }
+    const struct text head = {given, keys.length};
+    struct prior prior = {.power = keys.given ? keys.values[0].numbers[0] : 1, .by_size = text_equal(head, "size")};
     conus_status status = CONUS_OK;
     if (!prior.by_size && !text_equal(head, "equal")) {
-        char *path = conus_weight_path_length(rest) ? memory_text(head.data, head.size) : NULL;
+        char *path = conus_weight_path_length(given) ? memory_text(head.data, head.size) : NULL;
         status = path ? read_file(&prior, path, atlas, group)
-                 : conus_weight_path_length(rest)
+                 : conus_weight_path_length(given)
                      ? CONUS_ERROR_MEMORY
                      : fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is unknown, allowed are equal, size, or a file",
                             TEXT_SHOW(head, 60));
         memory_free(path);
-    }
-    bool has_power = false;
-    for (rest += head.size; !status && weight_key(&key, &value, &rest); has_power = true) {
-        status = read_power(&prior, key, value, has_power);
     }
     if (status) {
         prior_finish(&prior);

@@ -94,32 +94,3 @@ conus_status rows_read(const char *path, const struct row_reader *reader)
     }
     return status;
 }
-
-/* A comma with letters and "=" behind it. */
-static size_t key_length(const char *comma)
-{
-    size_t length = *comma == ',' ? strspn(comma + 1, "abcdefghijklmnopqrstuvwxyz") : 0;
-    return length && comma[1 + length] == '=' ? length : 0;
-}
-
-size_t weight_head(const char *text)
-{
-    size_t length = 0;
-    while (text[length] && !key_length(text + length)) {
-        length++;
-    }
-    return length;
-}
-
-bool weight_key(struct text *key, struct text *value, const char **rest)
-{
-    size_t length = key_length(*rest);
-    if (!length) {
-        return false;
-    }
-    *key = (struct text){*rest + 1, length};
-    value->data = *rest + length + 2;
-    value->size = weight_head(value->data);
-    *rest = value->data + value->size;
-    return true;
-}

@@ -6,11 +6,11 @@
 #include "base/memory.h"
 #include "base/order.h"
 #include "conus/own.h"
+#include "sources/keys.h"
 
 #include <math.h>
 #include <stdio.h>
 
-static const double most_bias = 45;      /* degrees */
 static const double most_weight = 1e100; /* so that sums stay finite */
 enum { ROW_LIMIT = 1000000 };
 
@@ -95,26 +95,6 @@ static conus_status read_number(conus_weight *out, const struct form *form, stru
     out->facts.sigma = number;
     out->facts.own = form->own * number;
     return CONUS_OK;
-}
-
-/* bias=X:Y */
-static conus_status read_bias(conus_weight *out, struct text text)
-{
-    struct text field;
-    bool more = true;
-    size_t count = 0;
-    bool is_fine = true;
-    if (out->facts.by != WEIGHT_BY_ANGLE) {
-        return fail(CONUS_ERROR_ARGUMENT, "bias: only gauss and a table by angle_deg have one");
-    }
-    while (is_fine && text_field(&text, ':', &more, &field)) {
-        double *number = &out->facts.bias[count < 2 ? count : 1];
-        is_fine = count++ < 2 && text_to_double(field, number) && fabs(*number) <= most_bias;
-    }
-    return is_fine && count == 2 ? CONUS_OK
-                                 : fail(CONUS_ERROR_ARGUMENT,
-                                        "bias: two numbers X:Y are needed, degrees to the right and up, from %g to %g",
-                                        -most_bias, most_bias);
 }
 
 /* A table on the way: rows of angle and weight. */
@@ -227,22 +207,26 @@ static conus_status read_form(conus_weight *out, struct text head)
     return status;
 }
 
+static conus_status read_text(conus_weight *out, const char *text)
+{
+    struct source_keys keys;
+    if (!keys_read(&keys, text, KEYS_WEIGHT)) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s", keys.why);
+    }
+    conus_status status = read_form(out, (struct text){text, keys.length});
+    if (!status && keys.given) { /* bias, the only one */
+        memcpy(out->facts.bias, keys.values[0].numbers, sizeof out->facts.bias);
+        return out->facts.by == WEIGHT_BY_ANGLE
+                   ? CONUS_OK
+                   : fail(CONUS_ERROR_ARGUMENT, "bias: only gauss and a table by angle_deg have one");
+    }
+    return status;
+}
+
 conus_status conus_weight_create(conus_weight **out, const char *text)
 {
-    const size_t length = weight_head(text);
-    const char *rest = text + length;
-    struct text key;
-    struct text value;
-    bool has_bias = false;
     conus_weight *weight = memory_zeroed(1, sizeof *weight);
-    conus_status status = weight ? read_form(weight, (struct text){text, length}) : CONUS_ERROR_MEMORY;
-    while (!status && weight_key(&key, &value, &rest)) {
-        status = !text_equal(key, "bias")
-                     ? fail(CONUS_ERROR_ARGUMENT, "key \"%.*s\" is unknown, allowed is bias", TEXT_SHOW(key, 40))
-                 : has_bias ? fail(CONUS_ERROR_ARGUMENT, "bias is there twice")
-                            : read_bias(weight, value);
-        has_bias = true;
-    }
+    conus_status status = weight ? read_text(weight, text) : CONUS_ERROR_MEMORY;
     if (status) {
         conus_weight_destroy(weight);
         return status;
@@ -282,7 +266,7 @@ double conus_weight_at(const conus_weight *weight, double x)
 
 size_t conus_weight_path_length(const char *text)
 {
-    const size_t length = weight_head(text);
+    const size_t length = keys_file_length(text, KEYS_WEIGHT | KEYS_PRIOR);
     const char *equals = memchr(text, '=', length);
     const struct text name = {text, equals ? (size_t)(equals - text) : length};
     return text_has_only(name, "abcdefghijklmnopqrstuvwxyz") ? 0 : length;

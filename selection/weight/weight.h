@@ -73,10 +73,4 @@ enum { ROW_CELLS = 4 };
 /** Reads a file of at most 64 MiB. Columns of other names are an error. */
 conus_status rows_read(const char *path, const struct row_reader *reader);
 
-/** Where the first ",key=" begins behind a form or path; the length of the text where there is none. */
-size_t weight_head(const char *text);
-
-/** Takes ",key=value" off *rest. False at its end. */
-bool weight_key(struct text *key, struct text *value, const char **rest);
-
 #endif

@@ -208,11 +208,11 @@ def test_wrong_tables_are_data_errors(tmp_path, text, said):
 @pytest.mark.parametrize("options, said", [
     ({"weight": "beam"}, "\"beam\" is unknown, allowed are hard, gauss, or a file"), ({"weight": "coil=20:18"}, "unknown"),
     ({"weight": "gauss"}, "one number"), ({"weight": "gauss=0"}, "0.01 to 20"), ({"weight": "gauss=inf"}, "0.01 to 20"),
-    ({"weight": "gauss=1,above=2"}, "\"above\" is unknown"), ({"weight": "hard,bias=1:1"}, "bias"), ({"weight": ""}, "unknown"),
+    ({"weight": "gauss=1,above=2"}, "above"), ({"weight": "hard,bias=1:1"}, "bias"), ({"weight": ""}, "unknown"),
     ({"weight": "gauss=1,bias=1:2:3"}, "two numbers"), ({"weight": "gauss=1", "radius": 3}, "cylinder"), ({"prior": "size"}, "needs a weight"),
     ({"score": "posterior"}, "needs a weight"), ({"score": "dose", "weight": "gauss=1"}, "unknown"),
     ({"weight": "gauss=1", "prior": "often"}, "\"often\" is unknown"), ({"weight": "gauss=1", "prior": "size,power=0"}, "0.01"),
-    ({"weight": "gauss=1", "prior": "size,power=2,power=3"}, "power is there twice"),
+    ({"weight": "gauss=1", "prior": "size,power=2,power=3"}, "power is given twice"),
 ])
 def test_wrong_words_are_refused(options, said):
     with pytest.raises(conus.ArgumentError, match=said):
