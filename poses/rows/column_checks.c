@@ -66,32 +66,44 @@ static void hear_rows(struct head *head)
     }
 }
 
-/* Refuses a line that names axes in another order than columns have, unless it is the header, or the user names them.
- */
-static void check_order(const struct head *head, const struct space_words *said, struct text line, size_t number)
+/* Whether the columns of a space stand in that order. */
+static bool is_order_of(const struct space_words *said, conus_space space)
 {
-    static const char *const orders[] = {[CONUS_SPACE_CCF] = "120", [CONUS_SPACE_BREGMA] = "102"};
-    const char *own = head->options->space < CONUS_SPACE_CCF ? "" : orders[head->options->space];
+    static const int orders[][3] = {[CONUS_SPACE_CCF] = {1, 2, 0}, [CONUS_SPACE_BREGMA] = {1, 0, 2}};
+    return said->axes == SPACE_AXES_ORDERED && space >= CONUS_SPACE_CCF &&
+           memcmp(said->order, orders[space], sizeof said->order) == 0;
+}
+
+/* Refuses a line that names other axes than columns have, unless it is the header, or the user names them. */
+static void check_axes(const struct head *head, const struct space_words *said, struct text line, size_t number)
+{
+    const conus_pose_options *options = head->options;
     bool is_header = head->out->has_header && columns_sum(line) == head->out->header_sum;
-    if (!said->order[0] || strcmp(said->order, own) == 0 || is_header || head->is_named) {
+    if (is_header || head->is_named || is_order_of(said, options->space)) {
         return;
     }
-    if (said->order[0] == 't') { /* rodents' axes have other signs */
-        if (head->options->space < CONUS_SPACE_CCF && !head->options->any_space) {
+    switch (said->axes) {
+    case SPACE_AXES_PLAIN:
+        break;
+    case SPACE_AXES_TURNED:
+        if (options->space < CONUS_SPACE_CCF && !options->any_space) { /* rodents' axes have other signs */
             job_bad(
                 head->job,
                 "line %zu, \"%.*s\", says another axis or sign than x to the right, y to the front or z to the top; "
                 "--any-space takes the positions as they are",
                 number, POSE_QUOTE(line));
         }
-    } else if (said->order[0] == 'i') {
+        break;
+    case SPACE_AXES_VOXELS:
         job_bad(head->job, "line %zu, \"%.*s\": i j k are %s", number, POSE_QUOTE(line), space_why_voxels);
-    } else {
+        break;
+    case SPACE_AXES_ORDERED:
         job_bad(
             head->job,
             "line %zu, \"%.*s\", names axes that are not x y z, to the right, front and top: write x, y and z there "
             "in the order of the columns, or ',x=COLUMN,y=COLUMN,z=COLUMN' behind FILE",
             number, POSE_QUOTE(line));
+        break;
     }
 }
 
@@ -110,7 +122,7 @@ void columns_hear_words(struct head *head)
             continue;
         }
         space_words_hear(&own, inside);
-        check_order(head, &own, inside, number);
+        check_axes(head, &own, inside, number);
         if (!head->options->any_space) {
             space_words_hear(said, inside);
         }

@@ -148,7 +148,7 @@ conus_status columns_hear_late(const struct columns *columns, struct text line, 
                      (said.may_be_lps && columns->space == CONUS_SPACE_RAS);
     bool is_scaled =
         said.mm > 0 && !columns->is_own_unit && said.mm != columns->scale * columns_space_mm(options->space);
-    bool is_ordered = said.order[0] && options->space < CONUS_SPACE_CCF && columns_sum(inside) != columns->header_sum;
+    bool is_ordered = said.axes && options->space < CONUS_SPACE_CCF && columns_sum(inside) != columns->header_sum;
     return said.why || said.are_two || is_other_brain || is_turned || is_scaled || is_ordered
                ? fail(CONUS_ERROR_DATA,
                       "line %zu: \"%.*s\" says another space or unit of the positions than the first 64 KiB, by which "

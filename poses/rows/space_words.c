@@ -49,9 +49,8 @@ static const struct row {
     {"matrix", WEAK, 0, NULL, space_why_voxels},
     {"ras/lps/dicom/itk", WEAK, SIGNS, NULL, NULL},
     {"rai/lpi/las/lai/rpi/rps/ral/lar", ALONE, 0, NULL, why_code},
-    {"ipr/ipl/spr/spl/asr/asl/pir/pil/ars/ari/als/ali/ail/prs/pri/pls/pli/psr/psl/sra/srp/sla/slp/sar/sal/ira/irp/ila/"
-     "ilp/"
-     "iar/ial/rsa/rsp/ria/lsa/lsp/lia",
+    {"ipr/ipl/spr/spl/asr/asl/pir/pil/ars/ari/als/ali/ail/prs/pri/pls/pli/psr/psl/sra/srp/sla/slp/sar/sal/ira/irp/"
+     "ila/ilp/iar/ial/rsa/rsp/ria/lsa/lsp/lia",
      WEAK, 0, NULL, why_code}, /* lip, air and rip are words of others */
 };
 
@@ -465,49 +464,85 @@ static bool has_minus(const struct sentence *sentence, size_t index)
     return token.data > begin && token.data[-1] == '-' && (token.data - 1 > begin || !index);
 }
 
+/* The row of axes that a word names; AXES: none. */
+static size_t axis_named(struct text token)
+{
+    size_t k = 0;
+    while (k < AXES && !(text_is_one_of(token, axes[k].words, false) || text_is_one_of(token, axes[k].exact, true))) {
+        k++;
+    }
+    return k;
+}
+
+/* "L, left": the name of an axis behind its letter. */
+static bool is_definition(size_t letter, size_t name)
+{
+    return letter < AXES && axes[name].is_spelled && !axes[letter].is_spelled && axes[name].side &&
+           axes[name].axis == axes[letter].axis && axes[name].side == axes[letter].side;
+}
+
+/* "x flipped", not "flipped: no". */
+static bool turns(const struct sentence *sentence, size_t index)
+{
+    return token_is(sentence, index, turned) && !token_is(sentence, index + 1, "no/none/false/0");
+}
+
+/* What a word says of the sides and signs of the others. */
+static void add_sign(struct named_axes *out, const struct sentence *sentence, size_t index)
+{
+    const struct text token = sentence->tokens[index];
+    const char *end = index + 1 < sentence->count ? sentence->tokens[index + 1].data : token.data;
+    out->is_turned = out->is_turned || turns(sentence, index);
+    out->is_negative = out->is_negative || token_is(sentence, index, "negative") ||
+                       (end > token.data && memchr(token.data, '<', (size_t)(end - token.data)));
+    out->is_positive = out->is_positive ||
+                       (index > 1 && token_is(sentence, index, "positive") && token_is(sentence, index - 1, "is/are"));
+}
+
+/* Adds a word that names no axis; false where it is not among those that stand beside these. */
+static bool add_other(struct named_axes *out, const struct sentence *sentence, size_t index)
+{
+    const struct text token = sentence->tokens[index];
+    bool is_column = text_is_one_of(token, other_columns, false);
+    bool is_of_one = turns(sentence, index) || text_is_one_of(token, beside_axis, false);
+    out->has_other = out->has_other || is_column;
+    out->is_of_one = out->is_of_one || is_of_one;
+    return is_column || is_of_one || is_beside(token) || (out->of_voxels && text_is_one_of(token, "j/k/slice", false));
+}
+
+/* Adds a word; `before` is the axis that the one before names, and becomes this one's. */
+static bool add_word(struct named_axes *out, const struct sentence *sentence, size_t index, size_t *before)
+{
+    const struct text token = sentence->tokens[index];
+    const size_t k = axis_named(token);
+    const size_t last = *before;
+    *before = k;
+    add_sign(out, sentence, index);
+    out->units += space_unit_mm(token) != 0;
+    if (k < AXES) {
+        out->defined += is_definition(last, k);
+        add_axis(out, axes[k].axis, axes[k].side, axes[k].is_spelled, index && token_is(sentence, index - 1, "to"));
+    } else if (text_is_one_of(token, "x/y/z", false) || is_letters(token)) {
+        out->is_negative = out->is_negative || (token.size == 1 && has_minus(sentence, index));
+        for (size_t j = 0; j < token.size; j++) {
+            add_letter(out, (token.data[j] | 0x20) - 'x');
+        }
+    } else {
+        return add_other(out, sentence, index);
+    }
+    return true;
+}
+
 /* Whether a sentence says which columns are which, and nothing else, in a closed list of words: "columns: AP LAT VERT
  * (mm)". */
 static bool find_axes(struct named_axes *out, const struct sentence *sentence)
 {
     bool all = true;
-    size_t last = AXES; /* the token before is this one */
+    size_t before = AXES;
     *out = (struct named_axes){.of_voxels = has_token(sentence, "i/row") && has_token(sentence, "j/col/column") &&
                                             has_token(sentence, "k/slice")};
     for (size_t i = 0; i < sentence->count && all; i++) {
-        const struct text token = sentence->tokens[i];
-        size_t k = 0;
-        while (k < AXES &&
-               !(text_is_one_of(token, axes[k].words, false) || text_is_one_of(token, axes[k].exact, true))) {
-            k++;
-        }
-        const char *end = i + 1 < sentence->count ? sentence->tokens[i + 1].data : token.data;
-        bool is_other = text_is_one_of(token, other_columns, false);
-        bool is_turned = text_is_one_of(token, turned, false) && !token_is(sentence, i + 1, "no/none/false/0");
-        out->is_turned = out->is_turned || is_turned;
-        out->is_negative = out->is_negative || text_is_one_of(token, "negative", false) ||
-                           (end > token.data && memchr(token.data, '<', (size_t)(end - token.data)));
-        out->is_positive =
-            out->is_positive || (i > 1 && token_is(sentence, i, "positive") && token_is(sentence, i - 1, "is/are"));
-        out->units += space_unit_mm(token) != 0;
-        if (k < AXES) {
-            out->defined += last < AXES && axes[k].is_spelled && !axes[last].is_spelled && axes[k].side &&
-                            axes[k].axis == axes[last].axis && axes[k].side == axes[last].side;
-            add_axis(out, axes[k].axis, axes[k].side, axes[k].is_spelled, i && token_is(sentence, i - 1, "to"));
-        } else if (text_is_one_of(token, "x/y/z", false)) {
-            out->is_negative = out->is_negative || has_minus(sentence, i);
-            add_letter(out, (token.data[0] | 0x20) - 'x');
-        } else if (is_letters(token)) {
-            for (size_t j = 0; j < NAMED; j++) {
-                add_letter(out, (token.data[j] | 0x20) - 'x');
-            }
-        } else {
-            bool is_of_one = is_turned || text_is_one_of(token, beside_axis, false);
-            out->is_of_one = out->is_of_one || is_of_one;
-            all = is_other || is_of_one || is_beside(token) ||
-                  (out->of_voxels && text_is_one_of(token, "j/k/slice", false));
-        }
-        out->has_other = out->has_other || is_other;
-        last = k;
+        all = add_word(out, sentence, i, &before);
     }
     /* "all points mirrored to the left hemisphere" lie there */
     out->is_turned = out->is_turned && !(out->count == 1 && !out->letters && has_token(sentence, "to/onto"));
@@ -530,9 +565,7 @@ static void keep_signs(struct space_words *words, const struct named_axes *named
         is_turned = is_turned || is_other || (side < 0 && named->axis[i] == 2);
         words->may_be_lps = words->may_be_lps || (side < 0 && named->axis[i] < 2);
     }
-    if (is_turned) {
-        snprintf(words->order, sizeof words->order, "turned");
-    }
+    words->axes = is_turned ? SPACE_AXES_TURNED : words->axes;
 }
 
 static void keep_axes(struct space_words *words, const struct named_axes *named)
@@ -548,12 +581,13 @@ static void keep_axes(struct space_words *words, const struct named_axes *named)
     if (named->is_alone) {
         keep_signs(words, named);
     } else if (named->of_voxels) {
-        snprintf(words->order, sizeof words->order, "ijk");
+        words->axes = SPACE_AXES_VOXELS;
     } else if (is_ras || (is_lps && (are_letters || !named->is_spelled))) {
         keep(words, text_from(is_ras ? "RAS" : "LPS"), &(struct row){.brain = SIGNS});
     } else if (!are_plain && (are_named || are_letters)) {
         const int *order = are_named ? named->axis : named->letter;
-        snprintf(words->order, sizeof words->order, "%d%d%d", order[0], order[1], order[2]);
+        words->axes = SPACE_AXES_ORDERED;
+        memcpy(words->order, order, sizeof words->order);
     }
 }
 

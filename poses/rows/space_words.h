@@ -7,6 +7,14 @@
 #include "conus/space.h"
 #include "poses/rows/pose_row.h"
 
+/** Axes that a line names. */
+enum space_axes {
+    SPACE_AXES_PLAIN,   /**< None, or x y z, R A S, L P S. */
+    SPACE_AXES_ORDERED, /**< Others, or these in another order: "AP LAT VERT". */
+    SPACE_AXES_TURNED,  /**< "x flipped", "left is positive". */
+    SPACE_AXES_VOXELS   /**< "i j k". */
+};
+
 /** What was heard so far. All 0: nothing. */
 struct space_words {
     struct pose_space space; /**< The brain: pose_space_match() decides, and space_move() moves MNI 305. */
@@ -17,9 +25,8 @@ struct space_words {
     bool are_two;    /**< Units that contradict each other. */
     const char *why; /**< Why positions cannot be taken: what they are; static. NULL: they can. */
     char heard[64];  /**< The words that decided. */
-    /** Of axes that a line names, and that are neither x y z nor R A S or L P S: "102" is one to the front or back, to
-     * a side, and up or down ("AP LAT VERT"); "ijk": voxels; "turned": "x flipped". */
-    char order[8];
+    enum space_axes axes;
+    int order[3]; /**< Of ordered ones: 0 is to a side, 1 to the front or back, 2 up or down. */
 };
 
 /** Hears a line, sentence by sentence. */
