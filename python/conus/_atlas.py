@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import math
 import os
-import re
 import threading
 from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, NamedTuple, Optional, Sequence, Union
 
@@ -575,11 +574,15 @@ def _weight_of(text: Optional[str]) -> Any:
     return owned(out[0], lib.conus_weight_destroy)
 
 
-def _state_of_file(given: Any) -> Any:
+def _state_of_file(argument: str, given: Any) -> Any:
     """What changes with the file that a weight or prior names; None where it names none."""
+    if not isinstance(given, str):
+        return None  # the selector refuses it
+    text = utf8(argument, given)
+    length = lib.conus_weight_path_length(text)
     try:
-        found = os.stat(re.split(",[a-z]+=", given)[0]) if isinstance(given, str) else None
-    except (OSError, ValueError):
+        found = os.stat(ffi.buffer(text)[:length]) if length else None
+    except OSError:
         return None  # the library says so
     return found and (found.st_mtime_ns, found.st_size, found.st_ino)
 
@@ -1538,7 +1541,7 @@ class Atlas:
         self._p  # pylint: disable=pointless-statement  # raises if it is closed
         thread = threading.get_ident() if options.get("engine") == "gl" else 0
         plain = {name: v.tolist() if isinstance(v, np.ndarray) else v for name, v in options.items()}
-        files = [_state_of_file(options.get(name)) for name in ("weight", "prior")]
+        files = [_state_of_file(name, options.get(name)) for name in ("weight", "prior")]
         key = thread, shown(sorted(plain.items()), None), *files
         if key not in self._selectors:
             self._selectors[key] = Selector(self, **options)
