@@ -3,6 +3,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"
+#include "selection/weight/rows.h"
 #include "selection/weight/weight.h"
 #include "sources/keys.h"
 
@@ -21,21 +22,25 @@ struct priors {
 enum { NAME, INDEX, PRIOR };
 
 /* The object that a name means, or the number in a column "index" of rows: an area's label comes first. */
-static conus_status find_object(uint32_t *out, const struct text *cells, const conus_atlas *atlas)
+static uint32_t find_object(struct job *job, const struct named_cells *cells, const conus_atlas *atlas)
 {
-    char name[512];
     uint64_t label;
-    if (!cells[INDEX].data) {
-        snprintf(name, sizeof name, "%.*s", TEXT_SHOW(cells[NAME], 500));
-        return conus_atlas_find(out, atlas, name) ? CONUS_ERROR_DATA : CONUS_OK;
+    uint32_t found = 1;
+    if (!named_cells_has(cells, INDEX)) {
+        const char *name = job_copy(job, named_cell(cells, NAME));
+        conus_status status = job_ok(job) ? conus_atlas_find(&found, atlas, name) : CONUS_OK;
+        (void)JOB_CALL(job, status == CONUS_ERROR_ARGUMENT ? CONUS_ERROR_DATA : status);
+        return found;
     }
-    const bool is_number = text_to_uint(cells[INDEX], UINT32_MAX, &label);
-    const conus_object *object = is_number ? conus_atlas_object(atlas, *out = 1) : NULL;
+    const struct text number = named_cell(cells, INDEX);
+    const conus_object *object = text_to_uint(number, UINT32_MAX, &label) ? conus_atlas_object(atlas, 1) : NULL;
     while (object && object->label != label) {
-        object = conus_atlas_object(atlas, ++*out);
+        object = conus_atlas_object(atlas, ++found);
     }
-    return object ? CONUS_OK
-                  : fail(CONUS_ERROR_DATA, "index: nothing has the number %.*s", TEXT_SHOW(cells[INDEX], 40));
+    if (!object) {
+        job_bad(job, "index: nothing has the number %.*s", TEXT_SHOW(number, 40));
+    }
+    return found;
 }
 
 /* Whether nothing is reported as an object: as another one at this level, or as the areas below it in the area tree. */
@@ -52,32 +57,31 @@ static bool has_no_row(const struct priors *priors, uint32_t object)
     return (priors->group && priors->group[object] != object) || (is_parent && !has_row);
 }
 
-static conus_status take_row(void *user, const struct text *cells)
+static void take_row(struct job *job, const struct named_cells *cells, void *user)
 {
     struct priors *priors = user;
-    uint32_t object;
-    double times;
-    if (!cells[PRIOR].data || !cells[NAME].data == !cells[INDEX].data) {
-        return fail(CONUS_ERROR_DATA, "columns name or index, and prior, are needed");
+    double times = 0;
+    if (!named_cells_has(cells, PRIOR) || named_cells_has(cells, NAME) == named_cells_has(cells, INDEX)) {
+        job_bad(job, "columns name or index, and prior, are needed");
+        return;
     }
-    if (!text_to_double(cells[PRIOR], &times) || !(times >= 0 && isfinite(times))) {
-        return fail(CONUS_ERROR_DATA, "prior: %.*s is no number of 0 or more", TEXT_SHOW(cells[PRIOR], 40));
+    named_cells_numbers(job, &times, cells, PRIOR, 1);
+    if (times < 0) {
+        job_bad(job, "prior: %g is out of range, allowed is 0 or more", times);
     }
-    conus_status status = find_object(&object, cells, priors->atlas);
-    if (status) {
-        return status;
+    const uint32_t object = find_object(job, cells, priors->atlas);
+    if (!job_ok(job)) {
+        return;
     }
     const char *name = conus_atlas_object(priors->atlas, object)->name;
     if (has_no_row(priors, object)) {
-        return fail(CONUS_ERROR_DATA, "%.60s has no row of its own at this level", name);
-    }
-    if (priors->is_given[object]) {
-        return fail(CONUS_ERROR_DATA, "%.60s is there twice", name);
+        job_bad(job, "%.60s has no row of its own at this level", name);
+    } else if (priors->is_given[object]) {
+        job_bad(job, "%.60s is there twice", name);
     }
     priors->is_given[object] = true;
     priors->rows++;
     priors->out->times[object] = times;
-    return CONUS_OK;
 }
 
 static conus_status read_file(struct prior *out, const char *path, const conus_atlas *atlas, const uint32_t *group)
@@ -85,14 +89,13 @@ static conus_status read_file(struct prior *out, const char *path, const conus_a
     static const char *const names[] = {"name", "index", "prior"};
     const size_t count = conus_atlas_object_count(atlas) + 1;
     struct priors priors = {out, atlas, group, memory_zeroed(count, sizeof *priors.is_given), 0};
-    const struct row_reader reader = {names, 3, take_row, &priors};
     out->of_file = true;
     out->times = memory_raw(count, sizeof *out->times);
     conus_status status = out->times && priors.is_given ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < count && !status; i++) {
         out->times[i] = 1;
     }
-    status = status ? status : rows_read(path, &reader);
+    status = status ? status : rows_read(path, names, 3, take_row, &priors);
     memory_free(priors.is_given);
     return status || priors.rows ? status : fail(CONUS_ERROR_DATA, "%s: no rows, at least one is needed", path);
 }

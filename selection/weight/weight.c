@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/order.h"
 #include "conus/own.h"
+#include "selection/weight/rows.h"
 #include "sources/keys.h"
 
 #include <math.h>
@@ -107,36 +108,33 @@ struct rows {
 enum { ANGLE, OFFSET, WEIGHT };
 static const char *const columns[] = {"angle_deg", "offset_mm", "weight"};
 
-static conus_status take_row(void *user, const struct text *cells)
+static void take_row(struct job *job, const struct named_cells *cells, void *user)
 {
     struct rows *rows = user;
-    if (!cells[WEIGHT].data || !cells[ANGLE].data == !cells[OFFSET].data) {
-        return fail(CONUS_ERROR_DATA, "columns angle_deg or offset_mm, and weight, are needed");
+    double row[2] = {0};
+    const bool by_angle = named_cells_has(cells, ANGLE);
+    const size_t place = by_angle ? ANGLE : OFFSET;
+    if (!named_cells_has(cells, WEIGHT) || by_angle == named_cells_has(cells, OFFSET)) {
+        job_bad(job, "columns angle_deg or offset_mm, and weight, are needed");
+        return;
     }
-    size_t place = cells[ANGLE].data ? ANGLE : OFFSET;
-    rows->by = place == ANGLE ? WEIGHT_BY_ANGLE : WEIGHT_BY_OFFSET;
-    double row[2];
-    if (!text_to_double(cells[WEIGHT], &row[1]) || !(row[1] >= 0 && isfinite(row[1]))) {
-        return fail(CONUS_ERROR_DATA, "weight: %.*s is no number of 0 or more", TEXT_SHOW(cells[WEIGHT], 40));
+    named_cells_numbers(job, &row[0], cells, place, 1);
+    named_cells_numbers(job, &row[1], cells, WEIGHT, 1);
+    if (!(row[1] >= 0 && row[1] <= most_weight)) {
+        job_bad(job, "weight: %g is out of range, allowed is 0 to %g", row[1], most_weight);
     }
-    if (row[1] > most_weight) {
-        return fail(CONUS_ERROR_DATA, "weight: %.*s is more than %g", TEXT_SHOW(cells[WEIGHT], 40), most_weight);
-    }
-    if (!text_to_double(cells[place], &row[0]) || !isfinite(row[0])) {
-        return fail(CONUS_ERROR_DATA, "%s: %.*s is no number", columns[place], TEXT_SHOW(cells[place], 40));
-    }
-    if (!(row[0] >= 0 && (place == OFFSET || row[0] < 90))) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: %.*s is out of range, allowed is 0 %s", columns[place],
-                    TEXT_SHOW(cells[place], 40), place == OFFSET ? "or more" : "to less than 90");
+    if (!(row[0] >= 0 && (!by_angle || row[0] < 90))) {
+        job_fail(job, CONUS_ERROR_ARGUMENT, "%s: %g is out of range, allowed is 0 %s", columns[place], row[0],
+                 by_angle ? "to less than 90" : "or more");
     }
     if (rows->count == ROW_LIMIT) {
-        return fail(CONUS_ERROR_DATA, "more than %d rows", ROW_LIMIT);
+        job_bad(job, "more than %d rows", ROW_LIMIT);
     }
-    if (!memory_reserve(&rows->at, &rows->capacity, rows->count + 1, sizeof *rows->at)) {
-        return CONUS_ERROR_MEMORY;
+    rows->by = by_angle ? WEIGHT_BY_ANGLE : WEIGHT_BY_OFFSET;
+    bool has_room = job_ok(job) && memory_reserve(&rows->at, &rows->capacity, rows->count + 1, sizeof *rows->at);
+    if (job_need(job, has_room ? rows->at : NULL)) {
+        memcpy(rows->at[rows->count++], row, sizeof row);
     }
-    memcpy(rows->at[rows->count++], row, sizeof row);
-    return CONUS_OK;
 }
 
 static int by_first(const void *a, const void *b)
@@ -177,8 +175,7 @@ static conus_status fill_table(conus_weight *out, const struct rows *rows, const
 static conus_status read_table(conus_weight *out, const char *path)
 {
     struct rows rows = {0};
-    const struct row_reader reader = {columns, 3, take_row, &rows};
-    conus_status status = rows_read(path, &reader);
+    conus_status status = rows_read(path, columns, 3, take_row, &rows);
     status = status ? status : fill_table(out, &rows, path);
     memory_free(rows.at);
     return status;

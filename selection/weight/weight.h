@@ -59,18 +59,4 @@ void prior_finish(struct prior *prior);
 /** Sets the posterior of the results of a cone, in which weights are set. */
 void prior_apply(conus_result *results, size_t count, const struct prior *prior, const struct cone *cone);
 
-/** Rows of a table with a header. */
-struct row_reader {
-    const char *const *names; /**< [count] of its columns, upper or lower case. */
-    size_t count;
-    /** Takes a row: the cells in the order of the names; data is NULL where there is no such column. The message of a
-     * failure begins behind path and line. */
-    conus_status (*take)(void *user, const struct text *cells);
-    void *user;
-};
-enum { ROW_CELLS = 4 };
-
-/** Reads a file of at most 64 MiB. Columns of other names are an error. */
-conus_status rows_read(const char *path, const struct row_reader *reader);
-
 #endif

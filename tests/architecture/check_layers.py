@@ -116,7 +116,7 @@ LIBRARY = {
     "selection/engine": "base base/geometry atlas render/gl render/id selection/cone selection/evidence selection/engine/voxels"
     " selection/engine/tracts selection/engine/triangles",
     "selection/region": "base/simd base/geometry atlas/tracts atlas selection/cone",
-    "selection/weight": "base base/files base/formats base/geometry sources selection/cone",
+    "selection/weight": "base base/geometry poses/rows sources selection/cone",
     "selection/measure": "base base/geometry atlas/surface atlas/tracts atlas selection/cone selection/evidence selection/region"
     " selection/weight",
     "selection/table": "base base/geometry atlas selection/cone",
