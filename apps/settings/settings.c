@@ -255,7 +255,8 @@ const struct option weight_options[] = {
     {OPTION_VALUED("weight", struct engine_settings, weight, "FORM|FILE[,bias=X:Y]"),
      .help =
          "weigh the rays: hard (all alike), gauss=DEGREES (as a hand or tracker is off by so much about each of two "
-         "axes, 0.01 to 20; the cone opens to 8 times as much unless --angle says otherwise), or a table with "
+         "axes, 0.01 to 20, or gauss=vr-controller:W, a published error, of a target W degrees wide; the cone opens to "
+         "8 times as much unless --angle says otherwise), or a table with "
          "columns weight and angle_deg or offset_mm; bias: the device points X degrees to its right and Y up of "
          "what is meant",
      .words = "soft, Gaussian, uncertainty, pointing, VR", .role = OPTION_READS_NAMES,
@@ -501,11 +502,18 @@ int settings_weight(struct aim_settings *aim, struct engine_settings *settings, 
 void settings_say_weight(const struct aim_settings *aim, const struct engine_settings *settings,
                          const struct common_settings *common)
 {
-    const double sigma = settings->made ? conus_weight_sigma(settings->made) : 0;
+    if (!settings->made) {
+        return;
+    }
+    const double sigma = conus_weight_sigma(settings->made);
     const double angle = settings_angle(aim, settings);
     const uint32_t resolution = settings->resolution ? settings->resolution : CONUS_RESOLUTION_DEFAULT;
     const double pixels = sigma * resolution / angle;
-    const double rim = sigma > 0 ? conus_weight_at(settings->made, angle / 2) : 0;
+    const bool is_cone = settings->radius == 0;
+    const double own = is_cone ? conus_weight_angle(settings->made) : conus_weight_radius(settings->made);
+    const double side = is_cone ? angle / 2 : settings->radius;
+    const double largest = conus_weight_largest(settings->made, side);
+    const double rim = isnan(own) ? 0 : conus_weight_at(settings->made, side) / largest;
     if (sigma > 0 && pixels < 2) {
         say_note(
             CONUS_SEVERITY_NOTE, common->quiet,
@@ -513,11 +521,16 @@ void settings_say_weight(const struct aim_settings *aim, const struct engine_set
             "has more",
             pixels);
     }
-    if (rim > 0.05) {
+    if (largest == 0) {
+        say_note(CONUS_SEVERITY_WARNING, common->quiet, "the weight is 0 everywhere in the %s: no object has one",
+                 is_cone ? "cone" : "cylinder");
+    } else if (rim > 0.05) {
+        char fills[64];
+        snprintf(fills, sizeof fills, sigma > 0 ? "it fills %g degrees" : "its table ends at %g %s",
+                 is_cone && sigma == 0 ? own / 2 : own, is_cone ? "degrees" : "mm");
         say_note(CONUS_SEVERITY_NOTE, common->quiet,
-                 "at the rim of the cone the weight is %.0f %% of its largest, and beyond nothing counts; it fills %g "
-                 "degrees",
-                 100 * rim, conus_weight_angle(settings->made));
+                 "at the rim of the %s the weight is %.0f %% of its largest, and beyond nothing counts; %s",
+                 is_cone ? "cone" : "cylinder", 100 * rim, fills);
     }
 }
 

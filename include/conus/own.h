@@ -819,6 +819,14 @@ CONUS_CHECKED conus_status conus_report_take(const char **text, size_t *size, co
 CONUS_API double conus_weight_at(const conus_weight *weight, double x);
 
 /**
+ * Gives the largest weight from the axis to a place.
+ * @param weight The weight.
+ * @param x As for conus_weight_at().
+ * @return 0 or more.
+ */
+CONUS_API double conus_weight_largest(const conus_weight *weight, double x);
+
+/**
  * Gives the standard deviation of gauss.
  * @param weight The weight.
  * @return Degrees; 0 of another form.

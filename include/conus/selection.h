@@ -58,9 +58,9 @@ typedef struct conus_weight conus_weight;
  * Reads a weight.
  * @param[out] out The weight; end it with conus_weight_destroy().
  * @param text "hard" (all rays count alike); "gauss=2" (as the axis's tilt has a standard deviation of 2 degrees about
- * each of two axes, 0.01 to 20); or the path of a table with columns weight and angle_deg (off the axis, for cones) or
- * offset_mm (from it, for cylinders). Behind gauss and a table by angle ",bias=X:Y": the device points X degrees to its
- * right and Y degrees up of what is meant.
+ * each of two axes, 0.01 to 20), or "gauss=vr-controller:4" (by a published error of tilt alone, Eq. 29); or the path
+ * of a table with columns weight and angle_deg (off the axis, for cones) or offset_mm (from it, for cylinders). Behind
+ * gauss and a table by angle ",bias=X:Y": the device points X degrees to its right and Y degrees up of what is meant.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an unknown form and numbers out of their ranges; #CONUS_ERROR_IO;
  * #CONUS_ERROR_DATA for another table.
  */

@@ -304,7 +304,10 @@ static bool add_weight(json_t *settings, const conus_report *report)
         entry && (weight->sigma == 0 || put_value(entry, "sigma_deg", json_real(weight->sigma))) &&
         (weight->rows == 0 || put_value(entry, "rows", json_integer((json_int_t)weight->rows))) &&
         (weight->own == 0 || put_value(entry, is_angle ? "own_angle_deg" : "own_radius_mm", json_real(weight->own))) &&
-        (!is_angle || put_value(entry, "bias_deg", json_pack("[f, f]", weight->bias[0], weight->bias[1])));
+        (!is_angle || put_value(entry, "bias_deg", json_pack("[f, f]", weight->bias[0], weight->bias[1]))) &&
+        (!weight->error.name || put_value(entry, "error",
+                                          json_pack("{s: s, s: s, s: s}", "name", weight->error.name, "measured",
+                                                    weight->error.measured, "source", weight->error.source)));
     whole = put_value(settings, "weight", entry) && whole;
     const char *of = prior->of_file ? "file" : prior->by_size ? "size" : "equal";
     return whole && (prior->power == 0 ||

@@ -78,16 +78,40 @@ static conus_status fail_unknown(struct text name)
     return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is unknown, allowed are %sor a file", TEXT_SHOW(name, 60), known);
 }
 
-/* A number behind "gauss=". */
+/* The tilt of a published error. */
+static conus_status read_error(double *tilt, conus_weight *out, struct text text)
+{
+    conus_pose_error error = {0};
+    char *name = memory_text(text.data, text.size);
+    conus_status status = name ? conus_pose_error_find(&error, name) : CONUS_ERROR_MEMORY;
+    memory_free(name);
+    if (!status && !(error.shift == 0 && error.entry == 0)) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "%s is an error of places, too, and all rays begin in one; conus sweep "
+                    "--jitter and conus plan --jitter take it",
+                    error.name);
+    }
+    *tilt = error.tilt_deg;
+    out->facts.error = error;
+    return status;
+}
+
+/* A number behind "gauss=", or the name of an error. */
 static conus_status read_number(conus_weight *out, const struct form *form, struct text text)
 {
-    double number;
+    double number = 0;
     if (!form->number) {
         return text.data ? fail(CONUS_ERROR_ARGUMENT, "%s has no numbers", form->name) : CONUS_OK;
     }
-    if (!text.data || !text_to_double(text, &number)) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s=%.*s: one number is needed, %s", form->name, TEXT_SHOW(text, 60),
-                    form->number);
+    const bool is_number = text.data && text_to_double(text, &number);
+    const bool is_word = text.size && (text.data[0] | ' ') >= 'a' && (text.data[0] | ' ') <= 'z';
+    if (!is_number && !is_word) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s=%.*s: one number is needed, %s, or the name of a published error",
+                    form->name, TEXT_SHOW(text, 60), form->number);
+    }
+    conus_status status = is_number ? CONUS_OK : read_error(&number, out, text);
+    if (status) {
+        return status;
     }
     if (!(number >= form->low && number <= form->high)) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: %.*s is out of range, allowed is %g to %g %s", form->name,
@@ -259,6 +283,15 @@ double conus_weight_sigma(const conus_weight *weight)
 double conus_weight_at(const conus_weight *weight, double x)
 {
     return weight->value(weight, x);
+}
+
+double conus_weight_largest(const conus_weight *weight, double x)
+{
+    double largest = weight->value(weight, 0); /* others fall from there */
+    for (size_t i = 0; i < weight->facts.rows && weight->at[i] <= x; i++) {
+        largest = fmax(largest, weight->values[i]);
+    }
+    return fmax(largest, weight->value(weight, x));
 }
 
 size_t conus_weight_path_length(const char *text)

@@ -5,6 +5,7 @@
 
 #include "base/text.h"
 #include "conus/selection.h"
+#include "conus/study.h"
 #include "selection/cone/aperture.h"
 
 /** What a weight depends on. */
@@ -12,12 +13,13 @@ enum weight_by { WEIGHT_BY_NOTHING, WEIGHT_BY_ANGLE, WEIGHT_BY_OFFSET };
 
 /** What of a weight reports have. */
 struct weight_facts {
-    const char *form;  /**< "hard", "gauss" or "table". */
-    enum weight_by by; /**< Degrees off the axis, or mm. */
-    double sigma;      /**< Of gauss, degrees; 0 of another. */
-    double bias[2];    /**< To the right and up, degrees. */
-    double own;        /**< Opening in degrees, or radius in mm, of the region outside of which it is 0; 0 = none. */
-    size_t rows;       /**< Of a table. */
+    const char *form;       /**< "hard", "gauss" or "table". */
+    enum weight_by by;      /**< Degrees off the axis, or mm. */
+    double sigma;           /**< Of gauss, degrees; 0 of another. */
+    conus_pose_error error; /**< Of gauss, by whose name it was given; else its name is NULL. */
+    double bias[2];         /**< To the right and up, degrees. */
+    double own;  /**< Opening in degrees, or radius in mm, of the region outside of which it is 0; 0 = none. */
+    size_t rows; /**< Of a table. */
 };
 
 struct conus_weight {

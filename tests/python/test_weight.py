@@ -207,7 +207,9 @@ def test_wrong_tables_are_data_errors(tmp_path, text, said):
 
 @pytest.mark.parametrize("options, said", [
     ({"weight": "beam"}, "\"beam\" is unknown, allowed are hard, gauss, or a file"), ({"weight": "coil=20:18"}, "unknown"),
-    ({"weight": "gauss"}, "one number"), ({"weight": "gauss=0"}, "0.01 to 20"), ({"weight": "gauss=inf"}, "0.01 to 20"),
+    ({"weight": "gauss"}, "one number"), ({"weight": "gauss=vr-controler"}, "width of the target"),
+    ({"weight": "gauss=vr-controller"}, "width of the target"), ({"weight": "gauss=tms-cap"}, "error of places, too"),
+    ({"weight": "gauss=seeg-robot"}, "error of places, too"), ({"weight": "gauss=dbs"}, "error of places, too"), ({"weight": "gauss=0"}, "0.01 to 20"), ({"weight": "gauss=inf"}, "0.01 to 20"),
     ({"weight": "gauss=1,above=2"}, "above"), ({"weight": "hard,bias=1:1"}, "bias"), ({"weight": ""}, "unknown"),
     ({"weight": "gauss=1,bias=1:2:3"}, "two numbers"), ({"weight": "gauss=1", "radius": 3}, "cylinder"), ({"prior": "size"}, "needs a weight"),
     ({"score": "posterior"}, "needs a weight"), ({"score": "dose", "weight": "gauss=1"}, "unknown"),
@@ -289,6 +291,32 @@ def test_notes_and_methods(tmp_path):
     text = call_conus("cite", tmp_path / "rows.tsv").stdout.decode().replace("\n", " ")
     assert "a standard deviation of 2° about each of two axes" in text and "1° to its right and -0.5° up" in text
     assert "if each object is meant as often (Eq. 32)" in text
+
+
+@needs_aal
+def test_a_published_error_is_its_tilt_and_cited(tmp_path):
+    """The standard deviations of arXiv:2601.03522 for targets 4 degrees wide, along and across, in the root mean square."""
+    sigma = math.hypot(0.2130 + 0.1102 * 4, 0.2311 + 0.0715 * 4) / math.sqrt(2)
+    asked = ["query", AAL, "--origin=-60,-150,40", "--toward=0,0,10", "-q", "--angle=6"]
+    named = call_conus(*asked, "--weight=gauss=vr-controller:4", "-o", tmp_path / "named.tsv")
+    call_conus(*asked, f"--weight=gauss={sigma!r}", "-o", tmp_path / "number.tsv")
+    assert not named.returncode and (tmp_path / "named.tsv").read_bytes() == (tmp_path / "number.tsv").read_bytes()
+    text = call_conus("cite", tmp_path / "named.tsv").stdout.decode().replace("\n", " ")
+    assert "This error is published, as endpoint of a ray" in text and "vr-controller: arXiv:2601.03522" in text
+
+
+@needs_aal
+@pytest.mark.parametrize("table, options, said", [
+    ("angle_deg,weight\n0,2\n5,1\n", [], b"the cone the weight is 50 % of its largest, and beyond nothing counts; its table ends at 5 degrees"),
+    ("angle_deg,weight\n0,2\n5,1\n", ["--angle=4"], b"of the cone the weight is 80 % of its largest"),
+    ("offset_mm,weight\n0,1\n4,2\n8,1\n", ["--radius=6"], b"of the cylinder the weight is 75 % of its largest, and beyond nothing counts; its table ends at 8 mm"),
+    ("angle_deg,weight\n0,2\n5,0.08\n", [], b""),
+    ("angle_deg,weight\n5,0\n6,1\n", ["--angle=8"], b"warning: the weight is 0 everywhere in the cone"),
+])
+def test_a_rim_and_a_weight_of_nothing_are_said(tmp_path, table, options, said):
+    (tmp_path / "field.csv").write_text(table)
+    done = call_conus("query", AAL, "--origin=-60,-150,40", "--toward=0,0,10", "--weight", tmp_path / "field.csv", *options)
+    assert not done.returncode and (said in done.stderr if said else b"of its largest" not in done.stderr)
 
 
 @needs_aal

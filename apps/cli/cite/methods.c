@@ -97,6 +97,7 @@ static const struct sentence of_settings[] = {
      "of {Settings.weight.sigma_deg}° about each of two axes: an object's weight is the "
      "probability that the axis, if it lies in the cone, meets it before any other (Eq. 30 and 31 of conus's "
      "documentation)."},
+    {"Settings.weight.error", " This error is published, as {Settings.weight.error.measured} (see the references)."},
     {"Settings.weight.form=table", " Rays were weighted by a table of {Settings.weight.rows} rows (Eq. 30 and 31 of "
                                    "conus's documentation)."},
     {"Settings.weight.bias_deg.0", "{biased? The device was taken to point {Settings.weight.bias_deg.0}° to its right "
@@ -549,7 +550,8 @@ bool citation_is_known(struct citation *citation)
 
 const char *citation_error(const struct citation *citation, const char *key)
 {
-    const json_t *error = fact(citation->facts, "Settings.error");
+    const json_t *of_weight = fact(citation->facts, "Settings.weight.error");
+    const json_t *error = of_weight ? of_weight : fact(citation->facts, "Settings.error");
     const bool is_whole =
         json_is_string(json_object_get(error, "name")) && json_is_string(json_object_get(error, "source"));
     return is_whole ? json_string_value(json_object_get(error, key)) : NULL;

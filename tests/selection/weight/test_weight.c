@@ -44,6 +44,10 @@ static void a_table_is_linear_between_its_rows(void **state)
     for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
         assert_near(conus_weight_at(weight, wanted[i][0]), wanted[i][1], 1e-15);
     }
+    const double largest[][2] = {{0.5, 2}, {1.5, 2.5}, {3, 4}, {6, 4}, {9, 4}};
+    for (size_t i = 0; i < sizeof largest / sizeof largest[0]; i++) {
+        assert_near(conus_weight_largest(weight, largest[i][0]), largest[i][1], 1e-15);
+    }
     assert_near(conus_weight_radius(weight), 7, 0);
     assert_true(isnan(conus_weight_angle(weight)));
     conus_weight_destroy(weight);
