@@ -732,6 +732,7 @@ READERS = {
     "transform": (None, MOVE),
     "trx": ("x.trx", LINES),
     "vtk_lines": ("x.vtk", LINES),
+    "weight": (None, f"query ph/nested.nii.gz {BALL_AIM} --weight {{f}}"),
     "words_place": (None, "query ph/nested.nii.gz --point {t} --radius 5"),
     "zarr": ("x.zarr/.zarray", "info {d}/x.zarr"),
     "zip": ("x.trx", LINES),

@@ -53,6 +53,21 @@ static void a_table_is_linear_between_its_rows(void **state)
     conus_weight_destroy(weight);
 }
 
+/* Only what ends in a number of its second row is a table. */
+static void no_other_prefix_of_a_table_is_read(void **state)
+{
+    (void)state;
+    const char text[] = "angle_deg\tweight\n0\t1\n4\t25\n";
+    for (size_t size = 0; size < sizeof text; size++) {
+        conus_weight *weight = NULL;
+        char prefix[sizeof text] = "";
+        memcpy(prefix, text, size);
+        conus_status status = conus_weight_create(&weight, write_file("prefix.tsv", prefix));
+        assert_int_equal(status, size < sizeof "angle_deg\tweight\n0\t1\n4\t" ? CONUS_ERROR_DATA : CONUS_OK);
+        conus_weight_destroy(weight);
+    }
+}
+
 /* The device points 30 degrees to its right of what is meant, or up; its x and y are world axes, x turned round, too.
  */
 static void a_bias_is_taken_off_in_the_device_s_own_axes(void **state)
@@ -131,6 +146,7 @@ TEST_GROUP(weight)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(gauss_is_a_density_per_solid_angle),
         cmocka_unit_test(a_table_is_linear_between_its_rows),
+        cmocka_unit_test(no_other_prefix_of_a_table_is_read),
         cmocka_unit_test(a_bias_is_taken_off_in_the_device_s_own_axes),
         cmocka_unit_test(paths_end_before_keys),
         cmocka_unit_test(every_failing_allocation_is_clean),
