@@ -753,6 +753,27 @@ static void find_beam(struct head *head, const struct family **position, const s
     *target = ends[!is_focus[1]];
 }
 
+/* Whether columns are called as places in an array: i j k, row column slice, ix iy iz. */
+static bool are_indices(const struct head *head)
+{
+    static const char *const sets[] = {"i/j", "row/col/slice", "row/column/slice", "dim0/dim1/dim2", "dim1/dim2/dim3"};
+    bool found = false;
+    for (size_t i = 0; i < sizeof sets / sizeof sets[0] && !found; i++) {
+        struct text rest = text_from(sets[i]);
+        struct text name;
+        found = true;
+        for (bool more = true; found && text_field(&rest, '/', &more, &name);) {
+            char copy[COLUMN_NAME_SIZE];
+            snprintf(copy, sizeof copy, "%.*s", (int)name.size, name.data);
+            found = find_name(head, copy, 0) != COLUMN_NONE;
+        }
+    }
+    for (size_t i = 0; i < head->family_count; i++) {
+        found = found || text_is_one_of(text_from(head->families[i].stem), "i/ind/idx/index/indices/array", true);
+    }
+    return found;
+}
+
 static void choose_families(struct head *head)
 {
     struct columns *out = head->out;
@@ -841,7 +862,7 @@ static void choose_families(struct head *head)
     FAULT_IF(has_matrix && position, head, "x y z are needed, and only, without m00...m33");
     if (!has_matrix && !position) {
         FAULT_IF(head->is_on_its_side, head, "%s", on_its_side);
-        bool are_voxels = find_name(head, "i", 0) != COLUMN_NONE && find_name(head, "j", 0) != COLUMN_NONE;
+        bool are_voxels = are_indices(head);
         bool are_others = false;
         FAULT_IF(!head->is_on_its_side, head, "%s %s %s are needed: no columns say where rows are%s",
                  axis_shown(head, 0), axis_shown(head, 1), axis_shown(head, 2),
@@ -851,7 +872,7 @@ static void choose_families(struct head *head)
                  "a list of names has those of areas or positions (C3)");
         for (size_t i = 0; i < head->family_count; i++) {
             const struct family *family = &head->families[i];
-            bool is_other = family->kind == UNKNOWN || family->kind == TURNED;
+            bool is_other = !are_voxels && (family->kind == UNKNOWN || family->kind == TURNED);
             FAULT_IF(is_other, head, "%s may be something else: call them x y z where they are positions",
                      FAMILY_SHOWN(head, family));
             are_others = are_others || is_other;
@@ -1770,6 +1791,21 @@ static void finish_faults(void *head)
     buffer_finish(&((struct head *)head)->faults);
 }
 
+/* Whether the header of the names, or of a column without a role, says LPS. */
+static bool says_lps(const struct head *head)
+{
+    const struct columns *out = head->out;
+    bool found = out->has[ROLE_NAME] && text_mentions(text_from(out->shown[ROLE_NAME]), "LPS");
+    for (size_t i = 0; i < head->line.given && !out->is_bids; i++) {
+        struct text rest = text_from(head->names[i]);
+        struct text word;
+        while (out->role_of[i] == ROLES && text_word(&rest, &word)) {
+            found = found || text_equal(word, "lps");
+        }
+    }
+    return found;
+}
+
 static void plan(struct head *head, bool *is_short)
 {
     struct columns *out = head->out;
@@ -1821,7 +1857,7 @@ static void plan(struct head *head, bool *is_short)
             drop_role(head, ROLE_NAME);
         }
         find_row_names(head);
-        out->said.may_be_lps |= out->has[ROLE_NAME] && text_mentions(text_from(out->shown[ROLE_NAME]), "LPS");
+        out->said.may_be_lps |= says_lps(head);
         find_kept(head);
         if (!out->is_bids) {
             note_unknown(head);
