@@ -40,7 +40,7 @@ static const struct row {
     {"talairach/tal/tlrc/mni2tal", STRONG, POSE_BRAIN_TALAIRACH, "Talairach", NULL},
     {"tk/tkr/tkras/tkrras/tkreg/tkregras/surfaceras/surface ras", STRONG, POSE_BRAIN_OTHER, "tkRAS", NULL},
     {"radiological", STRONG, 0, NULL,
-     "radiological: left and right may be exchanged; --space lps or ras says which they are"},
+     "left and right may be exchanged; --space lps reads x to the left and y to the back"},
     {"mni/mni152/icbm/icbm152", STRONG, POSE_BRAIN_MNI152, "MNI 152", NULL},
     {"mcp/earbar/earbars/ear/interaural/lambda/dura/pia/midcommissural/posterior commissure", ORIGIN, 0, NULL,
      why_origin},
