@@ -44,7 +44,7 @@ static const struct row {
     {"mni/mni152/icbm/icbm152", STRONG, POSE_BRAIN_MNI152, "MNI 152", NULL},
     {"mcp/earbar/earbars/ear/interaural/lambda/dura/pia/midcommissural/posterior commissure", ORIGIN, 0, NULL,
      why_origin},
-    {"ac/anterior commissure", FROM, 0, NULL, why_origin}, /* origin at the AC: MNI's is within 5 mm */
+    {"ac/anterior commissure", FROM, 0, NULL, why_origin}, /* MNI's origin is often called so */
     {"nasion/inion/vertex/preauricular/pc/bregma/corner/first voxel/center/centre", AT, 0, NULL, why_origin},
     {"mcp/midcommissural/interaural", WEAK, 0, NULL, why_origin},
     {"native/scanner/acpc/ac pc/leksell/crw/scs/ctf/dicom", ALONE, POSE_BRAIN_SUBJECT, NULL, NULL},
