@@ -381,7 +381,9 @@ static void plan_table(struct job *job, conus_pose_stream *stream)
     }
     bool is_silent = !stream->list.coordsystem && !stream->list.space.name[0] && !columns->place;
     if (is_silent && stream->path && stream->options.space < CONUS_SPACE_CCF && !stream->options.any_space) {
-        (void)pose_coordsystem_warn(job, stream->path);
+        pose_coordsystem_hear_name(job, &stream->list, stream->path);
+        (void)(!stream->list.space.name[0] &&
+               pose_coordsystem_hear(job, &stream->list, stream->path, columns->has_unit));
     }
     stream->format = !columns->has_header ? CONUS_POSE_FORMAT_POINTS
                      : columns->pairs     ? CONUS_POSE_FORMAT_LIST

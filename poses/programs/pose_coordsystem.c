@@ -89,15 +89,27 @@ static struct text find_modality(struct job *job, json_t *root, const char *best
     return found;
 }
 
-struct pose_space pose_coordsystem_parse(struct job *job, struct text text, const char *modalities)
+/* What the file says of the table; its texts live as long as the job. */
+struct stated {
+    struct text modality, system, units;
+};
+
+static struct stated read_stated(struct job *job, struct text text, const char *modalities)
 {
     json_t *root = json_text_read(job, text);
-    struct text modality = find_modality(job, root, modalities);
-    struct pose_space space = find_space(job, value_of(root, modality, "CoordinateSystem"));
-    struct text units = value_of(root, modality, "CoordinateUnits");
-    space.scale = space_unit_mm(units);
+    const struct text modality = find_modality(job, root, modalities);
+    return (struct stated){modality, value_of(root, modality, "CoordinateSystem"),
+                           value_of(root, modality, "CoordinateUnits")};
+}
+
+struct pose_space pose_coordsystem_parse(struct job *job, struct text text, const char *modalities)
+{
+    const struct stated stated = read_stated(job, text, modalities);
+    struct pose_space space = find_space(job, stated.system);
+    space.scale = space_unit_mm(stated.units);
     if (!(space.scale > 0)) {
-        job_bad(job, "%.*sCoordinateUnits \"%.*s\", allowed are mm, cm and m", POSE_QUOTE(modality), POSE_QUOTE(units));
+        job_bad(job, "%.*sCoordinateUnits \"%.*s\", allowed are mm, cm and m", POSE_QUOTE(stated.modality),
+                POSE_QUOTE(stated.units));
     }
     return space;
 }
@@ -192,16 +204,32 @@ static const char *find_beside(struct job *job, const char *path)
     return beside;
 }
 
-bool pose_coordsystem_warn(struct job *job, const char *path)
+bool pose_coordsystem_hear(struct job *job, conus_pose_list *list, const char *path, bool has_unit)
 {
     const char *beside = modalities_of(path) ? NULL : find_beside(job, path);
-    if (beside) {
-        job_warn(job,
-                 "%s beside it is not read, for it is of tables called *_electrodes, *_optodes or *_markers: "
-                 "positions are taken as being in the atlas's space",
-                 path_base(beside));
+    if (!beside) {
+        return false;
     }
-    return beside;
+    const struct attempt attempt = job_try(job);
+    const struct bytes bytes = job_read(job, beside, FILE_LIMIT, "");
+    const struct stated stated = read_stated(job, (struct text){(const char *)bytes.data, bytes.size}, "");
+    if (attempt_end(job, &attempt, ATTEMPT_TRY)) {
+        job_warn(job,
+                 "%s beside it does not say which space is the table's: positions are taken as being in the atlas's",
+                 path_base(beside));
+        return true;
+    }
+    const size_t mark = job_in(job, beside, JOB_ALONE);
+    list->space = find_space(job, stated.system);
+    const double mm = space_unit_mm(stated.units);
+    if (mm != 0 && mm != 1 && !has_unit) {
+        job_bad(job,
+                "CoordinateUnits \"%.*s\", and nothing in the table beside it: ',unit=%.*s' or ',unit=mm' behind FILE",
+                POSE_QUOTE(stated.units), POSE_QUOTE(stated.units));
+    }
+    job_out(job, mark);
+    job_note(job, "the space is that of %s beside it, \"%s\"", path_base(beside), list->space.name);
+    return true;
 }
 
 void pose_coordsystem_find(struct job *job, conus_pose_list *list, const char *path, bool is_needed)
@@ -226,7 +254,7 @@ void pose_coordsystem_find(struct job *job, conus_pose_list *list, const char *p
     } else if (is_needed) {
         pose_coordsystem_hear_name(job, list, path);
         bool is_named = list->space.name[0];
-        if (!is_named && pose_coordsystem_warn(job, path)) {
+        if (!is_named && pose_coordsystem_hear(job, list, path, false)) {
             return;
         }
         job_put(job, is_named ? CONUS_SEVERITY_NOTE : CONUS_SEVERITY_WARNING,

@@ -35,8 +35,9 @@ struct pose_space pose_coordsystem_parse(struct job *job, struct text text, cons
  * that file, if it @p is_needed, from the table's name, with a note. */
 void pose_coordsystem_find(struct job *job, conus_pose_list *list, const char *path, bool is_needed);
 
-/** Warns of such a file beside a table that is not called as those of BIDS, and says whether there is one. */
-bool pose_coordsystem_warn(struct job *job, const char *path);
+/** Sets list->space from such a file beside a table that is not called as those of BIDS, with a note, and says whether
+ * there is one. It converts nothing: without a unit of the table (@p has_unit) another one than mm is refused. */
+bool pose_coordsystem_hear(struct job *job, conus_pose_list *list, const char *path, bool has_unit);
 /** Compares list->space with what the name of the file at @p path says behind "space-": a warning where it is another
  * one. Of a file that says nothing itself it is that, by which no position is moved. @p path NULL: none. */
 void pose_coordsystem_hear_name(struct job *job, conus_pose_list *list, const char *path);

@@ -128,8 +128,10 @@ void columns_hear_words(struct head *head)
         }
     }
     hear_rows(head);
-    bool is_own_code =
-        head->options->space == CONUS_SPACE_CCF && text_equal_ignoring_case(text_from(said->heard), "asr");
+    static const char *const own[] = {
+        [CONUS_SPACE_LPS] = "radiological", [CONUS_SPACE_CCF] = "asr", [CONUS_SPACE_BREGMA] = "bregma"};
+    const char *code = own[head->options->space];
+    bool is_own_code = code && text_equal_ignoring_case(text_from(said->heard), code);
     if (said->why && !is_own_code && !(said->why == space_why_unit && out->is_own_unit)) {
         job_bad(job, "positions are said to be \"%s\": %s; %s", said->heard, said->why,
                 said->why == space_why_unit ? "',unit=mm' behind FILE takes them as mm"

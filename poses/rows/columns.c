@@ -172,13 +172,30 @@ static double normalise(char out[COLUMN_NAME_SIZE], struct text cell)
     return unit;
 }
 
-static size_t find_name(const struct head *head, const char *name, size_t first)
+static size_t find_text(const struct head *head, struct text name, size_t first)
 {
     size_t i = first;
-    while (i < head->line.count && strcmp(head->names[i], name) != 0) {
+    while (i < head->line.count && !text_equal(name, head->names[i])) {
         i++;
     }
     return i < head->line.count ? i : COLUMN_NONE;
+}
+
+static size_t find_name(const struct head *head, const char *name, size_t first)
+{
+    return find_text(head, text_from(name), first);
+}
+
+/* Whether each of the names is that of a column. */
+static bool has_names(const struct head *head, const char *names)
+{
+    struct text rest = text_from(names);
+    struct text name;
+    bool all = true;
+    for (bool more = true; all && text_field(&rest, '/', &more, &name);) {
+        all = find_text(head, name, 0) != COLUMN_NONE;
+    }
+    return all;
 }
 
 /* The unit that a text is. Its factor is below 0 where it is not taken, 0 where there is none. */
@@ -195,13 +212,12 @@ static enum measure find_unit(double *factor, struct text text)
 }
 
 /* The same as find_name(), with the unit behind the name, if the column has one. */
-static size_t find_measured(enum measure *measure, double *factor, const struct head *head, const char *name,
+static size_t find_measured(enum measure *measure, double *factor, const struct head *head, struct text name,
                             size_t first)
 {
-    const size_t size = strlen(name);
     for (size_t i = first; i < head->line.count; i++) {
-        const char *rest = head->names[i] + size;
-        bool begins = strncmp(head->names[i], name, size) == 0;
+        const char *rest = head->names[i] + name.size;
+        bool begins = strncmp(head->names[i], name.data, name.size) == 0;
         *factor = head->unit[i];
         *measure = *factor != 0 ? LENGTH : NO_MEASURE;
         if (begins && rest[0] == ' ') {
@@ -398,7 +414,7 @@ static const char *axis_shown(const struct head *head, size_t axis)
 {
     static const char *const plain[2][3] = {{"x", "y", "z"}, {"AP", "ML", "DV"}};
     const conus_space space = head->options->space;
-    bool is_plain = find_name(head, "x", 0) != COLUMN_NONE || find_name(head, "y", 0) != COLUMN_NONE;
+    bool is_plain = has_names(head, "x") || has_names(head, "y");
     return is_plain || space < CONUS_SPACE_CCF ? plain[head->lacks_space][axis] : conus_space_axis(space, axis);
 }
 
@@ -513,19 +529,17 @@ static void find_roles(struct head *head)
         struct text name;
         enum column_role role = roles[r].role;
         for (bool more = true; !head->out->has[role] && text_field(&rest, '/', &more, &name);) {
-            char copy[COLUMN_NAME_SIZE];
-            snprintf(copy, sizeof copy, "%.*s", (int)name.size, name.data);
             enum measure measure = NO_MEASURE;
             double factor = 0;
             bool has_unit = roles[r].measure;
-            size_t column = has_unit ? find_measured(&measure, &factor, head, copy, 0) : find_name(head, copy, 0);
+            size_t column = has_unit ? find_measured(&measure, &factor, head, name, 0) : find_text(head, name, 0);
             if (column == COLUMN_NONE || head->out->role_of[column] != ROLES) {
                 continue;
             }
             const struct text cell = head->line.cells[column];
             bool is_loose = role == ROLE_NAME && !text_is_one_of(name, "query id/query/id/name", true);
-            size_t again = has_unit ? find_measured(&(enum measure){0}, &(double){0}, head, copy, column + 1)
-                                    : find_name(head, copy, column + 1);
+            size_t again = has_unit ? find_measured(&(enum measure){0}, &(double){0}, head, name, column + 1)
+                                    : find_text(head, name, column + 1);
             FAULT_IF(!is_loose && again != COLUMN_NONE, head, "column \"%.*s\" twice", POSE_QUOTE(cell));
             FAULT_IF(measure && measure != roles[r].measure, head, "column \"%.*s\": the unit of %s, and it is %s",
                      POSE_QUOTE(cell), measures[measure], measures[roles[r].measure]);
@@ -753,6 +767,17 @@ static void find_beam(struct head *head, const struct family **position, const s
     *target = ends[!is_focus[1]];
 }
 
+/* Whether columns are called as places in an array: i j k, row column slice, ix iy iz. */
+static bool are_indices(const struct head *head)
+{
+    bool found = has_names(head, "i/j") || has_names(head, "row/col/slice") || has_names(head, "row/column/slice") ||
+                 has_names(head, "dim0/dim1/dim2") || has_names(head, "dim1/dim2/dim3");
+    for (size_t i = 0; i < head->family_count; i++) {
+        found = found || text_is_one_of(text_from(head->families[i].stem), "i/ind/idx/index/indices/array", true);
+    }
+    return found;
+}
+
 static void choose_families(struct head *head)
 {
     struct columns *out = head->out;
@@ -797,7 +822,7 @@ static void choose_families(struct head *head)
     FAULT_IF(out->place && !out->is_of_points, head, "a direction or a depth beside names of places, which are points");
     out->is_mlapdv = has_angles && head->options->space == CONUS_SPACE_BREGMA && position &&
                      position->stem[0] == '\0' && find_name(head, "x", 0) == position->at[0];
-    if (out->has[ROLE_THETA] || find_name(head, "sph radius", 0) != COLUMN_NONE) { /* of a sphere or a drawing */
+    if (out->has[ROLE_THETA] || has_names(head, "sph radius")) { /* of a sphere or a drawing */
         drop_role(head, ROLE_RADIUS);
     }
     FAULT_IF(out->has[ROLE_RADIUS] && !out->is_of_points, head,
@@ -841,7 +866,7 @@ static void choose_families(struct head *head)
     FAULT_IF(has_matrix && position, head, "x y z are needed, and only, without m00...m33");
     if (!has_matrix && !position) {
         FAULT_IF(head->is_on_its_side, head, "%s", on_its_side);
-        bool are_voxels = find_name(head, "i", 0) != COLUMN_NONE && find_name(head, "j", 0) != COLUMN_NONE;
+        bool are_voxels = are_indices(head);
         bool are_others = false;
         FAULT_IF(!head->is_on_its_side, head, "%s %s %s are needed: no columns say where rows are%s",
                  axis_shown(head, 0), axis_shown(head, 1), axis_shown(head, 2),
@@ -851,7 +876,7 @@ static void choose_families(struct head *head)
                  "a list of names has those of areas or positions (C3)");
         for (size_t i = 0; i < head->family_count; i++) {
             const struct family *family = &head->families[i];
-            bool is_other = family->kind == UNKNOWN || family->kind == TURNED;
+            bool is_other = !are_voxels && (family->kind == UNKNOWN || family->kind == TURNED);
             FAULT_IF(is_other, head, "%s may be something else: call them x y z where they are positions",
                      FAMILY_SHOWN(head, family));
             are_others = are_others || is_other;
@@ -893,7 +918,7 @@ static bool is_of_regions(const struct head *head)
 {
     const size_t query = find_name(head, "query", 0);
     return query != COLUMN_NONE && head->out->role_of[query] == ROLE_NAME && !head->words.name.size &&
-           find_name(head, "peak x", 0) != COLUMN_NONE;
+           has_names(head, "peak x");
 }
 
 /* Where nothing else names the rows: the first column if it has no name of its own, or the first one of texts; all of
@@ -929,26 +954,17 @@ static void find_row_names(struct head *head)
 /* The known column that was perhaps meant: it is not there, and little is to be changed; "" if there is none. */
 static struct text column_meant(const struct columns *columns, const char *field)
 {
-    static const char *const of_axes[ROLE_M00] = {/* "x" is like all */ [ROLE_TX] = "tx",
-                                                  "ty",
-                                                  "tz",
-                                                  "dx",
-                                                  "dy",
-                                                  "dz",
-                                                  "qw",
-                                                  "qx",
-                                                  "qy",
-                                                  "qz"};
+    struct text axes = text_from("tx/ty/tz/dx/dy/dz/qw/qx/qy/qz"); /* in the order of the roles; "x" is like all */
     struct text meant = {"", 0};
     size_t length = strlen(field);
     size_t least = (length + 1) / 3;
     for (enum column_role role = ROLE_TX; role < ROLE_NAME; role++) {
-        struct text names = text_from(role == ROLE_SPACE ? "space" : role < ROLE_M00 ? of_axes[role] : "");
+        struct text names = text_from(role == ROLE_SPACE ? "space" : "");
         struct text name = {"", 0};
         for (size_t r = 0; role >= ROLE_ANGLE && r < sizeof roles / sizeof roles[0]; r++) {
             names = roles[r].role == role ? text_from(roles[r].names) : names;
         }
-        (void)text_field(&names, '/', &(bool){true}, &name);
+        (void)text_field(role < ROLE_M00 ? &axes : &names, '/', &(bool){true}, &name);
         size_t distance = text_distance(text_from(field), name);
         if (!columns->has[role] && distance > 0 && distance <= least && distance < name.size &&
             (name.size > 2 || length > name.size)) {
@@ -1219,7 +1235,7 @@ static void find_columns(struct head *head)
         find_families(head, (const char *const[]){"anterior posterior", "dorsal ventral", "left right"});
     }
     find_families(head, xyz);
-    if (find_name(head, "x", 0) == COLUMN_NONE) {
+    if (!has_names(head, "x")) {
         find_letters(head);
     }
     head->lacks_space = lacks_space(head);
@@ -1770,6 +1786,21 @@ static void finish_faults(void *head)
     buffer_finish(&((struct head *)head)->faults);
 }
 
+/* Whether the header of the names, or of a column without a role, says LPS. */
+static bool says_lps(const struct head *head)
+{
+    const struct columns *out = head->out;
+    bool found = out->has[ROLE_NAME] && text_mentions(text_from(out->shown[ROLE_NAME]), "LPS");
+    for (size_t i = 0; i < head->line.given && !out->is_bids; i++) {
+        struct text rest = text_from(head->names[i]);
+        struct text word;
+        while (out->role_of[i] == ROLES && text_word(&rest, &word)) {
+            found = found || text_equal(word, "lps");
+        }
+    }
+    return found;
+}
+
 static void plan(struct head *head, bool *is_short)
 {
     struct columns *out = head->out;
@@ -1821,7 +1852,7 @@ static void plan(struct head *head, bool *is_short)
             drop_role(head, ROLE_NAME);
         }
         find_row_names(head);
-        out->said.may_be_lps |= out->has[ROLE_NAME] && text_mentions(text_from(out->shown[ROLE_NAME]), "LPS");
+        out->said.may_be_lps |= says_lps(head);
         find_kept(head);
         if (!out->is_bids) {
             note_unknown(head);

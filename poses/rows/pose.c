@@ -286,22 +286,10 @@ conus_status conus_pose_from_quaternion(conus_pose *out, const double origin[3],
     double x = wxyz[1] / length;
     double y = wxyz[2] / length;
     double z = wxyz[3] / length;
-    const double m[16] = {1 - 2 * (y * y + z * z),
-                          2 * (x * y + w * z),
-                          2 * (x * z - w * y),
-                          0,
-                          2 * (x * y - w * z),
-                          1 - 2 * (x * x + z * z),
-                          2 * (y * z + w * x),
-                          0,
-                          2 * (x * z + w * y),
-                          2 * (y * z - w * x),
-                          1 - 2 * (x * x + y * y),
-                          0,
-                          origin[0],
-                          origin[1],
-                          origin[2],
-                          1};
+    const double m[4][4] = {{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0},
+                            {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0},
+                            {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0},
+                            {origin[0], origin[1], origin[2], 1}};
     memcpy(out->world_from_device, m, sizeof m);
     return CONUS_OK;
 }

@@ -12,15 +12,20 @@
 /* How much a word says by itself. */
 enum weight {
     STRONG,
-    WEAK,  /* next to a word for positions */
-    ALONE, /* there, or where the sentence says nothing else */
-    FRONT, /* before one for a space, in a sentence without MNI: "patient space", not "coordinates of patient 3" */
-    ORIGIN /* behind from, to */
+    WEAK,     /* next to a word for positions */
+    ALONE,    /* there, or where the sentence says nothing else */
+    CAPITALS, /* the same, the latter only in capitals */
+    LONE,     /* only the latter, or behind a word for positions */
+    FRONT,    /* before one for a space, in a sentence without MNI: "patient space", not "coordinates of patient 3" */
+    FROM,     /* behind from, to */
+    ORIGIN,   /* there, or in a sentence with origin */
+    AT        /* behind "origin at" */
 };
 
 enum { TOKENS = 64, SIGNS = 100, CELL_TOKENS = 4 };
 
-static const char why_origin[] = "counted from a point (MCP, AC, ear bars, lambda, dura) that the atlas does not know";
+static const char why_origin[] =
+    "counted from a point (MCP, AC, ear bars, nasion, lambda, dura) that the atlas does not know";
 static const char why_code[] = "a code of axes other than RAS and LPS, which is read in AFNI's own reports alone";
 const char space_why_voxels[] = "voxels, which only the image that they were counted in places; mm are needed";
 
@@ -35,10 +40,12 @@ static const struct row {
     {"talairach/tal/tlrc/mni2tal", STRONG, POSE_BRAIN_TALAIRACH, "Talairach", NULL},
     {"tk/tkr/tkras/tkrras/tkreg/tkregras/surfaceras/surface ras", STRONG, POSE_BRAIN_OTHER, "tkRAS", NULL},
     {"radiological", STRONG, 0, NULL,
-     "radiological: left and right may be exchanged; --space lps or ras says which they are"},
+     "left and right may be exchanged; --space lps reads x to the left and y to the back"},
     {"mni/mni152/icbm/icbm152", STRONG, POSE_BRAIN_MNI152, "MNI 152", NULL},
-    {"mcp/earbar/earbars/ear/interaural/lambda/dura/pia/midcommissural/ac/anterior commissure/posterior commissure",
-     ORIGIN, 0, NULL, why_origin},
+    {"mcp/earbar/earbars/ear/interaural/lambda/dura/pia/midcommissural/posterior commissure", ORIGIN, 0, NULL,
+     why_origin},
+    {"ac/anterior commissure", FROM, 0, NULL, why_origin}, /* MNI's origin is often called so */
+    {"nasion/inion/vertex/preauricular/pc/bregma/corner/first voxel/center/centre", AT, 0, NULL, why_origin},
     {"mcp/midcommissural/interaural", WEAK, 0, NULL, why_origin},
     {"native/scanner/acpc/ac pc/leksell/crw/scs/ctf/dicom", ALONE, POSE_BRAIN_SUBJECT, NULL, NULL},
     {"individual/head/device", WEAK, POSE_BRAIN_SUBJECT, NULL, NULL},
@@ -47,11 +54,14 @@ static const struct row {
      NULL},
     {"voxel/voxels/vox/ijk", ALONE, 0, NULL, space_why_voxels},
     {"matrix", WEAK, 0, NULL, space_why_voxels},
+    {"array index/array indices/array coordinates/index coordinates/python indices/numpy indices/matlab indices/"
+     "zero based/one based/0 based/1 based/zero indexed/one indexed/0 indexed/1 indexed",
+     LONE, 0, NULL, space_why_voxels},
     {"ras/lps/dicom/itk", WEAK, SIGNS, NULL, NULL},
     {"rai/lpi/las/lai/rpi/rps/ral/lar", ALONE, 0, NULL, why_code},
-    {"ipr/ipl/spr/spl/asr/asl/pir/pil/ars/ari/als/ali/ail/prs/pri/pls/pli/psr/psl/sra/srp/sla/slp/sar/sal/ira/irp/"
-     "ila/ilp/iar/ial/rsa/rsp/ria/lsa/lsp/lia",
-     WEAK, 0, NULL, why_code}, /* lip, air and rip are words of others */
+    {"asr/ars/ari/ali/pri/psr/sra/srp/sla/slp/sar/ira/irp/ilp/iar/ial/lsa/lia/ria", CAPITALS, 0, NULL, why_code},
+    {"ipr/ipl/spr/spl/asl/pir/pil/als/ail/prs/pls/pli/psl/sal/ila/rsa/rsp/lsp", WEAK, 0, NULL,
+     why_code}, /* also names of areas, with or without a side, methods, diseases; lip, air and rip are words */
 };
 
 static const struct {
@@ -121,6 +131,7 @@ struct sentence {
     const char *begin;
     struct text tokens[TOKENS];
     size_t count;
+    const char *end;
     bool is_whole;   /* its line says nothing else */
     bool is_of_axes; /* it says which columns are which, and nothing else: each word is of the positions */
 };
@@ -128,6 +139,15 @@ struct sentence {
 static bool is_letter(char c)
 {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || (unsigned char)c >= 0x80;
+}
+
+static bool is_upper(struct text token)
+{
+    size_t i = 0;
+    while (i < token.size && token.data[i] >= 'A' && token.data[i] <= 'Z') {
+        i++;
+    }
+    return i == token.size;
 }
 
 static bool token_is(const struct sentence *sentence, size_t index, const char *words)
@@ -151,6 +171,21 @@ static size_t token_phrase(const struct sentence *sentence, size_t index, const 
                    text_contains(sentence->tokens[at], word);
         }
         found = fits ? count : 0;
+    }
+    return found;
+}
+
+/* Whether a token is a word of one of the phrases. */
+static bool is_word_of(struct text token, const char *phrases)
+{
+    struct text rest = text_from(phrases);
+    struct text phrase;
+    struct text word;
+    bool found = false;
+    for (bool more = true; !found && text_field(&rest, '/', &more, &phrase);) {
+        while (!found && text_word(&phrase, &word)) {
+            found = word.size == token.size && text_contains(word, token);
+        }
     }
     return found;
 }
@@ -216,11 +251,35 @@ static void keep(struct space_words *words, struct text heard, const struct row 
 /* Whether a sentence is nothing but these words, and perhaps a unit. */
 static bool is_alone(const struct sentence *sentence, const char *words)
 {
+    static const char small[] = "in/the/are/all/points/coordinates/positions/mm/cm/um/m";
     bool all = true;
     for (size_t i = 0; i < sentence->count; i++) {
-        all = all && (token_is(sentence, i, "in/all/points/mm/cm/um/m") || token_is(sentence, i, words));
+        all = all && (token_is(sentence, i, small) || is_word_of(sentence->tokens[i], words));
     }
     return all;
+}
+
+/* Whether the word is the only one that its sentence says, as a row wants it. */
+static bool is_said_alone(const struct sentence *sentence, const struct text token, const struct row *row)
+{
+    const bool is_one = row->brain == SIGNS || (sentence->is_whole && (row->weight == ALONE || row->weight == LONE ||
+                                                                       (row->weight == CAPITALS && is_upper(token))));
+    return is_one && is_alone(sentence, row->words);
+}
+
+/* Whether a word stands behind "from the", "to the"; *origin: or "origin at the", "relative to the". */
+static bool is_behind_from(bool *origin, const struct sentence *sentence, size_t index)
+{
+    static const char small[] = "the/a/from/to/surface/mid", others[] = "at/in/is/on/of/set/placed/left/right/the/a";
+    size_t before = index;
+    bool near = index && token_is(sentence, index - 1, "from/to");
+    while (before && token_is(sentence, before - 1, others)) {
+        before--;
+    }
+    *origin =
+        before && (token_is(sentence, before - 1, "origin") ||
+                   (before > 1 && token_is(sentence, before - 1, "to") && token_is(sentence, before - 2, "relative")));
+    return near || (index >= 2 && token_is(sentence, index - 1, small) && token_is(sentence, index - 2, "from/to"));
 }
 
 static bool has_token(const struct sentence *sentence, const char *words)
@@ -234,7 +293,6 @@ static bool has_token(const struct sentence *sentence, const char *words)
 
 static bool is_heard(const struct sentence *sentence, size_t index, const struct row *row, bool of_coordinates)
 {
-    static const char small[] = "the/a/from/to/surface/mid";
     static const char mni[] = "mni/mni152";
     const size_t count = token_phrase(sentence, index, row->words);
     if (!count) {
@@ -250,11 +308,10 @@ static bool is_heard(const struct sentence *sentence, size_t index, const struct
         }
         return !is_other;
     }
-    if (row->weight == ORIGIN) {
-        bool near = index && token_is(sentence, index - 1, "from/to");
-        near =
-            near || (has_token(sentence, "origin") && !text_is_one_of(sentence->tokens[index], "ac/anterior", false));
-        return near || (index >= 2 && token_is(sentence, index - 1, small) && token_is(sentence, index - 2, "from/to"));
+    if (row->weight >= FROM) {
+        bool at_origin;
+        const bool near = is_behind_from(&at_origin, sentence, index);
+        return row->weight == AT ? at_origin : near || (row->weight == ORIGIN && has_token(sentence, "origin"));
     }
     if (row->weight == FRONT) { /* headers and cells have lists of their own */
         bool is_before = token_is(sentence, index + count, "space/coordinates/coordinate/coords/system/frame") &&
@@ -268,8 +325,8 @@ static bool is_heard(const struct sentence *sentence, size_t index, const struct
                          : row->why == why_code           ? of_codes
                                                           : "";
     return row->weight == STRONG || of_coordinates || sentence->is_of_axes ||
-           has_context(sentence, index, count, others) ||
-           ((row->brain == SIGNS || (row->weight == ALONE && sentence->is_whole)) && is_alone(sentence, row->words));
+           (row->weight != LONE && has_context(sentence, index, count, others)) ||
+           is_said_alone(sentence, sentence->tokens[index], row);
 }
 
 static void hear_unit(struct space_words *words, const struct sentence *sentence, size_t index, bool in_brackets,
@@ -299,7 +356,7 @@ static void hear_unit(struct space_words *words, const struct sentence *sentence
 
 static struct sentence take_apart(struct text text)
 {
-    struct sentence sentence = {.begin = text.data};
+    struct sentence sentence = {.begin = text.data, .end = text.data + text.size};
     for (size_t i = 0; i < text.size && sentence.count < TOKENS;) {
         size_t size = 0;
         while (i + size < text.size && is_letter(text.data[i + size])) {
@@ -360,26 +417,12 @@ static const struct {
 
 enum { AXES = sizeof axes / sizeof axes[0] };
 
-static bool is_word_of(struct text token, const char *phrases)
-{
-    struct text rest = text_from(phrases);
-    struct text phrase;
-    struct text word;
-    bool found = false;
-    for (bool more = true; !found && text_field(&rest, '/', &more, &phrase);) {
-        while (!found && text_word(&phrase, &word)) {
-            found = word.size == token.size && text_contains(word, token);
-        }
-    }
-    return found;
-}
-
 /* Whether a token is a word of spaces or units, or one that stands beside these. */
 static bool is_beside(struct text token)
 {
     bool is_one = text_is_one_of(token, beside_axes, false) || space_unit_mm(token) != 0;
     for (size_t r = 0; r < sizeof rows / sizeof rows[0] && !is_one; r++) {
-        is_one = is_word_of(token, rows[r].words);
+        is_one = rows[r].weight != LONE && rows[r].weight != AT && is_word_of(token, rows[r].words);
     }
     return is_one;
 }
@@ -407,7 +450,7 @@ struct named_axes {
     bool is_spelled;
     bool is_turned;   /* "x flipped" */
     bool is_negative; /* "left is negative", "x < 0: left", "-x is left" */
-    bool is_positive; /* "left is positive" */
+    bool is_positive; /* "left is positive", "left +" */
     bool is_of_one;   /* a word that stands beside the name of one axis */
     bool is_alone;    /* one axis or two: "x is left", or what turns some */
     bool has_other;   /* columns */
@@ -491,12 +534,11 @@ static bool turns(const struct sentence *sentence, size_t index)
 static void add_sign(struct named_axes *out, const struct sentence *sentence, size_t index)
 {
     const struct text token = sentence->tokens[index];
-    const char *end = index + 1 < sentence->count ? sentence->tokens[index + 1].data : token.data;
+    const char *end = index + 1 < sentence->count ? sentence->tokens[index + 1].data : sentence->end;
+    const size_t gap = (size_t)(end - token.data);
     out->is_turned = out->is_turned || turns(sentence, index);
-    out->is_negative = out->is_negative || token_is(sentence, index, "negative") ||
-                       (end > token.data && memchr(token.data, '<', (size_t)(end - token.data)));
-    out->is_positive = out->is_positive ||
-                       (index > 1 && token_is(sentence, index, "positive") && token_is(sentence, index - 1, "is/are"));
+    out->is_negative = out->is_negative || token_is(sentence, index, "negative") || memchr(token.data, '<', gap);
+    out->is_positive = out->is_positive || token_is(sentence, index, "positive") || memchr(token.data, '+', gap);
 }
 
 /* Adds a word that names no axis; false where it is not among those that stand beside these. */
@@ -550,7 +592,8 @@ static bool find_axes(struct named_axes *out, const struct sentence *sentence)
     bool are_named = has_all(out->axis, out->count) && (are_letters || !out->is_spelled || !out->has_other) &&
                      out->defined <= NAMED; /* more are a legend */
     bool is_few = out->is_spelled && out->count && out->count < NAMED;
-    out->is_alone = out->is_turned || (is_few && (out->letters == out->count || (out->count == 1 && out->is_positive)));
+    const bool has_sign = out->is_positive || out->is_negative;
+    out->is_alone = out->is_turned || (is_few && (out->letters == out->count || (out->count == 1 && has_sign)));
     return all &&
            (out->is_alone || (!out->is_of_one && (out->of_voxels || are_letters || are_named || out->units >= NAMED)));
 }
@@ -678,7 +721,12 @@ void space_words_hear_name(struct space_words *words, struct text name)
     const size_t extension = memchr(name.data, '.', name.size) != NULL;
     const size_t last = sentence.count > extension ? sentence.count - extension - 1 : 0;
     hear_sentence(words, name, false, false);
-    const bool is_code = last && token_is(&sentence, last, "rai/lpi/rpi");
+    bool is_code = false;
+    for (size_t r = 0; last && r < sizeof rows / sizeof rows[0]; r++) {
+        bool counts = rows[r].weight == ALONE || (rows[r].weight == CAPITALS && is_upper(sentence.tokens[last]));
+        is_code = is_code || (rows[r].why == why_code && counts && token_is(&sentence, last, rows[r].words) &&
+                              !has_token(&sentence, "image/images"));
+    }
     if (is_code || token_is(&sentence, last, "vox/voxels/ijk")) {
         keep(words, sentence.tokens[last], &(struct row){.why = is_code ? why_code : space_why_voxels});
     }
