@@ -10,19 +10,26 @@
 
 enum { CLASSES = 256 };
 
-/* The value of a cell is that of its first voxel. */
-static float value_of(const struct head *head, size_t cell)
-{
-    const size_t *dim = head->context->info.dim;
-    const size_t i = cell % head->dim[0] * head->step[0];
-    const size_t j = cell / head->dim[0] % head->dim[1] * head->step[1];
-    const size_t k = cell / head->dim[0] / head->dim[1] * head->step[2];
-    return head->context->values[i + dim[0] * (j + dim[1] * k)];
-}
-
 static size_t cell_count(const struct head *head)
 {
     return head->dim[0] * head->dim[1] * head->dim[2];
+}
+
+/* The values of all cells, each that of its first voxel; NULL without memory. */
+static float *cell_values(const struct head *head)
+{
+    const size_t *dim = head->context->info.dim;
+    float *values = memory_raw(cell_count(head), sizeof *values);
+    float *out = values;
+    for (size_t k = 0; values && k < dim[2]; k += head->step[2]) {
+        for (size_t j = 0; j < dim[1]; j += head->step[1]) {
+            const float *row = head->context->values + dim[0] * (j + dim[1] * k);
+            for (size_t i = 0; i < dim[0]; i += head->step[0]) {
+                *out++ = row[i];
+            }
+        }
+    }
+    return values;
 }
 
 /* The end of the background class: the threshold with the largest variance between the classes. */
@@ -52,41 +59,36 @@ static size_t split_classes(const uint64_t counts[CLASSES])
 }
 
 /* Values are finite: others became 0. */
-static void find_threshold(struct head *head)
+static double find_threshold(const float *values, size_t count)
 {
     uint64_t counts[CLASSES] = {0};
-    const size_t count = cell_count(head);
     float low = INFINITY;
     float high = -INFINITY;
     for (size_t cell = 0; cell < count; cell++) {
-        float value = value_of(head, cell);
-        low = fminf(low, value);
-        high = fmaxf(high, value);
+        low = values[cell] < low ? values[cell] : low;
+        high = values[cell] > high ? values[cell] : high;
     }
     double width = ((double)high - (double)low) / CLASSES;
-    head->threshold = INFINITY; /* all are alike */
     for (size_t cell = 0; width > 0 && cell < count; cell++) {
-        size_t class = (size_t)(((double)value_of(head, cell) - (double)low) / width);
+        size_t class = (size_t)(((double)values[cell] - (double)low) / width);
         counts[class < CLASSES ? class : CLASSES - 1]++;
     }
-    if (width > 0) {
-        head->threshold = (double)low + width * (double)split_classes(counts);
-    }
+    return width > 0 ? (double)low + width * (double)split_classes(counts) : INFINITY; /* all are alike */
 }
 
-/* Adds 1 to all cells between the first and the last one of the head along a line. */
-static void mark_line(uint8_t *marks, const struct head *head, size_t first, size_t stride, size_t count)
+/* Adds 1 to all cells between the first and the last one of the head along a line that begins at `values`. */
+static void mark_line(uint8_t *marks, const float *values, double threshold, size_t stride, size_t count)
 {
     size_t from = 0;
     size_t to = count;
-    while (from < to && !((double)value_of(head, first + from * stride) >= head->threshold)) {
+    while (from < to && !((double)values[from * stride] >= threshold)) {
         from++;
     }
-    while (to > from && !((double)value_of(head, first + (to - 1) * stride) >= head->threshold)) {
+    while (to > from && !((double)values[(to - 1) * stride] >= threshold)) {
         to--;
     }
     for (; from < to; from++) {
-        marks[first + from * stride]++;
+        marks[from * stride]++;
     }
 }
 
@@ -98,22 +100,25 @@ conus_status head_make(struct head *out, const struct volume *context)
         head.dim[a] = (context->info.dim[a] + head.step[a] - 1) / head.step[a];
     }
     head.inside = memory_zeroed(cell_count(&head), sizeof *head.inside);
-    if (!head.inside) {
+    float *values = head.inside ? cell_values(&head) : NULL;
+    if (!values) {
+        head_finish(&head);
         return CONUS_ERROR_MEMORY;
     }
-    find_threshold(&head);
+    head.threshold = find_threshold(values, cell_count(&head));
     const size_t stride[3] = {1, head.dim[0], head.dim[0] * head.dim[1]};
     for (size_t a = 0; a < 3; a++) {
         const size_t b = (a + 1) % 3;
         const size_t c = (a + 2) % 3;
         for (size_t line = 0; line < head.dim[b] * head.dim[c]; line++) {
             size_t first = line % head.dim[b] * stride[b] + line / head.dim[b] * stride[c];
-            mark_line(head.inside, &head, first, stride[a], head.dim[a]);
+            mark_line(head.inside + first, values + first, head.threshold, stride[a], head.dim[a]);
         }
     }
     for (size_t cell = 0; cell < cell_count(&head); cell++) {
         head.inside[cell] = head.inside[cell] >= 2;
     }
+    memory_free(values);
     *out = head;
     return CONUS_OK;
 }

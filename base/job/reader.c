@@ -183,7 +183,7 @@ bool reader_has_more(struct reader *r, size_t count)
     struct reader_source *source = r->source;
     size_t left = (size_t)(r->end - r->at);
     while (left < count && source && !source->ended && job_step(r->job)) {
-        uint8_t *window = move_window(r, left, count);
+        uint8_t *window = move_window(r, left, (size_t)smaller_of(reader_most(r), count));
         if (!window) {
             break;
         }

@@ -378,14 +378,11 @@ static const char beside_axes[] =
     "standard/template/positive/increasing/increases/toward/towards/based/index/indices/zero/one/first/second/third/"
     "peak/max/centroid/center/centre/0/1/2/3/152/305/2009c";
 
-/* and other columns. */
-static const char other_columns[] =
+/* other columns, and what is said of the sides of some: "left hemisphere: x negative". */
+static const char other_words[] =
     "name/names/label/labels/id/nr/no/roi/region/area/contact/electrode/channel/site/radius/angle/depth/dx/dy/dz/tx/ty/"
-    "tz/entry/target";
+    "tz/entry/target/hemisphere/hemispheres/side/sign/signs/was/were/has/have/been/pointing/grows/grow/negative";
 
-/* What stands beside the name of one axis: "left hemisphere: x negative". */
-static const char beside_axis[] = "hemisphere/hemispheres/side/sign/signs/was/were/has/have/been/pointing/points/grows/"
-                                  "grow/negative";
 static const char turned[] = "flip/flipped/mirrored/inverted/negated/reversed/swapped";
 
 /* Names of axes: to the right, front and top, and to which side of these; 0: of neither. */
@@ -451,9 +448,8 @@ struct named_axes {
     bool is_turned;   /* "x flipped" */
     bool is_negative; /* "left is negative", "x < 0: left", "-x is left" */
     bool is_positive; /* "left is positive", "left +" */
-    bool is_of_one;   /* a word that stands beside the name of one axis */
     bool is_alone;    /* one axis or two: "x is left", or what turns some */
-    bool has_other;   /* columns */
+    bool has_other;   /* other_words, or what turns axes */
 };
 
 static bool has_all(const int values[NAMED], size_t count)
@@ -545,11 +541,9 @@ static void add_sign(struct named_axes *out, const struct sentence *sentence, si
 static bool add_other(struct named_axes *out, const struct sentence *sentence, size_t index)
 {
     const struct text token = sentence->tokens[index];
-    bool is_column = text_is_one_of(token, other_columns, false);
-    bool is_of_one = turns(sentence, index) || text_is_one_of(token, beside_axis, false);
-    out->has_other = out->has_other || is_column;
-    out->is_of_one = out->is_of_one || is_of_one;
-    return is_column || is_of_one || is_beside(token) || (out->of_voxels && text_is_one_of(token, "j/k/slice", false));
+    const bool is_other = turns(sentence, index) || text_is_one_of(token, other_words, false);
+    out->has_other = out->has_other || is_other;
+    return is_other || is_beside(token) || (out->of_voxels && text_is_one_of(token, "j/k/slice", false));
 }
 
 /* Adds a word; `before` is the axis that the one before names, and becomes this one's. */
@@ -594,8 +588,7 @@ static bool find_axes(struct named_axes *out, const struct sentence *sentence)
     bool is_few = out->is_spelled && out->count && out->count < NAMED;
     const bool has_sign = out->is_positive || out->is_negative;
     out->is_alone = out->is_turned || (is_few && (out->letters == out->count || (out->count == 1 && has_sign)));
-    return all &&
-           (out->is_alone || (!out->is_of_one && (out->of_voxels || are_letters || are_named || out->units >= NAMED)));
+    return all && (out->is_alone || out->of_voxels || are_letters || are_named || out->units >= NAMED);
 }
 
 /* "x is left, y is posterior", "left is positive": the sign of one axis, or of two. */

@@ -179,7 +179,8 @@ static void how_much_is_left_is_known(void **state)
             assert_true(packs ? reader_most(&r) >= SIZE - at : reader_most(&r) == SIZE - at);
             reader_skip(&r, 1024);
         }
-        assert_true(reader_most(&r) < 100000); /* the checksum and the size are left */
+        assert_true(reader_most(&r) < 100000);      /* the checksum and the size are left */
+        assert_false(reader_has(&r, SIZE_MAX / 2)); /* no memory is taken for what cannot be there */
         assert_false(reader_has(&r, 1));
         assert_int_equal(reader_most(&r), 0);
         assert_ok(job_close(&job, NULL, NULL));

@@ -190,7 +190,7 @@ def test_a_prior_of_a_file(tmp_path):
     ("", "0 rows"),
     ("angle_deg\tweight\n0\t1\n1\t1\n0\t2\n", "angle_deg 0 is there twice"),
     ("angle_deg\tdepth_mm\tweight\n0\t1\t1\n", "depth_mm\" is unknown"),
-    ("distance_mm\tweight\n0\t1\n1\t1\n", "distance_mm\" is unknown"),
+    ("distance_mm\tweight\n0\t1\n1\t1\n", "distance_mm\" is unknown, allowed are angle_deg, offset_mm, weight$"),
     ("angle_deg\toffset_mm\tweight\n0\t0\t1\n1\t1\t1\n", "needed"),
     ("angle_deg\n0\n1\n", "needed"),
     ("weight\n0\n1\n", "needed"),

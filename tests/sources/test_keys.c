@@ -224,6 +224,10 @@ static void files_decide(void **state)
     assert_true(keys_read(&keys, path, KEYS_PATHWAY)); /* beside a folder */
     snprintf(path, sizeof path, "%s", test_scratch("n,o=1"));
     assert_false(keys_read(&keys, path, KEYS_PATHWAY));
+    char longer[SYSTEM_PATH + 16]; /* than any path: nothing is there, and keys are cut off all the same */
+    memset(longer, 'a', SYSTEM_PATH);
+    memcpy(longer + SYSTEM_PATH, ",volume=1", sizeof ",volume=1");
+    assert_int_equal(keys_file_length(longer, KEYS_VOLUME), SYSTEM_PATH);
 }
 
 TEST_GROUP(keys)
