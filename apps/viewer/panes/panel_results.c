@@ -175,6 +175,7 @@ static void draw_all_of_answer(struct window *window, const struct notice *notic
     draw_answer(headline);
     panel_plan(window);
     panel_lists(window, FIRST_TOOL, fmaxf(floorf((ui_room_below() - rest) / ui_list_line()), LEAST_LINES));
+    window_note_shown(window, SHOWN_LIST);
     ui_dim_end();
     ui_gap(fmaxf(ui_room_below() - rest, 0));
 }
