@@ -183,8 +183,9 @@ static double between(const uint8_t *values, size_t stride, double x, double y)
     const int left = (int)floor(x - 0.5), top = (int)floor(y - 0.5);
     double sum = 0;
     for (int n = 0; n < 4; n++) {
-        const double part = (1 - fabs(x - 0.5 - left - n % 2)) * (1 - fabs(y - 0.5 - top - n / 2));
-        sum += part * values[stride * (size_t)((top + n / 2) * SIDE + left + n % 2)];
+        const int at[2] = {left + n % 2, top + n / 2};
+        const double part = (1 - fabs(x - 0.5 - at[0])) * (1 - fabs(y - 0.5 - at[1]));
+        sum += part * values[stride * (size_t)(at[1] * SIDE + at[0])];
     }
     return sum;
 }
@@ -199,7 +200,8 @@ static double error_of_line(const uint8_t *rgba, const uint8_t *level)
         double edge = 0;
         double sum = 0;
         double weights = 0;
-        for (double r = 40; r < 60; r += 0.05) {
+        for (int step = 800; step < 1200; step++) {
+            const double r = step / 20.0;
             const double x = 80 + r * along[0], y = 80 + r * along[1];
             const double bright = between(rgba, 4, x, y) * between(rgba + 3, 4, x, y);
             edge = between(level, 1, x, y) >= 127.5 ? r : edge;
