@@ -75,7 +75,7 @@ enum look_colour {
  * groups of widgets. */
 #define LOOK_MARKS(ITEM)                                                                                               \
     ITEM(MARK, 0x78B4FF, 0x185CBE)                                                                                     \
-    ITEM(EDGE, 0x6A7481, 0x7F8792)                                                                                     \
+    ITEM(EDGE, 0x868F9C, 0x707882)                                                                                     \
     ITEM(KNOB, 0xAEB9C5, 0x5A6572)                                                                                     \
     ITEM(KNOB_HELD, 0xF2F4F6, 0x3A434E)                                                                                \
     ITEM(LINE, 0x3A4049, 0xD9DCE1)

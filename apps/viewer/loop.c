@@ -19,6 +19,7 @@
 #include <GLFW/glfw3.h>
 #include <math.h>
 #include <stdatomic.h>
+#include <string.h>
 
 static const double longest_s = 2;     /* longest sleep; files are looked at after each */
 static const double watch_s = 0.2;     /* how often a tracker that says nothing is looked at */
@@ -122,6 +123,7 @@ static void navigate(struct window *window)
 static void draw_panels(struct window *window)
 {
     window->frame.hover = (struct hover){.value = NAN};
+    memset(window->frame.shows, 0, sizeof window->frame.shows);
     if (window->dialog.on) {
         panel_dialog(window);
         return;

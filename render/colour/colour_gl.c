@@ -33,6 +33,8 @@ struct colour_gl {
     struct mesh_layer *meshes; /* NULL if there are none. */
     struct target target;      /* of the last picture */
     struct target drawn;       /* of what is drawn again to smooth it; empty in between */
+    uint8_t *looks[2];         /* put_look() of the newest picture, and room for that of the next */
+    bool is_plain;             /* `target` has the newest picture with one ray a pixel, as smoothing begins with */
 };
 
 static struct colour_gl *gl_of(const struct colour_pass *pass)
@@ -54,7 +56,7 @@ static void leave(struct colour_device *device)
 static conus_status hold(struct colour_texels *out, struct colour_device *device, enum volume_texture_kind kind,
                          const size_t dim[3], const void *texels, uint64_t *memory_left)
 {
-    (void)device;
+    ((struct colour_gl *)device)->is_plain = false;
     out->kind = kind;
     memcpy(out->dim, dim, sizeof out->dim);
     return volume_texture_create(&out->name, kind, dim, texels, memory_left);
@@ -69,6 +71,28 @@ static void fill(struct colour_texels *texels, size_t first, size_t count, const
 static void release(struct colour_texels *texels)
 {
     glDeleteTextures(1, &texels->name);
+}
+
+/* Bytes of all that a picture shows of the atlas as it is. */
+static size_t look_size(const struct colour_pass *pass)
+{
+    const size_t count = 1 + pass->object_count + pass->around_count;
+    return sizeof(struct colour_view_block) + sizeof(double) + count * 5 * sizeof(float);
+}
+
+static void put_look(uint8_t *out, const struct colour_pass *pass, const struct colour_view *view)
+{
+    const size_t count = 1 + pass->object_count + pass->around_count;
+    const double draft = gl_of(pass)->meshes ? view->draft : 0; /* of streamlines */
+    struct colour_view_block block = {0};
+    colour_view_pack(&block, pass, view);
+    block.counts[1] = colour_pass_has_layers(pass, view);
+    colour_pass_look(pass, view);
+    memcpy(out, &block, sizeof block);
+    memcpy(out + sizeof block, &draft, sizeof draft);
+    out += sizeof block + sizeof draft;
+    memcpy(out, pass->shown, 4 * count * sizeof *pass->shown);
+    memcpy(out + 4 * count * sizeof *pass->shown, pass->opacity, count * sizeof *pass->opacity);
 }
 
 conus_status colour_program_create(GLuint *out, const struct program_shader *vertex, enum colour_program kind,
@@ -117,7 +141,9 @@ static conus_status prepare(struct colour_device *device, const struct colour_pa
     glCreateBuffers(1, &gl->view);
     glNamedBufferData(gl->view, sizeof(struct colour_view_block), NULL, GL_DYNAMIC_DRAW);
     glCreateVertexArrays(1, &gl->vertices);
-    return gl_check("colour pass");
+    gl->looks[0] = memory_zeroed(2, look_size(pass));
+    gl->looks[1] = gl->looks[0] ? gl->looks[0] + look_size(pass) : NULL;
+    return gl->looks[0] ? gl_check("colour pass") : CONUS_ERROR_MEMORY;
 }
 
 static conus_status add_meshes(struct colour_device *device, const conus_atlas *atlas, uint64_t *memory_left)
@@ -128,6 +154,7 @@ static conus_status add_meshes(struct colour_device *device, const conus_atlas *
 static conus_status paint(struct colour_device *device, const conus_atlas *atlas,
                           const struct tube_colouring *colouring, const bool *const *is_pale)
 {
+    ((struct colour_gl *)device)->is_plain = false;
     return mesh_layer_update(((struct colour_gl *)device)->meshes, atlas, colouring, is_pale);
 }
 
@@ -278,6 +305,18 @@ static conus_status smooth(struct colour_gl *gl, const struct colour_pass *pass,
     return status ? status : gl_check("smooth edges");
 }
 
+/* Draws one ray a pixel, unless that is what the target has: a picture that becomes smooth was drawn plain before. */
+static conus_status draw_plain(struct colour_gl *gl, const struct colour_pass *pass, const struct colour_view *view)
+{
+    put_look(gl->looks[1], pass, view);
+    if (gl->is_plain && memcmp(gl->looks[0], gl->looks[1], look_size(pass)) == 0) {
+        return CONUS_OK;
+    }
+    memcpy(gl->looks[0], gl->looks[1], look_size(pass));
+    target_clear(&gl->target);
+    return draw_rays(gl, &gl->target, pass, view, 1);
+}
+
 static conus_status draw(float *rgba, struct colour_device *device, const struct colour_pass *pass,
                          const struct colour_view *view, const struct colour_edges *edges)
 {
@@ -289,8 +328,8 @@ static conus_status draw(float *rgba, struct colour_device *device, const struct
     if (status) {
         return status;
     }
-    target_clear(&gl->target);
-    status = draw_rays(gl, &gl->target, pass, view, 1);
+    status = draw_plain(gl, pass, view);
+    gl->is_plain = !status && !edges;
     status = status || !edges ? status : smooth(gl, pass, view, edges);
     return status ? status : target_read(&gl->target, "colour", rgba);
 }
@@ -315,6 +354,7 @@ static void destroy(struct colour_device *device)
         leave(device);
     }
     gl_context_destroy(gl->context);
+    memory_free(gl->looks[0]);
     memory_free(gl);
 }
 

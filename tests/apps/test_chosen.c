@@ -175,11 +175,65 @@ static void a_ball_casts_a_disc(void **state)
     conus_atlas_destroy(atlas);
 }
 
+enum { SIDE = 160 };
+
+/* What lies between four pixels, bilinear. */
+static double between(const uint8_t *values, size_t stride, double x, double y)
+{
+    const int left = (int)floor(x - 0.5), top = (int)floor(y - 0.5);
+    double sum = 0;
+    for (int n = 0; n < 4; n++) {
+        const int at[2] = {left + n % 2, top + n / 2};
+        const double part = (1 - fabs(x - 0.5 - at[0])) * (1 - fabs(y - 0.5 - at[1]));
+        sum += part * values[stride * (size_t)(at[1] * SIDE + at[0])];
+    }
+    return sum;
+}
+
+/* Along each ray from the middle of a disc the bright line's middle is 0.6 pixels, half its width, within the place
+ * where the level is a half. Returns the largest error, pixels. */
+static double error_of_line(const uint8_t *rgba, const uint8_t *level)
+{
+    double most = 0;
+    for (int ray = 0; ray < 360; ray++) {
+        const double along[2] = {cos(ray * 0.017453292519943295), sin(ray * 0.017453292519943295)};
+        double edge = 0;
+        double sum = 0;
+        double weights = 0;
+        for (int step = 800; step < 1200; step++) {
+            const double r = step / 20.0;
+            const double x = 80 + r * along[0], y = 80 + r * along[1];
+            const double bright = between(rgba, 4, x, y) * between(rgba + 3, 4, x, y);
+            edge = between(level, 1, x, y) >= 127.5 ? r : edge;
+            sum += r * bright;
+            weights += bright;
+        }
+        assert_true(weights > 0);
+        most = fmax(most, fabs(sum / weights - (edge - 0.6)));
+    }
+    return most;
+}
+
+/* The line of whole pixels has stairs, the soft one has not. */
+static void check_soft_line(const uint8_t *mask, const uint8_t *level)
+{
+    static uint8_t rgba[4 * SIDE * SIDE];
+    struct outline_top top;
+    memset(rgba, 0, sizeof rgba);
+    outline_draw(rgba, &top, mask, SIDE, SIDE, &outline_looks[OUTLINE_CHOSEN]);
+    const double stairs = error_of_line(rgba, level);
+    outline_soften(rgba, level, SIDE, SIDE, &outline_looks[OUTLINE_CHOSEN]);
+    const double soft = error_of_line(rgba, level);
+    assert_true(stairs > 0.5);
+    assert_true(soft < 0.35);
+}
+
 /* A disc of squares of 6 pixels on a lattice of 4 has no corners afterwards. One square alone stays, and a line of
  * squares. */
 static void squares_have_no_stairs(void **state)
 {
-    enum { SIDE = 160, EDGE = 4, REACH = 3 };
+    enum { EDGE = 4, REACH = 3 };
+    uint8_t level[SIDE * SIDE];
     uint8_t mask[SIDE * SIDE] = {0};
     uint8_t thin[SIDE * SIDE] = {0};
     (void)state;
@@ -196,8 +250,9 @@ static void squares_have_no_stairs(void **state)
             }
         }
     }
-    outline_smooth(mask, SIDE, SIDE, REACH);
-    outline_smooth(thin, SIDE, SIDE, REACH);
+    outline_smooth(mask, level, SIDE, SIDE, REACH);
+    check_soft_line(mask, level);
+    outline_smooth(thin, level, SIDE, SIDE, REACH);
     for (int y = 0; y < SIDE; y++) {
         for (int x = 0; x < SIDE; x++) {
             const double r = hypot(x + 0.5 - 80, y + 0.5 - 80);
@@ -313,7 +368,7 @@ static void an_outline_is_dashed_where_it_is_hidden(void **state)
         int x = pixel % WIDE;
         int y = pixel / WIDE;
         bool lies = (y <= LOW || y >= HIGH - 1) && x >= LOW && x < HIGH;
-        bool stays = x < MIDDLE || (lies ? x : y) / 4 % 2 == 0;
+        bool stays = x < MIDDLE || (lies ? x : y) / OUTLINE_DASH % 2 == 0;
         assert_int_equal(dashed[4 * pixel + 3], stays ? whole[4 * pixel + 3] : 0);
     }
 }

@@ -178,6 +178,22 @@ static void the_widgets_of_a_theme_have_its_colours(enum theme theme)
     ui_destroy();
 }
 
+/* An edge says where a control ends: on the panel it is seen from outside, on what fills the control from inside. */
+static void edges_are_seen_on_what_they_enclose(void **state)
+{
+    (void)state;
+    for (enum theme theme = THEME_DARK; theme < THEME_COUNT; theme++) {
+        theme_use(theme);
+        for (size_t surface = THEME_PANEL; surface <= THEME_BUTTON_HELD; surface++) {
+            const double contrast = contrast_of(theme_marks[THEME_EDGE], theme_surfaces[surface]);
+            if (contrast < LEAST_MARK_CONTRAST) {
+                fail_msg("theme %d, edge on surface %zu: %.2f", (int)theme, surface, contrast);
+            }
+        }
+    }
+    theme_use(THEME_DARK);
+}
+
 static void the_widgets_have_these_colours(void **state)
 {
     (void)state;
@@ -493,6 +509,7 @@ TEST_GROUP(legible)
         cmocka_unit_test(colours_are_blended_by_opacity),
         cmocka_unit_test(every_text_can_be_read),
         cmocka_unit_test(pale_texts_can_be_read),
+        cmocka_unit_test(edges_are_seen_on_what_they_enclose),
         cmocka_unit_test(the_widgets_have_these_colours),
         cmocka_unit_test(the_audit_finds_cut_texts),
         cmocka_unit_test(nothing_is_cut_at_usual_sizes),

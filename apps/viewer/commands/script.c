@@ -7,6 +7,7 @@
 #include "options/messages.h"
 #include "settings/settings.h"
 #include "viewer/commands/script_words.h"
+#include "viewer/commands/state.h"
 #include "viewer/model/columns.h"
 #include "viewer/model/hemispheres.h"
 #include "viewer/model/plans.h"
@@ -40,6 +41,7 @@ struct script {
     bool settling, pausing;
     bool is_held;  /* the line was read, and is done once the pictures are fine */
     char *awaited; /* a file that must be there before the next command; NULL = none */
+    char *state;   /* a file that gets what the window shows once it rests; NULL = none */
 };
 
 /* A command that is being run. */
@@ -547,6 +549,16 @@ static bool do_settle(struct call *call)
     return true;
 }
 
+/* The window does what it does while nobody touches it: what it shows then no frame of a script has made right. */
+static bool do_state(struct call *call)
+{
+    struct script *script = call->script;
+    free(script->state);
+    script->state = strdup(call->arguments[0]);
+    script->until = clock_ms() + settle_limit_ms;
+    return script->state;
+}
+
 /* The window does what it does while nobody touches it. */
 static bool do_pause(struct call *call)
 {
@@ -743,6 +755,7 @@ static const struct script_command {
     {"pause", 1, 1, "SECONDS", .act = do_pause, .numbers = 1, .is_anywhere = true},
     {"settle", 0, 0, "", .act = do_settle, .is_anywhere = true},
     {"until", 1, 1, "FILE", .act = do_until, .is_anywhere = true},
+    {"state", 1, 1, "FILE.json", .act = do_state},
     {"screenshot", 1, 1, "FILE.png", .act = do_screenshot, .is_anywhere = true},
     {"picture", 3, 3, "FILE.png WIDTH HEIGHT", .act = do_picture},
     {"results", 1, 1, "FILE.tsv", .act = do_results},
@@ -831,6 +844,7 @@ void script_destroy(struct script *script)
         }
         free(script->path);
         free(script->awaited);
+        free(script->state);
         free(script);
     }
 }
@@ -869,8 +883,13 @@ bool script_waits(struct script *script, const struct window *window)
         free(script->awaited);
         script->awaited = NULL;
     }
+    if (script->state && (window_rests(window) || now >= script->until)) {
+        state_write(window, script->state);
+        free(script->state);
+        script->state = NULL;
+    }
     bool unsettled = script->settling && !window_is_settled(window) && now < script->until;
-    return script->pausing || script->awaited || unsettled;
+    return script->pausing || script->awaited || script->state || unsettled;
 }
 
 /* Whether the frame was one to let pass. */

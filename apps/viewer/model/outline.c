@@ -5,6 +5,7 @@
 #include "base/look.h"
 #include "viewer/model/plans.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,7 +35,7 @@ const char *outline_name(struct viewer *viewer, enum outline which)
     return which == OUTLINE_CHOSEN ? NULL : plans_name(viewer, kinds[which]);
 }
 
-void outline_smooth(uint8_t *mask, uint32_t width, uint32_t height, uint32_t reach)
+void outline_smooth(uint8_t *mask, uint8_t *level, uint32_t width, uint32_t height, uint32_t reach)
 {
     const size_t across = (size_t)width + 1;
     uint32_t *sums = calloc(across, ((size_t)height + 1) * sizeof *sums); /* of all pixels above and to the left */
@@ -51,7 +52,9 @@ void outline_smooth(uint8_t *mask, uint32_t width, uint32_t height, uint32_t rea
             const uint32_t left = x < reach ? 0 : x - reach;
             const uint32_t right = x + reach < width ? x + reach + 1 : width;
             const size_t all = (size_t)(right - left) * (size_t)(rows[1] - rows[0]) / across;
-            mask[(size_t)y * width + x] = 2 * (rows[1][right] - rows[1][left] - rows[0][right] + rows[0][left]) > all;
+            const size_t inside = rows[1][right] - rows[1][left] - rows[0][right] + rows[0][left];
+            mask[(size_t)y * width + x] = 2 * inside > all;
+            level[(size_t)y * width + x] = (uint8_t)((255 * inside + all / 2) / all);
         }
     }
     free(sums);
@@ -106,6 +109,64 @@ void outline_draw(uint8_t *rgba, struct outline_top *top, const uint8_t *mask, u
     }
 }
 
+/* How far within the shape the middle of a pixel lies, pixels, near its edge, where the level is a half. */
+static double depth_at(const uint8_t *level, uint32_t width, uint32_t height, uint32_t x, uint32_t y)
+{
+    const uint8_t *pixel = level + (size_t)y * width + x;
+    const double right = x + 1 < width ? pixel[1] : *pixel;
+    const double left = x > 0 ? pixel[-1] : *pixel;
+    const double below = y + 1 < height ? pixel[width] : *pixel;
+    const double above = y > 0 ? *(pixel - width) : *pixel;
+    const double steep = hypot(right - left, below - above) / 2;
+    const double depth = *pixel - 127.5;
+    return steep > 0 ? depth / steep : copysign(INFINITY, depth);
+}
+
+/* The part of a pixel, its middle at `depth`, that a line between two depths covers. */
+static double covered(double depth, double from, double to)
+{
+    return fmin(fmax(fmin(depth - from, to - depth) + 0.5, 0), 1);
+}
+
+/* Whether a pixel of the line that was drawn is there or beside. */
+static bool is_beside_line(const uint8_t *rgba, uint32_t width, uint32_t height, uint32_t x, uint32_t y)
+{
+    bool found = false;
+    for (uint32_t j = y ? y - 1 : 0; j <= y + 1 && j < height && !found; j++) {
+        for (uint32_t i = x ? x - 1 : 0; i <= x + 1 && i < width && !found; i++) {
+            found = rgba[4 * ((size_t)j * width + i) + 3] == 255;
+        }
+    }
+    return found;
+}
+
+void outline_soften(uint8_t *rgba, const uint8_t *level, uint32_t width, uint32_t height,
+                    const struct outline_look *look)
+{
+    static const double wide = 1.2; /* pixels, of the bright line and of the dark one */
+    const size_t bytes = (size_t)width * height * 4;
+    uint8_t *drawn = malloc(bytes + 1);
+    if (drawn) {
+        memcpy(drawn, rgba, bytes);
+    }
+    for (size_t pixel = 0; drawn && pixel < bytes / 4; pixel++) {
+        const uint32_t x = (uint32_t)(pixel % width), y = (uint32_t)(pixel / width);
+        if (level[pixel] == 0 || level[pixel] == 255 || !is_beside_line(drawn, width, height, x, y)) {
+            continue;
+        }
+        const double depth = depth_at(level, width, height, x, y);
+        const double bright = covered(depth, 0, wide);
+        const double shade = fmin(covered(depth, -wide, 0), 1 - bright);
+        const double within = depth > 0 ? look->fill * (1 - bright - shade) : 0;
+        const double all = bright + shade + within;
+        for (int c = 0; c < 3 && all > 0; c++) {
+            rgba[4 * pixel + (size_t)c] = (uint8_t)((bright + within) / all * look->rgb[c] + 0.5);
+        }
+        rgba[4 * pixel + 3] = (uint8_t)(255 * all + 0.5);
+    }
+    free(drawn);
+}
+
 void outline_dash(uint8_t *rgba, const uint8_t *mask, const uint8_t *hidden, uint32_t width, uint32_t height)
 {
     for (uint32_t y = 0; y < height; y++) {
@@ -113,7 +174,7 @@ void outline_dash(uint8_t *rgba, const uint8_t *mask, const uint8_t *hidden, uin
             size_t pixel = (size_t)y * width + x;
             bool lies = (y > 0 && mask[pixel - width] != mask[pixel]) ||
                         (y + 1 < height && mask[pixel + width] != mask[pixel]); /* and does not stand */
-            if (hidden[pixel] == 1 && (lies ? x : y) / OUTLINE_DASH % 2) {
+            if (hidden[pixel] == 1 && rgba[4 * pixel + 3] == 255 && (lies ? x : y) / OUTLINE_DASH % 2) {
                 memset(rgba + 4 * pixel, 0, 4);
             }
         }

@@ -6,7 +6,7 @@
 
 #include "viewer/model/viewer.h"
 
-enum { OUTLINE_DASH = 4 /**< Pixels that a dash is long, and the gap behind it. */ };
+enum { OUTLINE_DASH = 8 /**< Pixels that a dash is long, and the gap behind it. */ };
 
 /** A good place for the object's name: the middle of the upper edge of its outline. */
 struct outline_top {
@@ -30,8 +30,9 @@ bool *outline_wanted(struct viewer *viewer, enum outline which);
 const char *outline_name(struct viewer *viewer, enum outline which);
 
 /** Takes the stairs off a shape, @p mask, [height width] of 0 and 1: each pixel becomes what most are that are up to
- * @p reach beside it. A square stays that is wider than 1.42 @p reach + 1. Unchanged without memory. */
-void outline_smooth(uint8_t *mask, uint32_t width, uint32_t height, uint32_t reach);
+ * @p reach beside it. A square stays that is wider than 1.42 @p reach + 1. @p level gets how many they are, of 255: the
+ * edge is at a half. Unchanged without memory. */
+void outline_smooth(uint8_t *mask, uint8_t *level, uint32_t width, uint32_t height, uint32_t reach);
 
 /** Draws a line inside the edge of @p mask, [height width] of 0 and 1, and a dark one outside; none at the picture's
  * border. All else of a mask that is filled becomes so. */
@@ -40,6 +41,11 @@ void outline_draw(uint8_t *rgba, struct outline_top *top, const uint8_t *mask, u
 
 /** Makes dashes of the outline of @p mask that was drawn, where @p hidden, [height width], is 1. */
 void outline_dash(uint8_t *rgba, const uint8_t *mask, const uint8_t *hidden, uint32_t width, uint32_t height);
+
+/** Takes the stairs off the lines that were drawn of a mask of this @p level, as far as dashes left them: pixels are
+ * covered in part. Unchanged without memory. */
+void outline_soften(uint8_t *rgba, const uint8_t *level, uint32_t width, uint32_t height,
+                    const struct outline_look *look);
 
 /** Draws a wider outline, of two pixels, around the @p wanted ones of @p objects, [height width], over @p rgba; none
  * without memory. */

@@ -75,9 +75,7 @@ void tool_changed(struct viewer *viewer, enum tool_number number)
     }
 }
 
-/* A number for which objects the first tool's answer has, in which order, how strong their colours are, and which of
- * them are only behind others: what pictures show of it. */
-static uint64_t sum_answer(const struct viewer *viewer)
+uint64_t tool_answer_sum(const struct viewer *viewer)
 {
     const conus_selection *selection = viewer_selection(viewer);
     uint64_t sum = 0xCBF29CE484222325; /* FNV-1a */
@@ -94,13 +92,13 @@ static void aim(struct viewer *viewer, enum tool_number number, const conus_pose
 {
     static const conus_frame world = {.space = CONUS_SPACE_RAS};
     const unsigned version = viewer->version;
-    const uint64_t sum = number == FIRST_TOOL ? sum_answer(viewer) : 0;
+    const uint64_t sum = number == FIRST_TOOL ? tool_answer_sum(viewer) : 0;
     viewer->tools[number].pose = *pose;
     conus_frame_turn_pose(&viewer->tools[number].pose, &world, true); /* as the mouse turns it, and pictures show it */
     viewer->tools[number].has_pose = true;
     viewer->tools[number].is_point = is_point;
     tool_changed(viewer, number);
-    if (number == FIRST_TOOL && sum_answer(viewer) == sum) {
+    if (number == FIRST_TOOL && tool_answer_sum(viewer) == sum) {
         viewer->moves += viewer->version - version;
     }
 }

@@ -7,6 +7,8 @@
 
 #include "conus/pose.h"
 
+#include <stdint.h>
+
 struct viewer;
 
 enum pointer {
@@ -52,6 +54,9 @@ void tool_changed(struct viewer *viewer, enum tool_number number);
 void tool_aim(struct viewer *viewer, enum tool_number number, const conus_pose *pose);
 /** Puts the first tool where a pose is, of which only the place counts. */
 void tool_aim_point(struct viewer *viewer, enum tool_number number, const conus_pose *pose);
+/** A number for which objects the first tool's answer has in the drawn atlas, in which order, how strong their colours
+ * are, and which of them are only behind others: what pictures show of it. */
+uint64_t tool_answer_sum(const struct viewer *viewer);
 /** Whether it has a cone: a pose, and not only a place. */
 bool tool_has_cone(const struct viewer *viewer, enum tool_number number);
 /** Aims it from @p origin along @p direction; where that is no direction, the status line says so. */

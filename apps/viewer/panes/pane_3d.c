@@ -702,6 +702,7 @@ void pane_3d(struct window *window)
     pane_cones(window);
     pane_cross(window);
     draw_names(window, FIRST_TOOL); /* the answer has the best places */
+    window_note_shown(window, SHOWN_LABELS);
     pane_chosen_names(window);
     draw_measured(window);
     draw_names(window, SECOND_TOOL);

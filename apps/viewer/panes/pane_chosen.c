@@ -13,8 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { COARSE = 2 /* pixels of the pane per pixel of the shadow */ };
-
 /* Finds the cells anew where another area is chosen, the plan is another, or the atlas changed. */
 static void find_cells(struct shadow *shadow, struct viewer *viewer, enum outline which)
 {
@@ -87,7 +85,7 @@ static void cast(struct window *window, enum outline which, uint32_t width, uint
 {
     struct shadow *shadow = &window->pictures.shadows[which];
     size_t pixels = (size_t)width * height;
-    uint8_t *mask = calloc(pixels + 1, 2); /* and what is hidden of it */
+    uint8_t *mask = calloc(pixels + 1, 3); /* and what is hidden of it, and its level */
     uint8_t *rgba = calloc(pixels + 1, 4);
     float *nearest = malloc((pixels + 1) * sizeof *nearest);
     bool *own = outline_wanted(window->viewer, which);
@@ -100,14 +98,15 @@ static void cast(struct window *window, enum outline which, uint32_t width, uint
             nearest[pixel] = INFINITY;
         }
         const double edge = cells_cast(nearest, width, height, &shadow->cells, &shadow->eye);
-        const uint32_t reach = (uint32_t)fmin(0.75 * edge, 32); /* cells are drawn larger */
+        const uint32_t reach = (uint32_t)fmin(edge, 48); /* cells are drawn larger */
         for (size_t pixel = 0; pixel < pixels; pixel++) {
             mask[pixel] = isfinite(nearest[pixel]) != 0;
         }
-        outline_smooth(mask, width, height, reach);
+        outline_smooth(mask, mask + 2 * pixels, width, height, reach);
         outline_draw(rgba, &shadow->top, mask, width, height, &outline_looks[which]);
         find_hidden(mask + pixels, window, shadow, own, rgba, nearest, reach + 1);
         outline_dash(rgba, mask, mask + pixels, width, height);
+        outline_soften(rgba, mask + 2 * pixels, width, height, &outline_looks[which]);
         texture_set(&shadow->texture, rgba, width, height, true);
     }
     free(mask);
@@ -123,7 +122,7 @@ void pane_chosen_names(struct window *window)
         const struct shadow *shadow = &window->pictures.shadows[which];
         const uint8_t *rgb = outline_looks[which].rgb;
         const ui_colour colour = {rgb[0], rgb[1], rgb[2], 255};
-        float at[2] = {box->x + (float)(COARSE * shadow->top.x), box->y + (float)(COARSE * shadow->top.y)};
+        float at[2] = {box->x + (float)shadow->top.x, box->y + (float)shadow->top.y};
         bool has_outline = shadow->cells.count && shadow->top.is_there;
         if (has_outline || (shadow->has_middle && window_point(at, window, shadow->middle))) {
             char title[VIEW_ATLAS_TITLE];
@@ -176,8 +175,8 @@ void pane_name(struct labels *labels, const struct ui_box *box, const float at[2
 void pane_chosen(struct window *window)
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
-    uint32_t width = (uint32_t)fmaxf(box->width / COARSE, 1);
-    uint32_t height = (uint32_t)fmaxf(box->height / COARSE, 1);
+    uint32_t width = (uint32_t)fmaxf(box->width, 1);
+    uint32_t height = (uint32_t)fmaxf(box->height, 1);
     for (enum outline which = 0; which < OUTLINE_COUNT; which++) {
         struct shadow *shadow = &window->pictures.shadows[which];
         find_cells(shadow, window->viewer, which);

@@ -97,6 +97,7 @@ static void draw_picture(struct window *window, const struct cut *cut)
     }
     pane->is_old = is_old;
     pane->version = version; /* what cannot be drawn is said once */
+    pane->answer_sum = tool_answer_sum(viewer);
     memcpy(pane->centre, view->centre, sizeof pane->centre);
     if (!pane->cutter || pane->atlas_number != viewer->atlas_number) { /* it holds as long as the atlas */
         conus_cutter_destroy(pane->cutter);

@@ -165,6 +165,20 @@ static void draw_list(struct window *window, const struct view_atlas *view, enum
     }
 }
 
+/* The lines of the list of one of several atlases: one that needs fewer leaves them to the others. */
+static float lines_of(const struct viewer *viewer, enum tool_number tool, size_t index, float lines)
+{
+    const float fair = fmaxf(floorf(lines / (float)viewer->atlas_count) - 1, 4);
+    float own = 0, spare = 0, lacking = 0;
+    for (size_t i = 0; i < viewer->atlas_count; i++) { /* with the line of headings */
+        const float needed = 1 + (float)conus_selection_count(view_atlas_selection(&viewer->atlases[i], tool));
+        spare += fmaxf(fair - needed, 0);
+        lacking += fmaxf(needed - fair, 0);
+        own = i == index ? needed : own;
+    }
+    return own <= fair ? own : floorf(fair + (own - fair) * fminf(spare / lacking, 1));
+}
+
 void panel_lists(struct window *window, enum tool_number tool, float lines)
 {
     struct viewer *viewer = window->viewer;
@@ -184,7 +198,7 @@ void panel_lists(struct window *window, enum tool_number tool, float lines)
                 viewer_draw(viewer, i);
             }
         }
-        draw_list(window, view, tool, several ? fmaxf(floorf(lines / (float)viewer->atlas_count) - 1, 4) : lines);
+        draw_list(window, view, tool, several ? lines_of(viewer, tool, i, lines) : lines);
         ui_id_end();
     }
 }

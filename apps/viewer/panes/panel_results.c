@@ -12,9 +12,9 @@
 #include <math.h>
 #include <stdio.h>
 
-enum { LEAST_LINES = 4 /* of the list */ };
+enum { LEAST_LINES = 4 /* of the list */, MOST_BELOW = 30 /* lines of all below the answer */ };
 
-static const float answer_part = 0.42F; /* of the panel's height */
+static const float answer_part = 0.42F; /* of the panel's height, or more where the rest would stay empty */
 
 /* Two lines, which are there without a hit, too: nothing moves then. */
 static void draw_answer(const struct headline *headline)
@@ -168,13 +168,14 @@ static void draw_notices(struct window *window, const struct notice *notice)
 /* The answer has its part of the panel's height, whatever it says: all below it stays where it is. */
 static void draw_all_of_answer(struct window *window, const struct notice *notice, const struct headline *headline)
 {
-    const float rest = (1 - answer_part) * ui_room_below();
+    const float rest = fminf((1 - answer_part) * ui_room_below(), MOST_BELOW * ui_line());
     draw_title(window);
     draw_notices(window, notice);
     ui_dim(notice->is_old ? theme_pale : 1);
     draw_answer(headline);
     panel_plan(window);
     panel_lists(window, FIRST_TOOL, fmaxf(floorf((ui_room_below() - rest) / ui_list_line()), LEAST_LINES));
+    window_note_shown(window, SHOWN_LIST);
     ui_dim_end();
     ui_gap(fmaxf(ui_room_below() - rest, 0));
 }

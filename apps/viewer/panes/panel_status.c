@@ -50,6 +50,7 @@ void panel_status(struct window *window)
     float lit = lamp ? ui_text_width(lamp) + 3.5F * gap * window->screen.scale : 0;
     wide -= lit;
     write_place(place, window);
+    window_note_shown(window, SHOWN_STATUS);
     float placed = fminf(ui_text_width(place), wide - said);
     ui_panel("status", window->screen.status, UI_PLAIN);
     ui_gap(0);

@@ -545,6 +545,24 @@ void window_clear(const struct window *window)
     glClear(GL_COLOR_BUFFER_BIT);
 }
 
+void window_note_shown(struct window *window, enum shown_place place)
+{
+    const struct viewer *viewer = window->viewer;
+    window->frame.shows[place] = (struct shown_numbers){.is_there = true,
+                                                        .answer = viewer->tools[FIRST_TOOL].answer_number,
+                                                        .plan = viewer->plan.number,
+                                                        .scene = viewer->scene_number,
+                                                        .second = viewer->tools[SECOND_TOOL].version};
+}
+
+bool window_rests(const struct window *window)
+{
+    const struct pictures *pictures = &window->pictures;
+    const bool paints = window->viewer && !window->start.on && !window->dialog.on && !pictures->painted_fine &&
+                        screen_shows_pane(&window->screen, PANE_3D);
+    return !is_behind(window) && !pictures->moving && !paints;
+}
+
 bool window_is_settled(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;

@@ -33,6 +33,7 @@ struct cut_pane {
     conus_cutter *cutter;  /**< NULL = none yet.                       */
     unsigned atlas_number; /**< The viewer's, when the cutter was made. */
     unsigned version;      /**< viewer_cut_version(), when it was drawn. */
+    uint64_t answer_sum;   /**< tool_answer_sum(), then. */
     bool is_old;           /**< The answer was, then. */
     double centre[3];
     struct outline_top top; /**< Top of the chosen area. */
@@ -240,8 +241,18 @@ struct pictures {
     bool says_late;
 };
 
+/** What shows an answer in words, in each frame anew. */
+enum shown_place { SHOWN_LIST = 0, SHOWN_LABELS, SHOWN_STATUS, SHOWN_PLACES };
+
+/** The viewer's numbers of what a place shows. */
+struct shown_numbers {
+    bool is_there; /**< The frame has the place. */
+    unsigned answer, plan, scene, second;
+};
+
 /** The state of the newest frame: versions that it shows, mouse and keys in it. */
 struct frame_state {
+    struct shown_numbers shows[SHOWN_PLACES];
     unsigned frames_wanted;             /**< To be drawn still, whatever changes. */
     unsigned shown_version, shown_said; /**< The viewer's. */
     unsigned shown_head, shown_second;  /**< Likewise. */
@@ -408,6 +419,10 @@ enum { PICTURE_LATE_MS = 400 /**< From when on a picture of an answer from befor
  * that has lasted so long that it is said. */
 void pictures_note_late(struct pictures *pictures, double now);
 
+/** Notes that a place shows what the viewer holds now. */
+void window_note_shown(struct window *window, enum shown_place place);
+/** Whether nothing is left to do before the next event: no frame, no finer picture of what was asked for. */
+bool window_rests(const struct window *window);
 /** Whether all pictures are as fine as they get, and show what the viewer holds. */
 bool window_is_settled(const struct window *window);
 /** Writes the window's contents as a PNG. */

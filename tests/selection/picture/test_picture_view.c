@@ -413,12 +413,69 @@ static void no_picture_is_late(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* By OpenGL a smooth picture begins with the draft before it, where that shows the same: it is as one that has drawn
+ * nothing before gives it, whether the draft was of this view (every second time) or of another. */
+static void a_smooth_picture_takes_no_other_draft(void **state)
+{
+    enum { CHANGES = 24 };
+    static const double opacity[4] = {NAN, 0.5, 1, NAN};
+    static const bool hidden[2][4] = {{false}, {false, true}};
+    const conus_renderer_options gl = {.engine = CONUS_ENGINE_GL};
+    conus_atlas *atlas = balls_beside_a_pathway();
+    conus_renderer *renderer = NULL;
+    uint64_t random = 7;
+    int hides = 0;
+    (void)state;
+    test_need_gl();
+    assert_ok(conus_renderer_create(&renderer, atlas, &gl));
+    conus_view view = {.width = 48, .height = 36, .no_legend = true};
+    for (int change = 0; change < CHANGES; change++) {
+        conus_image *images[3] = {NULL};
+        conus_renderer *fresh = NULL;
+        view.draft = true;
+        assert_ok(conus_render(&images[0], renderer, &view));
+        switch (change % 2 ? one_of(&random, 5) : 5) {
+        case 0:
+            view.opacity = view.opacity ? NULL : opacity;
+            break;
+        case 1:
+            hides = !hides;
+            assert_ok(conus_atlas_set_hidden(atlas, hidden[hides]));
+            assert_ok(conus_renderer_update(renderer));
+            break;
+        case 2:
+            view.side = view.side == CONUS_SIDE_LEFT ? CONUS_SIDE_FRONT : CONUS_SIDE_LEFT;
+            break;
+        case 3:
+            view.width = view.width == 48 ? 50 : 48;
+            break;
+        case 4:
+            view.own_colours = !view.own_colours;
+            break;
+        default:
+            break;
+        }
+        view.draft = false;
+        assert_ok(conus_renderer_create(&fresh, atlas, &gl));
+        assert_ok(conus_render(&images[1], renderer, &view));
+        assert_ok(conus_render(&images[2], fresh, &view));
+        assert_true(difference(images[1], images[2]) == 0);
+        for (int i = 0; i < 3; i++) {
+            conus_image_destroy(images[i]);
+        }
+        conus_renderer_destroy(fresh);
+    }
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
 TEST_GROUP(picture_view)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rolled_up_areas_look_like_one),
         cmocka_unit_test(a_draft_has_the_areas_of_its_answer),
         cmocka_unit_test(no_picture_is_late),
+        cmocka_unit_test(a_smooth_picture_takes_no_other_draft),
         cmocka_unit_test(pictures_have_their_size_and_are_opaque),
         cmocka_unit_test(a_cone_that_begins_in_an_area_is_not_drawn_through_it),
         cmocka_unit_test(options_show_in_the_picture),
