@@ -229,16 +229,18 @@ static bool is_palette(const struct bytes *file)
 
 const struct label_format *label_format_for(struct text *text, const struct bytes *file, const struct label_use *use)
 {
-    const struct label_format *format = NULL;
-    const bool palette = is_palette(file);
-    *text = palette ? (struct text){(const char *)file->data, file->size} : text_from_bytes(file->data, file->size);
-    struct label_text about = {.kind = palette ? LABEL_PALETTE : LABEL_CHOSEN, .text = *text};
-    if (!palette && !use->columns[0].size && !use->columns[1].size) {
-        format = label_format_of(*text);
-        about.kind = LABEL_LINES;
+    const bool is_chosen = use->columns[0].size || use->columns[1].size;
+    const struct text all = {(const char *)file->data, file->size};
+    const struct label_text about = {.kind = is_palette(file) ? LABEL_PALETTE
+                                             : is_chosen      ? LABEL_CHOSEN
+                                                              : LABEL_LINES,
+                                     .text = all};
+    *text = about.kind == LABEL_PALETTE ? all : text_from_bytes(file->data, file->size);
+    if (about.kind != LABEL_LINES) {
+        return find_format(&about);
     }
-    const bool is_found = format || (about.kind == LABEL_LINES && !are_names_of(*text, use->voxels));
-    return is_found ? format : find_format(&about);
+    const struct label_format *format = label_format_of(*text);
+    return format || !are_names_of(*text, use->voxels) ? format : find_format(&about);
 }
 
 void label_check_zero(struct job *job, const struct label_table *table, const struct label_voxels *voxels)
