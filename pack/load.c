@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_atlas_load() and conus_atlas_add_streamlines(). */
+/* conus_atlas_load(), and what is added from files. */
 #include "loaders/scene/load.h"
 #include "atlas/space.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "conus/own.h"
 #include "loaders/maps/atlas_on_job.h"
+#include "loaders/maps/load_scalar.h"
 #include "loaders/scene/load_streamlines.h"
+#include "loaders/scene/scene_load.h"
 #include "pack/pack_file.h"
 #include "sources/keys.h"
 
@@ -81,53 +83,62 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
     return status;
 }
 
-/* The streamlines of a file, in an atlas of their own. */
-static conus_status load_streamlines(conus_atlas **out, const char *path, const conus_streamlines_options *options)
-{
-    if ((unsigned)options->space > CONUS_FILE_SPACE_LPS) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: space %d, allowed are CONUS_FILE_SPACE_AS_STATED (0), _RAS and _LPS",
-                    path, (int)options->space);
-    }
-    const struct note_sink sink = {options->log, options->log_user, path};
-    struct job job = {.sink = &sink, .max_memory = options->max_memory};
-    conus_atlas *atlas = streamlines_load(&job, path, options->space);
-    atlas = job_give(&job, atlas, sizeof *atlas);
-    *out = atlas ? atlas : *out;
-    return job_close(&job, NULL, NULL);
-}
+/* What options of any kind say of a load. */
+#define ITS(options)                                                                                                   \
+    (&(conus_load_options){.max_memory = (options)->max_memory, .log = (options)->log, .log_user = (options)->log_user})
 
 conus_status conus_tractogram_load(conus_tractogram **out, const char *path, const conus_streamlines_options *options)
 {
     if (!out || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_tractogram_load: a result and a path are needed");
     }
-    conus_streamlines_options own = *options_of(conus_streamlines_options, options);
-    own.log = NULL; /* conus_atlas_add_tractogram() has one */
+    options = options_of(conus_streamlines_options, options);
+    struct job job = {.max_memory = options->max_memory}; /* conus_atlas_add_tractogram() has a log */
     conus_tractogram *tractogram = memory_zeroed(1, sizeof *tractogram);
-    conus_status status = tractogram ? load_streamlines(&tractogram->alone, path, &own) : CONUS_ERROR_MEMORY;
-    if (status) {
-        memory_free(tractogram);
-        return status;
+    conus_atlas *alone = job_need(&job, tractogram) ? streamlines_load(&job, path, options->space) : NULL;
+    if (alone) {
+        tractogram->alone = job_give(&job, alone, sizeof *alone);
     }
-    *out = tractogram;
-    return CONUS_OK;
+    if (job_ok(&job)) {
+        *out = tractogram;
+    } else {
+        conus_tractogram_destroy(tractogram);
+    }
+    return job_close(&job, NULL, NULL);
 }
 
 conus_status conus_atlas_add_streamlines(conus_atlas *atlas, const char *path, const conus_streamlines_options *options)
 {
-    conus_atlas *alone = NULL;
     if (!atlas || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_streamlines: an atlas and a path are needed");
     }
     options = options_of(conus_streamlines_options, options);
-    const struct note_sink sink = {options->log, options->log_user, path};
-    struct job job = {.sink = &sink};
-    const struct atlas_mark mark = atlas_mark(atlas);
-    double radius = streamlines_radius(&job, options->radius, path);
-    (void)JOB_CALL(&job, load_streamlines(&alone, path, options));
-    streamlines_take(&job, atlas, alone, radius, options->name);
-    conus_atlas_destroy(alone);
-    return atlas_close(&job, atlas, mark);
+    const struct scene_item item = {.kind = ITEM_STREAMLINES,
+                                    .radius = options->radius,
+                                    .label.name = (char *)options->name,
+                                    .space = options->space};
+    return scene_add_item(atlas, path, &item, ITS(options));
+}
+
+conus_status conus_atlas_add_pathway(conus_atlas *atlas, const char *path, const conus_pathway_options *options)
+{
+    if (!atlas || !path) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_pathway: an atlas and a path are needed");
+    }
+    options = options_of(conus_pathway_options, options);
+    const struct scene_item item = pathway_item(options);
+    return scene_add_item(atlas, path, &item, ITS(options));
+}
+
+conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path, const conus_context_options *options)
+{
+    if (!atlas || !path) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_set_context: an atlas and a path are needed");
+    }
+    options = options_of(conus_context_options, options);
+    const struct scene_item item = {
+        .kind = ITEM_CONTEXT, .blocks = options->block_threshold, .opacity = options->opacity};
+    return scene_add_item(atlas, path, &item, ITS(options));
 }
 
 conus_status conus_atlas_add_tractogram(conus_atlas *atlas, const conus_tractogram *tractogram,

@@ -328,11 +328,11 @@ conus_status conus_atlas_add_values(conus_atlas *atlas, const conus_voxels *voxe
     struct job job = {.sink = &sink};
     const struct atlas_mark mark = atlas_mark(atlas);
     struct volume_file *file = array_volume_open(&job, voxels);
-    conus_pathway_options named = *options;
+    struct scene_item item = pathway_item(options);
     bool is_named = (options->name && *options->name) || options->band_count;
-    named.name = is_named ? options->name : name_of(voxels);
+    item.label.name = is_named ? item.label.name : (char *)name_of(voxels);
     if (file) {
-        pathway_add(&job, atlas, file, &named);
+        pathway_add(&job, atlas, file, &item);
     }
     return atlas_close(&job, atlas, mark);
 }
@@ -350,7 +350,8 @@ conus_status conus_atlas_set_context_values(conus_atlas *atlas, const conus_voxe
     const struct atlas_mark mark = atlas_mark(atlas);
     struct volume_file *file = array_volume_open(&job, voxels);
     if (file) {
-        context_set(&job, atlas, file, options);
+        const struct scene_item item = {.blocks = options->block_threshold, .opacity = options->opacity};
+        context_set(&job, atlas, file, &item);
     }
     return atlas_close(&job, atlas, mark);
 }

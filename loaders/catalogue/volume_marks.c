@@ -34,7 +34,7 @@ bool volume_marks_fit(const char *name, const char *const *patterns, unsigned ho
 
 static bool has_table_beside(struct job *job, const char *path)
 {
-    struct text rest = text_from(job_format(job, "%s/.xml", label_endings(job)));
+    struct text rest = text_from(job_format(job, "%s/.xml", label_endings(job, false)));
     struct text ending;
     bool found = false;
     for (bool more = true; !found && text_field(&rest, '/', &more, &ending);) {

@@ -163,24 +163,9 @@ void fsl_atlas_number(struct job *job, struct fsl_atlas *atlas, const struct lab
     labels_sort(job, &atlas->labels);
 }
 
-static void parse_fsl(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
+void label_parse_fsl(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     struct fsl_atlas *atlas = fsl_atlas_parse(job, text);
     fsl_atlas_number(job, atlas, use);
     labels_move(job, out, &atlas->labels);
 }
-
-static bool is_fsl(const struct label_text *text)
-{
-    return text_equal(text->root, "atlas");
-}
-
-static bool is_spm(const struct label_text *text)
-{
-    return is_fsl(text) && text_mentions(text->text, "<index>");
-}
-
-const struct label_format label_format_spm = {
-    .name = "SPM atlas XML", .kind = LABEL_MARKUP, .is = is_spm, .parse = parse_fsl};
-const struct label_format label_format_fsl = {
-    .name = "FSL atlas XML", .kind = LABEL_MARKUP, .is = is_fsl, .parse = parse_fsl};

@@ -201,7 +201,7 @@ static struct text join_attribute(struct job *job, struct text text, const char 
 }
 
 /* The atlas table is the richer one where both are there. */
-static void parse_afni(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
+void label_parse_afni(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     static const char *const attributes[] = {"ATLAS_LABEL_TABLE", "VALUE_LABEL_DTABLE"};
     (void)use;
@@ -210,11 +210,3 @@ static void parse_afni(struct job *job, struct label_table *out, struct text tex
         parse_tables(job, out, join_attribute(job, text, attributes[i]));
     }
 }
-
-static bool is_afni(const struct label_text *text)
-{
-    return text_is_one_of(text->root, "AFNI_attributes/AFNI_atr/VALUE_LABEL_DTABLE/ATLAS_LABEL_TABLE", true);
-}
-
-const struct label_format label_format_afni = {
-    .name = "AFNI label table", .kind = LABEL_MARKUP, .is = is_afni, .parse = parse_afni, .endings = ".niml.lt"};

@@ -1,52 +1,108 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Which format, by content; and MRIcron's colours, the one format that is not text. */
+/* The table of formats, and which one bytes are, by their content. */
 #include "loaders/labels/label_format.h"
 
 #include "base/formats/xml.h"
 #include "loaders/labels/label_cells.h"
 #include "loaders/labels/label_rows.h"
 
+#include <stdio.h>
 #include <string.h>
 
-#define KNOWN                                                                                                          \
-    "MRIcron text, AAL text, ITK-SNAP, FreeSurfer, FSLeyes, MRtrix and Slicer colour tables, BIDS dseg.tsv and other " \
-    "tables with a header, atlas XML of FSL and SPM, Workbench and AFNI label tables, BrainGlobe structures.json, "    \
-    "NiiVue JSON, nnU-Net dataset.json, neuroglancer segment properties, MRIcron .lut"
+enum { PALETTE_SIZE = 768 };
 
-#define ADDRESS(format) &(format),
-static const struct label_format *const formats[] = {LABEL_FORMATS(ADDRESS) NULL};
-#undef ADDRESS
+/* A palette gives a number to each of its colours; those that come with atlases leave the entries they do not use
+ * black. */
+static void parse_palette(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
+{
+    const uint8_t *red = (const uint8_t *)text.data;
+    (void)use;
+    for (uint32_t number = 1; number < 256; number++) {
+        struct label *label = labels_add(job, out, number);
+        for (size_t channel = 0; channel < 3; channel++) {
+            label->rgb[channel] = red[256 * channel + number];
+            label->has_rgb = label->has_rgb || label->rgb[channel];
+        }
+    }
+}
 
-const char *label_endings(struct job *job)
+#define ROWS(...)                                                                                                      \
+    .kind = LABEL_ROWS, .rows = &(const struct label_rows)                                                             \
+    {                                                                                                                  \
+        __VA_ARGS__                                                                                                    \
+    }
+
+/* The first that knows a text is its own; files beside a volume are tried in the order of their endings here. */
+static const struct label_format formats[] = {
+    /* A line with the name, a line "KEY R G B A". */
+    {"Workbench label list", ROWS(.shape = SHAPE_PAIRS, .everywhere = true, .lead = 4, .name_above = true)},
+    /* "HIPL Hippocampus_L 4101", "Hippocampus_L 4101". */
+    {"AAL text", ROWS(.shape = SHAPE_NUMBER_LAST, .everywhere = true, .number_last = true), .endings = ".nii.txt/.txt"},
+    /* "1 0.5 0.25 0": text behind the colour is no name. */
+    {"FSLeyes colours", ROWS(.shape = SHAPE_UNNAMED, .everywhere = true, .lead = 3, .fractions = true, .unnamed = true),
+     .is_colours = true},
+    {"BIDS label table", LABEL_COLUMNS, .separator = '\t', .parse = label_parse_table, .endings = ".tsv"},
+    {"OME image-label", LABEL_JSON, .begins = "{", .mentions = "\"image-label\"/\"label-value\"",
+     .parse = label_parse_ome, .endings = ".json"},
+    {"BrainGlobe structures", LABEL_JSON, .mentions = "\"id\"", .is = label_is_structures,
+     .parse = label_parse_structures},
+    {"nnU-Net dataset.json", LABEL_JSON, .begins = "{", .is = label_is_data_set, .parse = label_parse_data_set},
+    {"neuroglancer segment properties", LABEL_JSON, .begins = "{", .mentions = "\"neuroglancer_segment_properties\"",
+     .parse = label_parse_segments},
+    {"NiiVue labels", LABEL_JSON, .begins = "{", .mentions = "\"labels\"/\"R\"", .parse = label_parse_lists},
+    {"JSON map of names", LABEL_JSON, .begins = "{", .is = label_is_map, .parse = label_parse_map},
+    {"JSON list of labels", LABEL_JSON, .is = label_is_objects, .parse = label_parse_objects},
+    /* `1 220 216 20 1.00 1 1 "Left hippocampus"`. */
+    {"ITK-SNAP labels", ROWS(.shape = SHAPE_ITK_SNAP, .lead = 6, .quoted = true), .endings = ".label"},
+    /* "1 L.HIPP Left-Hippocampus 220 216 20 255"; but where the second words repeat, they are a part of the name. */
+    {"MRtrix or FreeSurfer colour table",
+     ROWS(.shape = SHAPE_MRTRIX, .everywhere = true, .colours_last = true, .two_names = true)},
+    /* "1 Left_hippocampus 220 216 20 255". */
+    {"Slicer colour table",
+     ROWS(.shape = SHAPE_COLOURED, .says = "Color table file", .colours_last = true, .underscores = true),
+     .endings = ".ctbl"},
+    /* "1 Left-Hippocampus 220 216 20 0". */
+    {"FreeSurfer colour table", ROWS(.shape = SHAPE_COLOURED, .colours_last = true)},
+    {"AFNI label table", LABEL_MARKUP, .roots = "AFNI_attributes/AFNI_atr/VALUE_LABEL_DTABLE/ATLAS_LABEL_TABLE",
+     .parse = label_parse_afni, .endings = ".niml.lt"},
+    {"Slicer colour table", LABEL_COLUMNS, .header = "LabelValue", .parse = label_parse_table},
+    {"CSV label table", LABEL_COLUMNS, .parse = label_parse_table, .endings = ".csv"},
+    {"CSV without a header", LABEL_BARE, .parse = label_parse_bare},
+    /* "1 0.5 0.25 0 Frontal Pole". */
+    {"FSLeyes colour table", ROWS(.shape = SHAPE_FSLEYES, .lead = 3, .fractions = true)},
+    /* "1 Precentral_L", "1<tab>Frontal Pole", "1 Precentral_L 2001". */
+    {"MRIcron text", ROWS(.shape = SHAPE_NAMED, .is_plain = true)},
+    {"SPM atlas XML", LABEL_MARKUP, .roots = "atlas", .mentions = "<index>", .parse = label_parse_fsl},
+    {"FSL atlas XML", LABEL_MARKUP, .roots = "atlas", .parse = label_parse_fsl},
+    {"Workbench label table", LABEL_MARKUP, .roots = "CaretExtension/CaretVolumeExtension/LabelTable",
+     .parse = label_parse_workbench},
+    {"label table", LABEL_CHOSEN, .parse = label_parse_table},
+    {"list of names", LABEL_LINES, .parse = label_parse_lines},
+    {"MRIcron colours", LABEL_PALETTE, .is_colours = true, .parse = parse_palette, .endings = ".nii.lut/.lut"},
+};
+enum { FORMATS = sizeof formats / sizeof formats[0] };
+
+/* The formats' names, once each. */
+static const char *list_formats(struct job *job)
 {
     const char *list = "";
-    for (const struct label_format *const *format = formats; *format; format++) {
-        if ((*format)->endings) {
-            list = job_format(job, "%s%s%s", list, list[0] ? "/" : "", (*format)->endings);
+    for (size_t i = 0; i < FORMATS; i++) {
+        const char *name = formats[i].name;
+        if (formats[i].kind != LABEL_CHOSEN && !(list[0] && strstr(list, name))) {
+            list = job_format(job, "%s%s%s", list, list[0] ? ", " : "", name);
         }
     }
     return list;
 }
 
-bool label_is_lut(const uint8_t *data, size_t size)
+const char *label_endings(struct job *job, bool only_colours)
 {
-    struct text all = {(const char *)data, size};
-    return size == LABEL_LUT_SIZE && !(text_is_readable(all) && (text_is_utf8(all) || label_format_of(all)));
-}
-
-/* The palettes that come with atlases leave the entries they do not use black. */
-void label_lut_apply(struct label_table *table, const uint8_t *lut)
-{
-    for (size_t i = 0; i < table->count; i++) {
-        struct label *label = &table->entries[i];
-        const uint8_t *red = lut + label->number % 256;
-        if (label->number < 256 && (red[0] || red[256] || red[512])) {
-            for (size_t channel = 0; channel < 3; channel++) {
-                label->rgb[channel] = red[256 * channel];
-            }
-            label->has_rgb = true;
-        }
+    const char *list = "";
+    for (size_t i = 0; i < FORMATS; i++) {
+        const char *endings = formats[i].is_colours || !only_colours ? formats[i].endings : NULL;
+        list = endings ? job_format(job, "%s%s%s", list, list[0] ? "/" : "", endings) : list;
     }
+    return list;
 }
 
 /* Whether the text is something else whose rows are like those of a table: an answer of conus, or its list of voxels,
@@ -63,9 +119,36 @@ static bool is_foreign(struct text text)
     return false;
 }
 
-static bool is_format(const struct label_format *format, const struct label_text *text)
+static bool mentions_all(struct text text, const char *words)
 {
-    return format->kind == text->kind && (format->rows ? label_rows_are(text, format->rows) : format->is(text));
+    char word[64];
+    bool all = true;
+    struct text one;
+    struct text rest = text_from(words);
+    for (bool more = true; all && text_field(&rest, '/', &more, &one);) {
+        snprintf(word, sizeof word, "%.*s", TEXT_SHOW(one, 63));
+        all = text_mentions(text, word);
+    }
+    return all;
+}
+
+static bool is_format(const struct label_format *row, const struct label_text *text)
+{
+    return row->kind == text->kind && (!row->begins || strchr(row->begins, text->text.data[0])) &&
+           (!row->roots || text_is_one_of(text->root, row->roots, true)) &&
+           (!row->mentions || mentions_all(text->text, row->mentions)) &&
+           (!row->header || text_mentions(text->header, row->header)) &&
+           (!row->separator || row->separator == text->separator) && (!row->is || row->is(text)) &&
+           (!row->rows || label_rows_are(text, row->rows));
+}
+
+static const struct label_format *find_format(const struct label_text *text)
+{
+    size_t i = 0;
+    while (i < FORMATS && !is_format(&formats[i], text)) {
+        i++;
+    }
+    return i < FORMATS ? &formats[i] : NULL;
 }
 
 const struct label_format *label_format_of(struct text text)
@@ -82,17 +165,13 @@ const struct label_format *label_format_of(struct text text)
         about.kind = LABEL_JSON;
     } else {
         about.text = text;
-        about.kind = label_columns_look(&about) ? LABEL_COLUMNS : LABEL_ROWS;
+        label_columns_look(&about);
     }
     if (about.kind == LABEL_ROWS) {
         census = label_rows_count(text);
         about.census = &census;
     }
-    const struct label_format *const *format = formats;
-    while (*format && !is_format(*format, &about)) {
-        format++;
-    }
-    return *format;
+    return find_format(&about);
 }
 
 static bool next_name(struct text *rest, struct text *name)
@@ -117,7 +196,7 @@ size_t label_lines_count(struct text text)
     return lines ? count : 0;
 }
 
-void label_lines_parse(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
+void label_parse_lines(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     (void)use;
     for (struct text name; job_ok(job) && next_name(&text, &name);) {
@@ -141,12 +220,27 @@ static bool are_names_of(struct text text, const struct label_voxels *voxels)
     return all && commas < count;
 }
 
-static const struct label_format label_format_lines = {.name = "list of names", .parse = label_lines_parse};
-
-const struct label_format *label_format_for(struct text text, const struct label_use *use)
+/* Whether the bytes are a palette, and no text that could be a table. */
+static bool is_palette(const struct bytes *file)
 {
-    const struct label_format *format = label_format_of(text);
-    return format || !are_names_of(text, use->voxels) ? format : &label_format_lines;
+    const struct text all = {(const char *)file->data, file->size};
+    return all.size == PALETTE_SIZE && !(text_is_readable(all) && (text_is_utf8(all) || label_format_of(all)));
+}
+
+const struct label_format *label_format_for(struct text *text, const struct bytes *file, const struct label_use *use)
+{
+    const bool is_chosen = use->columns[0].size || use->columns[1].size;
+    const struct text all = {(const char *)file->data, file->size};
+    const struct label_text about = {.kind = is_palette(file) ? LABEL_PALETTE
+                                             : is_chosen      ? LABEL_CHOSEN
+                                                              : LABEL_LINES,
+                                     .text = all};
+    *text = about.kind == LABEL_PALETTE ? all : text_from_bytes(file->data, file->size);
+    if (about.kind != LABEL_LINES) {
+        return find_format(&about);
+    }
+    const struct label_format *format = label_format_of(*text);
+    return format || !are_names_of(*text, use->voxels) ? format : find_format(&about);
 }
 
 void label_check_zero(struct job *job, const struct label_table *table, const struct label_voxels *voxels)
@@ -176,7 +270,9 @@ void label_text_parse(struct job *job, struct label_table *out, const struct lab
 {
     struct label_table *table = labels_new(job);
     size_t place = job_in(job, format->name, JOB_ALONE);
-    labels_decode(job, &text);
+    if (format->kind != LABEL_PALETTE) {
+        labels_decode(job, &text);
+    }
     if (job_ok(job) && format->rows) {
         label_rows_parse(job, table, text, format->rows);
     } else if (job_ok(job)) {
@@ -187,43 +283,28 @@ void label_text_parse(struct job *job, struct label_table *out, const struct lab
     labels_move(job, out, table);
 }
 
-/* The format of @p text for @p use; NULL, and a failure that says what is needed, if it is none. */
-static const struct label_format *find_format(struct job *job, struct text text, const struct label_use *use)
-{
-    if (text_starts(text, "\xff\xfe") || text_starts(text, "\xfe\xff")) {
-        job_bad(job, "the text is UTF-16, UTF-8 or Windows-1252 is needed");
-        return NULL;
-    }
-    const struct label_format *format =
-        use->columns[0].size || use->columns[1].size ? &label_format_chosen : label_format_for(text, use);
-    if (!format) {
-        label_columns_refuse(job, text);
-        job_bad(job, "not a label table of a known format (known: " KNOWN ")");
-    }
-    return format;
-}
-
-void label_bytes_parse(struct job *job, struct label_table *out, const char **format, const uint8_t *data, size_t size,
+void label_bytes_parse(struct job *job, struct label_table *out, const char **format, const struct bytes *file,
                        const struct label_use *use)
 {
+    struct text text;
     struct label_table *table = labels_new(job);
-    const bool is_lut = label_is_lut(data, size);
-    const struct text text = text_from_bytes(data, size);
-    const struct label_format *found = is_lut ? NULL : find_format(job, text, use);
-    for (uint32_t number = 1; is_lut && number < 256; number++) {
-        labels_add(job, table, number);
+    const struct label_format *found = label_format_for(&text, file, use);
+    if (!(found && found->kind == LABEL_PALETTE) && (text_starts(text, "\xff\xfe") || text_starts(text, "\xfe\xff"))) {
+        job_bad(job, "the text is UTF-16, UTF-8 or Windows-1252 is needed");
+    } else if (!found) {
+        label_columns_refuse(job, text);
+        job_bad(job, "not a label table of a known format (known: %s)", list_formats(job));
     }
-    if (is_lut) {
-        label_lut_apply(table, data);
-    } else if (found) {
-        label_text_parse(job, table, found, text, use);
-        label_check_zero(job, table, found == &label_format_chosen || found->kind == LABEL_MARKUP ? NULL : use->voxels);
+    if (!job_ok(job)) {
+        return;
     }
+    label_text_parse(job, table, found, text, use);
+    label_check_zero(job, table, found->kind == LABEL_CHOSEN || found->kind == LABEL_MARKUP ? NULL : use->voxels);
     if (job_ok(job) && !table->count) {
         job_bad(job, "%s: no label but 0", found->name);
     }
     if (job_ok(job)) {
-        *format = is_lut ? "MRIcron colours" : found->name;
+        *format = found->name;
     }
     labels_move(job, out, table);
 }

@@ -571,7 +571,7 @@ static void note_unused(struct job *job, const struct header *header, const stru
     }
 }
 
-static void parse_table(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
+void label_parse_table(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     const bool is_chosen = use->columns[0].size || use->columns[1].size;
     struct header header;
@@ -632,7 +632,7 @@ static bool has_numbers_and_names(const struct header *header, struct rows rows)
     return 2 * good > count;
 }
 
-static void parse_bare(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
+void label_parse_bare(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     struct fields fields;
     struct header header;
@@ -646,51 +646,20 @@ static void parse_bare(struct job *job, struct label_table *out, struct text tex
     }
 }
 
-bool label_columns_look(struct label_text *about)
+void label_columns_look(struct label_text *about)
 {
-    struct header header;
+    struct header header = {0};
     struct fields fields;
     struct rows rows = {.rest = about->text};
-    if (!next_row(&rows, NULL)) {
-        return false;
+    bool is_table = false;
+    if (next_row(&rows, NULL)) {
+        about->separator = separator_of(rows.line);
+        split(&fields, rows.line, about->separator);
+        is_table = read_header(&header, &fields, about->separator);
+        about->header = is_table ? rows.line : (struct text){0};
+        is_table = is_table ? !header.by_value || has_numbers_and_names(&header, rows)
+                            : assume_header(&header, &fields, rows.line) &&
+                                  has_numbers_and_names(&header, (struct rows){.rest = about->text});
     }
-    about->separator = separator_of(rows.line);
-    about->is_slicer = text_mentions(rows.line, "LabelValue");
-    split(&fields, rows.line, about->separator);
-    about->has_header = read_header(&header, &fields, about->separator);
-    if (about->has_header) {
-        return !header.by_value || has_numbers_and_names(&header, rows);
-    }
-    return assume_header(&header, &fields, rows.line) &&
-           has_numbers_and_names(&header, (struct rows){.rest = about->text});
+    about->kind = !is_table ? LABEL_ROWS : header.is_absent ? LABEL_BARE : LABEL_COLUMNS;
 }
-
-static bool is_bids(const struct label_text *text)
-{
-    return text->has_header && text->separator == '\t';
-}
-
-static bool is_slicer(const struct label_text *text)
-{
-    return text->has_header && text->is_slicer;
-}
-
-static bool is_csv(const struct label_text *text)
-{
-    return text->has_header;
-}
-
-static bool is_without_header(const struct label_text *text)
-{
-    return !text->has_header;
-}
-
-const struct label_format label_format_chosen = {.name = "label table", .parse = parse_table};
-const struct label_format label_format_bids = {
-    .name = "BIDS label table", .kind = LABEL_COLUMNS, .is = is_bids, .parse = parse_table, .endings = ".tsv"};
-const struct label_format label_format_slicer_csv = {
-    .name = "Slicer colour table", .kind = LABEL_COLUMNS, .is = is_slicer, .parse = parse_table};
-const struct label_format label_format_csv = {
-    .name = "CSV label table", .kind = LABEL_COLUMNS, .is = is_csv, .parse = parse_table, .endings = ".csv"};
-const struct label_format label_format_bare = {
-    .name = "CSV without a header", .kind = LABEL_COLUMNS, .is = is_without_header, .parse = parse_bare};

@@ -38,15 +38,17 @@ bool label_table_has_colours(const struct label_table *table)
     return false;
 }
 
-static void apply_colours(struct job *job, struct label_table *table, struct text text)
+/* Gives the entries of @p table the colours in @p text. */
+static void apply_colours(struct job *job, struct label_table *table, const struct label_format *format,
+                          struct text text)
 {
     struct label_table *colours = labels_new(job);
     struct attempt silent = job_try(job); /* nobody hears of a number that is there twice */
-    label_text_parse(job, colours, &label_format_colours, text, &(struct label_use){0});
+    label_text_parse(job, colours, format, text, &(struct label_use){0});
     attempt_end(job, &silent, ATTEMPT_SILENT);
     for (size_t i = 0; job_ok(job) && i < table->count; i++) {
         const struct label *colour = label_table_find(colours, table->entries[i].number);
-        if (colour) {
+        if (colour && colour->has_rgb) {
             memcpy(table->entries[i].rgb, colour->rgb, sizeof colour->rgb);
             table->entries[i].has_rgb = true;
         }
@@ -55,19 +57,15 @@ static void apply_colours(struct job *job, struct label_table *table, struct tex
 
 bool label_file_colours(struct job *job, struct label_table *table, const char *path)
 {
+    struct text text;
     if (!job_has_file(job, path)) {
         return false;
     }
     struct bytes bytes = label_file_bytes(job, path);
-    struct text text = text_from_bytes(bytes.data, bytes.size);
-    bool is_lut = label_is_lut(bytes.data, bytes.size);
-    bool has_colours = is_lut || label_format_of(text) == &label_format_colours;
-    if (is_lut) {
-        label_lut_apply(table, bytes.data);
-    } else if (has_colours) {
-        apply_colours(job, table, text);
-    }
+    const struct label_format *format = label_format_for(&text, &bytes, &(struct label_use){0});
+    const bool has_colours = format && format->is_colours;
     if (has_colours) {
+        apply_colours(job, table, format, text);
         job_made_of(job, path, &bytes);
     }
     return has_colours;
@@ -86,9 +84,10 @@ const char *label_path_split(struct job *job, struct text columns[2], const char
 static const struct format *find_foreign(struct job *job, const char *path, const struct bytes *bytes)
 {
     static const struct format packed_table = {.words = "a label table packed with gzip", .way = "unpack it"};
+    struct text text;
     struct source source = {0};
-    if (!bytes->size || label_is_lut(bytes->data, bytes->size) ||
-        label_format_of(text_from_bytes(bytes->data, bytes->size)) || !JOB_CALL(job, source_of(&source, path, bytes))) {
+    if (!bytes->size || label_format_for(&text, bytes, &(struct label_use){0}) ||
+        !JOB_CALL(job, source_of(&source, path, bytes))) {
         return NULL;
     }
     const struct format *format = format_find(&source.head, 0);
@@ -113,7 +112,7 @@ void label_file_read(struct job *job, struct label_table *out, const char **form
     if (foreign) {
         (void)JOB_CALL(job, format_refuse(foreign, &bytes, "a label table"));
     } else {
-        label_bytes_parse(job, table, &name, bytes.data, bytes.size, &use);
+        label_bytes_parse(job, table, &name, &bytes, &use);
     }
     job_out(job, place);
     job_made_of(job, path, &bytes);

@@ -408,7 +408,7 @@ static bool is_similar(struct job *job, const struct folder *folder, const char 
 /* Tries the tables in the folder with similar names, whose numbers must fit. A note says what was taken, or why not. */
 static void search_alike(struct job *job, struct label_search *search, const char *path)
 {
-    const char *endings = job_format(job, "%s/.ctab", label_endings(job));
+    const char *endings = job_format(job, "%s/.ctab", label_endings(job, false));
     const char *all = endings; /* and of volumes */
     struct folder folder = {.path = path, .endings = endings, .stem = stem_of(search->volume->info->path)};
     size_t tries = 0;
@@ -494,7 +494,7 @@ static void search_inside(struct job *job, struct label_search *search)
 static void search_beside(struct job *job, struct label_search *search)
 {
     const char *path = search->volume->info->path;
-    struct text rest = text_from(label_endings(job));
+    struct text rest = text_from(label_endings(job, false));
     struct text ending;
     for (bool more = true; text_field(&rest, '/', &more, &ending);) {
         label_search_file(
@@ -529,7 +529,7 @@ static void settle_search(struct job *job, struct label_search *search)
     } else if (!search->source) {
         const char *name = path_base(search->volume->info->path);
         const char *inside = tables_inside(search->volume->info->format);
-        struct text rest = text_from(label_endings(job));
+        struct text rest = text_from(label_endings(job, false));
         const char *endings = "";
         struct text ending;
         for (bool more = true; text_field(&rest, '/', &more, &ending);) {
@@ -556,7 +556,7 @@ static void colour_beside(struct job *job, struct label_search *search)
         labels_add(job, search->table, number);
     }
     search->source = search->source ? search->source : "none found";
-    struct text rest = text_from(label_format_fsleyes.endings);
+    struct text rest = text_from(label_endings(job, true));
     struct text ending;
     for (bool more = true; !coloured && text_field(&rest, '/', &more, &ending);) {
         const char *lut =

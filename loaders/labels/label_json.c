@@ -146,7 +146,7 @@ static void fill_structure(struct job *job, struct label_row *row, const json_t 
     row->name = text_trim(row->name).size ? row->name : row->abbreviation;
 }
 
-static void parse_structures(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
+void label_parse_structures(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     (void)use;
     parse_nodes(job, out, json_text_read(job, text), "structure ", fill_structure, NULL,
@@ -154,7 +154,7 @@ static void parse_structures(struct job *job, struct label_table *out, struct te
 }
 
 /* Entry i has R, G, B, and perhaps I, its number, which is i else. */
-static void parse_lists(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
+void label_parse_lists(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     static const char *const fields[] = {"R", "G", "B", "I"};
     const json_t *root = json_text_read(job, text);
@@ -186,7 +186,7 @@ static void parse_lists(struct job *job, struct label_table *out, struct text te
     }
 }
 
-static void parse_map(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
+void label_parse_map(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     json_t *root = json_text_read(job, text);
     const char *key;
@@ -266,7 +266,7 @@ static struct text try_field(struct job *job, struct label_table *out, void *use
     return text_from(tried.number);
 }
 
-static void parse_objects(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
+void label_parse_objects(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     struct fields fields = find_fields(json_text_read(job, text));
     if (!(fields.number && fields.name)) {
@@ -308,7 +308,7 @@ static void parse_ome_list(struct job *job, struct label_table *out, const json_
 }
 
 /* Colours and properties lie in two lists; a label may be in one of them. */
-static void parse_ome(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
+void label_parse_ome(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     const json_t *root = json_text_read(job, text);
     const json_t *attributes = json_object_get(json_object_get(root, "attributes"), "ome");
@@ -331,7 +331,7 @@ static void parse_ome(struct job *job, struct label_table *out, struct text text
 }
 
 /* nnU-Net's labels: of version 2 names with their numbers, of version 1 numbers with their names. */
-static void parse_data_set(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
+void label_parse_data_set(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     json_t *root = json_text_read(job, text);
     const char *key;
@@ -363,7 +363,7 @@ static void parse_data_set(struct job *job, struct label_table *out, struct text
 }
 
 /* neuroglancer's segment properties: ids, and a property of the type label with as many values. */
-static void parse_segments(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
+void label_parse_segments(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     const json_t *root = json_text_read(job, text);
     const json_t *ids = json_object_get(json_object_get(root, "inline"), "ids");
@@ -405,7 +405,7 @@ static bool skip(struct text *rest, char c)
 }
 
 /* { "17": "Hippocampus": the first key is a number, and its value a text. */
-static bool is_map(const struct label_text *text)
+bool label_is_map(const struct label_text *text)
 {
     struct text rest = text->text;
     size_t digits = 0;
@@ -439,7 +439,7 @@ static bool has_field(struct text object, const char *const *names, size_t count
 }
 
 /* [ { "label": 1, "name": "Hippocampus": the first object decides. */
-static bool is_objects(const struct label_text *about)
+bool label_is_objects(const struct label_text *about)
 {
     const struct text text = about->text;
     struct text rest = text;
@@ -451,47 +451,15 @@ static bool is_objects(const struct label_text *about)
            has_field(first, name_fields, NAME_FIELDS, "\"");
 }
 
-static bool is_ome(const struct label_text *text)
-{
-    return text->text.data[0] == '{' && text_mentions(text->text, "\"image-label\"") &&
-           text_mentions(text->text, "\"label-value\"");
-}
-
-static bool is_structures(const struct label_text *text)
+bool label_is_structures(const struct label_text *text)
 {
     return (text->text.data[0] == '[' || text_mentions(text->text, "\"children\"")) &&
-           text_mentions(text->text, "\"id\"") &&
            (text_mentions(text->text, "\"acronym\"") || text_mentions(text->text, "\"structure_id_path\""));
 }
 
-static bool is_data_set(const struct label_text *text)
+bool label_is_data_set(const struct label_text *text)
 {
     static const char *const names[] = {"labels"};
-    return text->text.data[0] == '{' && has_field(text->text, names, 1, "{") &&
+    return has_field(text->text, names, 1, "{") &&
            (text_mentions(text->text, "\"channel_names\"") || text_mentions(text->text, "\"modality\""));
 }
-
-static bool is_segments(const struct label_text *text)
-{
-    return text->text.data[0] == '{' && text_mentions(text->text, "\"neuroglancer_segment_properties\"");
-}
-
-static bool is_lists(const struct label_text *text)
-{
-    return text->text.data[0] == '{' && text_mentions(text->text, "\"labels\"") && text_mentions(text->text, "\"R\"");
-}
-
-const struct label_format label_format_ome = {
-    .name = "OME image-label", .kind = LABEL_JSON, .is = is_ome, .parse = parse_ome, .endings = ".json"};
-const struct label_format label_format_structures = {
-    .name = "BrainGlobe structures", .kind = LABEL_JSON, .is = is_structures, .parse = parse_structures};
-const struct label_format label_format_niivue = {
-    .name = "NiiVue labels", .kind = LABEL_JSON, .is = is_lists, .parse = parse_lists};
-const struct label_format label_format_map = {
-    .name = "JSON map of names", .kind = LABEL_JSON, .is = is_map, .parse = parse_map};
-const struct label_format label_format_objects = {
-    .name = "JSON list of labels", .kind = LABEL_JSON, .is = is_objects, .parse = parse_objects};
-const struct label_format label_format_data_set = {
-    .name = "nnU-Net dataset.json", .kind = LABEL_JSON, .is = is_data_set, .parse = parse_data_set};
-const struct label_format label_format_segments = {
-    .name = "neuroglancer segment properties", .kind = LABEL_JSON, .is = is_segments, .parse = parse_segments};

@@ -188,12 +188,17 @@ static int compare_words(const void *a, const void *b)
     return order ? order : text_compare(x->number, y->number);
 }
 
-/* What stands behind the number: a word, or all but the numbers at the end. */
-enum part { FIRST_WORD, LAST_WORD, NAME };
+/* What stands behind the number: a word, all up to a tab, or all but the numbers at the end. */
+enum part { FIRST_WORD, LAST_WORD, COLUMN, NAME };
 
 static struct text part_of(const struct row *row, enum part part)
 {
     struct text rest = row->rest;
+    bool more = true;
+    struct text column = rest;
+    if (part == COLUMN && text_field(&rest, '\t', &more, &column)) {
+        return text_trim(column);
+    }
     for (size_t tail = part == NAME ? shape_of(row).tail : 0; tail--;) {
         take_last_word(&rest);
     }
@@ -254,10 +259,42 @@ static bool has_further_numbers(struct job *job, struct text text, size_t rows)
     return further;
 }
 
-static struct text unquote(struct text text)
+/* Whether behind the name of each row stand numbers in columns of their own, with tabs between: "1<tab>Pons<tab>3512".
+ */
+static bool has_columns_of_numbers(struct job *job, struct text text, size_t rows)
 {
-    bool quoted = text.size >= 2 && text.data[0] == '"' && text.data[text.size - 1] == '"';
-    return quoted ? (struct text){text.data + 1, text.size - 2} : text;
+    const struct text all = text;
+    bool has = true;
+    for (struct row row = {0}; has && next_row(&text, &row);) {
+        struct text rest = row.rest;
+        struct text column;
+        bool more = true;
+        has = text_field(&rest, '\t', &more, &column) && more;
+        while (has && text_field(&rest, '\t', &more, &column)) {
+            has = looks_numeric(text_trim(column));
+        }
+    }
+    return has && words_differ(job, all, rows, COLUMN);
+}
+
+/* The text in quotation marks; in a plain list also in two apostrophes, if they are the only ones. */
+static struct text unquote(struct text text, bool is_plain)
+{
+    const char mark = text.size >= 2 ? text.data[0] : 0;
+    const struct text inner = mark ? (struct text){text.data + 1, text.size - 2} : text;
+    const bool is_mark = mark == '"' || (mark == '\'' && is_plain && !memchr(inner.data, mark, inner.size));
+    return is_mark && text.data[text.size - 1] == mark ? inner : text;
+}
+
+/* Whether a '#' with white space around it is in the name, and no number behind it: what follows may be a comment. */
+static bool has_comment(struct text name)
+{
+    struct text word;
+    bool has = false;
+    while (!has && text_word(&name, &word)) {
+        has = text_equal(word, "#") && text_word(&name, &word) && !looks_numeric(word);
+    }
+    return has;
 }
 
 /* Whether a name begins as FSLeyes's three colours do, with decimal commas: "0,1 0,93 1 Frontal Pole". */
@@ -325,11 +362,13 @@ static void read_row(struct job *job, struct label_row *out, const struct row *r
         struct text name = take_last_word(&rest);
         out->abbreviation = rest;
         rest = name;
+    } else if (rows->columns) {
+        rest = part_of(row, COLUMN);
     } else if (rows->coded || (rows->own && shape_of(row).words == 2 && ends_in_own_number(row))) {
         take_last_word(&rest);
     }
     rest = text_trim(rest);
-    out->name = unquote(rest);
+    out->name = unquote(rest, rows->is_plain);
     if (!rows->quoted && out->name.size == rest.size &&
         text_starts(rest, "\"") != (rest.size && rest.data[rest.size - 1] == '"')) {
         job_bad(job, "a quotation mark is not closed");
@@ -337,6 +376,9 @@ static void read_row(struct job *job, struct label_row *out, const struct row *r
         job_bad(job, "no name in quotation marks after IDX R G B A VIS MSH");
     } else if (rows->is_plain && begins_as_colours(out->name)) {
         job_bad(job, "\"%.*s\": decimals are written with a point", TEXT_SHOW(out->name, 40));
+    } else if (rows->is_plain && has_comment(out->name)) {
+        job_bad(job, "\"%.*s\": is what follows '#' a comment, or part of the name? Leave it out, or the spaces",
+                TEXT_SHOW(out->name, 60));
     } else if (rows->is_plain && begins_with_mark(out->name)) {
         job_bad(job, "\"%.*s\": what stands between number and name is no part of the name: leave it out",
                 TEXT_SHOW(out->name, 40));
@@ -404,6 +446,7 @@ void label_rows_parse(struct job *job, struct label_table *out, struct text text
                  words_differ(job, text, count, FIRST_WORD) && words_differ(job, text, count, LAST_WORD);
     rows.own = rows.is_plain && !rows.coded && census.own >= OWN_ROWS && census.own == census.coded &&
                words_differ(job, text, count, NAME);
+    rows.columns = rows.is_plain && !rows.coded && !rows.own && has_columns_of_numbers(job, text, count);
     rows.two_names = rows.two_names && words_differ(job, text, count, FIRST_WORD);
     if (rows.is_plain && count > 1 && have_numbers_inside(text)) {
         job_bad(job, "names have three numbers or more before their last word: colours stand behind names, and "
@@ -413,6 +456,9 @@ void label_rows_parse(struct job *job, struct label_table *out, struct text text
         job_bad(job, "colours behind names are one word: R G B, or a header row, is needed");
     }
     rows.further = tail == 4 && has_further_numbers(job, text, count);
+    if (rows.columns) {
+        job_note(job, "label table: numbers in columns behind the name are passed over");
+    }
     if (rows.own) {
         job_note(job, "label table: %zu of %zu rows have the label's number behind the name, too: it is left out",
                  census.own, count);
@@ -441,75 +487,3 @@ bool label_rows_are(const struct label_text *text, const struct label_rows *rows
     bool says = !rows->says || (text_line(&rest, &line) && text_starts(line, "#") && text_mentions(line, rows->says));
     return says && (rows->everywhere ? count && count == text->census->rows : count > text->census->rows / 2);
 }
-
-/* A line with the name, a line "KEY R G B A". */
-const struct label_format label_format_pairs = {
-    .name = "Workbench label list",
-    .kind = LABEL_ROWS,
-    .rows = &(const struct label_rows){.shape = SHAPE_PAIRS, .everywhere = true, .lead = 4, .name_above = true},
-};
-
-/* "HIPL Hippocampus_L 4101", "Hippocampus_L 4101". */
-const struct label_format label_format_aal = {
-    .name = "AAL text",
-    .kind = LABEL_ROWS,
-    .rows = &(const struct label_rows){.shape = SHAPE_NUMBER_LAST, .everywhere = true, .number_last = true},
-    .endings = ".nii.txt/.txt",
-};
-
-/* "1 0.5 0.25 0": text behind the colour is no name. */
-const struct label_format label_format_colours = {
-    .name = "FSLeyes colours",
-    .kind = LABEL_ROWS,
-    .rows =
-        &(const struct label_rows){
-            .shape = SHAPE_UNNAMED, .everywhere = true, .lead = 3, .fractions = true, .unnamed = true},
-};
-
-/* `1 220 216 20 1.00 1 1 "Left hippocampus"`. */
-const struct label_format label_format_itk_snap = {
-    .name = "ITK-SNAP labels",
-    .kind = LABEL_ROWS,
-    .rows = &(const struct label_rows){.shape = SHAPE_ITK_SNAP, .lead = 6, .quoted = true},
-    .endings = ".label",
-};
-
-/* "1 L.HIPP Left-Hippocampus 220 216 20 255"; but where the second words repeat, they are a part of the name. */
-const struct label_format label_format_mrtrix = {
-    .name = "MRtrix or FreeSurfer colour table",
-    .kind = LABEL_ROWS,
-    .rows =
-        &(const struct label_rows){.shape = SHAPE_MRTRIX, .everywhere = true, .colours_last = true, .two_names = true},
-};
-
-/* "1 Left_hippocampus 220 216 20 255". */
-const struct label_format label_format_slicer = {
-    .name = "Slicer colour table",
-    .kind = LABEL_ROWS,
-    .rows =
-        &(const struct label_rows){
-            .shape = SHAPE_COLOURED, .says = "Color table file", .colours_last = true, .underscores = true},
-    .endings = ".ctbl",
-};
-
-/* "1 Left-Hippocampus 220 216 20 0". */
-const struct label_format label_format_freesurfer = {
-    .name = "FreeSurfer colour table",
-    .kind = LABEL_ROWS,
-    .rows = &(const struct label_rows){.shape = SHAPE_COLOURED, .colours_last = true},
-};
-
-/* "1 0.5 0.25 0 Frontal Pole". */
-const struct label_format label_format_fsleyes = {
-    .name = "FSLeyes colour table",
-    .kind = LABEL_ROWS,
-    .rows = &(const struct label_rows){.shape = SHAPE_FSLEYES, .lead = 3, .fractions = true},
-    .endings = ".nii.lut/.lut",
-};
-
-/* "1 Precentral_L", "1<tab>Frontal Pole", "1 Precentral_L 2001". */
-const struct label_format label_format_plain = {
-    .name = "MRIcron text",
-    .kind = LABEL_ROWS,
-    .rows = &(const struct label_rows){.shape = SHAPE_NAMED, .is_plain = true},
-};

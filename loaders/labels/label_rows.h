@@ -38,7 +38,8 @@ struct label_rows {
     bool is_plain;     /**< No numbers but for a code behind the name, and the name may stand in quotation marks. */
     bool coded;        /**< There is such a code; label_rows_parse() finds out, */
     bool own;          /**< or that some rows have their own number there, */
-    bool further;      /**< or that numbers follow R G B A. */
+    bool further;      /**< or that numbers follow R G B A, */
+    bool columns;      /**< or stand in columns behind the name. */
     bool quoted;       /**< The name stands in quotation marks. */
     bool two_names;    /**< Abbreviation and name, if all abbreviations differ. */
     bool unnamed;      /**< There is no name. */

@@ -222,12 +222,12 @@ void label_search_text(struct job *job, struct label_search *search, const char 
                        struct text text)
 {
     const char *name = path_base(path);
-    const struct label_format *format = file ? label_format_for(text, &search->use) : label_format_of(text);
+    const struct label_format *format = file ? label_format_for(&text, file, &search->use) : label_format_of(text);
     if (!format) {
         note_unknown(job, search, name, !file);
         return;
     }
-    if (format == &label_format_colours) { /* X.lut; label_file_colours() is about it */
+    if (format->is_colours) { /* X.lut; label_file_colours() is about it */
         return;
     }
     struct label_use use = search->use;
@@ -269,7 +269,7 @@ void label_search_file(struct job *job, struct label_search *search, const char 
     const char *why = attempt_end(job, &attempt, ATTEMPT_TRY);
     if (why) {
         pass_over(job, search, why);
-    } else if (!label_is_lut(bytes.data, bytes.size)) {
-        label_search_text(job, search, path, &bytes, text_from_bytes(bytes.data, bytes.size));
+    } else {
+        label_search_text(job, search, path, &bytes, (struct text){0});
     }
 }

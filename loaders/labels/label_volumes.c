@@ -50,22 +50,19 @@ static bool count_from_one(struct job *job, struct label_table *table, size_t co
 }
 
 /* Reads the text of the file as a table into `out`; false if it is none. */
-static bool read_names(struct job *job, struct label_table *out, const struct bytes *bytes, struct text text,
-                       const struct label_use *wanted, bool is_listed)
+static bool read_names(struct job *job, struct label_table *out, struct text text, const struct label_use *wanted,
+                       bool is_listed)
 {
     const struct label_use use = {.columns = {wanted->columns[0], wanted->columns[1]}};
-    const bool is_chosen = use.columns[0].size || use.columns[1].size;
-    const struct label_format *format = label_is_lut(bytes->data, bytes->size) ? NULL
-                                        : is_chosen                            ? &label_format_chosen
-                                                                               : label_format_of(text);
+    const struct label_format *format = label_format_for(&text, &(struct bytes){(uint8_t *)text.data, text.size}, &use);
     if (!format) {
         bool lines = label_lines_count(text) == wanted->info->volume_count;
         if (lines) {
-            label_lines_parse(job, out, text, &use);
+            label_parse_lines(job, out, text, &use);
         }
         return lines && job_ok(job);
     }
-    if (format == &label_format_colours) {
+    if (format->is_colours) {
         return false;
     }
     struct attempt silent = job_try(job); /* it counts from 0 or not: that is asked here */
@@ -112,7 +109,7 @@ static void take_names(struct job *job, struct label_table *out, const char *pat
     }
     bool is_table = settle(job, &attempt, path, given);
     attempt = job_try(job);
-    is_table = is_table && read_names(job, table, &bytes, text, use, is_listed);
+    is_table = is_table && read_names(job, table, text, use, is_listed);
     if (given && !is_table) {
         label_columns_refuse(job, text);
     }
@@ -143,7 +140,7 @@ static const char *find_table(struct job *job, struct label_table *out, const ch
     struct label_use chosen = *use;
     const char *file = NULL;
     bool several = info->volume_count > 1 && info->volume_count <= VOLUME_LIMIT;
-    struct text rest = text_from(path ? "" : label_endings(job));
+    struct text rest = text_from(path ? "" : label_endings(job, false));
     struct text ending;
     for (bool more = several; !out->count && text_field(&rest, '/', &more, &ending);) {
         file =

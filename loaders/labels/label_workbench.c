@@ -48,7 +48,7 @@ static conus_status end_element(void *user, const struct xml_event *event)
 }
 
 /* Of a 4-D file the table of the volume that is asked for, else of the first. */
-static void parse_workbench(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
+void label_parse_workbench(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     struct workbench workbench = {.job = job, .out = out, .wanted = use->info ? use->info->volume : 0};
     static const char known[] =
@@ -58,11 +58,3 @@ static void parse_workbench(struct job *job, struct label_table *out, struct tex
         .start = start_element, .end = end_element, .user = &workbench, .known = known, .strange = &job->notes};
     (void)JOB_CALL(job, xml_parse(&handler, text));
 }
-
-static bool is_workbench(const struct label_text *text)
-{
-    return text_is_one_of(text->root, "CaretExtension/CaretVolumeExtension/LabelTable", true);
-}
-
-const struct label_format label_format_workbench = {
-    .name = "Workbench label table", .kind = LABEL_MARKUP, .is = is_workbench, .parse = parse_workbench};

@@ -55,6 +55,8 @@ struct scene_item {
     double threshold;    /**< 0 = the scene's, else the default. */
     double scale;        /**< The value that means "certainly"; 0 = as the values say. Of meshes: mm per unit. */
     LIST(conus_band) bands; /**< One pathway for each. */
+    const char *unit;       /**< What its values are, for legends; NULL: as the header or the file's name says; in no
+                               JSON. */
     double radius;          /**< mm; 0 = the default. */
     char *from;             /**< The images of FSL's matrices; NULL otherwise. */
     char *to;

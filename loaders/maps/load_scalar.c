@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Volumes whose values are numbers, not names: conus_atlas_add_pathway(), the volume of conus_atlas_set_context(), and
- * conus_roi_load(). */
+/* Volumes whose values are numbers, not names: pathways, a context, and conus_roi_load(). */
 #include "loaders/maps/load_scalar.h"
 
 #include "atlas/fit/box_fit.h"
@@ -255,88 +254,75 @@ static void choose_unit(struct job *job, conus_volume_info *info, const char *wa
     }
 }
 
-static void add_one(struct job *job, conus_atlas *atlas, struct volume_file *file, const conus_pathway_options *options)
+static void add_one(struct job *job, conus_atlas *atlas, struct volume_file *file, const struct scene_item *item)
 {
     struct value_map map = {0};
     volume_map(job, &map, file);
     if (job_ok(job)) {
-        const char *name = choose_name(job, options->name, file);
-        choose_threshold(job, &file->info, &map, options->threshold, name);
+        const char *name = choose_name(job, item->label.name, file);
+        choose_threshold(job, &file->info, &map, item->threshold, name);
         atlas_take(job, atlas);
         (void)JOB_CALL(job, atlas_add_pathway(atlas, &file->info, &map, name));
     }
     value_map_finish(&map);
 }
 
-static void add_bands(struct job *job, conus_atlas *atlas, struct volume_file *file,
-                      const conus_pathway_options *options)
+static void add_bands(struct job *job, conus_atlas *atlas, struct volume_file *file, const struct scene_item *item)
 {
     struct value_map map = {0};
-    const size_t count = options->band_count;
-    if (!options->bands) {
+    const size_t count = item->bands.count;
+    if (!item->bands.at) {
         job_fail(job, CONUS_ERROR_ARGUMENT, "%s: bands: NULL, though there are some", file->info.path);
-    } else if (options->threshold != 0 || (options->name && options->name[0])) {
+    } else if (item->threshold != 0 || (item->label.name && item->label.name[0])) {
         job_fail(job, CONUS_ERROR_ARGUMENT,
                  "%s: bands have ends and names of their own, no threshold and name with them", file->info.path);
     }
     volume_map_or_nan(job, &map, file);
     if (job_ok(job)) {
-        check_bands(job, options->bands, count, &file->info, atlas);
+        check_bands(job, item->bands.at, count, &file->info, atlas);
     }
-    if (JOB_CALL(job, atlas_add_bands(atlas, &file->info, &map, options->bands, count))) {
+    if (JOB_CALL(job, atlas_add_bands(atlas, &file->info, &map, item->bands.at, count))) {
         warn_of_bands(job, atlas, count);
         atlas_take(job, atlas);
     }
     value_map_finish(&map);
 }
 
-void pathway_add(struct job *job, conus_atlas *atlas, struct volume_file *file, const conus_pathway_options *options)
+struct scene_item pathway_item(const conus_pathway_options *options)
+{
+    return (struct scene_item){.kind = ITEM_PATHWAY,
+                               .label.name = (char *)options->name,
+                               .threshold = options->threshold,
+                               .bands = {.at = (conus_band *)options->bands, .count = options->band_count},
+                               .unit = options->unit};
+}
+
+void pathway_add(struct job *job, conus_atlas *atlas, struct volume_file *file, const struct scene_item *item)
 {
     if (!job_ok(job)) {
         return; /* there may be no file */
     }
     file->info.role = CONUS_ROLE_SCALAR;
     file->info.threshold = 0;
-    choose_unit(job, &file->info, options->unit);
+    choose_unit(job, &file->info, item->unit);
     if (!job_ok(job)) {
         return;
     }
-    if (options->band_count) {
-        add_bands(job, atlas, file, options);
+    if (item->bands.count) {
+        add_bands(job, atlas, file, item);
     } else {
-        add_one(job, atlas, file, options);
+        add_one(job, atlas, file, item);
     }
 }
 
-void pathway_load(struct job *job, conus_atlas *atlas, const char *path, const conus_pathway_options *options)
-{
-    struct volume_file file = {0};
-    volume_load(job, &file, path, options->max_memory);
-    pathway_add(job, atlas, &file, options);
-    volume_file_finish(&file);
-}
-
-conus_status conus_atlas_add_pathway(conus_atlas *atlas, const char *path, const conus_pathway_options *options)
-{
-    if (!atlas || !path) {
-        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_pathway: an atlas and a path are needed");
-    }
-    options = options_of(conus_pathway_options, options);
-    const struct note_sink sink = {options->log, options->log_user, path};
-    struct job job = {.sink = &sink};
-    const struct atlas_mark mark = atlas_mark(atlas);
-    pathway_load(&job, atlas, path, options);
-    return atlas_close(&job, atlas, mark);
-}
-
-void context_set(struct job *job, conus_atlas *atlas, struct volume_file *file, const conus_context_options *options)
+void context_set(struct job *job, conus_atlas *atlas, struct volume_file *file, const struct scene_item *item)
 {
     conus_volume_info *info = &file->info;
-    const double block = options->block_threshold;
-    if (options->opacity != 0) {
+    const double block = item->blocks;
+    if (item->opacity != 0) {
         job_fail(job, CONUS_ERROR_ARGUMENT,
                  "%s: an opacity of %g, which is for surfaces; a volume has a transfer function", info->path,
-                 options->opacity);
+                 item->opacity);
     }
     float *values = volume_values(job, file);
     info->role = CONUS_ROLE_CONTEXT;

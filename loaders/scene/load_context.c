@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_atlas_set_context(): a volume or a surface around the areas. */
+/* A volume or a surface around the areas, and values of its vertices. */
 #include "loaders/scene/load_context.h"
 
 #include "atlas/fit/box_fit.h"
@@ -20,18 +20,18 @@
 static const double default_opacity = 0.25;
 
 /* Reads the surface; it is measured when it is added. */
-static struct context_surface read_context(struct job *job, const char *path, const conus_context_options *options)
+static struct context_surface read_context(struct job *job, const char *path, const struct scene_item *item)
 {
-    struct context_surface out = {.opacity = options->opacity > 0 ? options->opacity : default_opacity};
+    struct context_surface out = {.opacity = item->opacity > 0 ? item->opacity : default_opacity};
     const struct mesh_file_options file = {0};
     const char *name = path_base(path);
     struct label about = {0};
-    if (options->block_threshold != 0) {
+    if (item->blocks != 0) {
         job_fail(job, CONUS_ERROR_ARGUMENT, "%s: a surface does not block rays, only voxels of a volume do", path);
     }
-    if (!(options->opacity >= 0 && options->opacity <= 1)) {
-        job_fail(job, CONUS_ERROR_ARGUMENT, "%s: opacity of %g, allowed is above 0 to 1 (0 = %g)", path,
-                 options->opacity, default_opacity);
+    if (!(item->opacity >= 0 && item->opacity <= 1)) {
+        job_fail(job, CONUS_ERROR_ARGUMENT, "%s: opacity of %g, allowed is above 0 to 1 (0 = %g)", path, item->opacity,
+                 default_opacity);
     }
     surface_read(job, &out.mesh, &about, path, &file);
     out.hemisphere = about.hemisphere               ? about.hemisphere
@@ -42,11 +42,11 @@ static struct context_surface read_context(struct job *job, const char *path, co
     return out;
 }
 
-static void add_context(struct job *job, conus_atlas *atlas, const char *path, const conus_context_options *options)
+static void add_context(struct job *job, conus_atlas *atlas, const char *path, const struct scene_item *item)
 {
     struct file_state state;
     (void)JOB_CALL(job, file_state_find(&state, path));
-    struct context_surface surface = read_context(job, path, options);
+    struct context_surface surface = read_context(job, path, item);
     atlas_take(job, atlas);
     if (JOB_CALL(job, atlas_add_context_surface(atlas, &surface))) {
         const struct mesh *mesh = &atlas->context_surfaces[atlas->context_surface_count - 1].mesh;
@@ -66,18 +66,18 @@ bool conus_context_is_surface(const char *path)
     return source_find(&format, path, ROLE_SURFACE) || format; /* without memory its reader says so */
 }
 
-void context_load(struct job *job, conus_atlas *atlas, const char *path, const conus_context_options *options)
+void context_load(struct job *job, conus_atlas *atlas, const char *path, bool is_surface, const struct scene_item *item)
 {
     struct volume_file file = {0};
     if (!job_ok(job)) {
         return; /* there may be no atlas */
     }
-    if (source_format(job, path, ROLE_SURFACE)) {
-        add_context(job, atlas, path, options);
+    if (is_surface) {
+        add_context(job, atlas, path, item);
     } else {
-        volume_load(job, &file, path, options->max_memory);
+        volume_load(job, &file, path, job->max_memory);
         if (job_ok(job)) {
-            context_set(job, atlas, &file, options);
+            context_set(job, atlas, &file, item);
         }
         volume_file_finish(&file);
     }
@@ -98,19 +98,6 @@ bool context_is_plain(struct job *job, const conus_atlas *atlas, const char *pat
     const bool is_plain = job_ok(job) && !has_notes && !notes.count;
     notes_finish(&notes);
     return is_plain;
-}
-
-conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path, const conus_context_options *options)
-{
-    if (!atlas || !path) {
-        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_set_context: an atlas and a path are needed");
-    }
-    options = options_of(conus_context_options, options);
-    const struct note_sink sink = {options->log, options->log_user, path};
-    struct job job = {.sink = &sink, .max_memory = options->max_memory};
-    const struct atlas_mark mark = atlas_mark(atlas);
-    context_load(&job, atlas, path, options);
-    return atlas_close(&job, atlas, mark);
 }
 
 /* Finds the one surface to whose vertices the numbers belong; NULL after a failure. */

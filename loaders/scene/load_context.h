@@ -5,9 +5,11 @@
 
 #include "atlas/atlas.h"
 #include "base/job/job.h"
+#include "loaders/manifest/scene.h"
 
-/** conus_atlas_set_context(), but that notes are the job's, and the atlas may be changed after a failure. */
-void context_load(struct job *job, conus_atlas *atlas, const char *path, const conus_context_options *options);
+/** Sets the volume @p path, or adds the surface, as @p item says. The atlas may be changed after a failure. */
+void context_load(struct job *job, conus_atlas *atlas, const char *path, bool is_surface,
+                  const struct scene_item *item);
 
 /** Whether context_load() would have nothing to note about the volume @p path, but of its voxels: by its header. */
 bool context_is_plain(struct job *job, const conus_atlas *atlas, const char *path);

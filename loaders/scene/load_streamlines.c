@@ -69,6 +69,10 @@ static conus_atlas *make_alone(struct job *job)
 
 conus_atlas *streamlines_load(struct job *job, const char *path, conus_file_space space)
 {
+    if ((unsigned)space > CONUS_FILE_SPACE_LPS) {
+        job_fail(job, CONUS_ERROR_ARGUMENT, "%s: space %d, allowed are CONUS_FILE_SPACE_AS_STATED (0), _RAS and _LPS",
+                 path, (int)space);
+    }
     conus_atlas *atlas = make_alone(job);
     struct job alone = {.sink = job->sink, .max_memory = job->max_memory}; /* whose notes and files are this atlas's */
     if (!atlas) {

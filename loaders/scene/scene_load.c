@@ -190,18 +190,14 @@ static void load_areas(const struct loading *loading)
     job_release(loading->job, mark);
 }
 
-static conus_pathway_options pathway_options(const struct loading *loading, const struct scene_item *item,
-                                             const char *name)
+/* The pathway of a volume of the item, with the threshold that it has where it states none. */
+static struct scene_item one_pathway(const struct loading *loading, const struct scene_item *item, char *name)
 {
-    const conus_load_options *options = loading->load->options;
-    double threshold = item->threshold > 0 ? item->threshold : loading->scene->threshold;
-    return (conus_pathway_options){.threshold = item->bands.count ? 0 : threshold,
-                                   .name = name,
-                                   .max_memory = options->max_memory,
-                                   .log = options->log,
-                                   .log_user = options->log_user,
-                                   .bands = item->bands.at,
-                                   .band_count = item->bands.count};
+    struct scene_item one = *item;
+    const bool states = item->threshold != 0 || item->bands.count;
+    one.label.name = name;
+    one.threshold = states ? item->threshold : loading->scene->threshold;
+    return one;
 }
 
 static void open_series(const struct loading *loading, struct volume_file *out, const char *name)
@@ -213,14 +209,14 @@ static void open_series(const struct loading *loading, struct volume_file *out, 
 
 /* Adds volume `volume` of `file`; notes of opening it go to the atlas with it. */
 static void add_volume(const struct loading *loading, const struct scene_item *item, struct volume_file *file,
-                       size_t volume, const char *name)
+                       size_t volume, char *name)
 {
-    const conus_pathway_options options = pathway_options(loading, item, name);
+    const struct scene_item one = one_pathway(loading, item, name);
     load_report(loading->load, file->path, 1);
     if (job_ok(loading->job)) {
         volume_select(loading->job, file, volume);
     }
-    pathway_add(loading->job, loading->load->atlas, file, &options);
+    pathway_add(loading->job, loading->load->atlas, file, &one);
 }
 
 static struct fsl_maps open_fsl(const struct loading *loading, const struct scene_item *item)
@@ -332,10 +328,13 @@ static void add_areas(struct loading *loading, const struct scene_item *item)
 
 static void add_single(const struct loading *loading, const struct scene_item *item)
 {
-    const conus_pathway_options options = pathway_options(loading, item, item->label.name);
+    const struct scene_item one = one_pathway(loading, item, item->label.name);
+    struct volume_file file = {0};
     const char *path = source_path(loading, item);
     load_report(loading->load, path, 1);
-    pathway_load(loading->job, loading->load->atlas, path, &options);
+    volume_load(loading->job, &file, path, loading->job->max_memory);
+    pathway_add(loading->job, loading->load->atlas, &file, &one);
+    volume_file_finish(&file);
 }
 
 /* Adds a pathway that is in the same file as its neighbours in the manifest. */
@@ -422,15 +421,10 @@ static void set_context(struct loading *loading, const struct scene_item *item)
 {
     struct load *load = loading->load;
     struct job *job = loading->job;
-    const conus_context_options options = {.block_threshold = item->blocks,
-                                           .max_memory = load->options->max_memory,
-                                           .log = load->options->log,
-                                           .log_user = load->options->log_user,
-                                           .opacity = item->opacity};
     const char *path = source_path(loading, item);
     load_report(load, path, 1);
     const bool is_surface = source_format(job, path, ROLE_SURFACE);
-    const char *wrong = refuse_context(loading, item, is_surface);
+    const char *wrong = loading->is_file ? NULL : refuse_context(loading, item, is_surface);
     if (wrong) {
         job_bad(job, "%s", wrong);
     }
@@ -439,7 +433,7 @@ static void set_context(struct loading *loading, const struct scene_item *item)
         load->atlas->lacks_context = true;
         return;
     }
-    context_load(job, load->atlas, path, &options);
+    context_load(job, load->atlas, path, is_surface, item);
     if ((item->transfer || item->transfer_file) && job_step(job)) {
         take_transfer(loading, item);
     }
@@ -504,6 +498,25 @@ void manifest_load(struct load *load, const char *path, const struct bytes *file
 void scene_load(struct load *load, const struct scene *scene, const char *path, const char *names)
 {
     load_scene(&(struct loading){.load = load, .scene = scene, .path = path, .names = names, .is_file = !names});
+}
+
+conus_status scene_add_item(conus_atlas *atlas, const char *path, const struct scene_item *item,
+                            const conus_load_options *options)
+{
+    struct load load;
+    struct scene_item own = *item;
+    struct scene scene = {.items = {.at = &own, .count = 1}};
+    struct loading loading = {.load = &load, .job = &load.job, .scene = &scene, .path = "", .is_file = true};
+    const struct atlas_mark mark = atlas_mark(atlas);
+    load_begin(&load, path, options);
+    load.atlas = atlas;
+    own.file = (char *)path;
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
+        take_step(&loading, &steps[i]);
+    }
+    conus_status status = atlas_close(&load.job, atlas, mark);
+    memory_free(load.path);
+    return status;
 }
 
 /* Loads probabilities, whose path is in the folder of `path`, as an atlas of its own. */

@@ -379,6 +379,31 @@ static size_t count_words(struct text text)
     return count;
 }
 
+#define IN_RAS "needed are 4 x 4 numbers in RAS: a b -c -d, e f -g -h, -i -j k l, 0 0 0 1 of its a to l"
+
+/* Refuses a matrix of which a comment says that it is in LPS. */
+static void check_comments(struct job *job, struct text text)
+{
+    struct text line;
+    struct text word;
+    while (job_ok(job) && text_line(&text, &line)) {
+        const struct text all = text_trim(line);
+        bool says = false;
+        for (bool is = text_starts(all, "#") || text_starts(all, "%"); is && !says && text_word(&line, &word);) {
+            for (; word.size && strchr("#%([", word.data[0]); word.size--) {
+                word.data++;
+            }
+            while (word.size && strchr(":,;.+)]", word.data[word.size - 1])) {
+                word.size--;
+            }
+            says = text_equal(word, "LPS");
+        }
+        if (says) {
+            job_bad(job, "\"%.*s\" says LPS: " IN_RAS, TEXT_SHOW(all, 60));
+        }
+    }
+}
+
 /* Sixteen numbers, four in a line, the last line 0 0 0 1; lines that begin with # are comments. */
 static void read_matrix(struct job *job, struct transform_chain *out, struct source *source,
                         const conus_transform_options *options)
@@ -390,9 +415,9 @@ static void read_matrix(struct job *job, struct transform_chain *out, struct sou
     size_t length = strlen(path);
     bool is_fsl = length > 4 && strcmp(path + length - 4, ".mat") == 0;
     if (count_words(text) == 12) {
-        job_refuse(job, "12 numbers in a line, a matrix of AFNI's (.aff12.1D), which is in LPS: needed are 4 x 4 "
-                        "numbers in RAS: a b -c -d, e f -g -h, -i -j k l, 0 0 0 1 of its a to l");
+        job_refuse(job, "12 numbers in a line, a matrix of AFNI's (.aff12.1D), which is in LPS: " IN_RAS);
     }
+    check_comments(job, text);
     take_rows(job, out->matrix, &text, 4, "matrix");
     if (transform_line(&text, &line)) {
         job_bad(job, "matrix: more than four rows");

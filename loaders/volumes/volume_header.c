@@ -152,7 +152,8 @@ static bool is_of_vertices(const struct volume_header *header)
 
 void volume_header_settle(struct job *job, struct volume_header *header)
 {
-    static const double most = 1000; /* a brain is not larger than a metre: the numbers mean something else */
+    static const double most = 1000; /* a brain is not larger than a metre: the numbers mean something else, */
+    static const double least = 0.3; /* and as few metres would be one */
     double size[3];
     double largest = 0;
     if (is_of_vertices(header)) {
@@ -162,8 +163,10 @@ void volume_header_settle(struct job *job, struct volume_header *header)
         size[i] = header->info.spacing[i] * (double)header->info.dim[i];
         largest = fmax(largest, size[i]);
     }
-    if (job_ok(job) && !place_ccf(job, header, size) && largest > most) {
-        job_warn(job, "%s: the grid is %g mm long: are they micrometres? %s", header->info.transform, largest,
+    const bool is_small = largest < least && !header->has_unit;
+    if (job_ok(job) && !place_ccf(job, header, size) && (largest > most || is_small)) {
+        job_warn(job, "%s: the grid is %g mm long: are they %s? %s", header->info.transform, largest,
+                 is_small ? "metres" : "micrometres",
                  header->has_unit ? "The unit that the file states was used"
                                   : "The file states no unit, so they were taken as millimetres");
     }

@@ -96,7 +96,8 @@ LIBRARY = {
     "loaders/phantom": "base base/files base/geometry atlas/labels atlas atlas/phantom loaders/volumes loaders/surfaces",
     "loaders/manifest": "base base/files base/formats base/job atlas/labels atlas/surface atlas/areas loaders/volumes loaders/labels sources",
     "loaders/transform": "base base/job base/files base/geometry base/child atlas/deformation atlas loaders loaders/volumes sources",
-    "loaders/maps": "base base/job base/files base/child base/geometry atlas atlas/fit loaders/volumes loaders/labels sources",
+    "loaders/maps": "base base/job base/files base/child base/geometry atlas atlas/fit loaders/volumes loaders/labels"
+    " loaders/manifest sources",
     "loaders/scene": "base base/files base/geometry base/formats base/job atlas/labels atlas/surface atlas atlas/areas atlas/fit"
     " atlas/warp loaders/maps loaders loaders/volumes loaders/labels loaders/cifti loaders/surfaces/foreign loaders/surfaces"
     " loaders/manifest loaders/transform loaders/tracts loaders/brainglobe sources",

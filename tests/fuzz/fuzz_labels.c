@@ -25,7 +25,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct job job = {0};
     const char *format = NULL;
     static const struct label_use use;
-    label_bytes_parse(&job, &table, &format, data, size, &use);
+    label_bytes_parse(&job, &table, &format, &(struct bytes){(uint8_t *)data, size}, &use);
     conus_status status = job_close(&job, NULL, NULL);
     if (status ? table.count || format : !table.count || !format) {
         abort();

@@ -103,22 +103,35 @@ float *sink_array_grow(struct mesh_sink *sink, struct sink_array *array, size_t 
     return array->values ? array->values + array->count - more : NULL; /* of none */
 }
 
+/* The space that stands behind the word at the start of @p text, of so many letters. */
+static enum mesh_space space_behind(struct text text, size_t word)
+{
+    enum { VALUE = sizeof "LPS" - 1 };
+    size_t at = word;
+    while (at < text.size && memchr("=: \t", text.data[at], 4)) {
+        at++;
+    }
+    const struct text value = {text.data + at, text.size - at < VALUE ? text.size - at : VALUE};
+    const bool ends = text.size - at <= VALUE || !isalnum((unsigned char)text.data[at + VALUE]);
+    return at == word || !ends                      ? MESH_SPACE_UNSTATED
+           : text_equal_ignoring_case(value, "RAS") ? MESH_SPACE_RAS
+           : text_equal_ignoring_case(value, "LPS") ? MESH_SPACE_LPS
+                                                    : MESH_SPACE_UNSTATED;
+}
+
 enum mesh_space mesh_space_in(struct text text)
 {
-    enum { WORD = sizeof "SPACE" - 1, VALUE = sizeof "LPS" - 1 };
-    for (size_t i = 0; i + WORD < text.size; i++) {
-        size_t at = i + WORD;
-        if (strncasecmp(text.data + i, "SPACE", WORD) != 0 || (i && isalnum((unsigned char)text.data[i - 1]))) {
-            continue;
-        }
-        while (at < text.size && memchr("= \t", text.data[at], 3)) {
-            at++;
-        }
-        const struct text value = {text.data + at, text.size - at < VALUE ? text.size - at : VALUE};
-        bool ends = text.size - at <= VALUE || !isalnum((unsigned char)text.data[at + VALUE]);
-        if (at > i + WORD && ends && text_is_one_of(value, "RAS/LPS", false)) {
-            return text_equal_ignoring_case(value, "RAS") ? MESH_SPACE_RAS : MESH_SPACE_LPS;
+    static const char *const words[] = {"space", "system", "coordinates", "orientation"};
+    enum mesh_space space = MESH_SPACE_UNSTATED;
+    for (size_t i = 0; !space && i < text.size; i++) {
+        const struct text rest = {text.data + i, text.size - i};
+        const bool begins = !i || !isalnum((unsigned char)text.data[i - 1]);
+        for (size_t k = 0; begins && !space && k < sizeof words / sizeof words[0]; k++) {
+            const size_t length = strlen(words[k]);
+            if (rest.size > length && strncasecmp(rest.data, words[k], length) == 0) {
+                space = space_behind(rest, length);
+            }
         }
     }
-    return MESH_SPACE_UNSTATED;
+    return space;
 }

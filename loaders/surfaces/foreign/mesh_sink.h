@@ -87,7 +87,8 @@ struct sink_array *sink_array(struct mesh_sink *sink, struct text name, bool per
  * above max_memory. */
 float *sink_array_grow(struct mesh_sink *sink, struct sink_array *array, size_t more);
 
-/** The value behind "SPACE" in @p text: 3D Slicer writes "SPACE=RAS" or "SPACE=LPS". */
+/** The value behind "SPACE" in @p text: 3D Slicer writes "SPACE=RAS" or "SPACE=LPS", others "coordinate system: LPS".
+ */
 enum mesh_space mesh_space_in(struct text text);
 
 #endif
