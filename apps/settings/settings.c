@@ -599,15 +599,12 @@ void help_errors(FILE *out)
 
 static const char *const orders[] = {"rank", "depth", NULL};
 
-const struct rows_kind settings_axis_rows[AXIS_FILES] = {{"segments", CONUS_ROWS_SEGMENTS, "segments"},
-                                                         {"clearance", CONUS_ROWS_CLEARANCES, "clearances"}};
-
 const struct option axis_options[] = {
-    {OPTION_VALUED("segments", struct axis_settings, files[0], "FILE"),
+    {OPTION_VALUED("segments", struct axis_settings, segments, "FILE"),
      .help = "write what the axis passes, in order of depth: a row for each stretch inside an area, pathway or "
              "bundle, or between them",
      .words = "probe, shank, track", .role = OPTION_WRITES_ROWS, .flags = OPTION_OF_CONE, .holds = HOLDS_ROWS},
-    {OPTION_VALUED("clearance", struct axis_settings, files[1], "FILE[,within=MM]"),
+    {OPTION_VALUED("clearance", struct axis_settings, clearance, "FILE[,within=MM]"),
      .help = "write how far the device stays from each area, pathway and bundle, the nearest first, and where; as a "
              "needle of --radius (a cone has none) from the near to the far end of --range; up to MM away, 0 to 1000 "
              "(default 10)",

@@ -28,7 +28,7 @@ APPS = {
     "apps/settings": "apps/link apps/options",
     "apps/figures": "apps/options",
     "apps/pages": "apps/options",
-    "apps/cli/batch": "apps/options apps/settings",
+    "apps/cli/batch": "apps/options apps/settings apps/cli/answers",
     "apps/cli/answers": "apps/options apps/settings",
     "apps/cli/verify": "apps/options apps/cli/answers",
     "apps/cli/cite": "apps/options",
