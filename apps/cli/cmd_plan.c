@@ -300,18 +300,12 @@ static conus_status make_reports(struct planning *planning)
 }
 
 enum { REACH = 4, FEASIBLE, CANDIDATE, MAPS };
-/* Where the numbers of a map are in conus_plan_best; the last two are whole. */
+/* Columns of conus_plan_list(); the last two are whole. */
 static const struct {
     const char *name;
-    size_t offset;
     bool of_targets;
-} map_kinds[MAPS] = {{"leeway_mm", offsetof(conus_plan_best, leeway), true},
-                     {"slack_mm", offsetof(conus_plan_best, slack), false},
-                     {"depth_mm", offsetof(conus_plan_best, far), false},
-                     {"entry_angle_deg", offsetof(conus_plan_best, entry_angle), false},
-                     [REACH] = {"reach1", offsetof(conus_plan_best, reach), false},
-                     {"feasible", offsetof(conus_plan_best, feasible), true},
-                     {"candidate", offsetof(conus_plan_best, candidate), false}};
+} map_kinds[MAPS] = {{"leeway_mm", true},         {"slack_mm", false}, {"depth_mm", false}, {"entry_angle_deg", false},
+                     [REACH] = {"reach1", false}, {"feasible", true},  {"candidate", false}};
 
 /* The column that the first --reach fills; "reach1" without one. */
 static const char *reach_name(const struct constraints *constraints)
@@ -333,40 +327,36 @@ static const char *reach_name(const struct constraints *constraints)
 
 static int write_map(const struct planning *planning, const char *path, bool of_targets)
 {
-    typedef const conus_plan_best *best_of(const conus_plan *plan, uint64_t number);
-    best_of *const best = of_targets ? conus_plan_target : conus_plan_entry;
     const struct place *place = of_targets ? &planning->candidates.toward : &planning->candidates.from;
-    size_t count = conus_sites_count(place->sites);
-    float *values = calloc(CANDIDATE * count, sizeof *values);
-    uint64_t *candidates = calloc(count, sizeof *candidates);
+    conus_table *table = NULL;
+    conus_status status = conus_plan_list(&table, planning->plan, of_targets ? "targets" : "entries");
+    size_t count = conus_table_rows(table);
+    float *values = calloc(CANDIDATE * count + 1, sizeof *values);
     conus_vertex_map maps[MAPS];
     size_t written = 0;
-    if (!values || !candidates) {
-        free(values);
-        free(candidates);
-        return print_no_memory();
-    }
-    for (size_t i = 0; i < count; i++) {
-        const conus_plan_best *site = best(planning->plan, i + 1);
-        for (size_t k = 0; k < FEASIBLE; k++) {
-            values[k * count + i] = (float)*(const double *)((const char *)site + map_kinds[k].offset);
+    status = status || values ? status : CONUS_ERROR_MEMORY;
+    for (size_t k = 0; k < MAPS && !status; k++) {
+        const char *name = map_kinds[k].name;
+        const double *numbers = conus_table_numbers(table, name);
+        const int64_t *counts = conus_table_counts(table, name);
+        conus_vertex_map map = {.name = k == REACH ? reach_name(&planning->constraints) : name};
+        if (k < CANDIDATE) {
+            for (size_t i = 0; i < count; i++) {
+                values[k * count + i] = numbers ? (float)numbers[i] : (float)counts[i];
+            }
+            map.values = values + k * count;
+        } else {
+            map.numbers = (const uint64_t *)counts;
         }
-        values[FEASIBLE * count + i] = (float)site->feasible;
-        candidates[i] = site->candidate;
-    }
-    for (size_t k = 0; k < MAPS; k++) {
         if (map_kinds[k].of_targets || !of_targets) {
-            maps[written++] =
-                (conus_vertex_map){.name = k == REACH ? reach_name(&planning->constraints) : map_kinds[k].name,
-                                   .values = k < CANDIDATE ? values + k * count : NULL,
-                                   .numbers = k < CANDIDATE ? NULL : candidates};
+            maps[written++] = map;
         }
     }
     double fill = !of_targets && option_key(planning->request.arguments, "map") ? place->apart : 0;
-    conus_status status =
-        conus_sites_write_maps(path, place->sites, maps, written, planning->settings->structure, fill);
+    status = status ? status
+                    : conus_sites_write_maps(path, place->sites, maps, written, planning->settings->structure, fill);
     free(values);
-    free(candidates);
+    conus_table_destroy(table);
     return print_status(status);
 }
 
@@ -462,10 +452,10 @@ static int answer_plan(struct planning *planning)
     }
     request_say_notes(request);
     if (!settings->request.common.quiet) {
-        plan_say_funnel(planning->plan, request->answerers[0].report, settings->request.engine.radius);
+        code = plan_say_funnel(planning->plan, settings->request.engine.radius);
         print_error_line("note: a plan is a list to be checked; conus is no medical device");
     }
-    return request_code(request, write_all(planning));
+    return request_code(request, code ? code : write_all(planning));
 }
 
 static int run_plan(const void *given, const struct arguments *arguments)

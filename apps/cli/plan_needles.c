@@ -577,18 +577,16 @@ static int check_rows(struct planner *planner)
 static int say_alone(const struct planner *planner, size_t index)
 {
     const conus_placed *placed = conus_together_needle(planner->together, index);
-    conus_report *report = NULL;
-    conus_report_options options = request_report_options(&planner->request);
-    options.rows = CONUS_ROWS_PLAN;
-    conus_status status = conus_report_create(&report, planner->rows[index].answerer.selector, &options);
-    status = status ? status : conus_report_add_plan(report, (conus_plan *)placed->plan);
-    if (!status && placed->given) {
-        print_error_line("%s is given, and breaks %s", placed->name,
-                         conus_report_constraint(report, placed->pose->broken));
-    } else if (!status) {
-        plan_say_funnel(placed->plan, report, placed->radius);
+    if (!placed->given) {
+        return plan_say_funnel(placed->plan, placed->radius);
     }
-    conus_report_destroy(report);
+    conus_table *constraints = NULL;
+    conus_status status = conus_plan_list(&constraints, placed->plan, "constraints");
+    if (!status) {
+        print_error_line("%s is given, and breaks %s", placed->name,
+                         conus_table_texts(constraints, "asked")[placed->pose->broken]);
+    }
+    conus_table_destroy(constraints);
     return print_status(status);
 }
 

@@ -580,21 +580,29 @@ void help_scores(FILE *out)
 
 void help_errors(FILE *out)
 {
-    const conus_pose_error *error;
+    conus_table *errors = NULL;
+    if (conus_list_choices(&errors, "errors")) {
+        return;
+    }
+    const double *tilt = conus_table_numbers(errors, "tilt_deg");
+    const double *shift = conus_table_numbers(errors, "shift_mm");
+    const double *entry = conus_table_numbers(errors, "entry_mm");
+    const double *target = conus_table_numbers(errors, "target_mm");
     fputs("Published errors of --jitter, with standard deviations per axis\n", out);
-    for (size_t i = 0; (error = conus_pose_error_at(i)); i++) {
-        fprintf(out, "  %-19s ", error->name);
-        if (error->entry > 0) {
-            fprintf(out, " entry %.2f mm, target %.2f mm (conus plan)", error->entry, error->target);
-        } else if (error->shift > 0) {
-            fprintf(out, " %.2f mm", error->shift);
+    for (size_t i = 0; i < conus_table_rows(errors); i++) {
+        fprintf(out, "  %-19s ", conus_table_texts(errors, "name")[i]);
+        if (entry[i] > 0) {
+            fprintf(out, " entry %.2f mm, target %.2f mm (conus plan)", entry[i], target[i]);
+        } else if (shift[i] > 0) {
+            fprintf(out, " %.2f mm", shift[i]);
         }
-        if (error->tilt_deg > 0) {
-            fprintf(out, "%s %.2f degrees", error->shift > 0 ? "," : "", error->tilt_deg);
+        if (tilt[i] > 0) {
+            fprintf(out, "%s %.2f degrees", shift[i] > 0 ? "," : "", tilt[i]);
         }
         fputs("\n", out);
     }
     fputs("  vr-controller:W          that of a target W degrees wide; above W is 4\n", out);
+    conus_table_destroy(errors);
 }
 
 static const char *const orders[] = {"rank", "depth", NULL};

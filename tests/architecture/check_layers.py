@@ -126,7 +126,7 @@ LIBRARY = {
     "selection/study": "base base/geometry atlas/surface atlas poses/rows selection/measure selection/table selection",
     "selection/plan/together": "base base/geometry selection/table",
     "selection/plan": "base base/geometry atlas/surface atlas/tracts atlas atlas/areas poses poses/rows selection/evidence"
-    " selection/measure selection selection/study selection/report selection/batch selection/plan/together",
+    " selection/measure selection selection/study selection/report selection/batch selection/lists selection/plan/together",
     "selection/ends": "base base/geometry atlas/surface atlas selection/measure selection/engine/voxels selection/table selection",
     "selection/picture": "base base/geometry render/draw render/image render/colour render/flat selection/measure selection"
     " selection/study",
