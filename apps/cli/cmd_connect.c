@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus connect: which areas the streamlines of bundles connect, all of them, without a pose. */
-#include "cli/answers/ends.h"
 #include "cli/commands.h"
 #include "cli/request.h"
 #include "conus/own.h"
@@ -28,7 +27,6 @@ static const struct option_group groups[] = {
 struct connect {
     const struct connect_settings *settings;
     struct request request;
-    struct matrix_file matrix;
 };
 
 static size_t count_hidden_areas(const conus_atlas *atlas)
@@ -63,7 +61,7 @@ static void say_without_areas(const struct connect *connect, const struct named_
     }
 }
 
-static int add_answer(struct connect *connect, size_t index, const conus_report_options *report)
+static int add_answer(struct connect *connect, size_t index)
 {
     const double radius = ends_radius_of(&connect->settings->ends, connect->request.arguments);
     struct answerer *answerer = &connect->request.answerers[index];
@@ -73,7 +71,8 @@ static int add_answer(struct connect *connect, size_t index, const conus_report_
     int code = print_status(status);
     if (!code) {
         say_without_areas(connect, &connect->request.atlases.items[index], table);
-        code = matrix_file_take(&connect->matrix, answerer->selector, report, "1", table);
+        struct asked asked = {.made = table, .made_of = CONUS_ROWS_CONNECTIONS};
+        return print_status(rows_files_add(&connect->request.rows, index, answerer->selector, "1", &asked));
     }
     conus_table_destroy(table);
     return code;
@@ -107,7 +106,7 @@ static int answer_connect(struct connect *connect)
     code = code ? code : request_check_outputs(request);
     code = code || ends_check_atlases(&request->atlases) ? code : EXIT_USAGE;
     for (size_t i = 0; !code && i < request->atlases.count; i++) {
-        code = add_answer(connect, i, &report);
+        code = add_answer(connect, i);
     }
     if (code) {
         return code;
@@ -117,11 +116,8 @@ static int answer_connect(struct connect *connect)
     request_list_inputs(&provenance, request);
     provenance.question.rows = "connections";
     provenance.question.region = "all";
-    code = matrix_file_write(&connect->matrix, &provenance);
-    provenance_add_outputs(&provenance, request->arguments);
-    return code ? code
-                : answer_write(request->answerers[0].report, request->settings->answer.output, request->sidecar,
-                               &provenance);
+    code = rows_files_write(&request->rows, &provenance);
+    return code ? code : request_write_answer(request, &provenance);
 }
 
 /* The tractograms behind ATLAS, and those of --streamlines. NULL without memory. */
@@ -152,10 +148,8 @@ static int run_connect(const void *given, const struct arguments *arguments)
     }
     const char **tractograms = list_tractograms(&settings.request.atlas.streamlines, arguments);
     int code = tractograms ? request_init(&connect.request, &settings.request, arguments) : print_no_memory();
-    code = code ? code : matrix_file_init(&connect.matrix, settings.ends.connectivity);
     connect.request.atlases.shares_streamlines = true;
     code = code ? code : answer_connect(&connect);
-    matrix_file_finish(&connect.matrix);
     request_finish(&connect.request);
     free((void *)tractograms);
     return code;

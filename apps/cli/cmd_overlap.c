@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus overlap: which areas and pathways regions of interest cover. */
-#include "cli/answers/ends.h"
 #include "cli/commands.h"
 #include "cli/request.h"
 #include "conus/own.h"
@@ -49,7 +48,6 @@ static const struct option_group groups[] = {
 struct overlap {
     const struct overlap_settings *settings;
     struct request request;
-    struct rows_file clusters;
 };
 
 static const char *region_path(const struct overlap *overlap, size_t index)
@@ -178,12 +176,8 @@ static int add_answer(struct overlap *overlap, size_t index, const char *path, c
         say_place(overlap, index, roi, coverages);
     }
     conus_table_destroy(coverages);
-    if (!status && overlap->clusters.path) {
-        conus_table *clusters = NULL;
-        status = conus_clusters(&clusters, answerer->selector, roi);
-        status = status ? status : conus_report_add_table(overlap->clusters.reports[index], path, clusters);
-        conus_table_destroy(clusters);
-    }
+    struct asked asked = {.roi = roi};
+    status = status ? status : rows_files_add(&overlap->request.rows, index, answerer->selector, path, &asked);
     return print_status(status);
 }
 
@@ -219,12 +213,6 @@ static int answer_overlap(struct overlap *overlap)
     report.rows = CONUS_ROWS_COVERAGES;
     report.no_voxels = true;
     code = code ? code : request_start_without_rays(request, &report);
-    for (size_t i = 0; !code && i < request->atlases.count; i++) {
-        conus_report_options own = report;
-        own.atlas = request->atlases.items[i].name;
-        conus_status status = rows_file_report(&overlap->clusters, request->answerers[i].selector, &own);
-        code = print_status(status);
-    }
     code = code ? code : request_check_outputs(request);
     for (size_t i = 0; !code && i <= request->arguments->more.count; i++) {
         code = add_region(overlap, region_path(overlap, i));
@@ -240,12 +228,8 @@ static int answer_overlap(struct overlap *overlap)
     request_list_inputs(&provenance, request);
     provenance.question.rows = "coverages";
     provenance.question.region = "volume";
-    code = rows_file_write(&overlap->clusters, &provenance);
-    if (code) {
-        return code;
-    }
-    provenance_add_outputs(&provenance, request->arguments);
-    return answer_write(request->answerers[0].report, request->settings->answer.output, request->sidecar, &provenance);
+    code = rows_files_write(&request->rows, &provenance);
+    return code ? code : request_write_answer(request, &provenance);
 }
 
 static int run_overlap(const void *given, const struct arguments *arguments)
@@ -259,16 +243,8 @@ static int run_overlap(const void *given, const struct arguments *arguments)
     if (!space_settings_check(arguments, &settings->request.aim.space)) {
         return EXIT_USAGE;
     }
-    static const struct rows_kind clusters = {"clusters", CONUS_ROWS_CLUSTERS, "clusters"};
     int code = request_init(&overlap.request, &settings->request, arguments);
-    if (settings->clusters && output_is_stdout(settings->clusters)) {
-        code = code ? code : print_usage_error("--clusters needs a file: the answer is on standard output");
-    }
-    code =
-        code ? code : rows_file_init(&overlap.clusters, &clusters, settings->clusters, CONUS_FORMAT_TABLE, arguments);
-    outputs_add_sidecar(&overlap.request.outputs, "clusters", overlap.clusters.sidecar);
     code = code ? code : answer_overlap(&overlap);
-    rows_file_finish(&overlap.clusters);
     request_finish(&overlap.request);
     return code;
 }

@@ -121,18 +121,12 @@ static const struct option_group groups[] = {
     {0},
 };
 
-enum { ROWS_FILES = 3 };
-static const struct rows_kind rows_kinds[ROWS_FILES] = {{"constraints", CONUS_ROWS_CONSTRAINTS, "constraints"},
-                                                        {"profile", CONUS_ROWS_PROFILE, "profile"},
-                                                        {"tolerance", CONUS_ROWS_TOLERANCE, "tolerance"}};
-
 /** A plan under way. */
 struct planning {
     const struct plan_settings *settings;
     struct request request;
     struct constraints constraints;
     struct candidates candidates;
-    struct rows_file files[ROWS_FILES]; /* --constraints, --profile, --tolerance */
     uint64_t top;
     conus_tolerance_options pivot;
     conus_jitter_options jitter;
@@ -163,47 +157,6 @@ static bool has_avoided(const struct constraints *constraints)
         found = found || (constraints->items[i].kind == CONUS_CONSTRAINT_AVOID && !constraints->items[i].measure);
     }
     return found;
-}
-
-/* Rows on standard output take the place of the answer, unless -o names it another. */
-static bool is_replaced(const struct planning *planning)
-{
-    bool is_there = false;
-    for (size_t i = 0; i < ROWS_FILES; i++) {
-        const char *path = planning->files[i].path;
-        is_there = is_there || (path && output_is_stdout(path));
-    }
-    return is_there && !planning->settings->request.answer.output;
-}
-
-static int start_rows(struct planning *planning)
-{
-    const struct plan_settings *settings = planning->settings;
-    const char *const paths[ROWS_FILES] = {settings->constraint_rows, settings->profile, settings->tolerance};
-    struct request *request = &planning->request;
-    bool answer_has_format = !output_is_stdout(settings->request.answer.output);
-    int code = EXIT_DONE;
-    for (size_t i = 0; i < ROWS_FILES && !code; i++) {
-        code = rows_file_init(&planning->files[i], &rows_kinds[i], paths[i],
-                              answer_has_format ? CONUS_FORMAT_TABLE : request->format, request->arguments);
-        outputs_add_sidecar(&request->outputs, rows_kinds[i].option, planning->files[i].sidecar);
-    }
-    for (size_t i = 0; i < ROWS_FILES && !code; i++) {
-        for (size_t k = 0; k < i && !code; k++) {
-            bool are_both = paths[i] && paths[k] && output_is_stdout(paths[i]) && output_is_stdout(paths[k]);
-            code = are_both ? print_usage_error("--%s and --%s are both on standard output", rows_kinds[k].option,
-                                                rows_kinds[i].option)
-                            : EXIT_DONE;
-        }
-    }
-    if (!code && paths[1] && !has_avoided(&planning->constraints)) {
-        code = print_usage_error("--profile has no effect without --avoid NAME,...");
-    }
-    const char *sidecar = settings->request.answer.sidecar; /* none is of the rows, too */
-    if (!code && is_replaced(planning) && sidecar && !sidecar_is_none(sidecar)) {
-        code = print_usage_error("--sidecar has no effect without the answer");
-    }
-    return code || outputs_differ(&request->outputs) ? code : EXIT_USAGE;
 }
 
 static int open_poses(void *user)
@@ -342,31 +295,17 @@ static conus_status make_reports(struct planning *planning)
     options.rows = CONUS_ROWS_PLAN;
     conus_status status = request_report(request, 0, &options);
     status = status ? status : conus_report_add_plan(request->answerers[0].report, planning->plan);
-    for (size_t i = 0; i < ROWS_FILES && !status; i++) {
-        struct rows_file *file = &planning->files[i];
-        status = rows_file_report(file, request->answerers[0].selector, &options);
-        if (!status && file->path) {
-            status = i == 0   ? conus_report_add_plan(file->reports[0], planning->plan)
-                     : i == 1 ? conus_report_add_profile(file->reports[0], planning->plan, planning->step)
-                              : conus_report_add_tolerance(file->reports[0], planning->plan, &planning->pivot);
-        }
-    }
-    return status;
+    struct asked asked = {.plan = planning->plan, .step = planning->step, .pivot = planning->pivot};
+    return status ? status : rows_files_add(&request->rows, 0, request->answerers[0].selector, NULL, &asked);
 }
 
 enum { REACH = 4, FEASIBLE, CANDIDATE, MAPS };
-/* Where the numbers of a map are in conus_plan_best; the last two are whole. */
+/* Columns of conus_plan_list(); the last two are whole. */
 static const struct {
     const char *name;
-    size_t offset;
     bool of_targets;
-} map_kinds[MAPS] = {{"leeway_mm", offsetof(conus_plan_best, leeway), true},
-                     {"slack_mm", offsetof(conus_plan_best, slack), false},
-                     {"depth_mm", offsetof(conus_plan_best, far), false},
-                     {"entry_angle_deg", offsetof(conus_plan_best, entry_angle), false},
-                     [REACH] = {"reach1", offsetof(conus_plan_best, reach), false},
-                     {"feasible", offsetof(conus_plan_best, feasible), true},
-                     {"candidate", offsetof(conus_plan_best, candidate), false}};
+} map_kinds[MAPS] = {{"leeway_mm", true},         {"slack_mm", false}, {"depth_mm", false}, {"entry_angle_deg", false},
+                     [REACH] = {"reach1", false}, {"feasible", true},  {"candidate", false}};
 
 /* The column that the first --reach fills; "reach1" without one. */
 static const char *reach_name(const struct constraints *constraints)
@@ -388,40 +327,36 @@ static const char *reach_name(const struct constraints *constraints)
 
 static int write_map(const struct planning *planning, const char *path, bool of_targets)
 {
-    typedef const conus_plan_best *best_of(const conus_plan *plan, uint64_t number);
-    best_of *const best = of_targets ? conus_plan_target : conus_plan_entry;
     const struct place *place = of_targets ? &planning->candidates.toward : &planning->candidates.from;
-    size_t count = conus_sites_count(place->sites);
-    float *values = calloc(CANDIDATE * count, sizeof *values);
-    uint64_t *candidates = calloc(count, sizeof *candidates);
+    conus_table *table = NULL;
+    conus_status status = conus_plan_list(&table, planning->plan, of_targets ? "targets" : "entries");
+    size_t count = conus_table_rows(table);
+    float *values = calloc(CANDIDATE * count + 1, sizeof *values);
     conus_vertex_map maps[MAPS];
     size_t written = 0;
-    if (!values || !candidates) {
-        free(values);
-        free(candidates);
-        return print_no_memory();
-    }
-    for (size_t i = 0; i < count; i++) {
-        const conus_plan_best *site = best(planning->plan, i + 1);
-        for (size_t k = 0; k < FEASIBLE; k++) {
-            values[k * count + i] = (float)*(const double *)((const char *)site + map_kinds[k].offset);
+    status = status || values ? status : CONUS_ERROR_MEMORY;
+    for (size_t k = 0; k < MAPS && !status; k++) {
+        const char *name = map_kinds[k].name;
+        const double *numbers = conus_table_numbers(table, name);
+        const int64_t *counts = conus_table_counts(table, name);
+        conus_vertex_map map = {.name = k == REACH ? reach_name(&planning->constraints) : name};
+        if (k < CANDIDATE) {
+            for (size_t i = 0; i < count; i++) {
+                values[k * count + i] = numbers ? (float)numbers[i] : (float)counts[i];
+            }
+            map.values = values + k * count;
+        } else {
+            map.numbers = (const uint64_t *)counts;
         }
-        values[FEASIBLE * count + i] = (float)site->feasible;
-        candidates[i] = site->candidate;
-    }
-    for (size_t k = 0; k < MAPS; k++) {
         if (map_kinds[k].of_targets || !of_targets) {
-            maps[written++] =
-                (conus_vertex_map){.name = k == REACH ? reach_name(&planning->constraints) : map_kinds[k].name,
-                                   .values = k < CANDIDATE ? values + k * count : NULL,
-                                   .numbers = k < CANDIDATE ? NULL : candidates};
+            maps[written++] = map;
         }
     }
     double fill = !of_targets && option_key(planning->request.arguments, "map") ? place->apart : 0;
-    conus_status status =
-        conus_sites_write_maps(path, place->sites, maps, written, planning->settings->structure, fill);
+    status = status ? status
+                    : conus_sites_write_maps(path, place->sites, maps, written, planning->settings->structure, fill);
     free(values);
-    free(candidates);
+    conus_table_destroy(table);
     return print_status(status);
 }
 
@@ -476,21 +411,14 @@ static int write_all(struct planning *planning)
     provenance.question.region = settings->request.engine.radius > 0                                       ? "cylinder"
                                  : constraints_last_measure(&planning->constraints) >= CONUS_MEASURE_SHARE ? "cone"
                                                                                                            : "axis";
-    int code = EXIT_DONE;
-    for (size_t i = 0; i < ROWS_FILES && !code; i++) {
-        code = rows_file_write(&planning->files[i], &provenance);
-    }
+    int code = rows_files_write(&request->rows, &provenance);
     if (!code && settings->poses_out) {
         code = write_poses(planning);
     }
     code = code || !settings->map ? code : write_map(planning, settings->map, false);
     code = code || !settings->target_map ? code : write_map(planning, settings->target_map, true);
     provenance.question.rows = "plan";
-    provenance_add_outputs(&provenance, request->arguments);
-    code = code || is_replaced(planning) ? code
-                                         : answer_write(request->answerers[0].report, settings->request.answer.output,
-                                                        request->sidecar, &provenance);
-    return code;
+    return code ? code : request_write_answer(request, &provenance);
 }
 
 static int answer_plan(struct planning *planning)
@@ -524,10 +452,10 @@ static int answer_plan(struct planning *planning)
     }
     request_say_notes(request);
     if (!settings->request.common.quiet) {
-        plan_say_funnel(planning->plan, request->answerers[0].report, settings->request.engine.radius);
+        code = plan_say_funnel(planning->plan, settings->request.engine.radius);
         print_error_line("note: a plan is a list to be checked; conus is no medical device");
     }
-    return request_code(request, write_all(planning));
+    return request_code(request, code ? code : write_all(planning));
 }
 
 static int run_plan(const void *given, const struct arguments *arguments)
@@ -543,11 +471,10 @@ static int run_plan(const void *given, const struct arguments *arguments)
                 space_settings_check(arguments, &settings->request.aim.space);
     code = code || fits ? code : EXIT_USAGE;
     code = code ? code : request_init(&planning.request, &settings->request, arguments);
-    code = code ? code : start_rows(&planning);
-    code = code ? code : answer_plan(&planning);
-    for (size_t i = 0; i < ROWS_FILES; i++) {
-        rows_file_finish(&planning.files[i]);
+    if (!code && settings->profile && !has_avoided(&planning.constraints)) {
+        code = print_usage_error("--profile has no effect without --avoid NAME,...");
     }
+    code = code ? code : answer_plan(&planning);
     conus_plan_destroy(planning.plan);
     constraints_finish(&planning.constraints);
     request_finish(&planning.request);

@@ -47,9 +47,9 @@ double plan_far(const struct plan_settings *settings, const struct candidates *c
 int plan_check_candidates(bool *failed, const conus_plan *plan, const struct plan_settings *settings,
                           const struct candidates *candidates);
 
-/** Says how many candidates each constraint leaves, and where none are left which break one alone. @p report has the
- * words of the plan's constraints. */
-void plan_say_funnel(const conus_plan *plan, const conus_report *report, double radius);
+/** Says how many candidates each constraint leaves, and where none are left which break one alone. Returns the exit
+ * code and prints an error unless it is 0. */
+int plan_say_funnel(const conus_plan *plan, double radius);
 
 /** The options of a question. */
 extern const struct option plan_pose_options[], plan_needle_options[], plan_contact_options[];

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus query: what is in a cone or ball, with the tables, pictures and masks that belong to it. */
-#include "cli/answers/ends.h"
 #include "cli/answers/selection_files.h"
 #include "cli/commands.h"
 #include "cli/request.h"
@@ -92,6 +91,9 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
         format != CONUS_FORMAT_TABLE) {
         return refuse("%s: --voxels writes TSV; end the name in .tsv", settings->voxels);
     }
+    if (option_given(arguments, "endpoint-radius") && !settings->ends.endpoints && !settings->ends.connectivity) {
+        return refuse("--endpoint-radius has no effect without --endpoints or --connectivity");
+    }
     return ends_check(&settings->ends, arguments);
 }
 
@@ -100,8 +102,6 @@ struct query_run {
     const struct query_settings *settings;
     struct request request;
     struct selection_files files;
-    struct rows_file axes[AXIS_FILES]; /* by settings_axis_rows */
-    struct ends ends;
     conus_contacts contacts;
     conus_probe *probe;
     bool is_of_points; /* poses of the file have no direction, and are asked all the same, */
@@ -194,39 +194,14 @@ struct query {
     double radius; /* of the ball; 0 = what is at the point */
 };
 
-/* Adds what the axis passes in one atlas, or unless `within` is NULL how far it stays from what is there. */
-static conus_status add_axis(conus_report *report, conus_selector *selector, const struct query *query,
-                             const double *within)
+/* Adds what the axis passes in one atlas. */
+static conus_status add_axis(const struct answerer *answerer, const struct query *query)
 {
     conus_table *table = NULL;
-    conus_status status = within ? conus_clearance(&table, selector, &query->pose, *within)
-                                 : conus_segments(&table, selector, &query->pose);
-    status = status ? status : conus_report_add_table(report, query->id, table);
+    conus_status status = conus_segments(&table, answerer->selector, &query->pose);
+    status = status ? status : conus_report_add_table(answerer->report, query->id, table);
     conus_table_destroy(table);
     return status;
-}
-
-/* Adds to each file about axes that is asked for. */
-static conus_status add_axes(const struct query_run *run, size_t index, const struct query *query)
-{
-    conus_selector *selector = run->request.answerers[index].selector;
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; i < AXIS_FILES && !status && !query->is_point; i++) {
-        const struct rows_file *file = &run->axes[i];
-        const double *within = file->kind->rows == CONUS_ROWS_CLEARANCES ? &file->within : NULL;
-        status = file->path ? add_axis(file->reports[index], selector, query, within) : CONUS_OK;
-    }
-    return status;
-}
-
-/* Adds a row to each file about axes that says why there is no answer. */
-static int refuse_axes(struct query_run *run, const char *id, size_t line, const char *why)
-{
-    int code = EXIT_DONE;
-    for (size_t i = 0; i < AXIS_FILES && !code; i++) {
-        code = rows_file_refuse(&run->axes[i], id, line, why);
-    }
-    return code;
 }
 
 /* Adds what the command line asks for of one atlas's answer to a query. */
@@ -234,7 +209,6 @@ static int add_answer(struct query_run *run, size_t index, const struct query *q
 {
     const struct query_settings *settings = run->settings;
     const struct answerer *answerer = &run->request.answerers[index];
-    const conus_report_options report = request_report_options(&run->request);
     bool is_shank = format_is_of_probe(run->request.format) && !query->is_point;
     run->has_points = run->has_points || query->is_point;
     run->has_cones = run->has_cones || !query->is_point;
@@ -246,14 +220,15 @@ static int add_answer(struct query_run *run, size_t index, const struct query *q
     if (is_shank && settings->voxels) {
         return print_usage_error("--voxels: the shanks of a probe have none, other formats list those of cones");
     }
-    conus_status status = is_shank ? add_axis(answerer->report, answerer->selector, query, NULL)
-                                   : conus_report_add(answerer->report, query->id, selection);
-    if (status) {
-        return print_status(status);
-    }
-    int code = ends_add(&run->ends, index, query->id, answerer->selector, selection, &report);
-    status = code ? CONUS_OK : add_axes(run, index, query);
-    return status ? print_status(status) : code;
+    struct asked asked = {.line = query->line,
+                          .pose = query->is_point ? NULL : &query->pose,
+                          .selection = selection,
+                          .radius = ends_radius_of(&settings->ends, run->request.arguments),
+                          .pairs = settings->ends.connectivity};
+    conus_status status =
+        is_shank ? add_axis(answerer, query) : conus_report_add(answerer->report, query->id, selection);
+    status = status ? status : rows_files_add(&run->request.rows, index, answerer->selector, query->id, &asked);
+    return print_status(status);
 }
 
 /* Asks all atlases. Where the query itself is wrong, it sets *fault and prints nothing: the caller says so. */
@@ -275,14 +250,7 @@ static int ask_atlases(struct query_run *run, const struct query *query, bool *f
         code = code ? code : selection_files_take(&run->files, selection, run->request.atlases.items[i].atlas);
         conus_selection_destroy(selection);
     }
-    return code || !query->is_point ? code : refuse_axes(run, query->id, query->line, POINT_HAS_NO_AXIS);
-}
-
-static int refuse_row(struct query_run *run, const conus_pose_row *row, const char *why)
-{
-    int code = request_refuse_row(&run->request, row, why);
-    code = code ? code : refuse_axes(run, row->id, row->line, why);
-    return code ? code : rows_file_refuse(&run->ends.rows, row->id, row->line, why);
+    return code;
 }
 
 static int answer_row(void *user, const conus_pose_row *row)
@@ -307,7 +275,7 @@ static int answer_row(void *user, const conus_pose_row *row)
         request_mark(request, index, conus_pose_list_row(run->insertions, index));
     }
     if (row->error || why[0]) {
-        return refuse_row(run, row, row->error ? row->error : why);
+        return request_refuse_row(request, row, row->error ? row->error : why);
     }
     if (row->is_point) {
         memcpy(query.point, row->pose.world_from_device + 12, sizeof query.point);
@@ -318,7 +286,7 @@ static int answer_row(void *user, const conus_pose_row *row)
         request_count_pose(request, row->line, &row->pose, query.angle);
     }
     int code = ask_atlases(run, &query, &fault);
-    return fault ? refuse_row(run, row, conus_message()) : code;
+    return fault ? request_refuse_row(request, row, conus_message()) : code;
 }
 
 /* Names the object that is nearest to a point outside of the box around the first atlas's objects, unless the object
@@ -443,27 +411,7 @@ static conus_status start_query(struct query_run *run)
     report.probe = run->probe;
     report.placed = settings->coordsystem;
     report.electrodes = request->format == CONUS_FORMAT_BIDS ? conus_pose_list_electrodes(request->poses) : NULL;
-    status = request_reports(request, &report);
-    for (size_t i = 0; i < request->atlases.count && !status; i++) {
-        report.atlas = request->atlases.items[i].name;
-        status = rows_file_report(&run->ends.rows, request->answerers[i].selector, &report);
-        for (size_t k = 0; k < AXIS_FILES && !status; k++) {
-            status = rows_file_report(&run->axes[k], request->answerers[i].selector, &report);
-        }
-    }
-    return status;
-}
-
-static bool is_on_stdout(const char *path)
-{
-    return path && output_is_stdout(path);
-}
-
-/* Whether rows about axes take the place of the answer on stdout. */
-static bool answer_is_replaced(const struct query_settings *settings)
-{
-    const char *const *files = settings->axis.files;
-    return (is_on_stdout(files[0]) || is_on_stdout(files[1])) && output_is_stdout(settings->request.answer.output);
+    return request_reports(request, &report);
 }
 
 /* Writes one of the report's further tables, unless `path` is NULL. */
@@ -494,19 +442,13 @@ static int write_all(struct query_run *run)
     if (run->has_points && !run->has_cones) {
         provenance.question.region = "ball";
     }
-    for (size_t i = 0; i < AXIS_FILES && !code; i++) {
-        code = rows_file_write(&run->axes[i], &provenance);
-    }
-    code = code ? code : ends_write(&run->ends, &provenance);
+    code = rows_files_write(&request->rows, &provenance);
     if (run->has_shanks) {
         provenance.question.rows = "segments";
         provenance.question.region = "axis";
     }
     code = code ? code : selection_files_write(&run->files, report, &provenance);
-    provenance_add_outputs(&provenance, request->arguments);
-    return code || answer_is_replaced(settings)
-               ? code
-               : answer_write(report, settings->request.answer.output, request->sidecar, &provenance);
+    return code ? code : request_write_answer(request, &provenance);
 }
 
 /* Whether --voxels has something to list. */
@@ -705,9 +647,8 @@ static int answer_query(struct query_run *run)
     atlases_say_open(&request->atlases, &request->settings->engine, &request->settings->common);
     request_say_aims(request);
     bool are_added = option_given(request->arguments, "streamlines") || option_given(request->arguments, "pathway");
-    for (size_t i = 0; i < AXIS_FILES; i++) {
-        are_added = are_added && !run->axes[i].path; /* which have all that an axis passes */
-    }
+    const struct axis_settings *axis = &run->settings->axis;
+    are_added = are_added && !axis->segments && !axis->clearance; /* which have all that an axis passes */
     if (are_added && run->has_cones && !run->has_tracts && request->settings->engine.layers == CONUS_LAYERS_VISIBLE) {
         say_note(CONUS_SEVERITY_NOTE, request->settings->common.quiet,
                  "no bundle or pathway is seen; areas may hide them: --layers all has all that a cone passes");
@@ -723,46 +664,18 @@ static int answer_query(struct query_run *run)
     return request_code(request, write_all(run));
 }
 
-/* Starts the files about axes. On stdout they replace the answer and have its format, unless -o names a file for it. */
-static int start_axes(struct query_run *run)
-{
-    const struct query_settings *settings = run->settings;
-    struct request *request = &run->request;
-    const char *const *files = settings->axis.files;
-    if (is_on_stdout(files[0]) && is_on_stdout(files[1])) {
-        return print_usage_error("--segments and --clearance cannot both be on standard output");
-    }
-    if (answer_is_replaced(settings) && settings->axis.order) {
-        return print_usage_error("--order has no effect without the answer: other rows have but one order");
-    }
-    const char *sidecar = settings->request.answer.sidecar; /* none is of the rows, too */
-    if (answer_is_replaced(settings) && sidecar && !sidecar_is_none(sidecar)) {
-        return print_usage_error("--sidecar has no effect without the answer");
-    }
-    bool answer_has_format = !output_is_stdout(settings->request.answer.output);
-    const double within = option_key_number(request->arguments, "clearance", CLEARANCE_WITHIN);
-    int code = EXIT_DONE;
-    for (size_t i = 0; i < AXIS_FILES && !code; i++) {
-        code = rows_file_init(&run->axes[i], &settings_axis_rows[i], files[i],
-                              answer_has_format ? CONUS_FORMAT_TABLE : request->format, request->arguments);
-        run->axes[i].within = within;
-        outputs_add_sidecar(&request->outputs, settings_axis_rows[i].option, run->axes[i].sidecar);
-    }
-    return code;
-}
-
 static int start_outputs(struct query_run *run)
 {
     const struct query_settings *settings = run->settings;
     struct request *request = &run->request;
     int code = selection_files_init(&run->files, &request->outputs, &settings->files, request->arguments);
     code = code ? code : settings_contacts(&run->contacts, settings->axis.contacts);
-    code = code ? code : start_axes(run);
-    code = code ? code : ends_init(&run->ends, &settings->ends, request->arguments);
+    if (!code && request->rows.replace && settings->axis.order) {
+        code = print_usage_error("--order has no effect without the answer: other rows have but one order");
+    }
     if (code) {
         return code;
     }
-    outputs_add_sidecar(&request->outputs, "endpoints", run->ends.rows.sidecar);
     return check_format(request, settings) && outputs_differ(&request->outputs) ? EXIT_DONE : EXIT_USAGE;
 }
 
@@ -781,10 +694,6 @@ static int ask(const struct query_settings *settings, const struct arguments *ar
     code = code ? code : start_outputs(&run);
     code = code ? code : answer_query(&run);
     selection_files_finish(&run.files);
-    for (size_t i = 0; i < AXIS_FILES; i++) {
-        rows_file_finish(&run.axes[i]);
-    }
-    ends_finish(&run.ends);
     free(run.points);
     request_finish(&run.request);
     conus_probe_destroy(run.probe);

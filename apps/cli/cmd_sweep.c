@@ -280,8 +280,7 @@ static int answer_sweep(struct sweep *sweep)
     provenance.question.rows = sweep->rows == CONUS_ROWS_SHARES    ? "shares"
                                : sweep->rows == CONUS_ROWS_CHANCES ? "chances"
                                                                    : "admissions";
-    code = answer_write(request->answerers[0].report, request->settings->answer.output, request->sidecar, &provenance);
-    return request_code(request, code);
+    return request_code(request, request_write_answer(request, &provenance));
 }
 
 static int run_sweep(const void *given, const struct arguments *arguments)

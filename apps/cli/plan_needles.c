@@ -64,7 +64,6 @@ struct planner {
     const struct plan_settings *settings;
     const struct arguments *arguments;
     struct request request;
-    struct rows_file pairs;
     char *text; /* of the table; its cells are in it */
     struct question_row rows[NEEDLE_MOST];
     size_t count;
@@ -578,18 +577,16 @@ static int check_rows(struct planner *planner)
 static int say_alone(const struct planner *planner, size_t index)
 {
     const conus_placed *placed = conus_together_needle(planner->together, index);
-    conus_report *report = NULL;
-    conus_report_options options = request_report_options(&planner->request);
-    options.rows = CONUS_ROWS_PLAN;
-    conus_status status = conus_report_create(&report, planner->rows[index].answerer.selector, &options);
-    status = status ? status : conus_report_add_plan(report, (conus_plan *)placed->plan);
-    if (!status && placed->given) {
-        print_error_line("%s is given, and breaks %s", placed->name,
-                         conus_report_constraint(report, placed->pose->broken));
-    } else if (!status) {
-        plan_say_funnel(placed->plan, report, placed->radius);
+    if (!placed->given) {
+        return plan_say_funnel(placed->plan, placed->radius);
     }
-    conus_report_destroy(report);
+    conus_table *constraints = NULL;
+    conus_status status = conus_plan_list(&constraints, placed->plan, "constraints");
+    if (!status) {
+        print_error_line("%s is given, and breaks %s", placed->name,
+                         conus_table_texts(constraints, "asked")[placed->pose->broken]);
+    }
+    conus_table_destroy(constraints);
     return print_status(status);
 }
 
@@ -635,10 +632,8 @@ static int make_reports(struct planner *planner)
     options.rows = CONUS_ROWS_NEEDLES;
     conus_status status = request_report(request, 0, &options);
     status = status ? status : conus_report_add_together(request->answerers[0].report, planner->together);
-    status = status ? status : rows_file_report(&planner->pairs, request->answerers[0].selector, &options);
-    if (!status && planner->pairs.path) {
-        status = conus_report_add_together(planner->pairs.reports[0], planner->together);
-    }
+    struct asked asked = {.together = planner->together};
+    status = status ? status : rows_files_add(&request->rows, 0, request->answerers[0].selector, NULL, &asked);
     return print_status(status);
 }
 
@@ -683,14 +678,10 @@ static int write_all(struct planner *planner)
     struct provenance provenance = {0};
     int code = list_inputs(&provenance, planner);
     provenance.question.region = "axis";
-    code = code ? code : rows_file_write(&planner->pairs, &provenance);
+    code = code ? code : rows_files_write(&request->rows, &provenance);
     code = code || !settings->poses_out ? code : write_poses(planner);
     provenance.question.rows = "needles";
-    provenance_add_outputs(&provenance, request->arguments);
-    bool is_replaced = planner->pairs.path && output_is_stdout(planner->pairs.path) && !settings->request.answer.output;
-    return code || is_replaced ? code
-                               : answer_write(request->answerers[0].report, settings->request.answer.output,
-                                              request->sidecar, &provenance);
+    return code ? code : request_write_answer(request, &provenance);
 }
 
 static int answer(struct planner *planner)
@@ -716,18 +707,6 @@ static int answer(struct planner *planner)
         print_error_line("note: a plan is a list to be checked; conus is no medical device");
     }
     return request_code(request, code ? code : write_all(planner));
-}
-
-static int start_pairs(struct planner *planner)
-{
-    static const struct rows_kind kind = {"pairs", CONUS_ROWS_PAIRS, "pairs"};
-    struct request *request = &planner->request;
-    const struct plan_settings *settings = planner->settings;
-    bool answer_has_format = !output_is_stdout(settings->request.answer.output);
-    int code = rows_file_init(&planner->pairs, &kind, settings->needles.pairs,
-                              answer_has_format ? CONUS_FORMAT_TABLE : request->format, request->arguments);
-    outputs_add_sidecar(&request->outputs, kind.option, planner->pairs.sidecar);
-    return code || outputs_differ(&request->outputs) ? code : EXIT_USAGE;
 }
 
 static void finish_row(struct question_row *row)
@@ -763,9 +742,7 @@ int plan_needles(const struct plan_settings *settings, const struct arguments *a
                 space_settings_check(arguments, &settings->request.aim.space);
     int code = fits ? read_table(planner) : EXIT_USAGE;
     code = code ? code : request_init(&planner->request, &settings->request, arguments);
-    code = code ? code : start_pairs(planner);
     code = code ? code : answer(planner);
-    rows_file_finish(&planner->pairs);
     conus_together_destroy(planner->together);
     for (size_t i = 0; i < planner->count; i++) {
         finish_row(&planner->rows[i]);

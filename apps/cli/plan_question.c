@@ -57,7 +57,7 @@ static void put_count(FILE *out, uint64_t count)
 }
 
 /* How many candidates each constraint leaves, up to the first that leaves none. */
-static void put_funnel(FILE *out, const conus_plan *plan, const conus_report *report)
+static void put_funnel(FILE *out, const conus_plan *plan, const char *const *asked)
 {
     uint64_t left = conus_plan_left(plan, 0);
     put_count(out, left);
@@ -70,12 +70,12 @@ static void put_funnel(FILE *out, const conus_plan *plan, const conus_report *re
         } else {
             fputs("none", out);
         }
-        fprintf(out, "%s%s %s", i ? " of these" : "", left > 1 ? " have" : " has", conus_report_constraint(report, i));
+        fprintf(out, "%s%s %s", i ? " of these" : "", left > 1 ? " have" : " has", asked[i]);
     }
 }
 
 /* The poses that break one constraint alone, by the least, each on a line. */
-static void put_misses(FILE *out, const conus_plan *plan, const conus_report *report, double radius)
+static void put_misses(FILE *out, const conus_plan *plan, const char *const *asked, double radius)
 {
     size_t count = 0;
     for (size_t i = 0; i < conus_plan_constraint_count(plan); i++) {
@@ -84,8 +84,7 @@ static void put_misses(FILE *out, const conus_plan *plan, const conus_report *re
         if (miss) {
             bool is_clearance = constraint->kind == CONUS_CONSTRAINT_AVOID && !constraint->measure;
             double value = miss->verdicts[i].value - (is_clearance ? radius : 0);
-            fprintf(out, "\n%s breaks only one of them, %s: it has %.4g", miss->id, conus_report_constraint(report, i),
-                    value);
+            fprintf(out, "\n%s breaks only one of them, %s: it has %.4g", miss->id, asked[i], value);
             count++;
         }
     }
@@ -101,17 +100,22 @@ static void say_lines(struct system_text *text)
     free(text->data);
 }
 
-void plan_say_funnel(const conus_plan *plan, const conus_report *report, double radius)
+int plan_say_funnel(const conus_plan *plan, double radius)
 {
     struct system_text text;
-    FILE *out = system_text_open(&text);
+    conus_table *constraints = NULL;
+    conus_status status = conus_plan_list(&constraints, plan, "constraints");
+    FILE *out = status ? NULL : system_text_open(&text);
     if (out) {
-        put_funnel(out, plan, report);
+        const char *const *asked = conus_table_texts(constraints, "asked");
+        put_funnel(out, plan, asked);
         if (!conus_plan_left(plan, conus_plan_constraint_count(plan))) {
-            put_misses(out, plan, report, radius);
+            put_misses(out, plan, asked, radius);
         }
+        say_lines(&text);
     }
-    say_lines(&text);
+    conus_table_destroy(constraints);
+    return print_status(status);
 }
 
 int plan_check_candidates(bool *failed, const conus_plan *plan, const struct plan_settings *settings,

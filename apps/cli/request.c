@@ -41,7 +41,11 @@ int request_init(struct request *out, const struct request_settings *settings, c
     if (!settings->answer.sidecar) {
         outputs_add_sidecar(&out->outputs, "output", out->sidecar);
     }
-    return code;
+    code = code ? code : rows_files_init(&out->rows, arguments, settings->answer.output, out->format);
+    for (size_t i = 0; i < out->rows.count; i++) {
+        outputs_add_sidecar(&out->outputs, out->rows.items[i].kind->option, out->rows.items[i].sidecar);
+    }
+    return code || outputs_differ(&out->outputs) ? code : EXIT_USAGE;
 }
 
 void request_finish(struct request *request)
@@ -52,6 +56,7 @@ void request_finish(struct request *request)
         conus_selector_destroy(request->answerers[i].selector);
     }
     free(request->answerers);
+    rows_files_finish(&request->rows);
     conus_pose_stream_destroy(request->stream);
     conus_pose_list_destroy(request->poses);
     atlases_finish(&request->atlases);
@@ -197,7 +202,8 @@ conus_status request_report(struct request *request, size_t index, const conus_r
     conus_report_options own = *options;
     own.atlas = request->atlases.items[index].name;
     conus_status status = conus_report_create(&answerer->report, answerer->selector, &own);
-    return status || index == 0 ? status : conus_report_join(request->answerers[0].report, answerer->report);
+    status = status || index == 0 ? status : conus_report_join(request->answerers[0].report, answerer->report);
+    return status ? status : rows_files_report(&request->rows, answerer->selector, &own);
 }
 
 conus_status request_reports(struct request *request, const conus_report_options *options)
@@ -288,8 +294,8 @@ int request_skip_row(struct request *request, const conus_pose_row *row, const c
 
 int request_refuse_row(struct request *request, const conus_pose_row *row, const char *why)
 {
-    conus_status status = CONUS_OK;
     request_skip_row(request, row, why);
+    conus_status status = rows_files_refuse(&request->rows, row->id, row->line, why);
     for (size_t i = 0; i < request->atlases.count && !status; i++) {
         status = conus_report_add_error(request->answerers[i].report, row->id, row->line, why);
     }
@@ -326,6 +332,14 @@ void request_say_aims(const struct request *request)
         aim_notes_say(aimed, count, path ? pose_settings_file_name(path) : NULL, &request->settings->common);
     }
     free(aimed);
+}
+
+int request_write_answer(const struct request *request, struct provenance *provenance)
+{
+    provenance_add_outputs(provenance, request->arguments);
+    return request->rows.replace ? EXIT_DONE
+                                 : answer_write(request->answerers[0].report, request->settings->answer.output,
+                                                request->sidecar, provenance);
 }
 
 int request_code(const struct request *request, int code)

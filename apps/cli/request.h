@@ -7,6 +7,7 @@
 #define CONUS_CLI_REQUEST_H
 
 #include "cli/answers/answer_format.h"
+#include "cli/answers/ends.h"
 #include "conus/selection.h"
 #include "options/output.h"
 #include "options/outputs.h"
@@ -73,7 +74,8 @@ struct request {
     conus_format format;
     char *command_line;
     char *sidecar;          /**< Path; NULL if there is none to write. */
-    struct outputs outputs; /**< All files that are written. */
+    struct outputs outputs; /**< All files that are written, */
+    struct rows_files rows; /**< and those of them beside the answer that have rows. */
     struct atlases atlases;
     conus_frame frame;             /**< The space of positions, once the atlases are loaded. */
     struct named_places places;    /**< Those that were given as words. */
@@ -95,8 +97,8 @@ struct request {
 /** Whether --slices, --score, --context, --angle and --radius fit together; prints an error if not. */
 bool request_check(const struct request_settings *settings, const struct arguments *arguments, bool has_history);
 
-/** Finds format and sidecar. Returns the exit code and prints an error unless it is 0; @p out is the caller's to
- * request_finish() in any case. So do all functions below that return an int. */
+/** Finds formats and sidecars of the answer and of files of rows. Returns the exit code and prints an error unless it
+ * is 0; @p out is the caller's to request_finish() in any case. So do all functions below that return an int. */
 int request_init(struct request *out, const struct request_settings *settings, const struct arguments *arguments);
 void request_finish(struct request *request);
 
@@ -127,7 +129,7 @@ int request_find_aim(struct request *request);
 conus_status request_start(struct request *request, const conus_selector_options *options);
 /** The options of the reports that every command sets alike. */
 conus_report_options request_report_options(const struct request *request);
-/** Makes the report of atlas @p index, after those before it, and joins it with the first. */
+/** Makes the reports of atlas @p index, of the answer and of files of rows, and joins them with the first ones. */
 conus_status request_report(struct request *request, size_t index, const conus_report_options *options);
 /** Makes all reports with the same options. */
 conus_status request_reports(struct request *request, const conus_report_options *options);
@@ -152,13 +154,16 @@ void request_mark(struct request *request, size_t index, const conus_pose_row *r
 int request_each_row(struct request *request, int (*answer)(void *user, const conus_pose_row *row), void *user);
 /** Prints why a row has no answer. */
 int request_skip_row(struct request *request, const conus_pose_row *row, const char *why);
-/** The same, and the reports have a row that says it. */
+/** The same, and all reports have a row that says it. */
 int request_refuse_row(struct request *request, const conus_pose_row *row, const char *why);
 
 /** Prints the notes about the atlases, unless --quiet. */
 void request_say_notes(const struct request *request);
 /** Prints notes about cones that lie or point where they hardly should, unless --quiet. */
 void request_say_aims(const struct request *request);
+
+/** Writes the answer, with the names of all outputs, unless rows are in its place. */
+int request_write_answer(const struct request *request, struct provenance *provenance);
 
 /** @p code; EXIT_DIFFERENT in place of EXIT_DONE where some poses had no answer. */
 int request_code(const struct request *request, int code);

@@ -593,34 +593,39 @@ void help_scores(FILE *out)
 
 void help_errors(FILE *out)
 {
-    const conus_pose_error *error;
+    conus_table *errors = NULL;
+    if (conus_list_choices(&errors, "errors")) {
+        return;
+    }
+    const double *tilt = conus_table_numbers(errors, "tilt_deg");
+    const double *shift = conus_table_numbers(errors, "shift_mm");
+    const double *entry = conus_table_numbers(errors, "entry_mm");
+    const double *target = conus_table_numbers(errors, "target_mm");
     fputs("Published errors of --jitter, with standard deviations per axis\n", out);
-    for (size_t i = 0; (error = conus_pose_error_at(i)); i++) {
-        fprintf(out, "  %-19s ", error->name);
-        if (error->entry > 0) {
-            fprintf(out, " entry %.2f mm, target %.2f mm (conus plan)", error->entry, error->target);
-        } else if (error->shift > 0) {
-            fprintf(out, " %.2f mm", error->shift);
+    for (size_t i = 0; i < conus_table_rows(errors); i++) {
+        fprintf(out, "  %-19s ", conus_table_texts(errors, "name")[i]);
+        if (entry[i] > 0) {
+            fprintf(out, " entry %.2f mm, target %.2f mm (conus plan)", entry[i], target[i]);
+        } else if (shift[i] > 0) {
+            fprintf(out, " %.2f mm", shift[i]);
         }
-        if (error->tilt_deg > 0) {
-            fprintf(out, "%s %.2f degrees", error->shift > 0 ? "," : "", error->tilt_deg);
+        if (tilt[i] > 0) {
+            fprintf(out, "%s %.2f degrees", shift[i] > 0 ? "," : "", tilt[i]);
         }
         fputs("\n", out);
     }
     fputs("  vr-controller:W          that of a target W degrees wide; above W is 4\n", out);
+    conus_table_destroy(errors);
 }
 
 static const char *const orders[] = {"rank", "depth", NULL};
 
-const struct rows_kind settings_axis_rows[AXIS_FILES] = {{"segments", CONUS_ROWS_SEGMENTS, "segments"},
-                                                         {"clearance", CONUS_ROWS_CLEARANCES, "clearances"}};
-
 const struct option axis_options[] = {
-    {OPTION_VALUED("segments", struct axis_settings, files[0], "FILE"),
+    {OPTION_VALUED("segments", struct axis_settings, segments, "FILE"),
      .help = "write what the axis passes, in order of depth: a row for each stretch inside an area, pathway or "
              "bundle, or between them",
      .words = "probe, shank, track", .role = OPTION_WRITES_ROWS, .flags = OPTION_OF_CONE, .holds = HOLDS_ROWS},
-    {OPTION_VALUED("clearance", struct axis_settings, files[1], "FILE[,within=MM]"),
+    {OPTION_VALUED("clearance", struct axis_settings, clearance, "FILE[,within=MM]"),
      .help = "write how far the device stays from each area, pathway and bundle, the nearest first, and where; as a "
              "needle of --radius (a cone has none) from the near to the far end of --range; up to MM away, 0 to 1000 "
              "(default 10)",

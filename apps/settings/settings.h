@@ -178,20 +178,9 @@ conus_selector_options settings_engine(const struct engine_settings *settings, c
 void help_scores(FILE *out);
 void help_errors(FILE *out);
 
-/** Rows that have a file of their own, beside the answer or instead of it. */
-struct rows_kind {
-    const char *option; /**< That names the file. */
-    conus_rows rows;
-    const char *word; /**< Its name in the sidecar's question. */
-};
-
-/** Those about the axis of a device. */
-enum { AXIS_FILES = 2 };
-extern const struct rows_kind settings_axis_rows[AXIS_FILES];
-
 struct axis_settings {
-    const char *files[AXIS_FILES]; /* in the order of settings_axis_rows; NULL = not asked for */
-    size_t order;                  /* conus_order */
+    const char *segments, *clearance; /* NULL = not asked for */
+    size_t order;                     /* conus_order */
     const char *contacts;
 };
 

@@ -53,13 +53,6 @@ CONUS_API uint32_t conus_image_height(const conus_image *image);
 CONUS_API const char *conus_image_channel(const conus_image *image, size_t index);
 
 /**
- * Says what the colours of a picture mean: its legend in words, with the names that the atlas has, a line each row.
- * @param image The image.
- * @return UTF-8; "" if there is nothing to say. Borrowed from the image.
- */
-CONUS_API const char *conus_image_legend(const conus_image *image);
-
-/**
  * Gives the pixels of a float channel.
  * @param image The image.
  * @param channel Its name.

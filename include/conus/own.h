@@ -472,6 +472,13 @@ CONUS_CHECKED conus_status conus_probe_repeat(conus_probe **out, const conus_pro
  * @{ */
 
 /**
+ * Gives published errors one after the other.
+ * @param index From 0.
+ * @return NULL past the last. Text of the library. The tilt of vr-controller is that of a target 4 degrees wide.
+ */
+CONUS_API const conus_pose_error *conus_pose_error_at(size_t index);
+
+/**
  * Makes the list of a plan whose run was cancelled, from the poses that were tried until then: the first ones, as many
  * as conus_plan_left() and conus_plan_rejected() count. It does not ask conus_plan_options.progress.
  * @param plan The plan, whose conus_plan_run() gave #CONUS_ERROR_CANCELLED.
@@ -480,6 +487,64 @@ CONUS_CHECKED conus_status conus_probe_repeat(conus_probe **out, const conus_pro
  */
 CONUS_CHECKED conus_status conus_plan_cut(conus_plan *plan);
 
+/**
+ * Gives the candidate that breaks constraint @p index alone, by the least; of equal ones the first.
+ * @param plan The plan.
+ * @param index Index of the constraint.
+ * @return NULL where there is none, and where some candidate is feasible. Borrowed from the plan.
+ */
+CONUS_API const conus_planned *conus_plan_miss(const conus_plan *plan, size_t index);
+
+/** A degree of freedom. Shifts and the depth are in mm, up to 20; turns in degrees, up to 30. */
+typedef enum conus_freedom {
+    CONUS_FREEDOM_X = 0,    /**< Shift along x, */
+    CONUS_FREEDOM_Y,        /**< y, */
+    CONUS_FREEDOM_Z,        /**< or z of the world, or of conus_tolerance_options.shifts. */
+    CONUS_FREEDOM_DEPTH,    /**< The far end along the axis; the near end stays. */
+    CONUS_FREEDOM_SIDE,     /**< Shift along the device's x. */
+    CONUS_FREEDOM_UP,       /**< Shift along the device's y. */
+    CONUS_FREEDOM_PITCH,    /**< Turn about the device's x, */
+    CONUS_FREEDOM_YAW,      /**< about its y, */
+    CONUS_FREEDOM_AZIMUTH,  /**< about the vertical (conus_tolerance_options.up), */
+    CONUS_FREEDOM_ELEVATION /**< or towards the vertical; of an axis along it about the device's x. All turns are about
+                               lines through the pivot, by the right-hand rule. */
+} conus_freedom;
+
+/** How many rows conus_plan_tolerance() fills: two for each degree of freedom. */
+#define CONUS_TOLERANCE_COUNT 20
+
+/** How a tolerance was found. */
+typedef enum conus_tolerance_method {
+    CONUS_TOLERANCE_EXACT = 0, /**< holds_to is proven; fails_at is no more than 1e-6 mm or degrees beyond it. */
+    CONUS_TOLERANCE_SAMPLED,   /**< A constraint without a leeway was asked at steps of 0.01 mm or degrees. */
+    CONUS_TOLERANCE_GRAZED     /**< holds_to is proven; from there on it is only just not broken, up to fails_at. */
+} conus_tolerance_method;
+
+/** How far a pose may be off. */
+typedef struct conus_tolerance {
+    conus_freedom freedom;         /**< Along what. */
+    bool negative;                 /**< To the other side. */
+    conus_tolerance_method method; /**< How that was found. */
+    double holds_to;               /**< mm or degrees, at least 0: no constraint breaks up to here. */
+    double fails_at;   /**< Here one does; NaN where none breaks up to 20 mm, 30 degrees, or the near end. */
+    size_t constraint; /**< Index of that constraint; SIZE_MAX without one. */
+    uint32_t object;   /**< Its conus_verdict.object there. */
+    double depth;      /**< Its conus_verdict.depth there, mm; NaN without one. */
+    double at[3];      /**< The point of the needle at that depth, there, world mm; NaN without one. */
+} conus_tolerance;
+
+/**
+ * Finds how far a pose may be off along each degree of freedom. For a pose that breaks a constraint as it is, all are
+ * 0.
+ * @param[out] out [#CONUS_TOLERANCE_COUNT] By degree of freedom, of each first the positive side.
+ * @param plan The plan.
+ * @param pose From conus_plan_pose() or conus_plan_try() of this plan.
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a number out of its range; the errors of conus_select().
+ * @threads One at a time for each @p plan, and for the selector; not during conus_plan_run().
+ */
+CONUS_CHECKED conus_status conus_plan_tolerance(conus_tolerance *out, conus_plan *plan, const conus_planned *pose,
+                                                const conus_tolerance_options *options);
 /**
  * Counts the constraints.
  * @param plan NULL counts 0.
@@ -1517,6 +1582,13 @@ CONUS_CHECKED conus_status conus_phantom_write(const char *kind, const char *fol
 
 /** @name Images
  * @{ */
+
+/**
+ * Says what the colours of a picture mean: its legend in words, with the names that the atlas has, a line each row.
+ * @param image The image.
+ * @return UTF-8; "" if there is nothing to say. Borrowed from the image.
+ */
+CONUS_API const char *conus_image_legend(const conus_image *image);
 
 /**
  * Makes an image with the channels R, G, B, A from bytes.

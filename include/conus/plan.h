@@ -99,12 +99,12 @@ typedef struct conus_plan_options {
     conus_progress progress; /**< Is told how many poses were tried, and of how many, 0 = not known; false ends the run.
                                 NULL = no callback. */
     void *progress_user;     /**< Passed to @p progress. */
-    uint64_t entries;        /**< The best pose of each entry up to this number is kept, for conus_plan_entry(): 56
+    uint64_t entries;        /**< The best pose of each entry up to this number is kept, for conus_plan_list(): 56
                                 bytes and 8 a key each; 0 = of none. */
     const conus_jitter_options *jitter; /**< Errors of the poses, for the probabilities to hold (Eq. 14), of the listed
                                            ones and where p_ok is a key; progress is not used. NULL = none. Copied. */
     uint64_t targets;                   /**< The best pose of each target up to this number is kept, for
-                                           conus_plan_target(): 56 bytes and 8 a key each; 0 = of none. */
+                                           conus_plan_list(): 56 bytes and 8 a key each; 0 = of none. */
     const double *shanks; /**< [shank_count][2] Where the parallel needles of a device are beside its axis, along its
                              x and y, mm, up to 1000. Copied. NULL = one, on the axis. */
     size_t shank_count;   /**< With shanks 1 to 1000, else 0. */
@@ -225,33 +225,22 @@ CONUS_API size_t conus_plan_count(const conus_plan *plan);
  */
 CONUS_API const conus_planned *conus_plan_pose(const conus_plan *plan, size_t index);
 
-/** The best pose of an entry or of a target. */
-typedef struct conus_plan_best {
-    uint64_t feasible;  /**< How many of its poses break no constraint. */
-    uint64_t candidate; /**< Number of the best of these by the rank; 0 = there is none, and all that follows is NaN. */
-    double leeway;      /**< As of conus_planned, mm. */
-    double slack;       /**< As of conus_planned, mm. */
-    double far;         /**< As of conus_planned, mm. */
-    double entry_angle; /**< As of conus_planned, degrees. */
-    double reach;       /**< Value of the first REACH; NaN without one. */
-} conus_plan_best;
-
 /**
- * Gives the best pose of an entry, also where it is not in the list. It is the same for any number of threads, and with
- * or without pruning.
+ * Lists what a plan found besides its poses.
+ * @param[out] out The columns below; end it with conus_table_destroy().
  * @param plan The plan.
- * @param entry Its number, from 1 to conus_plan_options.entries.
- * @return NULL past the last, and before conus_plan_run(). Borrowed from the plan.
+ * @param what "constraints", in their order: kind, name (of its structure), asked ("at least 5 mm of the axis in
+ * Hippocampus_L"), left (how many candidates hold it and all before it), miss (id of the candidate that breaks it
+ * alone, by the least; of equal ones the first; n/a where there is none, and where some candidate is feasible).
+ * "entries", of which there are as many as conus_plan_options.entries: feasible (how many of its poses break no
+ * constraint), candidate (number of the best of these by the rank; 0 = there is none, and all that follows is n/a),
+ * leeway_mm, slack_mm, depth_mm, entry_angle_deg, reach1 (value of the first REACH; n/a without one), also where that
+ * pose is not in the list; the same for any number of threads, and with or without pruning. "targets": likewise of
+ * each target.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another word or NULL, and of entries and targets before
+ * conus_plan_run().
  */
-CONUS_API const conus_plan_best *conus_plan_entry(const conus_plan *plan, uint64_t entry);
-
-/**
- * Gives the best pose of a target, as conus_plan_entry() that of an entry.
- * @param plan The plan.
- * @param target Its number, from 1 to conus_plan_options.targets.
- * @return NULL past the last, and before conus_plan_run(). Borrowed from the plan.
- */
-CONUS_API const conus_plan_best *conus_plan_target(const conus_plan *plan, uint64_t target);
+CONUS_CHECKED conus_status conus_plan_list(conus_table **out, const conus_plan *plan, const char *what);
 
 /**
  * Counts the candidates that hold the first constraints: the funnel.
@@ -262,62 +251,12 @@ CONUS_API const conus_plan_best *conus_plan_target(const conus_plan *plan, uint6
 CONUS_API uint64_t conus_plan_left(const conus_plan *plan, size_t constraints);
 
 /**
- * Gives the candidate that breaks constraint @p index alone, by the least; of equal ones the first.
- * @param plan The plan.
- * @param index Index of the constraint.
- * @return NULL where there is none, and where some candidate is feasible. Borrowed from the plan.
- */
-CONUS_API const conus_planned *conus_plan_miss(const conus_plan *plan, size_t index);
-
-/**
  * Says which rows were no candidates.
  * @param plan The plan.
  * @return Their number, and the first.
  */
 CONUS_API conus_plan_faults conus_plan_rejected(const conus_plan *plan);
 /** @} */
-
-/** @name Tolerance
- * How far a pose may be off along one degree of freedom, to either side, before a constraint breaks (Eq. 23).
- * @{ */
-
-/** A degree of freedom. Shifts and the depth are in mm, up to 20; turns in degrees, up to 30. */
-typedef enum conus_freedom {
-    CONUS_FREEDOM_X = 0,    /**< Shift along x, */
-    CONUS_FREEDOM_Y,        /**< y, */
-    CONUS_FREEDOM_Z,        /**< or z of the world, or of conus_tolerance_options.shifts. */
-    CONUS_FREEDOM_DEPTH,    /**< The far end along the axis; the near end stays. */
-    CONUS_FREEDOM_SIDE,     /**< Shift along the device's x. */
-    CONUS_FREEDOM_UP,       /**< Shift along the device's y. */
-    CONUS_FREEDOM_PITCH,    /**< Turn about the device's x, */
-    CONUS_FREEDOM_YAW,      /**< about its y, */
-    CONUS_FREEDOM_AZIMUTH,  /**< about the vertical (conus_tolerance_options.up), */
-    CONUS_FREEDOM_ELEVATION /**< or towards the vertical; of an axis along it about the device's x. All turns are about
-                               lines through the pivot, by the right-hand rule. */
-} conus_freedom;
-
-/** How many rows conus_plan_tolerance() fills: two for each degree of freedom. */
-#define CONUS_TOLERANCE_COUNT 20
-
-/** How a tolerance was found. */
-typedef enum conus_tolerance_method {
-    CONUS_TOLERANCE_EXACT = 0, /**< holds_to is proven; fails_at is no more than 1e-6 mm or degrees beyond it. */
-    CONUS_TOLERANCE_SAMPLED,   /**< A constraint without a leeway was asked at steps of 0.01 mm or degrees. */
-    CONUS_TOLERANCE_GRAZED     /**< holds_to is proven; from there on it is only just not broken, up to fails_at. */
-} conus_tolerance_method;
-
-/** How far a pose may be off. */
-typedef struct conus_tolerance {
-    conus_freedom freedom;         /**< Along what. */
-    bool negative;                 /**< To the other side. */
-    conus_tolerance_method method; /**< How that was found. */
-    double holds_to;               /**< mm or degrees, at least 0: no constraint breaks up to here. */
-    double fails_at;   /**< Here one does; NaN where none breaks up to 20 mm, 30 degrees, or the near end. */
-    size_t constraint; /**< Index of that constraint; SIZE_MAX without one. */
-    uint32_t object;   /**< Its conus_verdict.object there. */
-    double depth;      /**< Its conus_verdict.depth there, mm; NaN without one. */
-    double at[3];      /**< The point of the needle at that depth, there, world mm; NaN without one. */
-} conus_tolerance;
 
 /** Pivot and directions of the turns and shifts. */
 typedef struct conus_tolerance_options {
@@ -331,20 +270,6 @@ typedef struct conus_tolerance_options {
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_TOLERANCE_OPTIONS_INIT CONUS_INIT_(conus_tolerance_options)
-
-/**
- * Finds how far a pose may be off along each degree of freedom. For a pose that breaks a constraint as it is, all are
- * 0.
- * @param[out] out [#CONUS_TOLERANCE_COUNT] By degree of freedom, of each first the positive side.
- * @param plan The plan.
- * @param pose From conus_plan_pose() or conus_plan_try() of this plan.
- * @param options NULL = defaults.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a number out of its range; the errors of conus_select().
- * @threads One at a time for each @p plan, and for the selector; not during conus_plan_run().
- */
-CONUS_CHECKED conus_status conus_plan_tolerance(conus_tolerance *out, conus_plan *plan, const conus_planned *pose,
-                                                const conus_tolerance_options *options);
-/** @} */
 
 typedef struct conus_sites conus_sites; /**< Points where needles may enter, or to which they may point. */
 

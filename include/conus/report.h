@@ -174,14 +174,6 @@ CONUS_CHECKED conus_status conus_report_add_table(conus_report *report, const ch
 CONUS_CHECKED conus_status conus_report_add_plan(conus_report *report, conus_plan *plan);
 
 /**
- * Words what a constraint of the report's plan asks: "more than 2 mm from Insula_L".
- * @param report A report to which a plan was added.
- * @param index Index of the constraint.
- * @return NULL for another index. Borrowed from the report.
- */
-CONUS_API const char *conus_report_constraint(const conus_report *report, size_t index);
-
-/**
  * Adds the distances of the axes that a plan lists from the structures to be avoided, from their near to their far
  * ends: a row for each depth, the last one at the far end, and each structure that is avoided by clearance.
  * @param report Of #CONUS_ROWS_PROFILE. Nothing else is added to it.
@@ -200,7 +192,7 @@ CONUS_CHECKED conus_status conus_report_add_profile(conus_report *report, conus_
  * @param options Where the pivot is; shifts are along the axes of the report's space, whatever these say. NULL =
  * defaults.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, and for a second plan; the errors of
- * conus_plan_tolerance().
+ * conus_select().
  */
 CONUS_CHECKED conus_status conus_report_add_tolerance(conus_report *report, conus_plan *plan,
                                                       const conus_tolerance_options *options);

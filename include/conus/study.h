@@ -77,13 +77,6 @@ typedef struct conus_pose_error {
 } conus_pose_error;
 
 /**
- * Gives published errors one after the other.
- * @param index From 0.
- * @return NULL past the last. Text of the library. The tilt of vr-controller is that of a target 4 degrees wide.
- */
-CONUS_API const conus_pose_error *conus_pose_error_at(size_t index);
-
-/**
  * Finds a published error.
  * @param[out] out The error.
  * @param name Its name; of vr-controller with the target's width in degrees, 0 to 90: "vr-controller:4".

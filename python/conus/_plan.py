@@ -20,6 +20,7 @@ from ._library import (
 from ._pose_file import Poses
 from ._poses import PoseArray
 from ._space import mirrors
+from ._table import Table, ask_table
 
 if TYPE_CHECKING:
     import pandas
@@ -128,17 +129,12 @@ def constraints_of(reach: Any, avoid: Any, length: Any, lean: Any, apart: Any, f
     return found
 
 
-def errors() -> list[dict[str, Any]]:
+def errors() -> Table:
     """The published errors that ``jitter`` knows by name: standard deviations per axis, mm, and degrees of the tilt.
 
     That of vr-controller is of a target 4 degrees wide; ``jitter="vr-controller:2"`` is of one of 2.
     """
-    found, index = [], 0
-    while (error := lib.conus_pose_error_at(index)) != ffi.NULL:
-        numbers = {key: getattr(error, key) for key in ("tilt_deg", "shift", "entry", "target", "depth")}
-        found.append({"name": text(error.name), **numbers, "measured": text(error.measured), "source": text(error.source)})
-        index += 1
-    return found
+    return ask_table(lib.conus_list_choices, b"errors")
 
 
 def error_of(argument: str, name: str) -> Any:
@@ -211,8 +207,7 @@ def stream_of(array: PoseArray, poses: Any, near: Any, far: Any) -> Iterator[Any
         yield owned(out[0], lib.conus_pose_stream_destroy)
 
 
-_MAPS = {"leeway_mm": "leeway", "slack_mm": "slack", "depth_mm": "far", "entry_angle_deg": "entry_angle",
-         "reach1": "reach", "feasible": "feasible", "candidate": "candidate"}
+_MAPS = ("leeway_mm", "slack_mm", "depth_mm", "entry_angle_deg", "reach1", "feasible", "candidate")
 
 
 class Plan(Bound):
@@ -228,8 +223,7 @@ class Plan(Bound):
     def __init__(self, selector: Selector, plan: Any, errors: Mapping[int, str], sources: Mapping[str, Array]) -> None:
         self._selector, self._p, self._made_of = selector, plan, selector._p
         rows = [lib.conus_plan_pose(plan, i) for i in range(lib.conus_plan_count(plan))]
-        count = lib.conus_plan_constraint_count(plan)
-        report = self._report("PLAN", "TSV", None)
+        constraints = self._list("constraints")
         self.ids: Array = np.array([text(row.id) for row in rows], object)
         matrices = np.array([list(row.pose.world_from_device) for row in rows]).reshape(len(rows), 4, 4)
         self.poses: Array = matrices.transpose(0, 2, 1).copy()
@@ -238,10 +232,9 @@ class Plan(Bound):
         self.entries, self.targets = (np.array([getattr(row, name) for row in rows], np.uint64)
                                       for name in ("entry", "target"))
         self.candidates = int(lib.conus_plan_left(plan, 0))
-        self.constraints = [text(lib.conus_report_constraint(report, i)) for i in range(count)]
-        self.funnel = [int(lib.conus_plan_left(plan, i + 1)) for i in range(count)]
-        missed = [lib.conus_plan_miss(plan, i) for i in range(count)]
-        self.misses: list[Optional[str]] = [text(pose.id) if pose else None for pose in missed]
+        self.constraints: list[str] = list(constraints["asked"])
+        self.funnel = [int(left) for left in constraints["left"]]
+        self.misses: list[Optional[str]] = list(constraints["miss"])
         self.errors = dict(errors)  #: why a pose of a file is none, by its index
         self.sources = dict(sources)  #: of "entries" and "targets" of maps, their numbers in what they are of, from 0
 
@@ -250,6 +243,9 @@ class Plan(Bound):
 
     def __repr__(self) -> str:
         return f"<conus.Plan: {len(self)} poses listed, {self.funnel[-1]} of {self.candidates} candidates are feasible>"
+
+    def _list(self, what: str) -> Table:
+        return ask_table(lib.conus_plan_list, self._p, utf8("what", what))
 
     def _report(self, rows: str, form: str, step: Any) -> Any:
         options, out = ffi.new("conus_report_options *"), ffi.new("conus_report **")
@@ -337,10 +333,8 @@ class Plan(Bound):
             raise ArgumentError(f"map: {shown(key)}, wanted is one of {', '.join(_MAPS)}")
         if of not in self.sources or not len(self.sources[of]):
             raise ArgumentError(f"map: no {shown(of)}; wanted are entries or targets, of a plan with maps=True")
-        best = lib.conus_plan_entry if of == "entries" else lib.conus_plan_target
-        member, is_count = _MAPS[key], key in ("feasible", "candidate")
-        values = [getattr(best(self._p, i + 1), member) for i in range(len(self.sources[of]))]
-        return np.array(values, np.uint64 if is_count else float)
+        values = self._list(of)[key]
+        return values.astype(np.uint64) if key in ("feasible", "candidate") else values.copy()
 
     def save(self, path: Any) -> None:
         """Writes the rows; the ending says the format: .tsv, .csv, .json, .ndjson or, for people, .txt."""

@@ -68,17 +68,51 @@ static const struct {
     {"transfers", transfer_choice},
 };
 
+struct error_row {
+    struct table_object object;
+    conus_pose_error error;
+};
+
+static const struct table_field error_fields[] = {
+    {"name", NULL, "what an option takes", TABLE_OF(TEXT, struct error_row, error.name)},
+    {"tilt_deg", "degree", "of the axis, about two axes", TABLE_OF(NUMBER, struct error_row, error.tilt_deg)},
+    {"shift_mm", "mm", "of the position, along three axes", TABLE_OF(NUMBER, struct error_row, error.shift)},
+    {"entry_mm", "mm", "of the entry, along two axes", TABLE_OF(NUMBER, struct error_row, error.entry)},
+    {"target_mm", "mm", "of the far end, along two axes", TABLE_OF(NUMBER, struct error_row, error.target)},
+    {"depth_mm", "mm", "of the depth", TABLE_OF(NUMBER, struct error_row, error.depth)},
+    {"measured", NULL, "what was measured", TABLE_OF(TEXT, struct error_row, error.measured)},
+    {"source", NULL, "where it is published", TABLE_OF(TEXT, struct error_row, error.source)},
+};
+static const struct table_fields error_columns = LIST_FIELDS(error_fields);
+
+static conus_status list_errors(conus_table **out)
+{
+    size_t count = 0;
+    while (conus_pose_error_at(count)) {
+        count++;
+    }
+    struct error_row *rows = memory_zeroed(count, sizeof *rows);
+    for (size_t i = 0; rows && i < count; i++) {
+        rows[i].error = *conus_pose_error_at(i);
+    }
+    return list_of_rows(out, NULL, &error_columns, rows, sizeof *rows, count);
+}
+
 conus_status conus_list_choices(conus_table **out, const char *what)
 {
     if (!what) {
         return fail(CONUS_ERROR_ARGUMENT, "what: none");
+    }
+    if (strcmp(what, "errors") == 0) {
+        return list_errors(out);
     }
     size_t at = 0;
     while (at < sizeof choices / sizeof *choices && strcmp(choices[at].name, what) != 0) {
         at++;
     }
     if (at == sizeof choices / sizeof *choices) {
-        return fail(CONUS_ERROR_ARGUMENT, "what: %s, allowed are pose formats, scores, spaces and transfers", what);
+        return fail(CONUS_ERROR_ARGUMENT, "what: %s, allowed are errors, pose formats, scores, spaces and transfers",
+                    what);
     }
     size_t count = 0;
     while (choices[at].at(count).name) {

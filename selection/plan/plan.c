@@ -52,7 +52,7 @@ struct block {
 /* The best pose of each entry, or of each target. */
 struct bests {
     uint64_t count;
-    conus_plan_best *items;
+    struct plan_best *items;
     double *keys; /* [count][rank_count] */
 };
 
@@ -181,7 +181,7 @@ static conus_status init_bests(struct bests *out, uint64_t count, size_t rank_co
         out->keys = memory_raw(keys, sizeof *out->keys);
     }
     for (uint64_t i = 0; out->items && i < count; i++) {
-        out->items[i] = (conus_plan_best){0, 0, NAN, NAN, NAN, NAN, NAN};
+        out->items[i] = (struct plan_best){0, 0, NAN, NAN, NAN, NAN, NAN};
     }
     out->count = count;
     return out->items && out->keys ? CONUS_OK : CONUS_ERROR_MEMORY;
@@ -390,7 +390,7 @@ static conus_status read_block(void *user, size_t slot, bool *may_follow)
 }
 
 /* The best pose so far of a pose's entry or target, with its keys; NULL where it is not kept. */
-static conus_plan_best *best_of(double **keys, const conus_plan *plan, const struct plan_trial *trial, size_t kind)
+static struct plan_best *best_of(double **keys, const conus_plan *plan, const struct plan_trial *trial, size_t kind)
 {
     const struct bests *bests = &plan->bests[kind];
     uint64_t site = kind == OF_ENTRY ? trial->planned.entry : trial->planned.target;
@@ -411,7 +411,7 @@ static void set_bar(struct block *block, size_t index, const conus_plan *plan)
     trial->has_bar = plan->bar.is_full;
     for (size_t k = 0; k < BESTS && trial->has_bar; k++) {
         double *keys = NULL;
-        const conus_plan_best *best = best_of(&keys, plan, trial, k);
+        const struct plan_best *best = best_of(&keys, plan, trial, k);
         const double *most = best && best->candidate ? keys : NULL;
         for (size_t i = 0; i < index && best; i++) {
             const struct plan_trial *before = &block->trials[i];
@@ -496,7 +496,7 @@ static void take_best(conus_plan *plan, const struct plan_trial *trial, size_t k
 {
     size_t count = plan->asked.order.rank_count;
     double *keys = NULL;
-    conus_plan_best *best = best_of(&keys, plan, trial, kind);
+    struct plan_best *best = best_of(&keys, plan, trial, kind);
     if (!best) {
         return;
     }
@@ -507,13 +507,13 @@ static void take_best(conus_plan *plan, const struct plan_trial *trial, size_t k
         while (reach < plan->asked.count && plan->asked.constraints[reach].asked.kind != CONUS_CONSTRAINT_REACH) {
             reach++;
         }
-        *best = (conus_plan_best){best->feasible,
-                                  planned->candidate,
-                                  planned->leeway,
-                                  planned->slack,
-                                  planned->far,
-                                  planned->entry_angle,
-                                  reach < plan->asked.count ? trial->verdicts[reach].value : NAN};
+        *best = (struct plan_best){best->feasible,
+                                   planned->candidate,
+                                   planned->leeway,
+                                   planned->slack,
+                                   planned->far,
+                                   planned->entry_angle,
+                                   reach < plan->asked.count ? trial->verdicts[reach].value : NAN};
         memcpy(keys, trial->keys, count * sizeof *keys);
     }
 }
@@ -751,19 +751,16 @@ const conus_planned *conus_plan_pose(const conus_plan *plan, size_t index)
     return index < conus_plan_count(plan) ? &plan->list.items[index]->planned : NULL;
 }
 
-static const conus_plan_best *best_at(const conus_plan *plan, size_t kind, uint64_t site)
+bool plan_is_done(const conus_plan *plan)
 {
-    return plan && plan->is_done && site && site <= plan->bests[kind].count ? &plan->bests[kind].items[site - 1] : NULL;
+    return plan && plan->is_done;
 }
 
-const conus_plan_best *conus_plan_entry(const conus_plan *plan, uint64_t entry)
+const struct plan_best *plan_bests(size_t *count, const conus_plan *plan, bool of_targets)
 {
-    return best_at(plan, OF_ENTRY, entry);
-}
-
-const conus_plan_best *conus_plan_target(const conus_plan *plan, uint64_t target)
-{
-    return best_at(plan, OF_TARGET, target);
+    const struct bests *bests = &plan->bests[of_targets ? OF_TARGET : OF_ENTRY];
+    *count = bests->count;
+    return bests->items;
 }
 
 uint64_t conus_plan_left(const conus_plan *plan, size_t constraints)

@@ -9,6 +9,22 @@
 #include "selection/selector.h"
 #include "selection/study/study.h"
 
+/* plan.c */
+
+/** The best pose of an entry or of a target. */
+struct plan_best {
+    uint64_t feasible;  /**< How many of its poses break no constraint. */
+    uint64_t candidate; /**< Number of the best of these by the rank; 0 = there is none, and all that follows is NaN. */
+    double leeway, slack, far, entry_angle; /**< As of conus_planned. */
+    double reach;                           /**< Value of the first REACH; NaN without one. */
+};
+
+/** Whether it has its list. */
+bool plan_is_done(const conus_plan *plan);
+
+/** [count] Of all entries, or of all targets. */
+const struct plan_best *plan_bests(size_t *count, const conus_plan *plan, bool of_targets);
+
 /* plan_order.c */
 
 /** A key by which poses are ordered: what a name of struct plan_order means. */

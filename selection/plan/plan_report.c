@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Adds plans to reports: their poses, and the names and columns of their constraints. */
+/* Adds plans to reports: their poses, and the names and columns of their constraints. Lists constraints, and the best
+ * poses of entries and targets. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "conus/own.h"
 #include "poses/rows/pose_row.h"
+#include "selection/lists/lists.h"
+#include "selection/plan/plan.h"
 #include "selection/report/report_columns.h"
 
 #include <math.h>
@@ -404,4 +407,93 @@ conus_status conus_report_add_profile(conus_report *report, conus_plan *plan, do
                             pose->far - pose->near, DEPTH_LIMIT);
     }
     return status;
+}
+
+struct constraint_row {
+    struct table_object object;
+    const char *kind, *name, *asked, *miss;
+    uint64_t left;
+};
+
+static const struct table_field constraint_fields[] = {
+    {"kind", NULL, "reach, avoid, length, lean, apart, first or angle", TABLE_OF(TEXT, struct constraint_row, kind)},
+    {"name", NULL, "name of its structure", TABLE_OF(TEXT, struct constraint_row, name)},
+    {"asked", NULL, "what it asks", TABLE_OF(TEXT, struct constraint_row, asked)},
+    {"left", NULL, "candidates that hold it and all before it", TABLE_OF(LARGE_COUNT, struct constraint_row, left)},
+    {"miss", NULL, "the candidate that breaks it alone, by the least", TABLE_OF(TEXT, struct constraint_row, miss)},
+};
+static const struct table_fields constraint_columns = LIST_FIELDS(constraint_fields);
+
+static conus_status list_constraints(conus_table **out, const conus_plan *plan)
+{
+    const size_t count = conus_plan_constraint_count(plan);
+    struct constraint_row *rows = memory_zeroed(count, sizeof *rows);
+    struct buffer words = {0};
+    for (size_t i = 0; rows && i < count; i++) {
+        const struct report_constraint constraint = {.asked = conus_plan_constraint(plan, i),
+                                                     .name = conus_plan_name(plan, i)};
+        const conus_planned *miss = conus_plan_miss(plan, i);
+        say_constraint(&words, &constraint);
+        buffer_append(&words, "", 1);
+        rows[i] = (struct constraint_row){.kind = kinds[constraint.asked->kind].word,
+                                          .name = constraint.name,
+                                          .miss = miss ? miss->id : NULL,
+                                          .left = conus_plan_left(plan, i + 1)};
+    }
+    conus_status status = buffer_status(&words);
+    const char *word = words.data;
+    for (size_t i = 0; rows && !status && i < count; i++) {
+        rows[i].asked = word;
+        word += strlen(word) + 1;
+    }
+    if (status) {
+        memory_free(rows);
+    } else {
+        status = list_of_rows(out, NULL, &constraint_columns, rows, sizeof *rows, count);
+    }
+    buffer_finish(&words);
+    return status;
+}
+
+struct best_row {
+    struct table_object object;
+    struct plan_best best;
+};
+
+static const struct table_field best_fields[] = {
+    {"feasible", NULL, "poses that break no constraint", TABLE_OF(LARGE_COUNT, struct best_row, best.feasible)},
+    {"candidate", NULL, "number of the best of these; 0 = none",
+     TABLE_OF(LARGE_COUNT, struct best_row, best.candidate)},
+    {"leeway_mm", "mm", "by which no point of it may be off", TABLE_OF(NUMBER, struct best_row, best.leeway)},
+    {"slack_mm", "mm", "least clearance, less its margin", TABLE_OF(NUMBER, struct best_row, best.slack)},
+    {"depth_mm", "mm", "how deep the far end is", TABLE_OF(NUMBER, struct best_row, best.far)},
+    {"entry_angle_deg", "degree", "between axis and inward normal",
+     TABLE_OF(NUMBER, struct best_row, best.entry_angle)},
+    {"reach1", NULL, "what the first reach measures", TABLE_OF(NUMBER, struct best_row, best.reach)},
+};
+static const struct table_fields best_columns = LIST_FIELDS(best_fields);
+
+static conus_status list_bests(conus_table **out, const conus_plan *plan, bool of_targets)
+{
+    size_t count;
+    const struct plan_best *bests = plan_bests(&count, plan, of_targets);
+    struct best_row *rows = memory_zeroed(count, sizeof *rows);
+    for (size_t i = 0; rows && i < count; i++) {
+        rows[i].best = bests[i];
+    }
+    return list_of_rows(out, NULL, &best_columns, rows, sizeof *rows, count);
+}
+
+conus_status conus_plan_list(conus_table **out, const conus_plan *plan, const char *what)
+{
+    if (what && strcmp(what, "constraints") == 0) {
+        return list_constraints(out, plan);
+    }
+    bool of_targets = what && strcmp(what, "targets") == 0;
+    if (!of_targets && (!what || strcmp(what, "entries") != 0)) {
+        return fail(CONUS_ERROR_ARGUMENT, "what: %s, allowed are constraints, entries and targets",
+                    what ? what : "none");
+    }
+    return plan_is_done(plan) ? list_bests(out, plan, of_targets)
+                              : fail(CONUS_ERROR_ARGUMENT, "plan: it has no list yet, which conus_plan_run() makes");
 }

@@ -6,11 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-const char *conus_report_constraint(const conus_report *report, size_t index)
-{
-    return index < report->plan.count ? report->plan.constraints[index].words : NULL;
-}
-
 /* How tables for people call columns; others are called as they are, up to their units. */
 static const struct {
     const char *name, *title;

@@ -2,7 +2,7 @@
 /* Errors of poses that studies have published (Eq. 29), by name. */
 #include "base/status.h"
 #include "base/text.h"
-#include "conus/study.h"
+#include "conus/own.h"
 
 #include <math.h>
 #include <string.h>

@@ -28,7 +28,7 @@ APPS = {
     "apps/settings": "apps/link apps/options",
     "apps/figures": "apps/options",
     "apps/pages": "apps/options",
-    "apps/cli/batch": "apps/options apps/settings",
+    "apps/cli/batch": "apps/options apps/settings apps/cli/answers",
     "apps/cli/answers": "apps/options apps/settings",
     "apps/cli/verify": "apps/options apps/cli/answers",
     "apps/cli/cite": "apps/options",
@@ -127,7 +127,7 @@ LIBRARY = {
     "selection/study": "base base/geometry atlas/surface atlas poses/rows selection/measure selection/table selection",
     "selection/plan/together": "base base/geometry selection/table",
     "selection/plan": "base base/geometry atlas/surface atlas/tracts atlas atlas/areas poses poses/rows selection/evidence"
-    " selection/measure selection selection/study selection/report selection/batch selection/plan/together",
+    " selection/measure selection selection/study selection/report selection/batch selection/lists selection/plan/together",
     "selection/ends": "base base/geometry atlas/surface atlas selection/measure selection/engine/voxels selection/table selection",
     "selection/picture": "base base/geometry render/draw render/image render/colour render/flat selection/measure selection"
     " selection/study",

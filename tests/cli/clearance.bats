@@ -85,7 +85,7 @@ poses() {
     fails 2 '--clearance: found "with=3", allowed are within; did you mean within?' query $NEEDLE --clearance rows.tsv,with=3
     fails 2 'a number has a decimal point' query $NEEDLE --clearance rows.tsv,within=1,5
     fails 2 '",within=3" names no file' query $NEEDLE --clearance ,within=3
-    fails 2 'cannot both be on standard output' query $NEEDLE --clearance - --segments -
+    fails 2 'are both on standard output' query $NEEDLE --clearance - --segments -
     fails 2 '--segments and --clearance are the same file' query $NEEDLE --clearance rows.tsv,within=3 --segments rows.tsv
     fails 2 '--clearance u-shape.tsv would overwrite' query $NEEDLE --clearance u-shape.tsv
     fails 2 'hold no clearance' query $NEEDLE --clearance - --format afni

@@ -80,7 +80,6 @@ SIZE(conus_tractogram_info, 144);
 SIZE(conus_constraint, 128);
 SIZE(conus_candidates, 112);
 SIZE(conus_plan_options, 120);
-SIZE(conus_plan_best, 56);
 SIZE(conus_verdict, 56);
 SIZE(conus_planned, 312);
 SIZE(conus_plan_faults, 24);

@@ -14,7 +14,7 @@ import conus
 
 SHARED = pathlib.Path(os.environ.get("CONUS_SHARED_DATA") or pathlib.Path(__file__).parents[3] / "shared/data")
 TABLE = SHARED / "published/errors.tsv"
-KEYS = {"mm": "shift", "deg": "tilt_deg", "entry": "entry", "target": "target", "depth": "depth"}
+KEYS = {"mm": "shift_mm", "deg": "tilt_deg", "entry": "entry_mm", "target": "target_mm", "depth": "depth_mm"}
 
 
 def sigma_of(row):
@@ -29,7 +29,8 @@ def sigma_of(row):
 
 @pytest.mark.skipif(not TABLE.exists(), reason="published/errors.tsv of the shared data is not here")
 def test_each_name_and_number_is_that_of_the_table():
-    known, met = {error["name"]: error for error in conus.errors()}, {}
+    errors = conus.errors().to_dataframe()
+    known, met = {error["name"]: error for error in errors.to_dict("records")}, {}
     source = {}
     for row in csv.DictReader(TABLE.open(encoding="utf-8"), delimiter="\t"):
         source.setdefault(row["name"], row["source"].split(";")[0])

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Rows beside the answers: --segments, --clearance and --endpoints; and the table of areas of --connectivity. */
+/* Files of rows beside the answers, and the options of the ends of streamlines. */
 #include "cli/answers/ends.h"
 
 #include "cli/answers/answer_format.h"
@@ -10,39 +10,141 @@
 
 #include <stdlib.h>
 
-int rows_file_init(struct rows_file *out, const struct rows_kind *kind, const char *path, conus_format format,
-                   const struct arguments *arguments)
+static conus_status find_segments(conus_table **out, conus_selector *selector, const struct rows_file *file,
+                                  const struct asked *asked)
 {
-    *out = (struct rows_file){.kind = kind, .path = path, .format = format};
-    if (!path) {
-        return EXIT_DONE;
+    (void)file;
+    return conus_segments(out, selector, asked->pose);
+}
+
+static conus_status find_clearance(conus_table **out, conus_selector *selector, const struct rows_file *file,
+                                   const struct asked *asked)
+{
+    return conus_clearance(out, selector, asked->pose, file->within);
+}
+
+static conus_status find_ends(conus_table **out, conus_selector *selector, const struct rows_file *file,
+                              const struct asked *asked)
+{
+    (void)file;
+    return conus_connectivity(out, selector, asked->selection, asked->radius, asked->pairs);
+}
+
+static conus_status find_clusters(conus_table **out, conus_selector *selector, const struct rows_file *file,
+                                  const struct asked *asked)
+{
+    (void)file;
+    return conus_clusters(out, selector, asked->roi);
+}
+
+static conus_status add_plan(conus_report *report, const struct asked *asked)
+{
+    return conus_report_add_plan(report, asked->plan);
+}
+
+static conus_status add_profile(conus_report *report, const struct asked *asked)
+{
+    return conus_report_add_profile(report, asked->plan, asked->step);
+}
+
+static conus_status add_tolerance(conus_report *report, const struct asked *asked)
+{
+    return conus_report_add_tolerance(report, asked->plan, &asked->pivot);
+}
+
+static conus_status add_pairs(conus_report *report, const struct asked *asked)
+{
+    return conus_report_add_together(report, asked->together);
+}
+
+const struct rows_kind rows_kinds[ROWS_KINDS] = {
+    {"segments", CONUS_ROWS_SEGMENTS, "segments", "axis", .study = find_segments},
+    {"clearance", CONUS_ROWS_CLEARANCES, "clearances", "axis", .study = find_clearance},
+    {"endpoints", CONUS_ROWS_CONNECTIONS, "connections", .needs_file = true, .study = find_ends},
+    {"connectivity", CONUS_ROWS_CONNECTIONS, "connections", .is_matrix = true, .study = find_ends},
+    {"clusters", CONUS_ROWS_CLUSTERS, "clusters", .needs_file = true, .study = find_clusters},
+    {"constraints", CONUS_ROWS_CONSTRAINTS, "constraints", "axis", .add = add_plan},
+    {"profile", CONUS_ROWS_PROFILE, "profile", "axis", .add = add_profile},
+    {"tolerance", CONUS_ROWS_TOLERANCE, "tolerance", "axis", .add = add_tolerance},
+    {"pairs", CONUS_ROWS_PAIRS, "pairs", "axis", .add = add_pairs},
+};
+
+/* The format is by the ending, where that is a file. */
+static int find_format(struct rows_file *file)
+{
+    const char *option = file->kind->option;
+    bool is_known = output_format(&file->format, file->path);
+    if (file->kind->is_matrix) {
+        bool is_fit = is_known && (file->format == CONUS_FORMAT_TSV || file->format == CONUS_FORMAT_CSV ||
+                                   file->format == CONUS_FORMAT_JSON);
+        return is_fit ? EXIT_DONE
+                      : print_usage_error("%s: --%s ends in none of .tsv, .csv and .json", file->path, option);
     }
-    if (!output_is_no_file(path) && !output_format(&out->format, path)) {
+    if (file->kind->needs_file && output_is_stdout(file->path)) {
+        return print_usage_error("--%s needs a file: the answer is on standard output", option);
+    }
+    if (!is_known && !output_is_no_file(file->path)) {
         return print_usage_error("%s: --%s ends in none of .tsv, .csv, .json, .ndjson, .jsonl and, for a table for "
                                  "people, .txt",
-                                 path, kind->option);
+                                 file->path, option);
     }
-    if (format_is_foreign(out->format)) {
-        return print_usage_error("--format: formats of other programs hold no %s; table, tsv, csv, json and ndjson do",
-                                 kind->option);
-    }
-    const char *given = option_text(arguments, "sidecar");
-    return answer_sidecar(&out->sidecar, out->format,
-                          &(struct answer_settings){.output = path, .sidecar = sidecar_is_none(given) ? given : NULL});
+    return format_is_foreign(file->format)
+               ? print_usage_error(
+                     "--format: formats of other programs hold no %s; table, tsv, csv, json and ndjson do", option)
+               : EXIT_DONE;
 }
 
-void rows_file_finish(struct rows_file *file)
+static int find_sidecar(struct rows_file *file, const char *given)
 {
-    for (size_t i = 0; i < file->count; i++) {
-        conus_report_destroy(file->reports[i]);
-    }
-    free((void *)file->reports);
-    free(file->sidecar);
-    *file = (struct rows_file){0};
+    const struct answer_settings answer = {.output = file->path, .sidecar = sidecar_is_none(given) ? given : NULL};
+    return file->kind->is_matrix ? EXIT_DONE : answer_sidecar(&file->sidecar, file->format, &answer);
 }
 
-conus_status rows_file_report(struct rows_file *file, const conus_selector *selector,
-                              const conus_report_options *options)
+int rows_files_init(struct rows_files *out, const struct arguments *arguments, const char *output, conus_format format)
+{
+    const char *sidecar = option_text(arguments, "sidecar"); /* none is of the rows, too */
+    const char *on_stdout = NULL;
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < ROWS_KINDS && !code; i++) {
+        const struct rows_kind *kind = &rows_kinds[i];
+        const char *path = option_text(arguments, kind->option);
+        if (!path) {
+            continue;
+        }
+        struct rows_file *file = &out->items[out->count++];
+        *file =
+            (struct rows_file){.kind = kind,
+                               .path = path,
+                               .within = option_key_number(arguments, "clearance", CLEARANCE_WITHIN),
+                               .format = kind->needs_file || !output_is_stdout(output) ? CONUS_FORMAT_TABLE : format};
+        code = find_format(file);
+        code = code ? code : find_sidecar(file, sidecar);
+        if (!code && on_stdout && output_is_stdout(path)) {
+            code = print_usage_error("--%s and --%s are both on standard output", on_stdout, kind->option);
+        }
+        on_stdout = output_is_stdout(path) ? kind->option : on_stdout;
+    }
+    out->replace = on_stdout && output_is_stdout(output);
+    return code || !out->replace || !sidecar || sidecar_is_none(sidecar)
+               ? code
+               : print_usage_error("--sidecar has no effect without the answer");
+}
+
+void rows_files_finish(struct rows_files *files)
+{
+    for (size_t i = 0; i < files->count; i++) {
+        struct rows_file *file = &files->items[i];
+        for (size_t k = 0; k < file->count; k++) {
+            conus_report_destroy(file->reports[k]);
+        }
+        free((void *)file->reports);
+        free(file->sidecar);
+    }
+    *files = (struct rows_files){0};
+}
+
+static conus_status add_report(struct rows_file *file, const conus_selector *selector,
+                               const conus_report_options *options)
 {
     const conus_report_options own = {.rows = file->kind->rows,
                                       .within = file->within,
@@ -53,9 +155,6 @@ conus_status rows_file_report(struct rows_file *file, const conus_selector *sele
                                       .places = options->places,
                                       .place_count = options->place_count,
                                       .marks = options->marks};
-    if (!file->path) {
-        return CONUS_OK;
-    }
     conus_report **reports = realloc((void *)file->reports, (file->count + 1) * sizeof(conus_report *));
     if (!reports) {
         return CONUS_ERROR_MEMORY;
@@ -69,27 +168,86 @@ conus_status rows_file_report(struct rows_file *file, const conus_selector *sele
     return file->count > 1 ? conus_report_join(reports[0], reports[file->count - 1]) : CONUS_OK;
 }
 
-int rows_file_refuse(struct rows_file *file, const char *id, size_t line, const char *why)
+conus_status rows_files_report(struct rows_files *files, const conus_selector *selector,
+                               const conus_report_options *options)
 {
     conus_status status = CONUS_OK;
-    for (size_t i = 0; i < file->count && !status; i++) {
-        status = conus_report_add_error(file->reports[i], id, line, why);
+    for (size_t i = 0; i < files->count && !status; i++) {
+        status = add_report(&files->items[i], selector, options);
     }
-    return print_status(status);
+    return status;
 }
 
-int rows_file_write(const struct rows_file *file, const struct provenance *provenance)
+/* Kinds of one sort of rows have one table. */
+static conus_status find_table(struct asked *asked, const struct rows_file *file, conus_selector *selector)
 {
-    if (!file->path) {
-        return EXIT_DONE;
+    if (asked->made && asked->made_of == file->kind->rows) {
+        return CONUS_OK;
     }
-    struct provenance own = *provenance;
-    own.option = file->kind->option;
-    own.is_table = false;
-    own.question.rows = file->kind->word;
-    bool is_of_axis = file->kind->rows != CONUS_ROWS_CONNECTIONS && file->kind->rows != CONUS_ROWS_CLUSTERS;
-    own.question.region = is_of_axis ? "axis" : own.question.region;
-    return answer_write(file->reports[0], file->path, file->sidecar, &own);
+    conus_table_destroy(asked->made);
+    asked->made = NULL;
+    asked->made_of = file->kind->rows;
+    return file->kind->study(&asked->made, selector, file, asked);
+}
+
+conus_status rows_files_add(struct rows_files *files, size_t index, conus_selector *selector, const char *id,
+                            struct asked *asked)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < files->count && !status; i++) {
+        struct rows_file *file = &files->items[i];
+        conus_report *report = file->reports[index];
+        if (file->kind->add) {
+            status = file->kind->add(report, asked);
+        } else if (file->kind->region && !asked->pose) {
+            status = conus_report_add_error(report, id, asked->line, POINT_HAS_NO_AXIS);
+        } else {
+            status = find_table(asked, file, selector);
+            status = status ? status : conus_report_add_table(report, id, asked->made);
+            file->matrix = asked->made;
+        }
+    }
+    conus_table_destroy(asked->made);
+    asked->made = NULL;
+    return status;
+}
+
+conus_status rows_files_refuse(struct rows_files *files, const char *id, size_t line, const char *why)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < files->count; i++) {
+        for (size_t k = 0; k < files->items[i].count && !status; k++) {
+            status = conus_report_add_error(files->items[i].reports[k], id, line, why);
+        }
+    }
+    return status;
+}
+
+/* As JSON with what it rests on. */
+static int write_matrix(const struct rows_file *file, const struct provenance *provenance)
+{
+    const char *text = NULL;
+    size_t size = 0;
+    conus_status status = file->matrix ? conus_report_matrix(&text, &size, file->reports[0], file->matrix) : CONUS_OK;
+    return status || !text                     ? print_status(status)
+           : file->format == CONUS_FORMAT_JSON ? answer_write_json(file->path, provenance, text, size)
+                                               : output_write(file->path, text, size);
+}
+
+int rows_files_write(const struct rows_files *files, const struct provenance *provenance)
+{
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < files->count && !code; i++) {
+        const struct rows_file *file = &files->items[i];
+        struct provenance own = *provenance;
+        own.option = file->kind->option;
+        own.is_table = false;
+        own.question.rows = file->kind->word;
+        own.question.region = file->kind->region ? file->kind->region : own.question.region;
+        code = file->kind->is_matrix ? write_matrix(file, &own)
+                                     : answer_write(file->reports[0], file->path, file->sidecar, &own);
+    }
+    return code;
 }
 
 const struct option endpoints_options[] = {
@@ -139,94 +297,4 @@ bool ends_check_atlases(const struct atlases *atlases)
     }
     return is_hidden ? refuse("all streamlines are hidden: --only names the bundles to keep beside areas")
                      : refuse("there are no streamlines, --streamlines FILE adds some");
-}
-
-int matrix_file_init(struct matrix_file *out, const char *path)
-{
-    *out = (struct matrix_file){.path = path};
-    bool is_fit =
-        path && output_format(&out->format, path) &&
-        (out->format == CONUS_FORMAT_TSV || out->format == CONUS_FORMAT_CSV || out->format == CONUS_FORMAT_JSON);
-    return !path || is_fit ? EXIT_DONE
-                           : print_usage_error("%s: --connectivity ends in none of .tsv, .csv and .json", path);
-}
-
-void matrix_file_finish(struct matrix_file *file)
-{
-    conus_report_destroy(file->report);
-    *file = (struct matrix_file){0};
-}
-
-int matrix_file_take(struct matrix_file *file, const conus_selector *selector, const conus_report_options *options,
-                     const char *id, conus_table *table)
-{
-    const conus_report_options own = {
-        .rows = CONUS_ROWS_CONNECTIONS, .format = file->format, .frame = options->frame, .command = options->command};
-    if (!file->path) {
-        return EXIT_DONE;
-    }
-    conus_status status = conus_report_create(&file->report, selector, &own);
-    status = status ? status : conus_report_add_table(file->report, id, table);
-    file->table = status ? NULL : table;
-    return print_status(status);
-}
-
-int matrix_file_write(const struct matrix_file *file, const struct provenance *provenance)
-{
-    const char *text = NULL;
-    size_t size = 0;
-    if (!file->table) {
-        return EXIT_DONE;
-    }
-    conus_status status = conus_report_matrix(&text, &size, file->report, file->table);
-    if (status) {
-        return print_status(status);
-    }
-    struct provenance own = *provenance;
-    own.option = "connectivity";
-    own.question.rows = "connections";
-    return file->format == CONUS_FORMAT_JSON ? answer_write_json(file->path, &own, text, size)
-                                             : output_write(file->path, text, size);
-}
-
-int ends_init(struct ends *out, const struct ends_settings *settings, const struct arguments *arguments)
-{
-    *out = (struct ends){.radius = ends_radius_of(settings, arguments)};
-    if (option_given(arguments, "endpoint-radius") && !settings->endpoints && !settings->connectivity) {
-        return print_usage_error("--endpoint-radius has no effect without --endpoints or --connectivity");
-    }
-    if (settings->endpoints && output_is_stdout(settings->endpoints)) {
-        return print_usage_error("--endpoints needs a file: the answer is on standard output");
-    }
-    static const struct rows_kind connections = {"endpoints", CONUS_ROWS_CONNECTIONS, "connections"};
-    int code = rows_file_init(&out->rows, &connections, settings->endpoints, CONUS_FORMAT_TABLE, arguments);
-    return code ? code : matrix_file_init(&out->matrix, settings->connectivity);
-}
-
-void ends_finish(struct ends *ends)
-{
-    rows_file_finish(&ends->rows);
-    matrix_file_finish(&ends->matrix);
-}
-
-int ends_add(struct ends *ends, size_t index, const char *id, conus_selector *selector,
-             const conus_selection *selection, const conus_report_options *options)
-{
-    conus_table *table = NULL;
-    if (!ends->rows.path && !ends->matrix.path) {
-        return EXIT_DONE;
-    }
-    conus_status status = conus_connectivity(&table, selector, selection, ends->radius, ends->matrix.path);
-    if (!status && ends->rows.path) {
-        status = conus_report_add_table(ends->rows.reports[index], id, table);
-    }
-    int code = status ? print_status(status) : matrix_file_take(&ends->matrix, selector, options, id, table);
-    conus_table_destroy(table);
-    return code;
-}
-
-int ends_write(const struct ends *ends, const struct provenance *provenance)
-{
-    int code = rows_file_write(&ends->rows, provenance);
-    return code ? code : matrix_file_write(&ends->matrix, provenance);
 }

@@ -1,41 +1,89 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Rows beside the answers, of --segments, --clearance and --endpoints, each in a report of its own;
- * --connectivity: which areas the streamlines connect, as rows and as a table of areas. */
+/** @file Rows beside an answer, or in its place: a table of all options that name a file of them (rows_kinds), and
+ * their files. --connectivity is one: which areas the streamlines connect, as a table of areas. */
 #ifndef CONUS_CLI_ANSWERS_ENDS_H
 #define CONUS_CLI_ANSWERS_ENDS_H
 
+#include "conus/plan.h"
 #include "conus/report.h"
 #include "options/provenance.h"
 #include "settings/atlases.h"
 #include "settings/settings.h"
 
+/** What rows are about; each kind takes what it needs. */
+struct asked {
+    size_t line;                      /**< Of the file of poses; 0 = none. */
+    const conus_pose *pose;           /**< NULL = a point or a region, without an axis. */
+    const conus_selection *selection; /**< NULL = all streamlines. */
+    double radius;                    /**< The library's, of the ends of streamlines, */
+    bool pairs;                       /**< and whether a table of areas is made of them. */
+    const conus_roi *roi;
+    conus_plan *plan;
+    double step;                   /**< mm, of --profile */
+    conus_tolerance_options pivot; /**< of --tolerance */
+    const conus_together *together;
+    conus_table *made; /**< A table that is there already; the files end it. NULL = none. */
+    conus_rows made_of;
+};
+
+struct rows_file;
+
+/** An option that names a file of rows. */
+struct rows_kind {
+    const char *option;
+    conus_rows rows;
+    const char *word;   /**< Its name in the sidecar's question, */
+    const char *region; /**< and what that is about; NULL = what the answer is about. */
+    bool needs_file;    /**< It is never in the place of the answer on stdout. */
+    bool is_matrix;     /**< Areas by areas, without a sidecar; the first answer alone. */
+    /** Makes its table; or adds to the report what is no table yet. */
+    conus_status (*study)(conus_table **out, conus_selector *selector, const struct rows_file *file,
+                          const struct asked *asked);
+    conus_status (*add)(conus_report *report, const struct asked *asked);
+};
+
+enum { ROWS_KINDS = 9 };
+extern const struct rows_kind rows_kinds[ROWS_KINDS];
+
 struct rows_file {
     const struct rows_kind *kind;
-    const char *path; /**< NULL = none. */
-    double within;    /**< Clearances up to so many mm. */
+    const char *path;
+    double within; /**< Clearances up to so many mm. */
     conus_format format;
     char *sidecar;          /**< Path; NULL if there is none to write. */
     conus_report **reports; /**< [count] That of the first atlas has the rows of all. */
     size_t count;
+    const conus_table *matrix; /**< The report has it. */
 };
 
-/* Those that return an int give the exit code and print an error unless it is 0. With no path they do nothing. */
+/** The files of rows that a command line names. Zeroed: none. */
+struct rows_files {
+    struct rows_file items[ROWS_KINDS];
+    size_t count;
+    bool replace; /**< One of them is on stdout, in the place of the answer, which has no other file. */
+};
 
-/** Finds format and sidecar of the file @p path (none where --sidecar says so): the format by the ending, or @p format
- * where that is no file. @p out is the caller's to rows_file_finish() in any case. */
-int rows_file_init(struct rows_file *out, const struct rows_kind *kind, const char *path, conus_format format,
-                   const struct arguments *arguments);
-void rows_file_finish(struct rows_file *file);
+/* Those that return an int give the exit code and print an error unless it is 0. */
 
-/** Makes the report of the next atlas. @p options has space, command and the atlas's name. */
-conus_status rows_file_report(struct rows_file *file, const conus_selector *selector,
-                              const conus_report_options *options);
+/** Finds the files, formats and sidecars (none where --sidecar says so): the format by the ending; on stdout rows have
+ * the answer's @p format, unless @p output names a file for it. @p out is the caller's to rows_files_finish() in any
+ * case. */
+int rows_files_init(struct rows_files *out, const struct arguments *arguments, const char *output, conus_format format);
+void rows_files_finish(struct rows_files *files);
+
+/** Makes the reports of the next atlas. @p options has space, command and the atlas's name. */
+conus_status rows_files_report(struct rows_files *files, const conus_selector *selector,
+                               const conus_report_options *options);
+
+/** Adds what atlas @p index answers about query @p id to each file, or why that has no answer. */
+conus_status rows_files_add(struct rows_files *files, size_t index, conus_selector *selector, const char *id,
+                            struct asked *asked);
 
 /** Adds a row for each atlas that says why a pose has no answer. */
-int rows_file_refuse(struct rows_file *file, const char *id, size_t line, const char *why);
+conus_status rows_files_refuse(struct rows_files *files, const char *id, size_t line, const char *why);
 
-/** Writes the sidecar and then the rows. */
-int rows_file_write(const struct rows_file *file, const struct provenance *provenance);
+/** Writes of each file the sidecar and then the rows. */
+int rows_files_write(const struct rows_files *files, const struct provenance *provenance);
 
 struct ends_settings {
     const char *endpoints;
@@ -54,43 +102,5 @@ double ends_radius_of(const struct ends_settings *settings, const struct argumen
 
 /** False with a message where no atlas has a bundle to look at. */
 bool ends_check_atlases(const struct atlases *atlases);
-
-/** The file of --connectivity, of one answer. */
-struct matrix_file {
-    const char *path; /**< NULL = none. */
-    conus_format format;
-    conus_report *report;
-    const conus_table *table; /**< The report has it. */
-};
-
-/** Both files, of a query. */
-struct ends {
-    struct rows_file rows;
-    struct matrix_file matrix;
-    double radius; /**< The library's. */
-};
-
-/* Those that return an int give the exit code and print an error unless it is 0. With no path they do nothing. */
-
-/** Finds the format. @p out is the caller's to matrix_file_finish() in any case. */
-int matrix_file_init(struct matrix_file *out, const char *path);
-void matrix_file_finish(struct matrix_file *file);
-
-/** Takes the connections of query @p id. @p options has space and command. */
-int matrix_file_take(struct matrix_file *file, const conus_selector *selector, const conus_report_options *options,
-                     const char *id, conus_table *table);
-
-/** Writes it, as JSON with what it rests on. */
-int matrix_file_write(const struct matrix_file *file, const struct provenance *provenance);
-
-/** Finds the formats. @p out is the caller's to ends_finish() in any case. */
-int ends_init(struct ends *out, const struct ends_settings *settings, const struct arguments *arguments);
-void ends_finish(struct ends *ends);
-
-/** Adds what the streamlines of an answer of atlas @p index connect; @p options as for matrix_file_take(). */
-int ends_add(struct ends *ends, size_t index, const char *id, conus_selector *selector,
-             const conus_selection *selection, const conus_report_options *options);
-
-int ends_write(const struct ends *ends, const struct provenance *provenance);
 
 #endif

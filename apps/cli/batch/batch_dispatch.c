@@ -68,11 +68,12 @@ static bool check_outputs_differ(const struct batch_output *outputs, size_t coun
 
 int batch_dispatch(const struct batch_settings *settings, const struct arguments *arguments)
 {
-    struct batch_output outputs[1 + AXIS_FILES] = {{settings->output, NULL}};
+    struct batch_output outputs[1 + ROWS_KINDS] = {{settings->output, NULL}};
     size_t count = settings->output != NULL;
-    for (size_t i = 0; i < AXIS_FILES; i++) {
-        if (settings->axis.files[i]) {
-            outputs[count++] = (struct batch_output){settings->axis.files[i], &settings_axis_rows[i]};
+    for (size_t i = 0; i < ROWS_KINDS; i++) {
+        const char *path = option_text(arguments, rows_kinds[i].option);
+        if (path) {
+            outputs[count++] = (struct batch_output){path, &rows_kinds[i]};
         }
     }
     count = count ? count : 1; /* the answers, on standard output */

@@ -3,6 +3,7 @@
 #ifndef CONUS_CLI_BATCH_SETTINGS_H
 #define CONUS_CLI_BATCH_SETTINGS_H
 
+#include "cli/answers/ends.h"
 #include "cli/batch/batch_shard.h"
 #include "conus/report.h"
 #include "settings/pose_settings.h"

@@ -652,7 +652,7 @@ static int finish_file(struct task *task)
     bool of_shanks = format_is_of_probe(task->format) &&
                      (engine->range.ends[1] > 0 || record.has_ranges); /* contacts have no range */
     const struct rows_kind *of_axis = task->settings->of_axis ? task->settings->of_axis
-                                      : of_shanks             ? &settings_axis_rows[0]
+                                      : of_shanks             ? &rows_kinds[0]
                                                               : NULL;
     bool is_of_points = (engine->radius == 0 || conus_pose_stream_has_radii(task->poses)) && record.has_points &&
                         !task->aimed[0].found.poses;

@@ -146,7 +146,7 @@ bool query_set_words(struct viewer *viewer, char **words, int count)
     struct ask_settings settings = {0};
     struct arguments arguments;
     bool fine = options_parse(&arguments, &settings, &command, NULL, count, words, 1) < 0;
-    if (fine && (settings.axis.files[0] || settings.axis.files[1] || settings.axis.contacts)) {
+    if (fine && (settings.axis.segments || settings.axis.clearance || settings.axis.contacts)) {
         print_error_line("ask: --segments, --clearance and --contacts are for files, not for the window");
         fine = false;
     }

@@ -160,6 +160,20 @@ static void choices_are_what_options_take(void **state)
     assert_string_equal(conus_table_texts(table, "name")[CONUS_POSE_FORMAT_AUTO], "auto");
     assert_string_equal(conus_table_texts(table, "name")[CONUS_POSE_FORMAT_MARKUPS], "markups");
     conus_table_destroy(table);
+    assert_ok(conus_list_choices(&table, "errors"));
+    assert_true(conus_table_rows(table) > 15);
+    for (size_t i = 0; i < conus_table_rows(table); i++) {
+        conus_pose_error error;
+        const char *name = conus_table_texts(table, "name")[i];
+        assert_ok(conus_pose_error_find(&error, strcmp(name, "vr-controller") ? name : "vr-controller:4"));
+        assert_float_equal(conus_table_numbers(table, "tilt_deg")[i], error.tilt_deg, 1e-3); /* of 4 degrees: rounded */
+        assert_true(conus_table_numbers(table, "shift_mm")[i] == error.shift);
+        assert_true(conus_table_numbers(table, "entry_mm")[i] == error.entry);
+        assert_true(conus_table_numbers(table, "target_mm")[i] == error.target);
+        assert_true(conus_table_numbers(table, "depth_mm")[i] == error.depth);
+        assert_string_equal(conus_table_texts(table, "source")[i], error.source);
+    }
+    conus_table_destroy(table);
     assert_fails(conus_list_choices(&table, "colours"), CONUS_ERROR_ARGUMENT);
     assert_fails(conus_list_choices(&table, NULL), CONUS_ERROR_ARGUMENT);
 }

@@ -840,8 +840,7 @@ static void progress_ends_a_run(void **state)
 /* A plan as text: its list, its funnel, its misses and the best of each entry and target. */
 static char *tell(const conus_plan *plan, const conus_plan_options *options)
 {
-    typedef const conus_plan_best *best_of(const conus_plan *plan, uint64_t number);
-    best_of *const bests[] = {conus_plan_entry, conus_plan_target};
+    static const char *const lists[] = {"entries", "targets"};
     const uint64_t counts[] = {options->entries, options->targets};
     struct buffer out = {0};
     for (size_t i = 0; i < conus_plan_count(plan); i++) {
@@ -854,11 +853,15 @@ static char *tell(const conus_plan *plan, const conus_plan_options *options)
         buffer_format(&out, "%llu %s\n", (unsigned long long)conus_plan_left(plan, i), miss ? miss->id : "");
     }
     for (size_t k = 0; k < 2; k++) {
-        for (uint64_t i = 1; i <= counts[k]; i++) {
-            const conus_plan_best *best = bests[k](plan, i);
-            buffer_format(&out, "%llu %llu %.17g\n", (unsigned long long)best->feasible,
-                          (unsigned long long)best->candidate, best->leeway);
+        conus_table *bests = NULL;
+        assert_ok(conus_plan_list(&bests, plan, lists[k]));
+        assert_int_equal(conus_table_rows(bests), counts[k]);
+        for (uint64_t i = 0; i < counts[k]; i++) {
+            buffer_format(&out, "%llu %llu %.17g\n", (unsigned long long)conus_table_counts(bests, "feasible")[i],
+                          (unsigned long long)conus_table_counts(bests, "candidate")[i],
+                          conus_table_numbers(bests, "leeway_mm")[i]);
         }
+        conus_table_destroy(bests);
     }
     assert_ok(buffer_status(&out));
     return out.data;

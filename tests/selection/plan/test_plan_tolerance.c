@@ -3,7 +3,7 @@
  * one. The deviating poses are made here, from their ends. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "conus/plan.h"
+#include "conus/own.h"
 #include "scene.h"
 #include "test.h"
 

@@ -125,11 +125,25 @@ static void constraints_are_worded(void **state)
     conus_report *report = NULL;
     const char *text = NULL;
     assert_ok(write_report(&report, &text, &made, CONUS_ROWS_PLAN, CONUS_FORMAT_TABLE));
-    assert_string_equal(conus_report_constraint(report, 0), "at least 4 mm of the axis in area");
-    assert_string_equal(conus_report_constraint(report, 1), "more than 3 mm of clearance from area");
-    assert_string_equal(conus_report_constraint(report, 2),
-                        "at most 114.591559 degrees between axis and direction (0, 0, 1)");
-    assert_null(conus_report_constraint(report, 3));
+    conus_table *constraints = NULL;
+    assert_ok(conus_plan_list(&constraints, made.plan, "constraints"));
+    const char *const *asked = conus_table_texts(constraints, "asked");
+    assert_int_equal(conus_table_rows(constraints), 3);
+    assert_string_equal(asked[0], "at least 4 mm of the axis in area");
+    assert_string_equal(asked[1], "more than 3 mm of clearance from area");
+    assert_string_equal(asked[2], "at most 114.591559 degrees between axis and direction (0, 0, 1)");
+    assert_string_equal(conus_table_texts(constraints, "kind")[2], "lean");
+    assert_null(conus_table_texts(constraints, "name")[2]);
+    assert_string_equal(conus_table_texts(constraints, "name")[0], "area");
+    for (size_t i = 0; i < 3; i++) {
+        const conus_planned *miss = conus_plan_miss(made.plan, i);
+        const char *id = conus_table_texts(constraints, "miss")[i];
+        assert_int_equal(conus_table_counts(constraints, "left")[i], conus_plan_left(made.plan, i + 1));
+        assert_true(miss ? id && strcmp(id, miss->id) == 0 : !id);
+    }
+    conus_table_destroy(constraints);
+    assert_fails(conus_plan_list(&constraints, made.plan, "poses"), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_plan_list(&constraints, made.plan, NULL), CONUS_ERROR_ARGUMENT);
     assert_non_null(strstr(text, "breaks"));
     assert_fails(conus_report_add_plan(report, made.plan), CONUS_ERROR_ARGUMENT);
     conus_report_destroy(report);
