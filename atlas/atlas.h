@@ -75,6 +75,8 @@ struct conus_atlas {
     char *last_transform;    /**< The file that points go through after one that comes next; owned, NULL = none. */
     bool last_is_inverse;    /**< In the other direction than the file says. */
     conus_brain brain;       /**< Whose it is, as stated; 0 = by its files. */
+    uint32_t identified;     /**< Where nothing else says whose: the published atlas whose voxels and names it has
+                                (atlas/identity.c), from 1 on; 0 = none, or not looked for. */
     bool has_ccf;            /**< Its files say that it is the Allen CCF.                             */
     double own_from_ccf[16]; /**< If so: from AP, DV, ML in micrometres to where its files have it. */
     char *path;              /**< As the user gave it; NULL = the atlas was not loaded. */
@@ -181,6 +183,11 @@ conus_status atlas_add_file(conus_atlas *atlas, const char *path, const struct b
 /** Reads the file @p path again and records it like atlas_add_file(). CONUS_ERROR_IO if it is not as it was @p before,
  * when somebody else read it. */
 conus_status atlas_note_file(conus_atlas *atlas, const char *path, const struct file_state *before);
+
+/** Looks for the published atlas whose voxels and names @p atlas has. */
+void atlas_identify(conus_atlas *atlas);
+/** Whose brain a published atlas is; @p identified of 0 and of none is unknown. */
+conus_brain_view identity_brain(uint32_t identified);
 
 /** Marks the atlas as moved: whose brain it was says no longer where it lies, unless it is one person's own. */
 void atlas_note_move(conus_atlas *atlas);

@@ -167,6 +167,7 @@ conus_brain_view conus_atlas_brain(const conus_atlas *atlas)
         view = (conus_brain_view){.brain = CONUS_BRAIN_TEMPLATE, .edition = "", .source = "CCF", .words = "Allen CCF"};
     } else if (atlas->volume_count && !is_elsewhere) {
         view = conus_volume_brain(&atlas->volumes[0].info);
+        view = view.brain ? view : identity_brain(atlas->identified);
     }
     view.is_moved = is_elsewhere;
     return view;

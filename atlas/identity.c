@@ -188,6 +188,38 @@ static const struct volume *only_labels(const conus_atlas *atlas)
     return is_whole && !atlas->mesh_count && atlas->hemispheres == CONUS_HEMISPHERES_AS_IS ? found : NULL;
 }
 
+conus_brain_view identity_brain(uint32_t identified)
+{
+    if (!identified || identified > sizeof known / sizeof known[0]) {
+        return (conus_brain_view){.edition = "", .source = "", .words = "unknown"};
+    }
+    const char *words = known[identified - 1].facts.space;
+    conus_brain brain = strcmp(words, "Colin 27") == 0  ? CONUS_BRAIN_COLIN27
+                        : strncmp(words, "MNI", 3) == 0 ? CONUS_BRAIN_MNI152
+                                                        : CONUS_BRAIN_TEMPLATE;
+    return (conus_brain_view){.brain = brain, .edition = "", .source = "voxels", .words = words};
+}
+
+/* Names, which are few, come first: most atlases that say nothing have voxels of nobody. */
+void atlas_identify(conus_atlas *atlas)
+{
+    const struct volume *labels = only_labels(atlas);
+    char names[65];
+    char voxels[65] = "";
+    if (!labels) {
+        return;
+    }
+    sum_names(names, atlas);
+    for (uint32_t i = 0; i < sizeof known / sizeof known[0]; i++) {
+        if (strcmp(known[i].names, names) == 0) {
+            if (!voxels[0]) {
+                sum_voxels(voxels, atlas, labels);
+            }
+            atlas->identified = strcmp(known[i].voxels, voxels) == 0 ? i + 1 : atlas->identified;
+        }
+    }
+}
+
 conus_atlas_identity_view conus_atlas_identity(const conus_atlas *atlas)
 {
     conus_atlas_identity_view view = {.sum = ""};

@@ -228,6 +228,12 @@ static bool is_of_mouse(const conus_brain_view *view)
     return view->brain == CONUS_BRAIN_TEMPLATE && strcmp(view->source, "CCF") == 0;
 }
 
+/* The only templates that are known by their voxels are of animals. */
+static bool is_of_animal(const conus_brain_view *view)
+{
+    return is_of_mouse(view) || (view->brain == CONUS_BRAIN_TEMPLATE && strcmp(view->source, "voxels") == 0);
+}
+
 conus_brain_gap conus_brain_compare(conus_brain_view a, conus_brain_view b)
 {
     if (!a.brain || !b.brain) {
@@ -245,6 +251,9 @@ conus_brain_gap conus_brain_compare(conus_brain_view a, conus_brain_view b)
         return has_305 ? CONUS_BRAIN_GAP_SOME_MM : CONUS_BRAIN_GAP_SMALL;
     }
     if (is_of_mouse(&a) != is_of_mouse(&b) || a.brain == CONUS_BRAIN_OWN || b.brain == CONUS_BRAIN_OWN) {
+        return CONUS_BRAIN_GAP_OTHER;
+    }
+    if (a.brain != b.brain && (is_of_animal(&a) || is_of_animal(&b))) {
         return CONUS_BRAIN_GAP_OTHER;
     }
     bool has_template = a.brain == CONUS_BRAIN_TEMPLATE || b.brain == CONUS_BRAIN_TEMPLATE;

@@ -78,6 +78,9 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
     memory_free(plain);
     if (!status) {
         atlas->brain = brain ? brain : atlas->brain;
+        if (!atlas->pack && !conus_atlas_brain(atlas).brain) { /* a pack has what was found */
+            atlas_identify(atlas);
+        }
         *out = atlas;
     }
     return status;

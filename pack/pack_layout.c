@@ -33,11 +33,11 @@ struct member {
         P(T, objects), P(T, places), M(T, object_count), P(T, taken), M(T, area_count), M(T, first_pair),              \
         M(T, hemispheres), M(T, half_step), M(T, has_other_colours), M(T, has_palette), M(T, is_moved),                \
         M(T, is_mirrored), M(T, own_from_world), P(T, warps), M(T, warp_count), P(T, last_transform),                  \
-        M(T, last_is_inverse), M(T, brain), M(T, has_ccf), M(T, own_from_ccf), P(T, path), P(T, label_source),         \
-        M(T, files), P(T, transfer), M(T, notes), M(T, exchanged), M(T, lacks_context), P(T, context_surfaces),        \
-        M(T, context_surface_count), P(T, mapped), P(T, mapped_size), P(T, pack), K(T, files.items, MEMBER_PART),      \
-        K(T, files.paths, MEMBER_PART), K(T, notes.lines, MEMBER_PART), K(T, notes.marks, MEMBER_PART),                \
-        K(T, notes.sink, MEMBER_PART)
+        M(T, last_is_inverse), M(T, brain), M(T, identified), M(T, has_ccf), M(T, own_from_ccf), P(T, path),           \
+        P(T, label_source), M(T, files), P(T, transfer), M(T, notes), M(T, exchanged), M(T, lacks_context),            \
+        P(T, context_surfaces), M(T, context_surface_count), P(T, mapped), P(T, mapped_size), P(T, pack),              \
+        K(T, files.items, MEMBER_PART), K(T, files.paths, MEMBER_PART), K(T, notes.lines, MEMBER_PART),                \
+        K(T, notes.marks, MEMBER_PART), K(T, notes.sink, MEMBER_PART)
 #define INFO(T)                                                                                                        \
     M(T, info.role), P(T, info.path), M(T, info.sha256), M(T, info.format), M(T, info.datatype), M(T, info.dim),       \
         M(T, info.volume), M(T, info.volume_count), M(T, info.world_from_voxel), M(T, info.spacing),                   \

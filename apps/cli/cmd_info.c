@@ -224,10 +224,11 @@ static void put_volumes(FILE *out, const conus_atlas *atlas)
                 const conus_brain_view brain = conus_atlas_brain(atlas);
                 fprintf(out, "  labels       %s\n", conus_atlas_label_source(atlas));
                 fprintf(out, "  brain        %s%s%s\n", brain.words, brain.brain ? ", by " : "",
-                        strcmp(brain.source, "stated") == 0 ? "what is stated"
-                        : strcmp(brain.source, "grid") == 0 ? "its grid"
-                        : brain.brain                       ? "its header"
-                                                            : "");
+                        strcmp(brain.source, "stated") == 0   ? "what is stated"
+                        : strcmp(brain.source, "grid") == 0   ? "its grid"
+                        : strcmp(brain.source, "voxels") == 0 ? "its voxels"
+                        : brain.brain                         ? "its header"
+                                                              : "");
                 put_identity(out, atlas);
             }
         } else if (info->role != CONUS_ROLE_CONTEXT) {

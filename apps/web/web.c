@@ -161,7 +161,23 @@ static void write_notes(FILE *out, const char *key, bool warn)
     fputs("]", out);
 }
 
-/* name, sha256, source of the names, number of objects, box, grey window, notes and warnings. */
+/* Which published atlas it is, and its reference; nothing of another. */
+static void write_identity(FILE *out)
+{
+    const conus_atlas_identity_view identity = conus_atlas_identity(page.atlas);
+    const conus_atlas_facts *facts = identity.facts;
+    if (facts) {
+        char words[128];
+        snprintf(words, sizeof words, identity.is_verified ? "%s, %s, on %s" : "%s by its names; its voxels are others",
+                 facts->name, facts->edition, facts->space);
+        fputs(", \"identity\": ", out);
+        write_string(out, words);
+        fputs(", \"reference\": ", out);
+        write_string(out, facts->reference);
+    }
+}
+
+/* name, sha256, source of the names, number of objects, box, grey window, identity, notes and warnings. */
 static const char *describe_atlas(void)
 {
     double low[3] = {0};
@@ -193,6 +209,7 @@ static const char *describe_atlas(void)
             fprintf(out, ", \"window\": [%.9g, %.9g]", window[0], window[1]);
         }
     }
+    write_identity(out);
     write_notes(out, "notes", false);
     write_notes(out, "warnings", true);
     fputs("}", out);

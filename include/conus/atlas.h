@@ -501,7 +501,7 @@ typedef enum conus_brain {
 typedef struct conus_brain_view {
     conus_brain brain;   /**< Whose. */
     const char *edition; /**< Of MNI 152: "NLin2009", or "earlier" for those before it; "" = not known. Static. */
-    const char *source;  /**< "stated", "header", "grid", "CCF"; "" of an unknown one. Static. */
+    const char *source;  /**< "stated", "header", "grid", "voxels", "CCF"; "" of an unknown one. Static. */
     const char *words;   /**< "MNI 152, NLin2009", "Colin 27", "one person's own". Static. */
     bool is_moved;       /**< A transform has moved it since: it lies in another space, which is unknown unless
                             stated. */
@@ -510,8 +510,9 @@ typedef struct conus_brain_view {
 /**
  * Tells whose brain an atlas is: what is stated (",template=" of conus_atlas_load(), "template" of a manifest), else
  * what the header of its first volume says (NIfTI's codes 3, 4 and 5), else what its grid says, which also tells Colin
- * 27 and editions of MNI 152 from each other. FreeSurfer's grid of 256^3 mm is anybody's. An atlas that was moved since
- * is unknown, but one person's own stays so.
+ * 27 and editions of MNI 152 from each other, else what the voxels and names of a published atlas say (docs/spaces.md,
+ * "Which atlas"). FreeSurfer's grid of 256^3 mm is anybody's. An atlas that was moved since is unknown, but one
+ * person's own stays so.
  * @param atlas The atlas.
  * @return The brain. Its texts are static.
  */

@@ -191,9 +191,10 @@ static void describe_brain(char *out, size_t size, const conus_brain_view *brain
         snprintf(out, size, "%s: %s", brain->words, transform);
     } else {
         snprintf(out, size, "%s%s", brain->words,
-                 strcmp(source, "stated") == 0 ? ", as stated"
-                 : strcmp(source, "grid") == 0 ? ", by its grid"
-                                               : "");
+                 strcmp(source, "stated") == 0   ? ", as stated"
+                 : strcmp(source, "grid") == 0   ? ", by its grid"
+                 : strcmp(source, "voxels") == 0 ? ", by its voxels"
+                                                 : "");
     }
 }
 

@@ -2,9 +2,12 @@
 """The border to C: errors, texts, and the library's structs as numpy sees them."""
 from __future__ import annotations
 
+import functools
+import inspect
 import operator
 import os
 import re
+import sys
 import threading
 import weakref
 from collections.abc import Mapping
@@ -62,26 +65,32 @@ _ERRORS = {
 }
 
 
-# Options of the programs in messages of the library: names that are those of arguments, and others. What is in neither
-# list is left as it is.
-_SAME = """any-space axis context folder hemispheres labels labels-anyway max-memory point probability probe radius
-           sidecar sides space""".split()
-_ARGUMENTS = {f"--{name}": name.replace("-", "_") for name in _SAME} | {
+# Options of the programs in messages of the library that are arguments of another name, and other words.
+_RENAMED = {
     "--atlas-transform": "transforms", "--hemispheres split": 'hemispheres="split"', "--mask-object": "name",
     "--pathway": "pathways", "--pathway FILE,name=NAME": "pathways=[(map, {name: (low, high)})]",
     "--poses-format table": 'format="table"', "--poses-format": "format", "--probe-tip": "tip",
-    "--sides exchanged": 'sides="exchanged"', "--streamlines": "streamlines",
-    "'conus overlap ATLAS MAP'": "atlas.overlap(map)", "as ATLAS": "as source", "is ATLAS": "is source",
+    "--sides exchanged": 'sides="exchanged"', "'conus overlap ATLAS MAP'": "atlas.overlap(map)", "as ATLAS": "as source", "is ATLAS": "is source",
 }  # fmt: skip
-_OPTION = re.compile(rf"(?<![\w/.-])({'|'.join(sorted(_ARGUMENTS, key=len, reverse=True))})(?![\w/-])(:?)")
+_OPTION = re.compile(rf"(?<![\w/.-])({'|'.join(sorted(_RENAMED, key=len, reverse=True))}|--[a-z][a-z-]*)(?![\w/-])(:?)")
+
+
+@functools.cache
+def _arguments() -> frozenset[str]:
+    """All that the package's functions, classes and their methods take by name."""
+    public = [thing for name, thing in vars(sys.modules[__package__]).items() if name[:1] != "_"]
+    methods = [method for thing in public if isinstance(thing, type) for _, method in inspect.getmembers(thing, inspect.isroutine)]
+    codes = [getattr(thing, "__code__", None) for thing in [*public, *methods]]
+    return frozenset(name for code in codes if code for name in code.co_varnames[: code.co_argcount + code.co_kwonlyargcount])
 
 
 def python_words(line: str) -> str:
     """A message or note of the library, with the names of arguments in place of options."""
 
     def name(found: re.Match[str]) -> str:
-        word = _ARGUMENTS[found[1]]
-        return word + (found[2] or ("=" if found[1].startswith("--") and "=" not in word else ""))
+        same = found[1].removeprefix("--").replace("-", "_")
+        word = _RENAMED.get(found[1], same if same in _arguments() else None)
+        return found[0] if word is None else word + (found[2] or ("=" if found[1].startswith("--") and "=" not in word else ""))
 
     return _OPTION.sub(name, line)
 

@@ -11,7 +11,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from typing import Any, NamedTuple, NoReturn, Optional, Sequence, Union
+from typing import Any, Callable, NamedTuple, NoReturn, Optional, Sequence, Union
 
 import numpy as np
 
@@ -100,12 +100,12 @@ def run_program(*words: str) -> subprocess.CompletedProcess[str]:
         raise ArgumentError(f"path: {error}") from None
 
 
-def refuse(ended: subprocess.CompletedProcess[str]) -> NoReturn:
-    """The exception for what the program said last."""
+def refuse(ended: subprocess.CompletedProcess[str], words: Callable[[str], str] = python_words) -> NoReturn:
+    """The exception for what the program said last, in ``words`` of arguments or, of a command line, as it is."""
     errors = {1: DataError, 2: ArgumentError, 3: DataError, 4: UnsupportedError}
     lines = ended.stderr.strip().splitlines() if ended.returncode in errors else []
     lines = lines or [f"conus ended with {ended.returncode}"]  # negative: the signal that ended it
-    raise errors.get(ended.returncode, DataError)(python_words(lines[-1].removeprefix("conus: ")))
+    raise errors.get(ended.returncode, DataError)(words(lines[-1].removeprefix("conus: ")))
 
 
 def verify(result: Path, *, sidecar: Optional[Path] = None, folder: Optional[Path] = None) -> Verification:
@@ -120,7 +120,7 @@ def verify(result: Path, *, sidecar: Optional[Path] = None, folder: Optional[Pat
     found = json.loads(ended.stdout)
     return Verification(
         found["verdict"], found["same_rows"],
-        list(map(python_words, found["why"])), list(map(python_words, found["notes"])),
+        found["why"], found["notes"],
         [Difference(**item) for item in found["differences"]], found["lines_that_differ"],
         [SourceFile(**item) for item in found["files"]],
     )

@@ -14,7 +14,7 @@ from typing import Any, Optional, Union
 
 import numpy as np
 
-from ._library import ArgumentError, python_words, shown
+from ._library import ArgumentError, shown
 from ._poses import warn
 from ._probe import is_probe, probe_text
 from ._program import refuse, run_program
@@ -81,9 +81,9 @@ def run(line: str, /, **values: Any) -> Any:
         said = [note.replace(folder + os.sep, "").removeprefix("conus: ") for note in ended.stderr.splitlines() if note]
         if ended.returncode not in (0, 1):
             ended.stderr = "\n".join(said)
-            refuse(ended)
+            refuse(ended, str)
         if said:
-            warn([python_words(note) for note in said])
+            warn(said)
         if outputs:
             return {name: _read(path) for name, path in outputs.items()}
         return _table(io.StringIO(ended.stdout), "\t") if has_rows else ended.stdout

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Whose brain an atlas is: stated, by its header, by its grid. */
+/* Whose brain an atlas is: stated, by its header, by its grid, by its voxels. */
 #include "atlas/space.h"
 #include "base/files/file.h"
 #include "conus/own.h"
@@ -183,18 +183,40 @@ static void real_atlases_are_known(void **state)
     static const struct {
         const char *file;
         const char *words;
-    } cases[] = {{"aal.nii.gz", "Colin 27"},
-                 {"AICHAmc.nii.gz", "MNI 152, earlier than NLin2009"},
-                 {"HarvardOxford-cort-maxprob-thr0-1mm.nii.gz", "MNI 152, earlier than NLin2009"},
-                 {"JHU-WhiteMatter-labels-1mm.nii.gz", "MNI 152, earlier than NLin2009"},
-                 {"natbrainlab.nii.gz", "MNI 152"},
-                 {"inia19-NeuroMaps.nii.gz", "unknown"}};
+    } cases[] = {
+        {"aal.nii.gz", "Colin 27"},
+        {"AICHAmc.nii.gz", "MNI 152, earlier than NLin2009"},
+        {"HarvardOxford-cort-maxprob-thr0-1mm.nii.gz", "MNI 152, earlier than NLin2009"},
+        {"JHU-WhiteMatter-labels-1mm.nii.gz", "MNI 152, earlier than NLin2009"},
+        {"natbrainlab.nii.gz", "MNI 152"},
+        {"inia19-NeuroMaps.nii.gz", "the macaque INIA19"}}; /* by its voxels: code 1 and a grid of no template */
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         conus_atlas *atlas = NULL;
         assert_ok(conus_atlas_load(&atlas, test_mricron(cases[i].file), NULL));
         assert_string_equal(conus_atlas_brain(atlas).words, cases[i].words);
         conus_atlas_destroy(atlas);
     }
+}
+
+/* The macaque's is no brain of MNI's, and no one person's; beside another template it may be the same. */
+static void voxels_tell_an_animal_from_people(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    assert_ok(conus_atlas_load(&atlas, test_mricron("inia19-NeuroMaps.nii.gz"), NULL));
+    const conus_brain_view ape = conus_atlas_brain(atlas);
+    assert_int_equal(ape.brain, CONUS_BRAIN_TEMPLATE);
+    assert_string_equal(ape.source, "voxels");
+    for (conus_brain brain = CONUS_BRAIN_OWN; brain < CONUS_BRAIN_TEMPLATE; brain++) {
+        const conus_brain_view other = {.brain = brain, .edition = "", .source = "header"};
+        assert_int_equal(conus_brain_compare(ape, other), CONUS_BRAIN_GAP_OTHER);
+        assert_int_equal(conus_brain_compare(other, ape), CONUS_BRAIN_GAP_OTHER);
+    }
+    const conus_brain_view template = {.brain = CONUS_BRAIN_TEMPLATE, .edition = "", .source = "header"};
+    const conus_brain_view mouse = {.brain = CONUS_BRAIN_TEMPLATE, .edition = "", .source = "CCF"};
+    assert_int_equal(conus_brain_compare(ape, template), CONUS_BRAIN_GAP_SOME_MM);
+    assert_int_equal(conus_brain_compare(ape, mouse), CONUS_BRAIN_GAP_OTHER);
+    conus_atlas_destroy(atlas);
 }
 
 TEST_GROUP(brain)
@@ -206,6 +228,7 @@ TEST_GROUP(brain)
         cmocka_unit_test(what_is_stated_holds_until_the_atlas_is_moved),
         cmocka_unit_test(a_manifest_states_it),
         cmocka_unit_test(real_atlases_are_known),
+        cmocka_unit_test(voxels_tell_an_animal_from_people),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

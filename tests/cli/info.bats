@@ -182,6 +182,18 @@ PYTHON
         answers info "$TEMPLATES/${row%%/*}.nii.gz"
         has "  identity     ${row#*/}"
     done
+    has '  brain        MNI 152'
+    answers info "$TEMPLATES/inia19-NeuroMaps.nii.gz"
+    has '  brain        the macaque INIA19, by its voxels'
+    printf 'name,x,y,z\na,1,2,3\n' >mni.csv
+    fails 3 'positions are in "MNI 152" (by the file'"'s name), the atlas in another space (the macaque INIA19, by its voxels)" \
+        query "$TEMPLATES/inia19-NeuroMaps.nii.gz" --pose mni.csv
+    conus pack "$TEMPLATES/inia19-NeuroMaps.nii.gz" -o packed.conus -q
+    fails 3 'the macaque INIA19, by its voxels' query packed.conus --pose mni.csv --hide r_lateral_septal_nucleus
+    gzip -dc "$TEMPLATES/inia19-NeuroMaps.nii.gz" >other.nii
+    printf '1 One\n2 Two\n' >two.txt
+    answers info other.nii --labels two.txt
+    has '  brain        unknown'
     gzip -dc "$aal" >mine.nii
     cp "${aal%.gz}.txt" mine.nii.txt
     answers info mine.nii

@@ -117,7 +117,7 @@ def test_cite(rows):
 def test_errors(rows, monkeypatch, tmp_path):
     with pytest.raises(conus.DataError, match="none.tsv: cannot open"):
         conus.verify("none.tsv")
-    with pytest.raises(conus.ArgumentError, match="--format"):
+    with pytest.raises(conus.ArgumentError, match="^format: "):
         conus.cite(rows, format="apa")
     with pytest.raises(conus.ArgumentError, match="wanted is a path"):
         conus.verify(7)

@@ -143,7 +143,7 @@ const identity = () => (atlas ? `${atlas.name}@${atlas.sha256.slice(0, 8)}` : ""
 
 function describeAtlas() {
   const names = atlas.source ? `names: ${atlas.source}` : "areas have no names, only numbers";
-  $("#atlas").textContent = `${atlas.name}${atlas.sha256 && ` (${atlas.sha256.slice(0, 8)})`}, ${atlas.objects} ${atlas.objects === 1 ? "object" : "objects"}; ${names}${atlas.notes.map((/** @type {string} */ note) => `. ${inPage(note)}`).join("")}`;
+  $("#atlas").textContent = `${atlas.name}${atlas.sha256 && ` (${atlas.sha256.slice(0, 8)})`}, ${atlas.objects} ${atlas.objects === 1 ? "object" : "objects"}; ${names}${atlas.identity ? `; ${atlas.identity} (${atlas.reference.replace(/\.$/, "")})` : ""}${atlas.notes.map((/** @type {string} */ note) => `. ${inPage(note)}`).join("")}`;
   $("#warnings").hidden = !atlas.warnings.length;
   $("#warnings").textContent = atlas.warnings.map((/** @type {string} */ warning) => `Warning: ${inPage(warning)}.`).join(" ");
   $("#version").textContent = `conus ${atlas.version}`;

@@ -21,6 +21,7 @@ static int open_slabs(void **state)
     const char *said = web_open(path);
     assert_non_null(strstr(said, "\"name\": \"slabs.nii.gz\""));
     assert_non_null(strstr(said, "\"objects\": 2"));
+    assert_null(strstr(said, "identity"));
     assert_non_null(strstr(said, "\"low\": [-20, -12, -20], \"high\": [20, 12, 20]"));
     return 0;
 }
@@ -191,6 +192,19 @@ static void test_pictures_are_refused(void **state)
     assert_non_null(strstr(conus_message(), "rays"));
 }
 
+/* A published atlas is named with its reference; the slabs were not. */
+static void test_which_atlas_it_is(void **state)
+{
+    (void)state;
+    static const char aal[] = "/usr/share/mricron/templates/aal.nii.gz";
+    if (access(aal, R_OK) != 0) {
+        skip(); /* no mricron-data */
+    }
+    const char *said = web_open(aal);
+    assert_non_null(
+        strstr(said, "\"identity\": \"AAL, 116 areas, 1 mm, on Colin 27\", \"reference\": \"N. Tzourio-Mazoyer"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -205,6 +219,7 @@ int main(void)
         cmocka_unit_test(test_what_is_behind_has_stripes),
         cmocka_unit_test(test_pictures_are_refused),
         cmocka_unit_test(test_nothing_that_draws_is_linked),
+        cmocka_unit_test(test_which_atlas_it_is),
     };
     return cmocka_run_group_tests(tests, open_slabs, NULL);
 }
