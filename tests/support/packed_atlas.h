@@ -7,6 +7,7 @@
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "made_atlas.h"
 #include "tests/support/value_maps.h"
 
 #include <stdlib.h>
