@@ -199,8 +199,3 @@ const conus_volume_info *conus_roi_volume(const conus_roi *roi)
 {
     return &roi->volume.info;
 }
-
-uint64_t conus_roi_voxels(const conus_roi *roi)
-{
-    return roi ? roi->voxels : 0;
-}
