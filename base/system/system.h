@@ -147,8 +147,6 @@ void system_set_variable(const char *name, const char *value);
 /** strtod() and strtof() of the C locale, whatever the process's is. */
 double system_to_double(const char *text, char **end);
 float system_to_float(const char *text, char **end);
-/** getc() of a stream that no other thread uses. */
-int system_getc(FILE *stream);
 
 /** The first @p size bytes of an open file, for reading; NULL where that fails. Who reads where the file was cut off
  * meanwhile ends by SIGBUS. */

@@ -330,11 +330,6 @@ void system_forget_variables(void)
 #endif
 }
 
-int system_getc(FILE *stream)
-{
-    return getc_unlocked(stream);
-}
-
 void *system_map(int file, size_t size)
 {
     void *memory = mmap(NULL, size, PROT_READ, MAP_SHARED, file, 0);

@@ -781,11 +781,6 @@ float system_to_float(const char *text, char **end)
     return value;
 }
 
-int system_getc(FILE *stream)
-{
-    return _getc_nolock(stream);
-}
-
 void *system_map(int file, size_t size)
 {
     HANDLE map = CreateFileMappingW(handle_of(file), NULL, PAGE_READONLY, 0, 0, NULL);
