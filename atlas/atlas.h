@@ -94,13 +94,6 @@ struct conus_atlas {
     struct pack_origin *pack; /**< Owned; NULL = none. */
 };
 
-/** Makes an atlas from a labelled volume. @p labels has one label per voxel of @p info (0 = background). Areas are the
- * labels present and those that @p table (sorted) names, numbered densely by label. @p notes are moved into the atlas,
- * which adds its own: labels without names, names without voxels, parents that are missing or cyclic (such links are
- * dropped). The atlas's notes get the sink of @p notes. */
-conus_status atlas_create(conus_atlas **out, const conus_volume_info *info, const uint32_t *labels,
-                          const struct label_table *table, const char *label_source, struct notes *notes);
-
 /** Labels of voxels. */
 struct labelled_volume {
     const conus_volume_info *info;
@@ -108,8 +101,11 @@ struct labelled_volume {
     bool is_joined;              /**< The labels come from several files, of which info->path is the first. */
 };
 
-/** Likewise from @p count volumes, no two of which have a label in common. Areas are numbered volume by volume, those
- * without voxels with the first. Of equally near areas the earlier volume's comes first. */
+/** Makes an atlas of @p count labelled volumes, no two of which have a label in common; 0 is background. Areas are the
+ * labels present and those that @p table (sorted) names. They are numbered densely by label, volume by volume, those
+ * without voxels with the first. Of equally near areas the earlier volume's comes first. @p notes are moved into the
+ * atlas, which adds its own: labels without names, names without voxels, parents that are missing or cyclic (such links
+ * are dropped). The atlas's notes get the sink of @p notes. */
 conus_status atlas_create_of(conus_atlas **out, struct labelled_volume *volumes, size_t count,
                              const struct label_table *table, const char *label_source, struct notes *notes);
 

@@ -4,24 +4,10 @@
 
 #include "atlas/bundles.h"
 #include "atlas/space.h"
-#include "base/geometry/math3.h"
+#include "base/geometry/box3.h"
 #include "conus/own.h"
 
 #include <string.h>
-
-struct box {
-    double low[3], high[3];
-};
-
-static const struct box empty_box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-
-static void add_point(struct box *box, const double p[3])
-{
-    for (int a = 0; a < 3; a++) {
-        box->low[a] = fmin(box->low[a], p[a]);
-        box->high[a] = fmax(box->high[a], p[a]);
-    }
-}
 
 enum { AT_ONCE = 32 };
 
@@ -65,10 +51,10 @@ static bool find_ends(size_t *first, size_t *last, const struct volume *volume, 
 
 /* The box around the centres of all voxels with an object, which `m` maps from their indices: along a row a coordinate
  * is extreme at one of the ends. */
-static struct box find_centres(const struct volume *volume, const double m[16])
+static struct box3 find_centres(const struct volume *volume, const double m[16])
 {
     const size_t *dim = volume->info.dim;
-    struct box box = empty_box;
+    struct box3 box = box3_empty();
     for (size_t row = 0; row < dim[1] * dim[2]; row++) {
         size_t ends[2];
         size_t start = row * dim[0];
@@ -82,7 +68,7 @@ static struct box find_centres(const struct volume *volume, const double m[16])
                 const double index[3] = {(double)(ends[end] - start), (double)j, (double)k};
                 double centre[3];
                 mat4_point(centre, m, index);
-                add_point(&box, centre);
+                box3_add(&box, centre);
             }
         }
     }
@@ -90,9 +76,9 @@ static struct box find_centres(const struct volume *volume, const double m[16])
 }
 
 /* The same, or the box that is known already. */
-static struct box centres_of(const struct volume *volume, const double m[16])
+static struct box3 centres_of(const struct volume *volume, const double m[16])
 {
-    struct box box;
+    struct box3 box;
     if (!volume->distances || !mat4_is_same(m, volume->centres.m)) {
         return find_centres(volume, m);
     }
@@ -103,16 +89,16 @@ static struct box centres_of(const struct volume *volume, const double m[16])
 
 void volume_measure_centres(struct volume *volume)
 {
-    struct box box = centres_of(volume, volume->info.world_from_voxel);
+    struct box3 box = centres_of(volume, volume->info.world_from_voxel);
     memcpy(volume->centres.m, volume->info.world_from_voxel, sizeof volume->centres.m);
     memcpy(volume->centres.low, box.low, sizeof box.low);
     memcpy(volume->centres.high, box.high, sizeof box.high);
 }
 
 /* Adds the volume's cells: each reaches half a voxel along every index from its centre. */
-static void add_volume(struct box *box, const struct volume *volume, const double m[16])
+static void add_volume(struct box3 *box, const struct volume *volume, const double m[16])
 {
-    struct box centres = centres_of(volume, m);
+    struct box3 centres = centres_of(volume, m);
     for (int a = 0; a < 3; a++) {
         double reach = (fabs(m[a]) + fabs(m[4 + a]) + fabs(m[8 + a])) / 2;
         box->low[a] = fmin(box->low[a], centres.low[a] - reach);
@@ -121,7 +107,7 @@ static void add_volume(struct box *box, const struct volume *volume, const doubl
 }
 
 /* Adds the bundle's points and a radius around them; nothing where the object is no bundle. */
-static void add_bundle(struct box *box, const conus_atlas *atlas, uint32_t number)
+static void add_bundle(struct box3 *box, const conus_atlas *atlas, uint32_t number)
 {
     const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);
     const struct tract_group *group = atlas_bundle_group(atlas, number);
@@ -147,7 +133,7 @@ static void add_bundle(struct box *box, const conus_atlas *atlas, uint32_t numbe
 
 conus_status conus_atlas_bounds(double low[3], double high[3], const conus_atlas *atlas)
 {
-    struct box box = empty_box;
+    struct box3 box = box3_empty();
     for (size_t i = 0; i < atlas->volume_count; i++) {
         if (atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT && volume_can_be_hit(&atlas->volumes[i])) {
             add_volume(&box, &atlas->volumes[i], atlas->volumes[i].info.world_from_voxel);
@@ -156,8 +142,7 @@ conus_status conus_atlas_bounds(double low[3], double high[3], const conus_atlas
     for (uint32_t number = 1; number <= atlas->object_count; number++) {
         const struct mesh *mesh = atlas_object_mesh(atlas, number);
         if (mesh) {
-            add_point(&box, mesh->shape.low);
-            add_point(&box, mesh->shape.high);
+            box3_join(&box, mesh->shape.low, mesh->shape.high);
         }
         if (!atlas->places[number - 1].is_hidden) {
             add_bundle(&box, atlas, number);
@@ -173,7 +158,7 @@ conus_status conus_atlas_bounds(double low[3], double high[3], const conus_atlas
 
 bool atlas_area_bounds(double low[3], double high[3], const conus_atlas *atlas, const double from_world[16])
 {
-    struct box box = empty_box;
+    struct box3 box = box3_empty();
     for (size_t i = 0; i < atlas->volume_count; i++) {
         const struct volume *volume = &atlas->volumes[i];
         if (atlas_volume_has_areas(volume)) {
@@ -189,7 +174,7 @@ bool atlas_area_bounds(double low[3], double high[3], const conus_atlas *atlas, 
                 const float *at = mesh->positions + 3 * i;
                 double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
                 mat4_point(p, from_world, p);
-                add_point(&box, p);
+                box3_add(&box, p);
             }
         }
     }

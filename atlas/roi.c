@@ -3,7 +3,7 @@
 #include "atlas/roi.h"
 
 #include "atlas/space.h"
-#include "base/geometry/math3.h"
+#include "base/geometry/box3.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "conus/own.h"
@@ -134,18 +134,15 @@ void roi_middle(double out[3], const conus_roi *roi, size_t index)
 static conus_status place_grid(conus_volume_info *info, const struct roi_mesh *mesh)
 {
     enum { EDGE = 2 };
-    double low[3] = {INFINITY, INFINITY, INFINITY};
-    double high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    struct box3 box = box3_empty();
     double world[16] = {EDGE, [5] = EDGE, [10] = EDGE, [15] = 1};
     for (size_t i = 0; i < mesh->count; i++) {
         for (int k = 0; k < 4; k++) {
-            const double *node = mesh->nodes[mesh->tetrahedra[i].nodes[k]];
-            for (int a = 0; a < 3; a++) {
-                low[a] = fmin(low[a], node[a]);
-                high[a] = fmax(high[a], node[a]);
-            }
+            box3_add(&box, mesh->nodes[mesh->tetrahedra[i].nodes[k]]);
         }
     }
+    const double *low = box.low;
+    const double *high = box.high;
     for (int a = 0; a < 3; a++) {
         if (!(fabs(low[a]) <= SPACE_FARTHEST && fabs(high[a]) <= SPACE_FARTHEST)) {
             return fail(CONUS_ERROR_DATA, "nodes: found from %g to %g mm, allowed are up to %g from the origin", low[a],
@@ -201,9 +198,4 @@ void conus_roi_destroy(conus_roi *roi)
 const conus_volume_info *conus_roi_volume(const conus_roi *roi)
 {
     return &roi->volume.info;
-}
-
-uint64_t conus_roi_voxels(const conus_roi *roi)
-{
-    return roi ? roi->voxels : 0;
 }

@@ -333,3 +333,10 @@ double space_corner_distance(const size_t dim[3], const double a[16], const doub
     }
     return largest;
 }
+
+struct box3 space_grid_box(const conus_volume_info *info)
+{
+    const size_t *dim = info->dim;
+    const struct box3 cells = {{-0.5, -0.5, -0.5}, {(double)dim[0] - 0.5, (double)dim[1] - 0.5, (double)dim[2] - 0.5}};
+    return box3_image(&cells, info->world_from_voxel);
+}

@@ -3,6 +3,7 @@
 #ifndef CONUS_ATLAS_SPACE_H
 #define CONUS_ATLAS_SPACE_H
 
+#include "base/geometry/box3.h"
 #include "base/status.h"
 #include "base/text.h"
 #include "conus/atlas.h"
@@ -61,5 +62,8 @@ conus_status grid_create(conus_grid **out, const conus_volume_info *info, conus_
 
 /** The largest distance between the positions of a corner of the grid by @p a and @p b, matrices from voxels. */
 double space_corner_distance(const size_t dim[3], const double a[16], const double b[16]);
+
+/** The box around the voxels of a volume, world mm, cells included. */
+struct box3 space_grid_box(const conus_volume_info *info);
 
 #endif

@@ -4,7 +4,14 @@
 
 #include <math.h>
 
-enum { PIECE_LIMIT = 12, DEPTH_LIMIT = 8, NAME_LIMIT = 4 };
+enum { WANTED = 3, PIECE_LIMIT = 12, DEPTH_LIMIT = 8, NAME_LIMIT = 4 };
+
+/** What a comma between two digits is. */
+enum comma {
+    COMMA_UNKNOWN = 0,
+    COMMA_DECIMAL, /* -42,5 is -42.5 */
+    COMMA_GROUPS   /* 5,739 is 5739 */
+};
 
 /** What stands between a piece and the one before it. */
 enum joint {
@@ -28,9 +35,8 @@ struct scan {
     struct numbers *out;
     struct text rest;
     const char *behind; /* of the last piece */
-    size_t wanted;
-    bool letters_first; /* they may */
-    bool letters_lead;  /* they do */
+    bool letters_lead;  /* they stand before their numbers */
+    enum comma comma;
     struct piece pieces[PIECE_LIMIT];
     size_t count;
     struct text names[NAME_LIMIT]; /* x y z, as they came */
@@ -136,7 +142,7 @@ static void take_letter(struct scan *scan, struct text word)
     bool is_first = !scan->out->has_letters;
     scan->out->has_letters = true;
     scan->letters_lead = is_first ? !scan->count : scan->letters_lead;
-    if (scan->letters_lead && scan->letters_first && !scan->letter) {
+    if (scan->letters_lead && !scan->letter) {
         scan->letter = word.data[0];
     } else if (!scan->letters_lead && last && !last->letter && !scan->separators) {
         last->letter = word.data[0];
@@ -152,7 +158,7 @@ static void take_word(struct scan *scan)
     while (size < rest.size && (is_letter(rest.data[size]) || is_digit(rest.data[size]))) {
         size++;
     }
-    bool is_before_digits = scan->letters_first && size > 1 && text_digits(rest, 1) == size - 1;
+    bool is_before_digits = size > 1 && text_digits(rest, 1) == size - 1;
     struct text word = take_bytes(&scan->rest, is_before_digits && is_side((struct text){rest.data, 1}) ? 1 : size);
     bool is_name = text_is_one_of(word, "x/y/z", false);
     scan->after_word = true;
@@ -219,7 +225,7 @@ struct run {
 };
 
 /* What the commas of a number can only be; UNKNOWN where they may be either, or *none where they are neither. */
-static enum numbers_comma judge_commas(bool *is_neither, const struct piece *pieces, const struct run *run)
+static enum comma judge_commas(bool *is_neither, const struct piece *pieces, const struct run *run)
 {
     const struct piece *first = &pieces[run->first];
     bool is_decimal = run->end - run->first == 2 && first->is_plain && pieces[run->first + 1].is_plain;
@@ -228,11 +234,11 @@ static enum numbers_comma judge_commas(bool *is_neither, const struct piece *pie
         is_grouped = is_grouped && text_digits(pieces[i].digits, 0) == 3 && (pieces[i].is_plain || i + 1 == run->end);
     }
     *is_neither = !is_decimal && !is_grouped;
-    return is_decimal == is_grouped ? NUMBERS_COMMA_UNKNOWN : is_decimal ? NUMBERS_COMMA_DECIMAL : NUMBERS_COMMA_GROUPS;
+    return is_decimal == is_grouped ? COMMA_UNKNOWN : is_decimal ? COMMA_DECIMAL : COMMA_GROUPS;
 }
 
 /* Decides which pieces are one number. False where they are refused. */
-static bool join_pieces(struct run runs[3], struct scan *scan, enum numbers_comma comma)
+static bool join_pieces(struct run runs[WANTED], struct scan *scan)
 {
     static const char *const mixed = "has a comma that may stand within a number or between two; write decimal points";
     struct piece *pieces = scan->pieces;
@@ -247,12 +253,12 @@ static bool join_pieces(struct run runs[3], struct scan *scan, enum numbers_comm
         separates = separates || pieces[i].joint == JOINT_COMMA || pieces[i].joint == JOINT_TIGHT;
         has_other = has_other || pieces[i].joint == JOINT_BLANK || pieces[i].joint == JOINT_COMMA;
     }
-    bool is_split = scan->count == scan->wanted && (!within || (!has_other && comma == NUMBERS_COMMA_UNKNOWN));
-    if (!is_split && (scan->count > PIECE_LIMIT || scan->count - within != scan->wanted)) {
-        bool is_short = scan->count == scan->wanted; /* as in "12,5 30" */
-        refuse_part(scan, is_short ? at : pieces[scan->wanted < PIECE_LIMIT ? scan->wanted : 0].whole,
+    bool is_split = scan->count == WANTED && (!within || !has_other);
+    if (!is_split && (scan->count > PIECE_LIMIT || scan->count - within != WANTED)) {
+        bool is_short = scan->count == WANTED; /* as in "12,5 30" */
+        refuse_part(scan, is_short ? at : pieces[WANTED].whole,
                     is_short ? mixed
-                    : scan->count == 2 * scan->wanted
+                    : scan->count == 2 * WANTED
                         ? "is a number too many; where commas are decimal, blanks or semicolons "
                           "stand between numbers: \"-42,5 12,0 30,1\""
                         : "is a number too many");
@@ -279,19 +285,18 @@ static struct text text_of_run(const struct scan *scan, const struct run *run)
 }
 
 /* What commas within the numbers are. False where that is not known. */
-static bool settle_commas(struct scan *scan, const struct run *runs, enum numbers_comma comma)
+static bool settle_commas(struct scan *scan, const struct run *runs)
 {
-    struct numbers *out = scan->out;
     const struct run *doubtful = NULL;
     bool shows[3] = {false};
     bool has_commas = false;
-    for (size_t i = 0; i < scan->wanted; i++) {
+    for (size_t i = 0; i < WANTED; i++) {
         const struct piece *first = &scan->pieces[runs[i].first];
         bool is_joined = runs[i].end - runs[i].first > 1;
         bool is_neither = false;
-        enum numbers_comma shown = is_joined         ? judge_commas(&is_neither, scan->pieces, &runs[i])
-                                   : first->is_plain ? NUMBERS_COMMA_UNKNOWN
-                                                     : NUMBERS_COMMA_GROUPS; /* it has a point */
+        enum comma shown = is_joined         ? judge_commas(&is_neither, scan->pieces, &runs[i])
+                           : first->is_plain ? COMMA_UNKNOWN
+                                             : COMMA_GROUPS; /* it has a point */
         if (is_neither) {
             refuse_part(scan, text_of_run(scan, &runs[i]),
                         "has a comma that is neither a decimal comma nor one of thousands");
@@ -304,22 +309,17 @@ static bool settle_commas(struct scan *scan, const struct run *runs, enum number
     if (!has_commas) {
         return true;
     }
-    bool is_both = shows[NUMBERS_COMMA_DECIMAL] && shows[NUMBERS_COMMA_GROUPS];
-    out->comma = is_both                        ? NUMBERS_COMMA_UNKNOWN
-                 : shows[NUMBERS_COMMA_DECIMAL] ? NUMBERS_COMMA_DECIMAL
-                 : shows[NUMBERS_COMMA_GROUPS]  ? NUMBERS_COMMA_GROUPS
-                                                : comma;
-    if (is_both || (comma && comma != out->comma)) {
+    if (shows[COMMA_DECIMAL] && shows[COMMA_GROUPS]) {
         refuse_part(scan, scan->pieces[0].whole, "and the other numbers contradict each other in what a comma is");
         return false;
     }
-    if (!out->comma) {
-        out->is_doubtful = true;
+    scan->comma = shows[COMMA_DECIMAL] ? COMMA_DECIMAL : shows[COMMA_GROUPS] ? COMMA_GROUPS : COMMA_UNKNOWN;
+    if (!scan->comma) {
         refuse_part(
             scan, text_of_run(scan, doubtful),
             "has a comma before three digits: a decimal comma, or one of thousands? Write a point, or no comma");
     }
-    return out->comma;
+    return scan->comma;
 }
 
 static bool read_number(double *out, const struct scan *scan, const struct run *run)
@@ -328,7 +328,7 @@ static bool read_number(double *out, const struct scan *scan, const struct run *
     size_t size = 0;
     for (size_t i = run->first; i < run->end; i++) {
         struct text piece = scan->pieces[i].digits;
-        bool has_comma = i > run->first && scan->out->comma == NUMBERS_COMMA_DECIMAL;
+        bool has_comma = i > run->first && scan->comma == COMMA_DECIMAL;
         if (size + piece.size + has_comma >= sizeof digits) {
             return false;
         }
@@ -354,7 +354,7 @@ static bool turn_by_letter(double *value, struct scan *scan, const struct run *r
     if (!letter) {
         return true;
     }
-    const char *found = scan->wanted == 3 ? strchr(letters[axis], letter) : NULL;
+    const char *found = strchr(letters[axis], letter);
     bool is_negative = found == letters[axis];
     if (!found || (first->letter && last->letter && first != last) ||
         (first->sign && (first->sign == '-') != is_negative)) {
@@ -373,7 +373,7 @@ static bool check_names(struct scan *scan, const struct run *runs)
     bool is_front = true; /* all before the first number */
     bool is_each = true;  /* or each before its own */
     for (size_t i = 0; i < scan->named; i++) {
-        bool is_right = scan->wanted == 3 && i < 3 && text_equal_ignoring_case(scan->names[i], axes[i]);
+        bool is_right = i < WANTED && text_equal_ignoring_case(scan->names[i], axes[i]);
         is_front = is_front && is_right && scan->before[i] == 0;
         is_each = is_each && is_right && scan->before[i] == runs[i % 3].first;
     }
@@ -384,15 +384,14 @@ static bool check_names(struct scan *scan, const struct run *runs)
     return true;
 }
 
-enum numbers_found numbers_read(struct numbers *out, struct text text, size_t wanted, enum numbers_comma comma,
-                                bool letters_first)
+enum numbers_found numbers_read(struct numbers *out, struct text text)
 {
-    struct run runs[3] = {{0}};
+    struct run runs[WANTED] = {{0}};
     *out = (struct numbers){0};
-    struct scan scan = {.out = out, .rest = text, .wanted = wanted, .letters_first = letters_first};
+    struct scan scan = {.out = out, .rest = text};
     scan_text(&scan);
     out->count = scan.count;
-    if (scan.count < wanted) {
+    if (scan.count < WANTED) {
         out->why = NULL;
         return NUMBERS_NONE;
     }
@@ -400,9 +399,8 @@ enum numbers_found numbers_read(struct numbers *out, struct text text, size_t wa
         refuse_part(&scan, scan.pieces[0].whole,
                     scan.depth ? "stands in a bracket that is not closed" : "and the others end in a sign of more");
     }
-    bool is_fine =
-        !out->why && join_pieces(runs, &scan, comma) && settle_commas(&scan, runs, comma) && check_names(&scan, runs);
-    for (size_t i = 0; i < wanted && is_fine; i++) {
+    bool is_fine = !out->why && join_pieces(runs, &scan) && settle_commas(&scan, runs) && check_names(&scan, runs);
+    for (size_t i = 0; i < WANTED && is_fine; i++) {
         if (!read_number(&out->value[i], &scan, &runs[i])) {
             refuse_part(&scan, scan.pieces[runs[i].first].whole, "is out of the range of numbers");
         }

@@ -100,11 +100,6 @@ char *path_cut(char *path)
     return cut;
 }
 
-void path_join_again(char *cut)
-{
-    *cut = '/';
-}
-
 bool path_part(const char **rest, const char **part, size_t *size)
 {
     *part = *rest;

@@ -35,11 +35,8 @@ size_t path_plain_length(const char *path, size_t length);
  * or are none. */
 const char *path_joint(const char *folder, size_t length);
 
-/** Ends @p path at its last folder, without the '/', and gives the place of that NUL, for path_join_again(). NULL where
- * it has no folder. */
+/** Ends @p path at its last folder, without the '/', and gives the place of that NUL. NULL where it has no folder. */
 char *path_cut(char *path);
-/** Puts the '/' back that path_cut() took. */
-void path_join_again(char *cut);
 
 /** Takes the next part off *rest, up to a '/' or the end. False when nothing is left. */
 bool path_part(const char **rest, const char **part, size_t *size);

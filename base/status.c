@@ -33,13 +33,6 @@ conus_status fail_in(conus_status status, const char *where)
     return fail(status, "%s: %s", where, inner);
 }
 
-conus_status fail_in_entry(conus_status status, const char *list, size_t entry)
-{
-    char where[48];
-    snprintf(where, sizeof where, entry == FAIL_ALONE ? "%s" : "%s[%zu]", list, entry);
-    return status ? fail_in(status, where) : CONUS_OK;
-}
-
 const char *conus_message(void)
 {
     return message;

@@ -16,11 +16,6 @@ conus_status fail(conus_status status, const char *format, ...) __attribute__((f
  * need not know its path: `return fail_in(status, path);` */
 conus_status fail_in(conus_status status, const char *where);
 
-#define FAIL_ALONE SIZE_MAX /**< An entry that is no list's. */
-
-/** After a failure the same with "@p list[@p entry]: ", or "@p list: " where it stands alone. */
-conus_status fail_in_entry(conus_status status, const char *list, size_t entry);
-
 #ifdef __clang_analyzer__ /* which does not see that they return their argument */
 #define fail(status, ...) ((void)fail(status, __VA_ARGS__), (status))
 #define fail_in(status, where) ((void)fail_in(status, where), (status))

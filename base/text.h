@@ -102,11 +102,6 @@ char *text_next(char **rest, const char *separators);
 /** A copy of the first @p most bytes of @p text, or fewer where it ends earlier. free() it; NULL without memory. */
 char *text_copy(const char *text, size_t most);
 
-/** Reads up to and with the next @p end, or to the end of the file, which no other thread may read, into *line, which
- * grows to *capacity; both begin as 0, and the caller frees *line. Its length; -1 where nothing is left, at an error
- * and without memory. */
-ptrdiff_t text_read_line(char **line, size_t *capacity, char end, FILE *in);
-
 enum text_matching {
     TEXT_ANY_CASE = 1, /**< Upper and lower case (of ASCII) are the same. */
     TEXT_NO_DOT = 2    /**< Only a '.' of the pattern stands for one that the name begins with. */

@@ -3,8 +3,6 @@
  * too. */
 #include "base/text.h"
 
-#include "base/system/system.h"
-
 #include <ctype.h>
 #include <errno.h>
 #include <stdlib.h>
@@ -64,28 +62,6 @@ char *text_copy(const char *text, size_t most)
         copy[length] = '\0';
     }
     return copy;
-}
-
-ptrdiff_t text_read_line(char **line, size_t *capacity, char end, FILE *in)
-{
-    size_t length = 0;
-    for (int c = EOF; c != (unsigned char)end && (c = system_getc(in)) != EOF;) {
-        if (*capacity - length < 2 || !*line) {
-            size_t more = *line ? 2 * *capacity : 128;
-            char *grown = realloc(*line, more);
-            if (!grown) {
-                return -1;
-            }
-            *line = grown;
-            *capacity = more;
-        }
-        (*line)[length++] = (char)c;
-    }
-    if (!length || ferror(in)) {
-        return -1;
-    }
-    (*line)[length] = '\0';
-    return (ptrdiff_t)length;
 }
 
 /* Whether the class whose name is at `*at`, behind "[:", has the byte; moves `*at` behind ":]". */

@@ -65,8 +65,7 @@ static bool find_target(struct writer *out, const char *path)
     }
     memcpy(out->path, path, size);
     out->is_direct = exists && info.kind != SYSTEM_FILE;
-    if (out->is_direct || (out->how & WRITER_NEW) || !system_stat_link(&info, SYSTEM_HERE, path) ||
-        info.kind != SYSTEM_LINK) {
+    if (out->is_direct || (out->how & WRITER_NEW) || !system_stat_link(&info, path) || info.kind != SYSTEM_LINK) {
         return true;
     }
     out->is_direct = system_is_open_name(path);

@@ -35,14 +35,8 @@ static const struct option own_options[] = {
      .help = "the sidecar of RESULT, if it is not beside it", .common = true, OPTION_READING(SIDECAR)},
     {OPTION_VALUED("folder", struct cite_settings, folder, "FOLDER"),
      .help = "where the atlas's files are, if they moved or have another name", .common = true, OPTION_READING(FOLDER)},
-    {.name = "max-memory",
-     .type = OPTION_BYTES,
-     .offset = offsetof(struct cite_settings, max_memory),
-     .value = "SIZE",
-     .help = "largest file of ATLAS to read, like 512M or 2G",
-     .standard = "8G",
-     .unit = "bytes",
-     .role = OPTION_KEPT},
+    {OPTION_MEMORY(struct cite_settings, max_memory), .help = "largest file of ATLAS to read, like 512M or 2G",
+     .standard = "8G"},
     {0},
 };
 

@@ -23,14 +23,8 @@ static const struct option own_options[] = {
     {OPTION_VALUED("tolerance", struct diff_settings, tolerance, "T"),
      .help = "numbers that differ by T or less are the same; names and labels must be equal", .standard = "0",
      OPTION_FROM_TO(0, 1e30), .common = true},
-    {.name = "max-memory",
-     .type = OPTION_BYTES,
-     .offset = offsetof(struct diff_settings, max_memory),
-     .value = "SIZE",
-     .help = "largest table to read, like 512M or 2G",
-     .standard = "4G",
-     .unit = "bytes",
-     .role = OPTION_KEPT},
+    {OPTION_MEMORY(struct diff_settings, max_memory), .help = "largest table to read, like 512M or 2G",
+     .standard = "4G"},
     {0},
 };
 

@@ -6,6 +6,7 @@
 #include "base/system/system.h"
 #include "base/text.h"
 #include "cli/commands.h"
+#include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/outputs.h"
@@ -24,7 +25,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FILE_LIMIT = 4096, SIZE_LIMIT = 100000000 };
+enum { FILE_LIMIT = 4096, SIZE_LIMIT = 100000000, TEMPLATE_LIMIT = 1 << 28 };
 #define PAGE_ANGLE 20
 
 /* From the program's folder: that of a release or a wheel, and an installation's. */
@@ -404,29 +405,27 @@ static int read_template(char **out, const char *given, const char *before)
 {
     char path[SYSTEM_PATH];
     size_t folder = system_program(path) ? path_folder_length(path) : 0;
-    FILE *in = given ? system_stream(given, "r") : NULL;
-    for (size_t i = 0; !given && !in && folder && i < sizeof template_names / sizeof template_names[0]; i++) {
+    bool is_there = given;
+    for (size_t i = 0; !is_there && folder && i < sizeof template_names / sizeof template_names[0]; i++) {
         snprintf(path + folder, sizeof path - folder, "%s", template_names[i]);
-        in = system_stream(path, "r");
+        is_there = system_allows(path, 0);
     }
     const char *name = given ? given : path;
     char *text = NULL;
     size_t size = 0;
-    if (!in && !given) {
+    if (!is_there) {
         return print_data_error("%sthe page's template is not installed: no page.html beside this program, and no %s "
                                 "(Debian package conus-page); --template names one",
                                 before, folder ? path : template_names[1]);
     }
-    if (!in || text_read_line(&text, &size, '\0', in) < 0 || !strstr(text, mark)) {
-        print_error_line("%s: %s", name,
-                         in ? "no template of a page, which has the line <!-- atlas -->" : text_error(errno));
-        if (in) {
-            fclose(in);
-        }
-        free(text);
-        return EXIT_DATA;
+    int code = input_file_read(&text, &size, name, INPUT_FILE_OR_PIPE, TEMPLATE_LIMIT);
+    if (!code && !strstr(text, mark)) {
+        code = print_data_error("%s: no template of a page, which has the line <!-- atlas -->", name);
     }
-    fclose(in);
+    if (code) {
+        free(text);
+        return code;
+    }
     conus_inputs_add(name);
     *out = text;
     return EXIT_DONE;

@@ -21,14 +21,8 @@ static const struct option own_options[] = {
      .common = true, OPTION_READING(FOLDER)},
     {OPTION_VALUED("format", struct verify_choices, format, "FORMAT"),
      .help = "what is written: lines for people, or everything for programs:", .choices = formats},
-    {.name = "max-memory",
-     .type = OPTION_BYTES,
-     .offset = offsetof(struct verify_choices, verify.max_memory),
-     .value = "SIZE",
-     .help = "largest file to read, like 512M or 8G, whatever the sidecar asks for",
-     .standard = "4G",
-     .unit = "bytes",
-     .role = OPTION_KEPT},
+    {OPTION_MEMORY(struct verify_choices, verify.max_memory),
+     .help = "largest file to read, like 512M or 8G, whatever the sidecar asks for", .standard = "4G"},
     {0},
 };
 

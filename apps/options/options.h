@@ -101,6 +101,10 @@ enum option_content {
 /** Likewise of a length or an angle. */
 #define OPTION_MM(text, settings, member) OPTION_VALUED(text, settings, member, "MM"), .unit = "mm"
 #define OPTION_DEGREES(text, settings, member) OPTION_VALUED(text, settings, member, "DEGREES"), .unit = "degrees"
+/** --max-memory, a uint64_t. */
+#define OPTION_MEMORY(settings, member)                                                                                \
+    .name = "max-memory", .type = OPTION_BYTES, .offset = offsetof(settings, member), .value = "SIZE",                 \
+    .unit = "bytes", .role = OPTION_KEPT
 /** Of a file. */
 #define OPTION_READING(content) .role = OPTION_READS, .holds = HOLDS_##content
 #define OPTION_WRITING(content) .role = OPTION_WRITES, .holds = HOLDS_##content

@@ -104,7 +104,7 @@ int output_finish(int code)
 int output_check_file(const char *path)
 {
     struct system_stat info;
-    if (!system_stat_link(&info, SYSTEM_HERE, path) || info.kind == SYSTEM_FILE) {
+    if (!system_stat_link(&info, path) || info.kind == SYSTEM_FILE) {
         return EXIT_DONE;
     }
     return print_data_error("%s: cannot write: is a %s, which a file would replace", path,

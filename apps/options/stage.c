@@ -53,7 +53,7 @@ static bool is_no_link(void *user, const char *path)
 {
     struct system_stat info;
     (void)user;
-    return !system_stat_link(&info, SYSTEM_HERE, path) || info.kind != SYSTEM_LINK;
+    return !system_stat_link(&info, path) || info.kind != SYSTEM_LINK;
 }
 
 /* Whether a folder of the path, from `from` on, is a link: to a store, whose files are there with it. */
@@ -300,8 +300,7 @@ static bool remove_entry(void *user, const char *name)
     char path[SYSTEM_PATH];
     struct system_stat info;
     if (strcmp(name, ".") != 0 && strcmp(name, "..") != 0 &&
-        snprintf(path, sizeof path, "%s/%s", (const char *)user, name) < SYSTEM_PATH &&
-        system_stat_link(&info, SYSTEM_HERE, path)) {
+        snprintf(path, sizeof path, "%s/%s", (const char *)user, name) < SYSTEM_PATH && system_stat_link(&info, path)) {
         if (info.kind == SYSTEM_FOLDER) {
             remove_folder(path);
         } else {

@@ -77,15 +77,8 @@ const struct option atlas_options[] = {
          "for the labels), transform=K (number K, from 0, of a list of ITK's); may be repeated, points go through "
          "the first one first",
      .words = "warp, registration, normalise", OPTION_READING(TRANSFORM)},
-    {.name = "max-memory",
-     .type = OPTION_BYTES,
-     .offset = offsetof(struct atlas_settings, max_memory),
-     .value = "SIZE",
-     .help = "largest file or volume to accept, like 512M or 2G",
-     .otherwise = "8G, and 1G for files of poses that are read whole",
-     .words = "RAM",
-     .role = OPTION_KEPT,
-     .unit = "bytes"},
+    {OPTION_MEMORY(struct atlas_settings, max_memory), .help = "largest file or volume to accept, like 512M or 2G",
+     .otherwise = "8G, and 1G for files of poses that are read whole", .words = "RAM"},
     {0},
 };
 

@@ -267,14 +267,3 @@ conus_status atlas_create_of(conus_atlas **out, struct labelled_volume *volumes,
     label_map_finish(&numbering.number_of);
     return status;
 }
-
-conus_status atlas_create(conus_atlas **out, const conus_volume_info *info, const uint32_t *labels,
-                          const struct label_table *table, const char *label_source, struct notes *notes)
-{
-    struct label_voxels voxels = {0};
-    struct labelled_volume volume = {.info = info, .labels = &voxels};
-    conus_status status = label_voxels_of(&voxels, labels, info->dim[0] * info->dim[1] * info->dim[2]);
-    status = status ? status : atlas_create_of(out, &volume, 1, table, label_source, notes);
-    label_voxels_finish(&voxels);
-    return status;
-}

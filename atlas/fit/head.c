@@ -3,7 +3,7 @@
 #include "atlas/fit/head.h"
 
 #include "atlas/surface/mesh_lines.h"
-#include "base/geometry/math3.h"
+#include "base/geometry/box3.h"
 #include "base/memory.h"
 
 #include <string.h>
@@ -148,22 +148,17 @@ static bool is_around_head(const struct context_surface *surface)
     return surface->mesh.shape.closed && !surface->is_shell;
 }
 
-/* False where no surface is closed. */
-static bool find_box(double low[3], double high[3], const conus_atlas *atlas)
+/* Around the closed surfaces; false where there is none. */
+static bool find_box(struct box3 *out, const conus_atlas *atlas)
 {
     bool found = false;
-    for (int a = 0; a < 3; a++) {
-        low[a] = INFINITY;
-        high[a] = -INFINITY;
-    }
+    *out = box3_empty();
     for (size_t i = 0; i < atlas->context_surface_count; i++) {
         const struct mesh_shape *shape = &atlas->context_surfaces[i].mesh.shape;
-        const bool is_head = is_around_head(&atlas->context_surfaces[i]);
-        for (int a = 0; is_head && a < 3; a++) {
-            low[a] = fmin(low[a], shape->low[a]);
-            high[a] = fmax(high[a], shape->high[a]);
+        if (is_around_head(&atlas->context_surfaces[i])) {
+            box3_join(out, shape->low, shape->high);
+            found = true;
         }
-        found = found || is_head;
     }
     return found;
 }
@@ -196,21 +191,22 @@ static conus_status fill_surface(struct volume *volume, const struct mesh *mesh)
 
 conus_status surface_head_make(struct volume *out, const conus_atlas *atlas)
 {
-    double low[3];
-    double high[3];
+    struct box3 box;
     struct volume volume = {0};
-    if (!find_box(low, high, atlas)) {
+    if (!find_box(&box, atlas)) {
         *out = volume;
         return CONUS_OK;
     }
     conus_volume_info info = {.role = CONUS_ROLE_CONTEXT, .maximum = 1};
-    double edge = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2])) / SURFACE_HEAD_CELLS;
+    double sides[3];
+    vec3_sub(sides, box.high, box.low);
+    double edge = fmax(sides[0], fmax(sides[1], sides[2])) / SURFACE_HEAD_CELLS;
     mat4_identity(info.world_from_voxel);
     for (int a = 0; a < 3; a++) {
-        info.dim[a] = (size_t)ceil((high[a] - low[a]) / edge) + 2;
+        info.dim[a] = (size_t)ceil(sides[a] / edge) + 2;
         info.spacing[a] = edge;
         info.world_from_voxel[5 * a] = edge;
-        info.world_from_voxel[12 + a] = low[a] - edge / 2;
+        info.world_from_voxel[12 + a] = box.low[a] - edge / 2;
     }
     conus_status status = volume_init(&volume, &info);
     volume.values = status ? NULL : memory_zeroed(volume.voxel_count, sizeof *volume.values);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Makes a closed surface around all areas and the head in the context, in a smoothed grid of 0 outside and 1 inside. */
 #include "atlas/fit/head.h"
-#include "base/geometry/math3.h"
+#include "atlas/space.h"
 #include "base/memory.h"
 #include "conus/atlas.h"
 
@@ -209,34 +209,18 @@ static conus_status find_border(struct mesh *out, const struct shell_grid *grid)
     return status;
 }
 
-/* Makes the box hold a volume's grid. */
-static void include_grid(double low[3], double high[3], const struct volume *volume)
-{
-    for (int n = 0; n < 8; n++) {
-        double corner[3];
-        double at[3];
-        for (int a = 0; a < 3; a++) {
-            corner[a] = n >> a & 1 ? (double)volume->info.dim[a] - 0.5 : -0.5;
-        }
-        mat4_point(at, volume->info.world_from_voxel, corner);
-        for (int a = 0; a < 3; a++) {
-            low[a] = fmin(low[a], at[a]);
-            high[a] = fmax(high[a], at[a]);
-        }
-    }
-}
-
 static conus_status fill_grid(struct shell_grid *out, const conus_atlas *atlas)
 {
     const struct volume *context = atlas_context(atlas);
     struct head head = {0};
-    double low[3], high[3];
-    conus_status status = conus_atlas_bounds(low, high, atlas);
+    struct box3 box;
+    conus_status status = conus_atlas_bounds(box.low, box.high, atlas);
     if (!status && context) {
-        include_grid(low, high, context);
+        const struct box3 grid = space_grid_box(&context->info);
+        box3_join(&box, grid.low, grid.high);
         status = head_make(&head, context);
     }
-    status = status ? status : init_grid(out, low, high);
+    status = status ? status : init_grid(out, box.low, box.high);
     for (size_t point = 0; !status && point < out->count; point++) {
         double at[3];
         bool in_head = false;

@@ -3,7 +3,7 @@
 #include "atlas/fit/tract_fit.h"
 
 #include "atlas/fit/box_fit.h"
-#include "base/geometry/math3.h"
+#include "base/geometry/box3.h"
 #include "conus/own.h"
 
 #include <math.h>
@@ -11,42 +11,37 @@
 #include <string.h>
 
 struct extent {
-    double low[3], high[3]; /* of all points */
-    uint64_t inside;        /* how many are in the box */
-    uint64_t before;        /* how many are where the box was before the areas were moved */
-    uint64_t as_indices;    /* how many would be there, if their coordinates were indices of voxels */
+    struct box3 box;     /* of all points */
+    uint64_t inside;     /* how many are in the areas' box */
+    uint64_t before;     /* how many are where that was before the areas were moved */
+    uint64_t as_indices; /* how many would be there, if their coordinates were indices of voxels */
 };
 
-static bool is_within(const double p[3], const double low[3], const double high[3])
+static bool is_within(const double p[3], const struct box3 *box)
 {
+    const double *low = box->low;
+    const double *high = box->high;
     return p[0] >= low[0] && p[1] >= low[1] && p[2] >= low[2] && p[0] <= high[0] && p[1] <= high[1] && p[2] <= high[2];
 }
 
 /* The boxes of the areas now and before a move; the same without one. */
 struct boxes {
-    double low[3], high[3];
-    double own_low[3], own_high[3];
+    struct box3 now, own;
 };
 
 /* The box of a moved atlas in the space of its files. A field has no box, so a lattice of points stands for it. */
 static void find_own_lattice(struct boxes *boxes, const conus_atlas *atlas)
 {
     enum { STEPS = 8 };
-    for (int a = 0; a < 3; a++) {
-        boxes->own_low[a] = INFINITY;
-        boxes->own_high[a] = -INFINITY;
-    }
+    boxes->own = box3_empty();
     for (int i = 0; i < (STEPS + 1) * (STEPS + 1) * (STEPS + 1); i++) {
         const int at[3] = {i % (STEPS + 1), i / (STEPS + 1) % (STEPS + 1), i / (STEPS + 1) / (STEPS + 1)};
         double p[3];
         for (int a = 0; a < 3; a++) {
-            p[a] = boxes->low[a] + (boxes->high[a] - boxes->low[a]) * at[a] / STEPS;
+            p[a] = boxes->now.low[a] + (boxes->now.high[a] - boxes->now.low[a]) * at[a] / STEPS;
         }
         conus_atlas_own_point(p, atlas, p);
-        for (int a = 0; a < 3; a++) { /* fmin and fmax leave NaN out */
-            boxes->own_low[a] = fmin(boxes->own_low[a], p[a]);
-            boxes->own_high[a] = fmax(boxes->own_high[a], p[a]);
-        }
+        box3_add(&boxes->own, p);
     }
 }
 
@@ -55,13 +50,13 @@ static bool find_boxes(struct boxes *boxes, const conus_atlas *atlas)
 {
     double here[16];
     mat4_identity(here);
-    if (!atlas_area_bounds(boxes->low, boxes->high, atlas, here)) {
+    if (!atlas_area_bounds(boxes->now.low, boxes->now.high, atlas, here)) {
         return false;
     }
     if (conus_atlas_is_warped(atlas)) {
         find_own_lattice(boxes, atlas);
     } else {
-        (void)atlas_area_bounds(boxes->own_low, boxes->own_high, atlas,
+        (void)atlas_area_bounds(boxes->own.low, boxes->own.high, atlas,
                                 atlas->is_moved ? atlas->own_from_world : here); /* there are areas */
     }
     return true;
@@ -73,21 +68,13 @@ static void add_point(struct extent *extent, const struct tractogram *tractogram
 {
     double p[3];
     tractogram_point(p, tractogram, index);
-    for (int a = 0; a < 3; a++) {
-        extent->low[a] = fmin(extent->low[a], p[a]);
-        extent->high[a] = fmax(extent->high[a], p[a]);
-    }
-    extent->inside += is_within(p, boxes->low, boxes->high);
-    extent->before += is_within(p, boxes->own_low, boxes->own_high);
+    box3_add(&extent->box, p);
+    extent->inside += is_within(p, &boxes->now);
+    extent->before += is_within(p, &boxes->own);
     if (voxels) {
         mat4_point(p, voxels->info.world_from_voxel, p);
-        extent->as_indices += is_within(p, boxes->low, boxes->high);
+        extent->as_indices += is_within(p, &boxes->now);
     }
-}
-
-static struct extent no_points(void)
-{
-    return (struct extent){.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
 }
 
 /* Whether a sample of many points shows that tract_fit_note() has nothing to say about where they are: it is farther
@@ -100,13 +87,13 @@ static bool sample_fits(struct extent *sample, const struct tractogram *tractogr
     if (!tractogram->is_ready || !tractogram->states_mm || tractogram->point_count < MANY) {
         return false;
     }
-    *sample = no_points();
+    *sample = (struct extent){.box = box3_empty()};
     for (uint64_t i = 0; i < SAMPLE; i++) {
         uint64_t index = (uint64_t)((double)(i * golden >> 11) * 0x1p-53 * (double)tractogram->point_count);
         add_point(sample, tractogram, index, boxes, NULL);
     }
-    memcpy(sample->low, tractogram->low, sizeof sample->low);
-    memcpy(sample->high, tractogram->high, sizeof sample->high);
+    memcpy(sample->box.low, tractogram->low, sizeof sample->box.low);
+    memcpy(sample->box.high, tractogram->high, sizeof sample->box.high);
     return sample->inside >= SAMPLE / 5 * 3 && sample->before < sample->inside + SAMPLE / 100;
 }
 
@@ -118,7 +105,7 @@ static bool looks_like_indices(const struct extent *extent, const size_t dim[3],
     bool within = true;
     for (int a = 0; a < 3; a++) {
         below = below || areas_low[a] < 0;
-        within = within && extent->low[a] >= 0 && extent->high[a] <= (double)dim[a];
+        within = within && extent->box.low[a] >= 0 && extent->box.high[a] <= (double)dim[a];
     }
     return below && within && extent->as_indices && extent->as_indices >= extent->inside;
 }
@@ -135,23 +122,20 @@ conus_status tract_fit_note(struct notes *notes, const conus_atlas *atlas, const
     struct extent extent;
     bool fits = sample_fits(&extent, tractogram, &boxes);
     if (!fits) {
-        extent = no_points();
+        extent = (struct extent){.box = box3_empty()};
         for (uint64_t i = 0; i < tractogram->point_count; i++) {
             add_point(&extent, tractogram, i, &boxes, voxels);
         }
     }
     char words[300];
     bool said;
-    const struct fit_box areas = fit_box_of_areas(atlas, true, true);
-    struct fit_box box;
-    memcpy(box.low, extent.low, sizeof box.low);
-    memcpy(box.high, extent.high, sizeof box.high);
+    const struct box3 areas = fit_box_of_areas(atlas, true, true);
     snprintf(words, sizeof words, "bundle %s", name);
-    conus_status status = fit_note_size(&said, notes, words, &box, &areas);
+    conus_status status = fit_note_size(&said, notes, words, &extent.box, &areas);
     if (status || said || fits) {
         return status;
     }
-    if (voxels && !tractogram->states_mm && looks_like_indices(&extent, voxels->info.dim, boxes.low)) {
+    if (voxels && !tractogram->states_mm && looks_like_indices(&extent, voxels->info.dim, boxes.now.low)) {
         const size_t *dim = voxels->info.dim;
         return notes_warn(notes,
                           "bundle %s: all coordinates are from 0 to the %zu x %zu x %zu voxels of the atlas, and areas "

@@ -88,11 +88,6 @@ const conus_phantom_info *conus_phantom(size_t index)
     return index < TABLE_SIZE ? &table[index].info : index - TABLE_SIZE < MADE_COUNT ? &made[index - TABLE_SIZE] : NULL;
 }
 
-void phantom_area_colour(uint8_t rgb[3], size_t index)
-{
-    palette_colour(rgb, index);
-}
-
 static bool ring_is_whole(const struct phantom_shape *ring)
 {
     return ring->to - ring->from >= 2 * MATH3_PI;
@@ -330,31 +325,4 @@ void phantom_drawing_finish(struct phantom_drawing *drawing)
 {
     memory_free(drawing->labels);
     *drawing = (struct phantom_drawing){0};
-}
-
-static conus_status add_label(struct label_table *labels, const struct phantom_area *area, size_t index)
-{
-    struct label *label = label_table_add(labels, area->label);
-    if (!label) {
-        return CONUS_ERROR_MEMORY;
-    }
-    label->has_rgb = true;
-    phantom_area_colour(label->rgb, index);
-    conus_status status = label_set_text(&label->name, text_from(area->name));
-    return status ? status : label_set_text(&label->abbreviation, text_from(area->abbreviation));
-}
-
-conus_status phantom_drawing_atlas(conus_atlas **out, const struct phantom_drawing *drawing)
-{
-    struct label_table labels = {0};
-    struct notes notes = {0};
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < drawing->phantom->area_count; i++) {
-        status = add_label(&labels, &drawing->phantom->areas[i], i);
-    }
-    status = status ? status : label_table_sort(&labels, &notes);
-    status = status ? status : atlas_create(out, &drawing->grid, drawing->labels, &labels, "phantom", &notes);
-    notes_finish(&notes);
-    label_table_finish(&labels);
-    return status;
 }

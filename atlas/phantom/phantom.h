@@ -59,9 +59,6 @@ struct phantom_drawing {
 conus_status phantom_draw(struct phantom_drawing *out, const char *kind, const conus_phantom_options *options);
 void phantom_drawing_finish(struct phantom_drawing *drawing);
 
-/** The atlas that one gets from loading the drawing's files. */
-conus_status phantom_drawing_atlas(conus_atlas **out, const struct phantom_drawing *drawing);
-
 /** Whether @p point lies in @p shape (its border included). */
 bool phantom_shape_has(const struct phantom_shape *shape, const double point[3]);
 
@@ -70,8 +67,5 @@ double phantom_shape_volume(const struct phantom_shape *shape);
 
 /** Volume of the area @p label in mm^3: its shapes without those inside it. */
 double phantom_area_volume(const struct phantom_drawing *drawing, uint32_t label);
-
-/** The colour of the phantom's area number @p index, from 0. */
-void phantom_area_colour(uint8_t rgb[3], size_t index);
 
 #endif

@@ -2,7 +2,7 @@
 /* Cuts triangles along the borders of voxels, and adds up the volume between each piece and the floor of its column. */
 #include "atlas/surface/mesh_voxels.h"
 
-#include "base/geometry/math3.h"
+#include "base/geometry/box3.h"
 #include "base/memory.h"
 
 enum { CORNERS = 12 }; /* a triangle between six planes has at most 9 */
@@ -137,20 +137,16 @@ static void add_triangle(struct voxel_box *box, const struct polygon *triangle)
 /* Shrinks the box to the voxels that the mesh's bounds meet. False where there is none. */
 static bool shrink(struct voxel_box *box, const struct mesh *mesh, const double voxel_from_mesh[16])
 {
-    double low[3] = {INFINITY, INFINITY, INFINITY};
-    double high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    struct box3 bounds = box3_empty();
     bool meets = true;
     for (size_t i = 0; i < mesh->vertex_count; i++) {
         double p[3];
         find_corner(p, mesh, i, voxel_from_mesh);
-        for (int a = 0; a < 3; a++) {
-            low[a] = fmin(low[a], p[a]);
-            high[a] = fmax(high[a], p[a]);
-        }
+        box3_add(&bounds, p);
     }
     for (int a = 0; a < 3; a++) {
-        double first = fmax(floor(low[a] + 0.5), (double)box->low[a]);
-        double last = fmin(floor(high[a] + 0.5), (double)box->high[a]);
+        double first = fmax(floor(bounds.low[a] + 0.5), (double)box->low[a]);
+        double last = fmin(floor(bounds.high[a] + 0.5), (double)box->high[a]);
         meets = meets && first <= last;
         box->low[a] = meets ? (size_t)first : 0;
         box->high[a] = meets ? (size_t)last : 0;

@@ -2,7 +2,7 @@
 /* The voxels of a warped atlas, where nobody names a grid. */
 #include "atlas/space.h"
 #include "atlas/warp/warp.h"
-#include "base/geometry/math3.h"
+#include "base/geometry/box3.h"
 
 #include <string.h>
 
@@ -13,78 +13,43 @@
 #define MOST_TIMES 16
 #define NONE_MADE 1e15 /* the same for an atlas without voxels, of which none are made */
 
-struct box {
-    double low[3], high[3];
-};
-
-static const struct box nothing = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-
-static void box_add(struct box *box, const double p[3])
-{
-    for (int a = 0; a < 3; a++) {
-        box->low[a] = fmin(box->low[a], p[a]); /* a number that is NaN does not count */
-        box->high[a] = fmax(box->high[a], p[a]);
-    }
-}
-
-/* The box around the image of a box. */
-static struct box box_image(const struct box *box, const double m[16])
-{
-    struct box image = nothing;
-    for (int corner = 0; corner < 8; corner++) {
-        double p[3];
-        for (int a = 0; a < 3; a++) {
-            p[a] = corner >> a & 1 ? box->high[a] : box->low[a];
-        }
-        mat4_point(p, m, p);
-        box_add(&image, p);
-    }
-    return image;
-}
-
-static struct box box_of_grid(const size_t dim[3])
-{
-    return (struct box){{-0.5, -0.5, -0.5}, {(double)dim[0] - 0.5, (double)dim[1] - 0.5, (double)dim[2] - 0.5}};
-}
-
 /* Whatever the field leads into `box` comes from the result, in the field's indices: a point q goes to base q + w,
  * where w is in the box of the vectors, since the weights of a spline, or between nodes, are 0 or more and sum to 1.
  * Positions come from anywhere in the grid. */
-static struct box box_before(const struct box *box, const struct deformation *field)
+static struct box3 box_before(const struct box3 *box, const struct deformation *field)
 {
     double from_base[16];
-    struct box vectors = nothing;
+    struct box3 vectors = box3_empty();
     const size_t nodes = field->dim[0] * field->dim[1] * field->dim[2];
     if (!mat4_invert_affine(from_base, field->base)) {
-        return box_of_grid(field->dim);
+        return (struct box3){{-0.5, -0.5, -0.5},
+                             {(double)field->dim[0] - 0.5, (double)field->dim[1] - 0.5, (double)field->dim[2] - 0.5}};
     }
-    box_add(&vectors, (const double[3]){0}); /* outside */
+    box3_add(&vectors, (const double[3]){0}); /* outside */
     for (size_t n = 0; n < nodes; n++) {
         double v[3];
         for (size_t a = 0; a < 3; a++) {
             v[a] = field->coefficients ? field->coefficients[a * nodes + n] : (double)field->vectors[3 * n + a];
         }
-        box_add(&vectors, v);
+        box3_add(&vectors, v);
     }
-    vectors = box_image(&vectors, field->linear);
-    struct box reach;
+    vectors = box3_image(&vectors, field->linear);
+    struct box3 reach;
     vec3_sub(reach.low, box->low, vectors.high);
     vec3_sub(reach.high, box->high, vectors.low);
-    return box_image(&reach, from_base);
+    return box3_image(&reach, from_base);
 }
 
 /* The atlas's voxels: where they are, how many, and their shortest edge, INFINITY without any. */
-static struct box box_of_atlas(double *edge, double *voxels, const conus_atlas *atlas)
+static struct box3 box_of_atlas(double *edge, double *voxels, const conus_atlas *atlas)
 {
-    struct box box = nothing;
+    struct box3 box = box3_empty();
     *edge = INFINITY;
     *voxels = 0;
     for (size_t i = 0; i < atlas->volume_count; i++) {
         const conus_volume_info *info = &atlas->volumes[i].info;
-        const struct box own = box_of_grid(info->dim);
-        const struct box placed = box_image(&own, info->world_from_voxel);
-        box_add(&box, placed.low);
-        box_add(&box, placed.high);
+        const struct box3 own = space_grid_box(info);
+        box3_join(&box, own.low, own.high);
         *edge = fmin(*edge, fmin(info->spacing[0], fmin(info->spacing[1], info->spacing[2])));
         *voxels = fmax(*voxels, (double)info->dim[0] * (double)info->dim[1] * (double)info->dim[2]);
     }
@@ -92,7 +57,7 @@ static struct box box_of_atlas(double *edge, double *voxels, const conus_atlas *
 }
 
 /* Leaves out what is beyond `box`, in indices of the first field. `counts` are voxels `step` apart from `start` on. */
-static void crop(double counts[3], double start[3], const double step[3], const struct box *box)
+static void crop(double counts[3], double start[3], const double step[3], const struct box3 *box)
 {
     for (int a = 0; a < 3; a++) {
         double first = fmin(fmax(floor((box->low[a] - start[a]) / step[a]) - 1, 0), counts[a] - 1);
@@ -142,7 +107,7 @@ conus_status warp_grid(conus_volume_info *out, const conus_atlas *atlas, const s
     double counts[3];
     double start[3];
     double step[3];
-    struct box box = box_of_atlas(&edge, &voxels, atlas);
+    struct box3 box = box_of_atlas(&edge, &voxels, atlas);
     bool has_voxels = isfinite(edge);
     for (int a = 0; a < 3; a++) {
         const double *column = field->world_from_voxel + 4 * a;
@@ -162,7 +127,7 @@ conus_status warp_grid(conus_volume_info *out, const conus_atlas *atlas, const s
     if (has_voxels && counts[0] * counts[1] * counts[2] > PLAIN) {
         for (size_t i = 0; i < count; i++) {
             box = box_before(&box, &fields[i]);
-            box = i + 1 < count ? box_image(&box, fields[i].world_from_voxel) : box;
+            box = i + 1 < count ? box3_image(&box, fields[i].world_from_voxel) : box;
         }
         crop(counts, start, step, &box);
     }

@@ -141,18 +141,12 @@ conus_status file_part_here(uint8_t *out, const struct open_file *file, uint64_t
     return is_as_before(file) && (size_t)got == size ? CONUS_OK : fail(CONUS_ERROR_IO, FILE_CHANGED);
 }
 
-conus_status file_read_part(uint8_t *out, const struct open_file *file, uint64_t from, size_t size)
-{
-    conus_status status = file_part_here(out, file, from, size);
-    return status ? fail_in(status, file->path) : CONUS_OK;
-}
-
-static conus_status read_path(struct bytes *out, const char *path, size_t most, uint64_t limit, const char *option)
+static conus_status read_path(struct bytes *out, const char *path, uint64_t limit, const char *option)
 {
     struct open_file file;
     conus_status status = file_open(&file, path);
     if (!status) {
-        status = file_read_open(out, &file, most, limit, option);
+        status = file_read_open(out, &file, SIZE_MAX, limit, option);
         file_close(&file);
     }
     return status;
@@ -160,17 +154,12 @@ static conus_status read_path(struct bytes *out, const char *path, size_t most, 
 
 conus_status file_read(struct bytes *out, const char *path, uint64_t limit)
 {
-    return read_path(out, path, SIZE_MAX, limit, "");
+    return read_path(out, path, limit, "");
 }
 
 conus_status file_read_allowed(struct bytes *out, const char *path, uint64_t max_memory)
 {
-    return read_path(out, path, SIZE_MAX, max_memory, FILE_MAX_MEMORY);
-}
-
-conus_status file_read_head(struct bytes *out, const char *path, size_t most)
-{
-    return read_path(out, path, most, UINT64_MAX, "");
+    return read_path(out, path, max_memory, FILE_MAX_MEMORY);
 }
 
 conus_status file_begin(struct writer *out, const char *path, unsigned how)

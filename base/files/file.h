@@ -59,14 +59,11 @@ void file_unmap(const void *memory, size_t size);
 conus_status file_read_open(struct bytes *out, const struct open_file *file, size_t most, uint64_t limit,
                             const char *option);
 
-/** Reads @p size bytes from byte @p from on, all within the size that the file had when it was opened. Errors as of
- * file_read(). */
-conus_status file_read_part(uint8_t *out, const struct open_file *file, uint64_t from, size_t size);
-
-/** @name The same three for a caller whose messages have the path already: theirs do not name it. @{ */
+/** @name The same two for a caller whose messages have the path already: theirs do not name it. @{ */
 conus_status file_open_here(struct open_file *out, const char *path);
 conus_status file_read_here(struct bytes *out, const struct open_file *file, size_t most, uint64_t limit,
                             const char *option);
+/** Reads @p size bytes from byte @p from on, all within the size that the file had when it was opened. */
 conus_status file_part_here(uint8_t *out, const struct open_file *file, uint64_t from, size_t size);
 /** @} */
 
@@ -77,9 +74,6 @@ conus_status file_read(struct bytes *out, const char *path, uint64_t limit);
 
 /** file_read() where the limit is the caller's to raise by --max-memory, as the message says. */
 conus_status file_read_allowed(struct bytes *out, const char *path, uint64_t max_memory);
-
-/** Reads the first @p most bytes of the regular file @p path, or fewer where it ends earlier. */
-conus_status file_read_head(struct bytes *out, const char *path, size_t most);
 
 /** Begins a file that is written part by part (base/writer.h): not over an input of this process. *out is the caller's
  * to writer_drop() in any case. CONUS_ERROR_IO, CONUS_ERROR_ARGUMENT. */

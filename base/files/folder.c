@@ -73,13 +73,3 @@ char *path_folder(const char *path)
     size_t length = path_folder_length(path);
     return length ? memory_text(path, length) : memory_text("./", 2);
 }
-
-char *path_with_ending(const char *path, size_t length, const char *ending)
-{
-    char *joined = memory_raw(length + strlen(ending) + 1, 1);
-    if (joined) {
-        memcpy(joined, path, length);
-        memcpy(joined + length, ending, strlen(ending) + 1);
-    }
-    return joined;
-}

@@ -26,7 +26,4 @@ conus_status names_add(struct names *names, const char *name);
 /** The folder of @p path with a '/' at its end, "./" if it has none. NULL without memory; memory_free() it. */
 char *path_folder(const char *path);
 
-/** The first @p length bytes of @p path and @p ending behind them. NULL without memory; memory_free() it. */
-char *path_with_ending(const char *path, size_t length, const char *ending);
-
 #endif

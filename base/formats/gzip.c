@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Unpacks and packs gzip, through zlib. */
+/* Unpacks gzip, through zlib. */
 #include "base/formats/gzip.h"
 
 #include "base/byte_order.h"
@@ -324,21 +324,6 @@ conus_status gzip_unpack(struct bytes *out, struct gzip_range *range, const uint
     return CONUS_OK;
 }
 
-conus_status gzip_keep(struct bytes *out, struct gzip_range *range, struct bytes *bytes)
-{
-    if (bytes->size < range->total) {
-        return fail(CONUS_ERROR_DATA, "voxels: the file has %zu bytes, the header asks for %llu", bytes->size,
-                    (unsigned long long)range->total);
-    }
-    range->extra = bytes->size - range->total;
-    range->junk = 0;
-    memmove(bytes->data, bytes->data + range->from, range->count);
-    uint8_t *less = memory_resize(bytes->data, range->count, 1);
-    *out = (struct bytes){less ? less : bytes->data, range->count};
-    *bytes = (struct bytes){0};
-    return CONUS_OK;
-}
-
 /* Unpacks into stream->kept, which grows and is the caller's to free. */
 static conus_status unpack_growing(struct stream *stream, uint64_t limit)
 {
@@ -399,11 +384,10 @@ conus_status gzip_unpack_zlib(struct bytes *out, const uint8_t *data, size_t siz
     return unpack_all(out, data, size, limit, true);
 }
 
-conus_status gzip_read(struct bytes *out, const char *path, uint64_t limit, struct file_sums *read)
+conus_status gzip_read(struct bytes *out, const char *path, uint64_t limit)
 {
     struct bytes stored = {0};
     conus_status status = file_read_allowed(&stored, path, limit);
-    status = status || !read ? status : file_sums_add(read, path, &stored);
     if (!status && !gzip_is(stored.data, stored.size)) {
         *out = stored;
         return CONUS_OK;

@@ -5,7 +5,7 @@
 #ifndef CONUS_BASE_FORMATS_GZIP_H
 #define CONUS_BASE_FORMATS_GZIP_H
 
-#include "base/files/file_sums.h"
+#include "base/files/file.h"
 #include "base/gzip_mark.h"
 
 /** Unpacks the first @p limit bytes, or fewer where the stream ends earlier. No checksum is looked at. */
@@ -19,8 +19,8 @@ conus_status gzip_unpack_all(struct bytes *out, const uint8_t *data, size_t size
 conus_status gzip_unpack_zlib(struct bytes *out, const uint8_t *data, size_t size, uint64_t limit);
 
 /** Reads the whole file @p path, packed or not, and unpacks it: at most @p limit bytes, which are the caller's to raise
- * by --max-memory. @p read, if not NULL, gets the file as it is stored. Errors carry the path. */
-conus_status gzip_read(struct bytes *out, const char *path, uint64_t limit, struct file_sums *read);
+ * by --max-memory. Errors carry the path. */
+conus_status gzip_read(struct bytes *out, const char *path, uint64_t limit);
 
 /** Gets unpacked bytes, GZIP_SLAB of them or, in the end, fewer. What fails ends the unpacking. */
 typedef conus_status gzip_sink(void *user, const uint8_t *data, size_t size);
@@ -44,8 +44,5 @@ enum { GZIP_EXTRA_LIMIT = 1 << 20 }; /**< More bytes than this after `total` are
 /** Unpacks the whole of @p data (one member or several) and keeps the bytes of @p range. With a sink @p out becomes
  * empty; what the sink has got is not verified before this has succeeded. */
 conus_status gzip_unpack(struct bytes *out, struct gzip_range *range, const uint8_t *data, size_t size);
-
-/** The same of voxels that are not packed, in place: @p bytes is left empty. */
-conus_status gzip_keep(struct bytes *out, struct gzip_range *range, struct bytes *bytes);
 
 #endif

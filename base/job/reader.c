@@ -251,36 +251,6 @@ uint64_t reader_most(const struct reader *r)
     return at_hand + (source->is_packed ? (stored + source->z.avail_in + 1) * INFLATE_RATIO : stored);
 }
 
-/* Whether so many bytes can follow. */
-static bool can_follow(const struct reader *r, size_t count, size_t bytes_each)
-{
-    size_t bytes;
-    return memory_multiply(count, bytes_each, &bytes) && job_ok(r->job) && bytes <= reader_most(r);
-}
-
-size_t reader_count(struct reader *r, size_t bytes_each)
-{
-    size_t found = reader_u32(r);
-    if (!can_follow(r, found, bytes_each)) {
-        job_bad(r->job, "found a count of %zu, the file has fewer bytes", found);
-        return 0;
-    }
-    return found;
-}
-
-float *reader_f32s(struct reader *r, size_t *count)
-{
-    if (!can_follow(r, *count, sizeof(float))) {
-        job_bad(r->job, "found %zu numbers, the file has fewer", *count);
-    }
-    float *out = job_array(r->job, count, sizeof *out);
-    for (size_t i = 0; i < *count && job_ok(r->job); i++) {
-        out[i] = (float)reader_f32(r);
-    }
-    *count = job_ok(r->job) ? *count : 0;
-    return *count ? out : NULL;
-}
-
 bool reader_line(struct reader *r, struct text *line)
 {
     size_t length = 0;

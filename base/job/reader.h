@@ -4,8 +4,8 @@
  * held twice. No read passes the end.
  *
  *     struct reader r = reader_on(job, &file);
- *     size_t count = reader_count(&r, sizeof(float));
- *     float *values = reader_f32s(&r, &count);
+ *     struct text line;
+ *     while (reader_line(&r, &line)) {
  *
  * A text or pointer that it gives is good until the next call that reads: who keeps it copies it into the job. Builds
  * with AddressSanitizer read blocks of 64 bytes, each elsewhere, so that a text kept without a copy is found. After a
@@ -60,11 +60,6 @@ struct text reader_keep(struct reader *r, size_t count);
 void reader_skip(struct reader *r, uint64_t count);
 
 /** @name Numbers; 0 and a failure at the end @{ */
-static inline uint8_t reader_u8(struct reader *r)
-{
-    const uint8_t *data = reader_take(r, sizeof(uint8_t));
-    return data ? *data : 0;
-}
 static inline uint16_t reader_u16(struct reader *r)
 {
     const uint8_t *data = reader_take(r, sizeof(uint16_t));
@@ -74,11 +69,6 @@ static inline uint32_t reader_u32(struct reader *r)
 {
     const uint8_t *data = reader_take(r, sizeof(uint32_t));
     return data ? order_u32(data, r->swapped) : 0;
-}
-static inline uint64_t reader_u64(struct reader *r)
-{
-    const uint8_t *data = reader_take(r, sizeof(uint64_t));
-    return data ? order_u64(data, r->swapped) : 0;
 }
 static inline double reader_f32(struct reader *r)
 {
@@ -91,13 +81,6 @@ static inline double reader_f64(struct reader *r)
     return data ? order_f64(data, r->swapped) : 0;
 }
 /** @} */
-
-/** A u32 that counts things of @p bytes_each bytes, which follow: 0 and a failure where the file cannot have them. */
-size_t reader_count(struct reader *r, size_t bytes_each);
-
-/** The next *count numbers, in this machine's byte order, in the job's memory, which is asked for only if the file can
- * have them; NULL, and *count 0, on failure. */
-float *reader_f32s(struct reader *r, size_t *count);
 
 /** The next line, without its LF and a CR before that; false at the end. A line of more than 16 MiB is a failure. */
 bool reader_line(struct reader *r, struct text *line);

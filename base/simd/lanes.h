@@ -161,11 +161,6 @@ static INLINE truths both_truths(truths a, truths b)
     return a & b;
 }
 
-static INLINE bool all_halves(halves which)
-{
-    return which == 0xff;
-}
-
 static INLINE bool is_true(truths which, int lane)
 {
     return which >> lane & 1;
@@ -271,23 +266,6 @@ static INLINE bool any(truths which)
 static INLINE truths both_truths(truths a, truths b)
 {
     return a & b;
-}
-
-static INLINE bool all_halves(halves which)
-{
-#if defined(__AVX__) && LANES == 8
-    return _mm256_movemask_pd((__m256d)which) == 15;
-#elif defined(__SSE2__) && LANES == 4
-    return _mm_movemask_pd((__m128d)which) == 3;
-#elif defined(__wasm_simd128__) && LANES == 4
-    return wasm_i64x2_bitmask((v128_t)which) == 3;
-#else
-    int64_t bits = -1;
-    for (int l = 0; l < HALF; l++) {
-        bits &= which[l];
-    }
-    return bits != 0;
-#endif
 }
 
 static INLINE bool is_true(truths which, int lane)

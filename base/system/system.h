@@ -20,10 +20,9 @@
 #include <unistd.h>
 
 enum {
-    SYSTEM_PATH = 4096,  /**< The most bytes of a path, with its NUL. */
-    SYSTEM_NAME = 255,   /**< The most bytes of a name in a folder, without it. */
-    SYSTEM_NO_FILE = -1, /**< No open file. */
-    SYSTEM_HERE = -100   /**< As a folder: names count from the current one. */
+    SYSTEM_PATH = 4096, /**< The most bytes of a path, with its NUL. */
+    SYSTEM_NAME = 255,  /**< The most bytes of a name in a folder, without it. */
+    SYSTEM_NO_FILE = -1 /**< No open file. */
 };
 
 /** What stands between the names of a path, all that are taken; conus writes '/'. */
@@ -44,15 +43,15 @@ enum {
 enum system_kind { SYSTEM_FILE, SYSTEM_FOLDER, SYSTEM_LINK, SYSTEM_PIPE, SYSTEM_OTHER };
 
 struct system_stat {
-    uint64_t device, inode, size, links;
+    uint64_t device, inode, size;
     struct timespec changed, altered; /**< Last change of the bytes, and of anything about it. */
     enum system_kind kind;
 };
 
 /** The file or folder that @p path leads to. */
 bool system_stat(struct system_stat *out, const char *path);
-/** The same of a name in an open folder; a link is one. */
-bool system_stat_link(struct system_stat *out, int folder, const char *name);
+/** The same of what is at @p path itself; a link is one. */
+bool system_stat_link(struct system_stat *out, const char *path);
 bool system_stat_open(struct system_stat *out, int file);
 
 /** Whether all that @p how asks for is allowed: a sum of SYSTEM_READ, SYSTEM_WRITE and SYSTEM_RUN; 0 = it is there. */
@@ -61,23 +60,16 @@ bool system_allows(const char *path, unsigned how);
 enum {
     SYSTEM_READ = 1,
     SYSTEM_WRITE = 2,
-    SYSTEM_RUN = 4,       /**< Of system_allows() only. */
-    SYSTEM_APPEND = 8,    /**< Each writing goes to the end. */
-    SYSTEM_MAKE = 16,     /**< It is made where it is not there, */
-    SYSTEM_NEW = 32,      /**< and must not be there. */
-    SYSTEM_EMPTY = 64,    /**< What is in it goes. */
-    SYSTEM_NO_LINK = 128, /**< A link is not followed: ELOOP. */
-    SYSTEM_AT_ONCE = 256  /**< Neither opening nor reading waits for the other end of a pipe. */
+    SYSTEM_RUN = 4,      /**< Of system_allows() only. */
+    SYSTEM_APPEND = 8,   /**< Each writing goes to the end. */
+    SYSTEM_MAKE = 16,    /**< It is made where it is not there, */
+    SYSTEM_NEW = 32,     /**< and must not be there. */
+    SYSTEM_EMPTY = 64,   /**< What is in it goes. */
+    SYSTEM_AT_ONCE = 128 /**< Neither opening nor reading waits for the other end of a pipe. */
 };
 
-/** Opens @p name in an open folder; programs that are started do not get it. @p how is a sum of the above. */
-int system_open_in(int folder, const char *name, unsigned how);
-static inline int system_open(const char *path, unsigned how)
-{
-    return system_open_in(SYSTEM_HERE, path, how);
-}
-/** Opens a folder, no link, for the functions that take one. */
-int system_open_folder(const char *path);
+/** Opens a file; programs that are started do not get it. @p how is a sum of the above. */
+int system_open(const char *path, unsigned how);
 /** Opens a new file, for the user alone or with the rights of any new one, whose name has other letters in place of the
  * XXXXXX before its last @p ending bytes. */
 int system_open_temporary(char *path, size_t ending, bool for_us_alone);
@@ -116,13 +108,8 @@ bool system_to_disk(int file);
 
 /** Gives a file the name @p to, in the place of another only if @p replace; one move, between names in one folder. */
 bool system_rename(const char *from, const char *to, bool replace);
-bool system_rename_in(int folder, const char *from, const char *to);
 /** Removes a file or a link. */
-bool system_remove_in(int folder, const char *name);
-static inline bool system_remove(const char *path)
-{
-    return system_remove_in(SYSTEM_HERE, path);
-}
+bool system_remove(const char *path);
 bool system_make_folder(const char *path, bool for_us_alone);
 /** Removes an empty folder. */
 bool system_remove_folder(const char *path);
@@ -160,10 +147,6 @@ void system_set_variable(const char *name, const char *value);
 /** strtod() and strtof() of the C locale, whatever the process's is. */
 double system_to_double(const char *text, char **end);
 float system_to_float(const char *text, char **end);
-/** getc() of a stream that no other thread uses. */
-int system_getc(FILE *stream);
-/** The time where the user is. */
-bool system_local_time(struct tm *out, time_t time);
 
 /** The first @p size bytes of an open file, for reading; NULL where that fails. Who reads where the file was cut off
  * meanwhile ends by SIGBUS. */

@@ -28,18 +28,11 @@
 #define st_ctim st_ctimespec
 #endif
 
-/* AT_FDCWD is -100 on Linux and -2 on macOS. */
-static int number_of(int folder)
-{
-    return folder == SYSTEM_HERE ? AT_FDCWD : folder;
-}
-
 static bool take_stat(struct system_stat *out, const struct stat *info)
 {
     *out = (struct system_stat){.device = (uint64_t)info->st_dev,
                                 .inode = (uint64_t)info->st_ino,
                                 .size = (uint64_t)info->st_size,
-                                .links = (uint64_t)info->st_nlink,
                                 .changed = info->st_mtim,
                                 .altered = info->st_ctim,
                                 .kind = S_ISREG(info->st_mode)    ? SYSTEM_FILE
@@ -56,10 +49,10 @@ bool system_stat(struct system_stat *out, const char *path)
     return stat(path, &info) == 0 && take_stat(out, &info);
 }
 
-bool system_stat_link(struct system_stat *out, int folder, const char *name)
+bool system_stat_link(struct system_stat *out, const char *path)
 {
     struct stat info;
-    return fstatat(number_of(folder), name, &info, AT_SYMLINK_NOFOLLOW) == 0 && take_stat(out, &info);
+    return lstat(path, &info) == 0 && take_stat(out, &info);
 }
 
 bool system_stat_open(struct system_stat *out, int file)
@@ -74,19 +67,14 @@ bool system_allows(const char *path, unsigned how)
                             (how & SYSTEM_RUN ? X_OK : 0)) == 0;
 }
 
-int system_open_in(int folder, const char *name, unsigned how)
+int system_open(const char *path, unsigned how)
 {
-    static const int flags[] = {O_APPEND, O_CREAT, O_CREAT | O_EXCL, O_TRUNC, O_NOFOLLOW, O_NONBLOCK};
+    static const int flags[] = {O_APPEND, O_CREAT, O_CREAT | O_EXCL, O_TRUNC, O_NONBLOCK};
     int all = O_CLOEXEC | O_NOCTTY | (!(how & SYSTEM_WRITE) ? O_RDONLY : how & SYSTEM_READ ? O_RDWR : O_WRONLY);
     for (size_t i = 0; i < sizeof flags / sizeof flags[0]; i++) {
         all |= how & (unsigned)SYSTEM_APPEND << i ? flags[i] : 0;
     }
-    return openat(number_of(folder), name, all, 0666);
-}
-
-int system_open_folder(const char *path)
-{
-    return open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    return open(path, all, 0666);
 }
 
 int system_open_temporary(char *path, size_t ending, bool for_us_alone)
@@ -224,14 +212,9 @@ bool system_rename(const char *from, const char *to, bool replace)
     return is_new;
 }
 
-bool system_rename_in(int folder, const char *from, const char *to)
+bool system_remove(const char *path)
 {
-    return renameat(folder, from, folder, to) == 0;
-}
-
-bool system_remove_in(int folder, const char *name)
-{
-    return unlinkat(number_of(folder), name, 0) == 0;
+    return unlink(path) == 0;
 }
 
 bool system_make_folder(const char *path, bool for_us_alone)
@@ -345,16 +328,6 @@ void system_forget_variables(void)
 #else
     clearenv();
 #endif
-}
-
-int system_getc(FILE *stream)
-{
-    return getc_unlocked(stream);
-}
-
-bool system_local_time(struct tm *out, time_t time)
-{
-    return localtime_r(&time, out);
 }
 
 void *system_map(int file, size_t size)

@@ -166,28 +166,6 @@ static HANDLE handle_of(int file)
     return (HANDLE)_get_osfhandle(file);
 }
 
-/* The path of a name in an open folder. */
-static bool widen_in(wide_path out, int folder, const char *name)
-{
-    if (folder == SYSTEM_HERE) {
-        return widen(out, name);
-    }
-    wide_path path;
-    wide_path last;
-    DWORD length = GetFinalPathNameByHandleW(handle_of(folder), path, SYSTEM_PATH, FILE_NAME_NORMALIZED);
-    if (!length || !widen(last, name)) {
-        return length ? false : fail_last();
-    }
-    if (length >= SYSTEM_PATH || swprintf(out, SYSTEM_PATH, L"%ls\\%ls", path, last) < 0) {
-        errno = ENAMETOOLONG;
-        return false;
-    }
-    for (wchar_t *at = out; *at; at++) { /* a path with the mark of long ones has no other */
-        *at = *at == '/' ? '\\' : *at;
-    }
-    return true;
-}
-
 /* The reason why there is nothing at a path: on its way there may be a file, or a name that is too long, which other
  * systems say. */
 static bool fail_at(const wchar_t *path, DWORD error)
@@ -242,10 +220,9 @@ static bool is_folder(HANDLE handle)
 }
 
 /* A descriptor that owns the handle; of -1 errno stays. */
-static int own_handle(HANDLE handle, int flags)
+static int own_handle(HANDLE handle)
 {
-    int file =
-        handle == INVALID_HANDLE_VALUE ? -1 : _open_osfhandle((intptr_t)handle, flags | _O_BINARY | _O_NOINHERIT);
+    int file = handle == INVALID_HANDLE_VALUE ? -1 : _open_osfhandle((intptr_t)handle, _O_BINARY | _O_NOINHERIT);
     if (file < 0 && handle != INVALID_HANDLE_VALUE) {
         CloseHandle(handle);
     }
@@ -297,7 +274,7 @@ static bool stat_handle(struct system_stat *out, HANDLE handle)
     FILE_BASIC_INFO times;
     DWORD type = GetFileType(handle);
     if (type != FILE_TYPE_DISK) {
-        *out = (struct system_stat){.kind = type == FILE_TYPE_PIPE ? SYSTEM_PIPE : SYSTEM_OTHER, .links = 1};
+        *out = (struct system_stat){.kind = type == FILE_TYPE_PIPE ? SYSTEM_PIPE : SYSTEM_OTHER};
         return handle != INVALID_HANDLE_VALUE || fail_with(ERROR_INVALID_HANDLE);
     }
     if (!GetFileInformationByHandleEx(handle, FileStandardInfo, &info, sizeof info) ||
@@ -305,7 +282,6 @@ static bool stat_handle(struct system_stat *out, HANDLE handle)
         return fail_last();
     }
     *out = (struct system_stat){.size = (uint64_t)info.EndOfFile.QuadPart,
-                                .links = info.NumberOfLinks,
                                 .changed = time_from(times.LastWriteTime),
                                 .altered = time_from(times.ChangeTime),
                                 .kind = is_link(handle)  ? SYSTEM_LINK
@@ -332,10 +308,10 @@ bool system_stat(struct system_stat *out, const char *path)
     return standard >= 0 ? system_stat_open(out, standard) : widen(wide, path) && stat_path(out, wide, 0);
 }
 
-bool system_stat_link(struct system_stat *out, int folder, const char *name)
+bool system_stat_link(struct system_stat *out, const char *path)
 {
     wide_path wide;
-    return widen_in(wide, folder, name) && stat_path(out, wide, FILE_FLAG_OPEN_REPARSE_POINT);
+    return widen(wide, path) && stat_path(out, wide, FILE_FLAG_OPEN_REPARSE_POINT);
 }
 
 bool system_stat_open(struct system_stat *out, int file)
@@ -358,51 +334,37 @@ bool system_allows(const char *path, unsigned how)
     return !(how & SYSTEM_WRITE && is & FILE_ATTRIBUTE_READONLY && !is_folder);
 }
 
-int system_open_in(int folder, const char *name, unsigned how)
+int system_open(const char *path, unsigned how)
 {
-    int standard = folder == SYSTEM_HERE ? find_standard(name) : SYSTEM_NO_FILE;
+    int standard = find_standard(path);
     if (standard >= 0) {
         return system_copy(standard);
     }
-    wide_path path;
+    wide_path wide;
     DWORD access = (how & SYSTEM_READ || !(how & SYSTEM_WRITE) ? GENERIC_READ : 0) |
                    (how & SYSTEM_APPEND  ? FILE_APPEND_DATA | SYNCHRONIZE
                     : how & SYSTEM_WRITE ? GENERIC_WRITE
                                          : 0);
     DWORD make = how & SYSTEM_NEW ? CREATE_NEW : how & SYSTEM_MAKE ? OPEN_ALWAYS : OPEN_EXISTING;
-    DWORD more = how & SYSTEM_NO_LINK ? FILE_FLAG_OPEN_REPARSE_POINT : 0;
-    if (!widen_in(path, folder, name)) {
+    if (!widen(wide, path)) {
         return -1;
     }
     /* The time of its use is set by who reads, where that is allowed. */
-    HANDLE handle = open_handle(path, access | FILE_WRITE_ATTRIBUTES, make, more);
+    HANDLE handle = open_handle(wide, access | FILE_WRITE_ATTRIBUTES, make, 0);
     if (handle == INVALID_HANDLE_VALUE && errno == EACCES) {
-        handle = open_handle(path, access, make, more);
+        handle = open_handle(wide, access, make, 0);
     }
-    const bool refused_link = handle != INVALID_HANDLE_VALUE && how & SYSTEM_NO_LINK && is_link(handle);
-    if (refused_link || (handle != INVALID_HANDLE_VALUE && how & SYSTEM_WRITE && is_folder(handle))) {
+    if (handle != INVALID_HANDLE_VALUE && how & SYSTEM_WRITE && is_folder(handle)) {
         CloseHandle(handle);
-        errno = refused_link ? ELOOP : EISDIR;
+        errno = EISDIR;
         return -1;
     }
-    int file = own_handle(handle, 0);
+    int file = own_handle(handle);
     if (file >= 0 && how & SYSTEM_EMPTY && GetFileType(handle) == FILE_TYPE_DISK && ftruncate(file, 0)) {
         close(file);
         file = -1;
     }
     return file;
-}
-
-int system_open_folder(const char *path)
-{
-    struct system_stat info;
-    int folder = system_open(path, SYSTEM_READ | SYSTEM_NO_LINK);
-    if (folder >= 0 && !(stat_handle(&info, handle_of(folder)) && info.kind == SYSTEM_FOLDER)) {
-        close(folder);
-        folder = -1;
-        errno = ENOTDIR;
-    }
-    return folder;
 }
 
 int system_open_temporary(char *path, size_t ending, bool for_us_alone)
@@ -449,7 +411,7 @@ int system_open_scratch(const char *name)
         fail_last();
         DeleteFileW(path);
     }
-    return own_handle(handle, 0);
+    return own_handle(handle);
 }
 
 bool system_name(int file, const char *path)
@@ -467,7 +429,7 @@ int system_copy(int file)
                          DUPLICATE_SAME_ACCESS)) {
         fail_last();
     }
-    return own_handle(copy, 0);
+    return own_handle(copy);
 }
 
 FILE *system_stream(const char *path, const char *how)
@@ -612,23 +574,16 @@ bool system_rename(const char *from, const char *to, bool replace)
     return widen(a, from) && widen(b, to) && rename_wide(a, b, replace);
 }
 
-bool system_rename_in(int folder, const char *from, const char *to)
+bool system_remove(const char *path)
 {
-    wide_path a;
-    wide_path b;
-    return widen_in(a, folder, from) && widen_in(b, folder, to) && rename_wide(a, b, true);
-}
-
-bool system_remove_in(int folder, const char *name)
-{
-    wide_path path;
-    if (!widen_in(path, folder, name)) {
+    wide_path wide;
+    if (!widen(wide, path)) {
         return false;
     }
-    DWORD is = GetFileAttributesW(path);
+    DWORD is = GetFileAttributesW(wide);
     bool is_folder_link =
         is != INVALID_FILE_ATTRIBUTES && is & FILE_ATTRIBUTE_DIRECTORY && is & FILE_ATTRIBUTE_REPARSE_POINT;
-    return (is_folder_link ? RemoveDirectoryW(path) : DeleteFileW(path)) || fail_at(path, GetLastError());
+    return (is_folder_link ? RemoveDirectoryW(wide) : DeleteFileW(wide)) || fail_at(wide, GetLastError());
 }
 
 bool system_make_folder(const char *path, bool for_us_alone)
@@ -824,16 +779,6 @@ float system_to_float(const char *text, char **end)
     float value = _strtof_l(text, end, c_locale);
     _free_locale(c_locale);
     return value;
-}
-
-int system_getc(FILE *stream)
-{
-    return _getc_nolock(stream);
-}
-
-bool system_local_time(struct tm *out, time_t time)
-{
-    return localtime_s(out, &time) == 0;
 }
 
 void *system_map(int file, size_t size)

@@ -737,13 +737,6 @@ CONUS_API conus_severity conus_sites_note_severity(const conus_sites *sites, siz
  * @return Its threshold is the one that holds, 0 of a mask. Borrowed from the region.
  */
 CONUS_API const conus_volume_info *conus_roi_volume(const conus_roi *roi);
-
-/**
- * Counts the voxels, or the tetrahedra, of a region of interest.
- * @param roi NULL counts 0.
- * @return At least 1.
- */
-CONUS_API uint64_t conus_roi_voxels(const conus_roi *roi);
 /** @} */
 
 /** @name Selections

@@ -4,6 +4,7 @@
 
 #include "atlas/fit/box_fit.h"
 #include "atlas/fit/fit.h"
+#include "atlas/space.h"
 #include "base/buffer.h"
 #include "base/files/folder.h"
 #include "base/files/inputs.h"
@@ -333,7 +334,7 @@ void context_set(struct job *job, conus_atlas *atlas, struct volume_file *file, 
                  NUMBER_TEXT(block), NUMBER_TEXT(info->maximum));
     }
     atlas_take(job, atlas);
-    const struct fit_box grid = fit_box_of_grid(info);
+    const struct box3 grid = space_grid_box(info);
     bool is_set = JOB_CALL(job, fit_note_context(&atlas->notes, atlas, info->path, &grid)) &&
                   JOB_CALL(job, fit_note(atlas, info, values)) && JOB_CALL(job, atlas_set_context(atlas, info, values));
     if (!is_set) {

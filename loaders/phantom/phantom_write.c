@@ -190,7 +190,7 @@ static void append_table(struct buffer *out, const struct phantom *phantom)
     for (size_t i = 0; i < phantom->area_count; i++) {
         const struct phantom_area *area = &phantom->areas[i];
         uint8_t rgb[3];
-        phantom_area_colour(rgb, i);
+        palette_colour(rgb, i);
         buffer_format(out, "%u\t%s\t%s\t#%02x%02x%02x\n", area->label, area->name, area->abbreviation, rgb[0], rgb[1],
                       rgb[2]);
     }

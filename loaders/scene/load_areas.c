@@ -314,8 +314,8 @@ static void add_surfaces(const struct surfaces *surfaces)
 static conus_status note_size(conus_atlas *atlas)
 {
     bool said;
-    const struct fit_box surfaces = fit_box_of_areas(atlas, false, true);
-    const struct fit_box voxels = fit_box_of_areas(atlas, true, false);
+    const struct box3 surfaces = fit_box_of_areas(atlas, false, true);
+    const struct box3 voxels = fit_box_of_areas(atlas, true, false);
     return fit_note_size(&said, &atlas->notes, "surfaces", &surfaces, &voxels);
 }
 

@@ -4,6 +4,7 @@
 
 #include "atlas/fit/box_fit.h"
 #include "atlas/fit/fit.h"
+#include "atlas/space.h"
 #include "base/files/file.h"
 #include "base/files/folder.h"
 #include "base/memory.h"
@@ -50,7 +51,7 @@ static void add_context(struct job *job, conus_atlas *atlas, const char *path, c
     atlas_take(job, atlas);
     if (JOB_CALL(job, atlas_add_context_surface(atlas, &surface))) {
         const struct mesh *mesh = &atlas->context_surfaces[atlas->context_surface_count - 1].mesh;
-        struct fit_box box;
+        struct box3 box;
         memcpy(box.low, mesh->shape.low, sizeof box.low);
         memcpy(box.high, mesh->shape.high, sizeof box.high);
         (void)JOB_CALL(job, fit_note_context(&atlas->notes, atlas, mesh->path, &box));
@@ -92,7 +93,7 @@ bool context_is_plain(struct job *job, const conus_atlas *atlas, const char *pat
     const bool has_notes = job->notes.count > attempt.notes;
     attempt_end(job, &attempt, ATTEMPT_SILENT);
     if (job_ok(job) && !has_notes) {
-        const struct fit_box grid = fit_box_of_grid(&info);
+        const struct box3 grid = space_grid_box(&info);
         (void)JOB_CALL(job, fit_note_context(&notes, atlas, path, &grid));
     }
     const bool is_plain = job_ok(job) && !has_notes && !notes.count;

@@ -13,7 +13,7 @@
 bool vtk_lines_are_in(const char *path)
 {
     struct bytes bytes = {0};
-    bool are = !gzip_read(&bytes, path, memory_limit(0), NULL) && format_is_lines(&bytes);
+    bool are = !gzip_read(&bytes, path, memory_limit(0)) && format_is_lines(&bytes);
     bytes_finish(&bytes);
     return are;
 }

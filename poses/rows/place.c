@@ -32,8 +32,7 @@ conus_status place_read(struct place_words *out, struct text text)
     if (!text_is_readable(words.name)) {
         return fail(CONUS_ERROR_ARGUMENT, "the place is no text");
     }
-    if (words.form == PLACE_NAME &&
-        numbers_read(&words.numbers, words.name, 3, NUMBERS_COMMA_UNKNOWN, true) == NUMBERS_FOUND) {
+    if (words.form == PLACE_NAME && numbers_read(&words.numbers, words.name) == NUMBERS_FOUND) {
         words.form = PLACE_NUMBERS;
     }
     if (words.form == PLACE_LABEL && !text_to_uint(words.name, UINT32_MAX, &words.label)) {

@@ -130,33 +130,6 @@ struct installed_row {
     conus_installed atlas;
 };
 
-static struct cell installed_spacing(const void *row, size_t axis)
-{
-    const double spacing = ((const struct installed_row *)row)->atlas.spacing[axis];
-    return spacing > 0 ? number_cell(spacing) : no_cell();
-}
-
-static struct cell installed_x(const struct table_source *source, const void *row, size_t index)
-{
-    (void)source;
-    (void)index;
-    return installed_spacing(row, 0);
-}
-
-static struct cell installed_y(const struct table_source *source, const void *row, size_t index)
-{
-    (void)source;
-    (void)index;
-    return installed_spacing(row, 1);
-}
-
-static struct cell installed_z(const struct table_source *source, const void *row, size_t index)
-{
-    (void)source;
-    (void)index;
-    return installed_spacing(row, 2);
-}
-
 static const struct table_field installed_fields[] = {
     {"name", NULL, "for conus_atlas_load(), of several of one name as source:name",
      TABLE_OF(TEXT, struct installed_row, atlas.name)},
@@ -164,9 +137,10 @@ static const struct table_field installed_fields[] = {
      TABLE_OF(TEXT, struct installed_row, atlas.source)},
     {"kind", NULL, "volume, probabilities, surface, surfaces, scene or pack",
      TABLE_OF(TEXT, struct installed_row, atlas.kind)},
-    {"spacing_x", "mm", "edge of a voxel; n/a where it is not known", TABLE_NUMBER_BY(installed_x)},
-    {"spacing_y", "mm", "edge of a voxel", TABLE_NUMBER_BY(installed_y)},
-    {"spacing_z", "mm", "edge of a voxel", TABLE_NUMBER_BY(installed_z)},
+    {"spacing_x", "mm", "edge of a voxel; n/a where it is not known",
+     TABLE_OF(NUMBER, struct installed_row, atlas.spacing[0])},
+    {"spacing_y", "mm", "edge of a voxel", TABLE_OF(NUMBER, struct installed_row, atlas.spacing[1])},
+    {"spacing_z", "mm", "edge of a voxel", TABLE_OF(NUMBER, struct installed_row, atlas.spacing[2])},
     {"path", NULL, "for conus_atlas_load(): bytes, not always UTF-8", TABLE_OF(TEXT, struct installed_row, atlas.path)},
     {"labels", NULL, "for conus_load_options.labels; n/a where it finds them",
      TABLE_OF(TEXT, struct installed_row, atlas.labels)},
@@ -204,6 +178,10 @@ static conus_status list_catalogue(conus_table **out, const conus_catalogue *cat
     struct installed_row *rows = memory_zeroed(count, sizeof *rows);
     for (size_t i = 0; rows && i < count; i++) {
         rows[i].atlas = *conus_catalogue_atlas(catalogue, i);
+        for (int a = 0; a < 3; a++) {
+            const double spacing = rows[i].atlas.spacing[a];
+            rows[i].atlas.spacing[a] = spacing > 0 ? spacing : NAN; /* n/a */
+        }
     }
     return list_of_rows(out, NULL, &installed_columns, rows, sizeof *rows, count);
 }

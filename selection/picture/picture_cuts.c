@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cuts side by side on one sheet, at one scale, perhaps with the view in space before them. */
-#include "base/geometry/math3.h"
+#include "base/geometry/box3.h"
 #include "base/look.h"
 #include "base/look_sizes.h"
 #include "base/memory.h"
@@ -82,23 +82,15 @@ static double extent(const double low[3], const double high[3], const double axi
     return sum * (1 + 2 * MARGIN);
 }
 
-static void include_point(double low[3], double high[3], const double point[3])
-{
-    for (int a = 0; a < 3; a++) {
-        low[a] = fmin(low[a], point[a]);
-        high[a] = fmax(high[a], point[a]);
-    }
-}
-
 /* Makes the box hold what is bright in the context, and the surfaces around the areas. */
-static conus_status include_context(double low[3], double high[3], const conus_atlas *atlas)
+static conus_status include_context(struct box3 *box, const conus_atlas *atlas)
 {
     const struct volume *volume = atlas_context(atlas);
     double window[2];
     conus_status status = volume ? conus_atlas_window(window, atlas, (size_t)(volume - atlas->volumes)) : CONUS_OK;
     for (size_t i = 0; i < atlas->context_surface_count; i++) {
-        include_point(low, high, atlas->context_surfaces[i].mesh.shape.low);
-        include_point(low, high, atlas->context_surfaces[i].mesh.shape.high);
+        const struct mesh_shape *shape = &atlas->context_surfaces[i].mesh.shape;
+        box3_join(box, shape->low, shape->high);
     }
     if (status || !volume) {
         return status;
@@ -112,7 +104,7 @@ static conus_status include_context(double low[3], double high[3], const conus_a
                 if ((double)volume_value(volume, i + dim[0] * (j + dim[1] * k)) > bright) {
                     double at[3];
                     mat4_point(at, volume->info.world_from_voxel, (double[]){(double)i, (double)j, (double)k});
-                    include_point(low, high, at);
+                    box3_add(box, at);
                 }
             }
         }
@@ -121,16 +113,16 @@ static conus_status include_context(double low[3], double high[3], const conus_a
 }
 
 /* Makes the box hold the start of a cone that is near it, so that its outline is closed there. */
-static void include_cone(double low[3], double high[3], const conus_selection *selection)
+static void include_cone(struct box3 *box, const conus_selection *selection)
 {
     const double *apex = selection ? selection->cone.pose.world_from_device + 12 : NULL;
     bool is_near = apex;
     for (int a = 0; a < 3 && is_near; a++) {
-        double reach = NEAR * (high[a] - low[a]);
-        is_near = apex[a] >= low[a] - reach && apex[a] <= high[a] + reach;
+        double reach = NEAR * (box->high[a] - box->low[a]);
+        is_near = apex[a] >= box->low[a] - reach && apex[a] <= box->high[a] + reach;
     }
     if (is_near) {
-        include_point(low, high, apex);
+        box3_add(box, apex);
     }
 }
 
@@ -296,14 +288,14 @@ static enum title choose_title(const struct sheet *sheet)
 /* Panels that are low have no letters above and below. */
 static conus_status lay_out(struct sheet *sheet)
 {
-    double low[3], high[3];
-    conus_status status = conus_atlas_bounds(low, high, sheet->picture.atlas);
-    status = status ? status : include_context(low, high, sheet->picture.atlas);
+    struct box3 box;
+    conus_status status = conus_atlas_bounds(box.low, box.high, sheet->picture.atlas);
+    status = status ? status : include_context(&box, sheet->picture.atlas);
     if (status) {
         return status;
     }
-    include_cone(low, high, sheet->view.selection);
-    measure_panels(sheet, low, high);
+    include_cone(&box, sheet->view.selection);
+    measure_panels(sheet, box.low, box.high);
     set_bands(sheet, true);
     choose_scale(sheet);
     if (sheet->panels[sheet->count - 1].mm[1] * sheet->pixels_per_mm < TALL * sheet->picture.em) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_render(): the picture of the atlas from a camera, with the cone in it. */
-#include "base/geometry/math3.h"
+#include "base/geometry/box3.h"
 #include "base/look.h"
 #include "base/look_sizes.h"
 #include "base/memory.h"
@@ -150,16 +150,12 @@ static conus_status fill_options(conus_view *out, const conus_view *view, const 
 
 static void find_ball(struct picture *picture, const struct colour_pass *pass)
 {
-    double low[3] = {INFINITY, INFINITY, INFINITY};
-    double high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    struct box3 box = box3_empty();
     for (size_t i = 0; i < pass->content_count; i++) {
-        for (int a = 0; a < 3; a++) {
-            low[a] = fmin(low[a], pass->content[i][a]);
-            high[a] = fmax(high[a], pass->content[i][a]);
-        }
+        box3_add(&box, pass->content[i]);
     }
     for (int a = 0; a < 3; a++) {
-        picture->centre[a] = (low[a] + high[a]) / 2;
+        picture->centre[a] = (box.low[a] + box.high[a]) / 2;
     }
     for (size_t i = 0; i < pass->content_count; i++) {
         double offset[3];

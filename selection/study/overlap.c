@@ -6,7 +6,7 @@
 #include "atlas/space.h"
 #include "atlas/surface/mesh_lines.h"
 #include "atlas/surface/mesh_voxels.h"
-#include "base/geometry/math3.h"
+#include "base/geometry/box3.h"
 #include "base/memory.h"
 #include "base/order.h"
 #include "selection/selector.h"
@@ -56,9 +56,9 @@ struct counting {
     unsigned quarter;             /* of the line under way */
     struct crossed *crossed;      /* [object_count] */
     size_t crossed_count;
-    size_t voxel;           /* the one under way, or the tetrahedron */
-    uint64_t piece;         /* likewise, from 1 */
-    double low[3], high[3]; /* bounds of the region in the world, with a voxel more on each side */
+    size_t voxel;       /* the one under way, or the tetrahedron */
+    uint64_t piece;     /* likewise, from 1 */
+    struct box3 bounds; /* of the region in the world, with a voxel more on each side */
 };
 
 static const struct mesh *closed_mesh(const conus_atlas *atlas, uint32_t number)
@@ -69,21 +69,12 @@ static const struct mesh *closed_mesh(const conus_atlas *atlas, uint32_t number)
 static void find_bounds(struct counting *counting)
 {
     const conus_roi *roi = counting->roi;
+    struct box3 voxels;
     for (int a = 0; a < 3; a++) {
-        counting->low[a] = INFINITY;
-        counting->high[a] = -INFINITY;
+        voxels.low[a] = (double)roi->low[a] - 1.5;
+        voxels.high[a] = (double)roi->high[a] + 1.5;
     }
-    for (int corner = 0; corner < 8; corner++) {
-        double at[3];
-        for (int a = 0; a < 3; a++) {
-            at[a] = corner >> a & 1 ? (double)roi->high[a] + 1.5 : (double)roi->low[a] - 1.5;
-        }
-        mat4_point(at, roi->volume.info.world_from_voxel, at);
-        for (int a = 0; a < 3; a++) {
-            counting->low[a] = fmin(counting->low[a], at[a]);
-            counting->high[a] = fmax(counting->high[a], at[a]);
-        }
-    }
+    counting->bounds = box3_image(&voxels, roi->volume.info.world_from_voxel);
 }
 
 /* A closed mesh that may have something in the region; else NULL. Regions are small where they are clusters. */
@@ -91,7 +82,7 @@ static const struct mesh *near_mesh(const struct counting *counting, uint32_t nu
 {
     const struct mesh *mesh = closed_mesh(counting->selector->atlas, number);
     for (int a = 0; mesh && a < 3; a++) {
-        bool is_near = mesh->shape.low[a] <= counting->high[a] && mesh->shape.high[a] >= counting->low[a];
+        bool is_near = mesh->shape.low[a] <= counting->bounds.high[a] && mesh->shape.high[a] >= counting->bounds.low[a];
         mesh = is_near ? mesh : NULL;
     }
     return mesh;

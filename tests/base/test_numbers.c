@@ -68,7 +68,7 @@ static void numbers_are_read_as_they_are_pasted(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof read / sizeof read[0]; i++) {
         struct numbers found;
-        enum numbers_found is = numbers_read(&found, text_from(read[i].text), 3, NUMBERS_COMMA_UNKNOWN, true);
+        enum numbers_found is = numbers_read(&found, text_from(read[i].text));
         if (is != NUMBERS_FOUND) {
             fail_msg("%s: %s", read[i].text, found.why ? found.why : "no numbers");
         }
@@ -84,15 +84,14 @@ static void words_beside_them_are_told(void **state)
 {
     (void)state;
     struct numbers found;
-    assert_int_equal(numbers_read(&found, text_from("mni -42 20 50 mm"), 3, 0, true), NUMBERS_FOUND);
+    assert_int_equal(numbers_read(&found, text_from("mni -42 20 50 mm")), NUMBERS_FOUND);
     assert_true(found.says_mni && found.says_mm && !found.says_ras && !found.has_letters);
-    assert_int_equal(numbers_read(&found, text_from("RAS 42 20P 50"), 3, 0, true), NUMBERS_FOUND);
+    assert_int_equal(numbers_read(&found, text_from("RAS 42 20P 50")), NUMBERS_FOUND);
     assert_true(found.says_ras && found.has_letters && !found.says_mni && !found.says_mm);
-    assert_int_equal(numbers_read(&found, text_from("L 42 P 20 S 50"), 3, 0, true), NUMBERS_FOUND);
+    assert_int_equal(numbers_read(&found, text_from("L 42 P 20 S 50")), NUMBERS_FOUND);
     assert_true(found.value[0] == -42 && found.value[1] == -20 && found.value[2] == 50);
-    assert_int_equal(numbers_read(&found, text_from("L42, P20, S50"), 3, 0, true), NUMBERS_FOUND);
+    assert_int_equal(numbers_read(&found, text_from("L42, P20, S50")), NUMBERS_FOUND);
     assert_true(found.value[0] == -42 && found.value[1] == -20 && found.value[2] == 50);
-    assert_int_equal(numbers_read(&found, text_from("L 42 20 50"), 3, 0, false), NUMBERS_WRONG); /* a name, in a file */
 }
 
 static void names_are_no_numbers(void **state)
@@ -103,7 +102,7 @@ static void names_are_no_numbers(void **state)
                                         "1, 2", "Area 4a -3", "\xff\xfe",      "()"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         struct numbers found;
-        assert_int_equal(numbers_read(&found, text_from(names[i]), 3, 0, true), NUMBERS_NONE);
+        assert_int_equal(numbers_read(&found, text_from(names[i])), NUMBERS_NONE);
         assert_null(found.why);
     }
 }
@@ -161,7 +160,7 @@ static void all_else_is_refused_with_its_place(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
         struct numbers found;
-        enum numbers_found is = numbers_read(&found, text_from(refused[i].text), 3, 0, true);
+        enum numbers_found is = numbers_read(&found, text_from(refused[i].text));
         bool is_right = is == NUMBERS_WRONG && found.why && strstr(found.why, refused[i].why) &&
                         text_equal(found.at, refused[i].at);
         if (!is_right) {
@@ -169,28 +168,6 @@ static void all_else_is_refused_with_its_place(void **state)
                      found.why ? found.why : "");
         }
     }
-}
-
-/* A column knows what one text does not. */
-static void a_column_says_what_a_comma_is(void **state)
-{
-    (void)state;
-    struct numbers found;
-    struct text doubtful = text_from("-1,250");
-    assert_int_equal(numbers_read(&found, doubtful, 1, NUMBERS_COMMA_UNKNOWN, false), NUMBERS_WRONG);
-    assert_true(found.is_doubtful);
-    assert_int_equal(numbers_read(&found, doubtful, 1, NUMBERS_COMMA_DECIMAL, false), NUMBERS_FOUND);
-    assert_true(found.value[0] == -1.25);
-    assert_int_equal(numbers_read(&found, doubtful, 1, NUMBERS_COMMA_GROUPS, false), NUMBERS_FOUND);
-    assert_true(found.value[0] == -1250);
-    assert_int_equal(numbers_read(&found, text_from("-1,25"), 1, NUMBERS_COMMA_UNKNOWN, false), NUMBERS_FOUND);
-    assert_true(found.value[0] == -1.25 && found.comma == NUMBERS_COMMA_DECIMAL);
-    assert_int_equal(numbers_read(&found, text_from("-1,25"), 1, NUMBERS_COMMA_GROUPS, false), NUMBERS_WRONG);
-    assert_false(found.is_doubtful);
-    assert_int_equal(numbers_read(&found, text_from("1,250 2,500 3"), 3, NUMBERS_COMMA_GROUPS, false), NUMBERS_FOUND);
-    assert_true(found.value[0] == 1250 && found.value[1] == 2500 && found.value[2] == 3);
-    assert_int_equal(numbers_read(&found, text_from("12.5"), 1, NUMBERS_COMMA_DECIMAL, false), NUMBERS_FOUND);
-    assert_true(found.value[0] == 12.5);
 }
 
 /* Of every prefix: no byte behind it is read, and what is found is finite. */
@@ -206,7 +183,7 @@ static void every_prefix_is_read_or_refused(void **state)
             struct numbers found;
             memcpy(copy, text, size);
             char *exact = realloc(copy, size ? size : 1);
-            enum numbers_found is = numbers_read(&found, (struct text){exact, size}, 3, 0, true);
+            enum numbers_found is = numbers_read(&found, (struct text){exact, size});
             assert_true(is == NUMBERS_WRONG ? found.why && found.at.size : !found.why);
             assert_true(is != NUMBERS_FOUND ||
                         (isfinite(found.value[0]) && isfinite(found.value[1]) && isfinite(found.value[2])));
@@ -238,7 +215,7 @@ static void what_is_printed_is_read(void **state)
                 at += strcspn(at, "+-0123456789");
                 shown[a] = strtod(at, &at);
             }
-            if (numbers_read(&found, text_from(text), 3, 0, true) != NUMBERS_FOUND || found.value[0] != shown[0] ||
+            if (numbers_read(&found, text_from(text)) != NUMBERS_FOUND || found.value[0] != shown[0] ||
                 found.value[1] != shown[1] || found.value[2] != shown[2]) {
                 fail_msg("%s: %s", text, found.why ? found.why : "other numbers");
             }
@@ -253,7 +230,6 @@ TEST_GROUP(numbers)
         cmocka_unit_test(words_beside_them_are_told),
         cmocka_unit_test(names_are_no_numbers),
         cmocka_unit_test(all_else_is_refused_with_its_place),
-        cmocka_unit_test(a_column_says_what_a_comma_is),
         cmocka_unit_test(every_prefix_is_read_or_refused),
         cmocka_unit_test(what_is_printed_is_read),
     };

@@ -121,38 +121,6 @@ static void names_match_as_by_fnmatch(void **state)
     }
 }
 
-static void lines_are_read_as_by_getdelim(void **state)
-{
-    (void)state;
-    enum { SIZE = CASES };
-    uint64_t seed = 5;
-    char *bytes = malloc(SIZE);
-    for (size_t i = 0; i < SIZE; i++) { /* lines of up to some thousand bytes, NULs in them */
-        bytes[i] = i < SIZE / 2 ? "a\n"[next_random(&seed) % 2] : next_random(&seed) % 997 ? '\0' : '\n';
-    }
-    for (size_t i = 0; i < 2; i++) {
-        FILE *ours = fmemopen(bytes, SIZE, "r");
-        FILE *theirs = fmemopen(bytes, SIZE, "r");
-        char *line = NULL;
-        char *wanted = NULL;
-        size_t capacity = 0;
-        size_t room = 0;
-        ptrdiff_t length = 0;
-        while (length >= 0) {
-            length = text_read_line(&line, &capacity, "\n\0"[i], ours);
-            assert_int_equal(length, getdelim(&wanted, &room, "\n\0"[i], theirs));
-            assert_true(length < 0 || memcmp(line, wanted, (size_t)length + 1) == 0);
-            assert_int_equal(ftell(ours), ftell(theirs));
-        }
-        assert_true(feof(ours));
-        fclose(ours);
-        fclose(theirs);
-        free(line);
-        free(wanted);
-    }
-    free(bytes);
-}
-
 static void errors_have_the_words_of_strerror(void **state)
 {
     (void)state;
@@ -166,9 +134,9 @@ static void errors_have_the_words_of_strerror(void **state)
 TEST_GROUP(text_gnu)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(parts_are_found_as_by_memmem),  cmocka_unit_test(words_are_taken_as_by_strsep),
-        cmocka_unit_test(copies_are_those_of_strndup),   cmocka_unit_test(names_match_as_by_fnmatch),
-        cmocka_unit_test(lines_are_read_as_by_getdelim), cmocka_unit_test(errors_have_the_words_of_strerror),
+        cmocka_unit_test(parts_are_found_as_by_memmem),      cmocka_unit_test(words_are_taken_as_by_strsep),
+        cmocka_unit_test(copies_are_those_of_strndup),       cmocka_unit_test(names_match_as_by_fnmatch),
+        cmocka_unit_test(errors_have_the_words_of_strerror),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

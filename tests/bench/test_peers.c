@@ -6,6 +6,7 @@
  * mm. */
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
+#include "made_atlas.h"
 #include "selection/engine/engine.h"
 #include "test.h"
 #include "tests/bench/peer_labels.h"

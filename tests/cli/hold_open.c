@@ -12,9 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
-typedef int (*open_function)(int folder, const char *path, int flags, ...);
-
-int openat(int folder, const char *path, int flags, ...);
+typedef int (*open_function)(const char *path, int flags, ...);
 
 static bool is_held(const char *path)
 {
@@ -28,7 +26,7 @@ static void hold(open_function next)
     char path[4096];
     const char *folder = getenv("HOLD_FOLDER");
     snprintf(path, sizeof path, "%s/begun", folder ? folder : ".");
-    close(next(AT_FDCWD, path, O_WRONLY | O_CREAT, 0600));
+    close(next(path, O_WRONLY | O_CREAT, 0600));
     snprintf(path, sizeof path, "%s/released", folder ? folder : ".");
     while (access(path, F_OK) != 0) {
         nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL);
@@ -36,10 +34,10 @@ static void hold(open_function next)
 }
 
 /* All files are opened by it (base/system). */
-int openat(int folder, const char *path, int flags, ...)
+int open(const char *path, int flags, ...)
 {
     open_function next = NULL;
-    void *symbol = dlsym(RTLD_NEXT, "openat");
+    void *symbol = dlsym(RTLD_NEXT, "open");
     va_list arguments;
     memcpy(&next, &symbol, sizeof next);
     va_start(arguments, flags);
@@ -48,5 +46,5 @@ int openat(int folder, const char *path, int flags, ...)
     if (is_held(path)) {
         hold(next);
     }
-    return next(folder, path, flags, mode);
+    return next(path, flags, mode);
 }

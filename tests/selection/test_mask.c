@@ -5,6 +5,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"
+#include "made_atlas.h"
 #include "scene.h"
 #include "selection/selection.h"
 #include "test.h"

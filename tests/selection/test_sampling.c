@@ -7,6 +7,7 @@
 #include "test_gl.h"
 
 #include "conus/own.h"
+#include "made_atlas.h"
 
 #include <string.h>
 

@@ -3,6 +3,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"
+#include "made_atlas.h"
 #include "selection/report/report_columns.h"
 #include "test.h"
 

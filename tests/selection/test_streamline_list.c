@@ -4,6 +4,7 @@
 #include "atlas/phantom/phantom.h"
 #include "conus/own.h"
 #include "loaders/tracts/tract_file.h"
+#include "made_atlas.h"
 #include "test.h"
 #include "tract_scene.h"
 

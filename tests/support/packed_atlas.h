@@ -4,6 +4,8 @@
 #define CONUS_TESTS_SUPPORT_PACKED_ATLAS_H
 
 #include "atlas/bundles.h"
+#include "atlas/labels/label_voxels.h"
+#include "atlas/labels/labels.h"
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -80,13 +82,17 @@ static conus_atlas *make_atlas(void)
 {
     static const uint32_t labels[12] = {0, 1, 1, 2, 2, 0, 0, 3, 3, 1, 0, 0};
     conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "v.nii", .dim = {3, 2, 2}, .slope = 1};
+    struct label_voxels voxels = {0};
+    struct labelled_volume volume = {.info = &info, .labels = &voxels};
     struct label_table table = {0};
     struct notes notes = {0};
     conus_atlas *atlas = NULL;
     double m[16];
     mat4_identity(m);
     must(space_describe(&info, m, "v.nii"));
-    must(atlas_create(&atlas, &info, labels, &table, "none", &notes));
+    must(label_voxels_of(&voxels, labels, sizeof labels / sizeof *labels));
+    must(atlas_create_of(&atlas, &volume, 1, &table, "none", &notes));
+    label_voxels_finish(&voxels);
     notes_finish(&notes);
     add_tetrahedron(atlas);
     float *values = memory_zeroed(12, sizeof *values);

@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"
+#include "made_atlas.h"
 #include "test.h"
 #include "test_gl.h"
 

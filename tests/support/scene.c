@@ -5,6 +5,7 @@
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "made_atlas.h"
 #include "test.h"
 #include "value_maps.h"
 

@@ -36,25 +36,13 @@ static conus_status keep_surfaces(struct mesh_rays *rays, const struct mesh_obje
 /* Lets the bounds of everything hold the corners of a box round the mesh, at its place. */
 static void extend_bounds(struct mesh_rays *rays, const struct mesh_object *object)
 {
-    double low[3] = {INFINITY, INFINITY, INFINITY};
-    double high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    struct box3 box = box3_empty();
     for (size_t i = 0; i < 3 * object->mesh->triangle_count; i++) {
         const float *corner = object->mesh->positions + 3 * (size_t)object->mesh->triangles[i];
-        for (int a = 0; a < 3; a++) {
-            low[a] = fmin(low[a], (double)corner[a]);
-            high[a] = fmax(high[a], (double)corner[a]);
-        }
+        box3_add(&box, (const double[3]){(double)corner[0], (double)corner[1], (double)corner[2]});
     }
-    for (int k = 0; k < 8; k++) {
-        double corner[3] = {k & 1 ? high[0] : low[0], k & 2 ? high[1] : low[1], k & 4 ? high[2] : low[2]};
-        if (object->world_from_mesh) {
-            mat4_point(corner, object->world_from_mesh, corner);
-        }
-        for (int a = 0; a < 3; a++) {
-            rays->low[a] = fmin(rays->low[a], corner[a]);
-            rays->high[a] = fmax(rays->high[a], corner[a]);
-        }
-    }
+    box = object->world_from_mesh ? box3_image(&box, object->world_from_mesh) : box;
+    box3_join(&rays->bounds, box.low, box.high);
 }
 
 conus_status mesh_rays_create_with(struct mesh_rays **out, const struct mesh_tracer *tracer,
@@ -64,8 +52,7 @@ conus_status mesh_rays_create_with(struct mesh_rays **out, const struct mesh_tra
     if (!rays) {
         return CONUS_ERROR_MEMORY;
     }
-    *rays = (struct mesh_rays){
-        .tracer = tracer, .low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
+    *rays = (struct mesh_rays){.tracer = tracer, .bounds = box3_empty()};
     size_t triangles = 0;
     double reach = 0;
     double volume = 1;
@@ -76,8 +63,8 @@ conus_status mesh_rays_create_with(struct mesh_rays **out, const struct mesh_tra
         }
     }
     for (int a = 0; a < 3; a++) {
-        volume *= rays->high[a] - rays->low[a];
-        reach = fmax(reach, fmax(fabs(rays->low[a]), fabs(rays->high[a])));
+        volume *= rays->bounds.high[a] - rays->bounds.low[a];
+        reach = fmax(reach, fmax(fabs(rays->bounds.low[a]), fabs(rays->bounds.high[a])));
     }
     rays->slack = SLACK * reach;
     rays->cell = cbrt(volume / (double)triangles);
@@ -182,7 +169,7 @@ unsigned mesh_rays_width(const struct mesh_rays *rays, const double apex[3], dou
 {
     double middle[3];
     for (int a = 0; a < 3; a++) {
-        middle[a] = 0.5 * (rays->low[a] + rays->high[a]) - apex[a];
+        middle[a] = 0.5 * (rays->bounds.low[a] + rays->bounds.high[a]) - apex[a];
     }
     return pitch * vec3_length(middle) < rays->cell ? 16 : 1;
 }

@@ -4,7 +4,7 @@
 #ifndef CONUS_SELECTION_ENGINE_TRIANGLES_MESH_TRACER_H
 #define CONUS_SELECTION_ENGINE_TRIANGLES_MESH_TRACER_H
 
-#include "base/geometry/math3.h"
+#include "base/geometry/box3.h"
 #include "selection/engine/triangles/mesh_rays.h"
 
 struct surface {
@@ -19,7 +19,7 @@ struct mesh_rays {
     void *scene;                   /**< The tracer's.                       */
     struct surface *surfaces;      /**< [count]                             */
     double (*mesh_from_world)[16]; /**< [count] if any surface has one      */
-    double low[3], high[3];        /**< Bounds of everything.               */
+    struct box3 bounds;            /**< Of everything.                      */
     double slack;                  /**< mm                                  */
     double cell;                   /**< mm: how far apart triangles are.    */
 };
@@ -87,7 +87,7 @@ static inline double mesh_tracer_start(const struct mesh_rays *rays, const doubl
 {
     double away[3];
     for (int a = 0; a < 3; a++) {
-        away[a] = fmax(fmax(rays->low[a] - apex[a], apex[a] - rays->high[a]), 0);
+        away[a] = fmax(fmax(rays->bounds.low[a] - apex[a], apex[a] - rays->bounds.high[a]), 0);
     }
     return vec3_length(away) - rays->slack;
 }

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "conus/own.h"
 #include "loaders/child/mesh_extract.h"
+#include "made_atlas.h"
 #include "test.h"
 
 enum { MOST_AREAS = 200 };

@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "conus/own.h"
 #include "loaders/volumes/nifti_write.h"
+#include "made_atlas.h"
 #include "test.h"
 
 #include <jansson.h>

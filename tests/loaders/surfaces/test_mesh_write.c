@@ -10,6 +10,7 @@
 #include "loaders/child/mesh_stream.h"
 #include "loaders/surfaces/mesh_file.h"
 #include "loaders/surfaces/mesh_format.h"
+#include "made_atlas.h"
 #include "test.h"
 #include "tests/support/mesh_on_job.h"
 

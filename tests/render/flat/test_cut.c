@@ -5,6 +5,7 @@
 #include "base/look.h"
 #include "base/memory.h"
 #include "conus/own.h"
+#include "made_atlas.h"
 #include "mesh_scene.h"
 #include "picture_scene.h"
 #include "render/flat/cut.h"

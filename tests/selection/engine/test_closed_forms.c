@@ -7,6 +7,7 @@
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "conus/own.h"
+#include "made_atlas.h"
 #include "selection/cone/cone.h"
 #include "test.h"
 

@@ -3,6 +3,7 @@
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
 #include "conus/own.h"
+#include "made_atlas.h"
 #include "scene.h"
 #include "selection/measure/score.h"
 #include "test.h"

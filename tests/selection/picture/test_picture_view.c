@@ -4,6 +4,7 @@
 #include "base/geometry/math3.h"
 #include "conus/own.h"
 #include "golden_picture.h"
+#include "made_atlas.h"
 #include "picture_scene.h"
 #include "render/colour/renderer.h"
 #include "render/image/image.h"

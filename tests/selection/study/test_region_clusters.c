@@ -242,7 +242,7 @@ static void check_sums(bool has_surfaces)
         count += is_whole;
     }
     assert_true(count > 10);
-    assert_int_equal(voxels_in, conus_roi_voxels(roi));
+    assert_int_equal(voxels_in, roi->voxels);
     assert_int_equal(conus_table_rows(overlap), has_surfaces ? OBJECTS + 1 : 3);
     for (size_t i = 0; i < conus_table_rows(overlap); i++) {
         uint32_t object = conus_table_objects(overlap)[i];

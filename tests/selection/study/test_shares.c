@@ -163,7 +163,7 @@ static void check_products(const conus_atlas *atlas, const conus_roi *roi)
         assert_near(row.volume, volumes[object], 1e-10);
         sum += volumes[object];
     }
-    double all = (double)conus_roi_voxels(roi) * fabs(mat4_determinant3(region->world_from_voxel));
+    double all = (double)roi->voxels * fabs(mat4_determinant3(region->world_from_voxel));
     const struct region_scene_row rest = region_scene_find(overlap, 0);
     assert_near(rest.volume, all - sum, 1e-10);
     conus_table_destroy(overlap);
@@ -313,7 +313,7 @@ static void volumes_are_as_a_lattice_finds_them(void **state)
         conus_table *overlap = region_scene_overlap(atlas, roi, NULL);
         struct found *found = calloc(atlas->object_count + 1, sizeof *found);
         search(found, atlas, roi);
-        compare(overlap, found, atlas, conus_roi_voxels(roi), fabs(mat4_determinant3(grid.world_from_voxel)),
+        compare(overlap, found, atlas, roi->voxels, fabs(mat4_determinant3(grid.world_from_voxel)),
                 round % 2 && round % 3 == 0);
         free(found);
         free(values);

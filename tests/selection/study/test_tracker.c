@@ -3,6 +3,7 @@
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
 #include "conus/own.h"
+#include "made_atlas.h"
 #include "selection/report/report.h"
 #include "test.h"
 

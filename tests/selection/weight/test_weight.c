@@ -4,6 +4,7 @@
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
 #include "conus/own.h"
+#include "made_atlas.h"
 #include "selection/weight/weight.h"
 #include "test.h"
 

@@ -6,6 +6,7 @@
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "made_atlas.h"
 #include "value_maps.h"
 
 #include <string.h>
