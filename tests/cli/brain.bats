@@ -98,7 +98,7 @@ for row, step in enumerate(steps):
     struct.pack_into("<4f", data, 280 + 16 * row, *step)
 gzip.open("mouse.nii.gz", "wb").write(data)
 END
-    local atlases=(aal HarvardOxford-cort-maxprob-thr0-1mm JHU-WhiteMatter-labels-1mm inia19-NeuroMaps mouse.nii.gz aal,template=none)
+    local atlases=(aal HarvardOxford-cort-maxprob-thr0-1mm JHU-WhiteMatter-labels-1mm inia19-NeuroMaps mouse.nii.gz aal,template=none sphere.nii.gz)
     local file wanted found atlas
     while read -r file wanted; do
         found=
@@ -120,20 +120,20 @@ END
         done
         [ "$found" = "$wanted" ] || { echo "$file: $found, wanted $wanted"; return 1; }
     done <<'END'
-localite-RAS.txt rrrwr-
-localite-LPS.txt rrrwr-
-localite-none.txt rrrwr-
-localite-MNI.txt n--wrr
-scanner.txt rrrwr-
-aligned.txt wwwwww
-simnibs.txt rrrwr-
-invesalius.txt rrrwr-
-individual/sub-1_electrodes.tsv rrrwr-
-tkRAS/sub-1_electrodes.tsv rrrrrr
-MNI152NLin2009cAsym/sub-1_electrodes.tsv nwwwrr
-MNI152NLin6Asym/sub-1_electrodes.tsv n--wrr
-Talairach/sub-1_electrodes.tsv rrrwrr
-fsaverage/sub-1_electrodes.tsv n--wrr
+localite-RAS.txt rrrrr-w
+localite-LPS.txt rrrrr-w
+localite-none.txt rrrrr-w
+localite-MNI.txt n--rrrw
+scanner.txt rrrrr-w
+aligned.txt wwwwwww
+simnibs.txt rrrrr-w
+invesalius.txt rrrrr-w
+individual/sub-1_electrodes.tsv rrrrr-w
+tkRAS/sub-1_electrodes.tsv rrrrrrr
+MNI152NLin2009cAsym/sub-1_electrodes.tsv nwwrrrw
+MNI152NLin6Asym/sub-1_electrodes.tsv n--rrrw
+Talairach/sub-1_electrodes.tsv rrrrrrw
+fsaverage/sub-1_electrodes.tsv n--rrrw
 END
 }
 
@@ -159,7 +159,8 @@ END
 @test "a point that says MNI is warned of where the brain is not known" {
     need inia19-NeuroMaps
     need aal
-    run -0 --separate-stderr "$CONUS" query inia19-NeuroMaps --point 'MNI -42 -20 50' -q
+    sphere --size 16
+    run -0 --separate-stderr "$CONUS" query sphere.nii.gz --point 'MNI -42 -20 50' -q
     [[ "${stderr_lines[0]}" == *'warning: --point: "MNI -42 -20 50" is in MNI, and it is not known whether the atlas lies there;'* ]]
     [[ "${stderr_lines[1]}" == *'warning: the point lies outside of the atlas;'* ]]
     [[ $output == *'point (-42.0, -20.0, 50.0), in MNI, where it is not known that the atlas lies'* ]]
@@ -168,6 +169,7 @@ END
     run -0 --separate-stderr "$CONUS" query inia19-NeuroMaps,template=mni152 --point 'MNI -42 -20 50' -q
     check_message 'warning: the point lies outside of the atlas;'
     fails 2 'it says MNI, but the atlas is another brain' query inia19-NeuroMaps,template=none --point 'MNI -42 -20 50'
+    fails 2 'it says MNI, but the atlas is another brain' query inia19-NeuroMaps --point 'MNI -42 -20 50'
 }
 
 @test "atlases of other brains beside each other are told" {
@@ -179,4 +181,6 @@ END
     check_message 'warning: aal (Colin 27) and aal-2 (MNI 305) are different brains: a pose may be some mm off in one'
     run -0 --separate-stderr "$CONUS" query aal --atlas aal,template=none $ask -q
     check_message "warning: aal (Colin 27) and aal-2 (one person's own) are different brains: one pose fits one of them only"
+    [ ! -e "$TEMPLATES/inia19-NeuroMaps.nii.gz" ] || run -0 --separate-stderr "$CONUS" query aal --atlas inia19-NeuroMaps --point 1,2,3 -q
+    [[ $stderr == *'are different brains: one pose fits one of them only' ]]
 }
