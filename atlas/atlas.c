@@ -3,7 +3,7 @@
 #include "atlas/atlas.h"
 
 #include "atlas/space.h"
-#include "atlas/volume_sample.h"
+#include "atlas/volume.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"

@@ -4,15 +4,17 @@
 #define CONUS_ATLAS_ATLAS_H
 
 #include "atlas/deformation/deformation.h"
-#include "atlas/labels/label_voxels.h"
 #include "atlas/labels/labels.h"
 #include "atlas/surface/mesh.h"
 #include "atlas/tracts/tractogram.h"
 #include "atlas/volume.h"
-#include "base/buffer.h"
-#include "base/files/file_sums.h"
-#include "base/notes.h"
+#include "base/files/file.h"
+#include "base/memory.h"
+#include "base/status.h"
+#include "conus/image.h"
 #include "conus/own.h"
+#include "conus/plan.h"
+#include "conus/space.h"
 
 /** An object's place: which mesh, tractogram or volume of the atlas. An index beyond these means no shape. */
 struct object_place {
@@ -256,5 +258,112 @@ enum { ATLAS_DEPTH_LIMIT = 64 }; /**< Limit of areas above an area, so that each
 
 /** CONUS_ERROR_DATA if an area lies below itself, or has more than ATLAS_DEPTH_LIMIT areas above it. */
 conus_status atlas_check_tree(const conus_atlas *atlas);
+
+/* Bundles: objects of an atlas that are streamlines, made from a tractogram. */
+
+/** object_place.group of a bundle of all streamlines of its tractogram. */
+#define BUNDLE_OF_ALL SIZE_MAX
+
+/** Grows the tree of the checked @p tractogram. If it has groups, and some streamlines are in none, appends a group of
+ * these, without a name. On failure it may have its tree. */
+conus_status bundles_ready(struct tractogram *tractogram);
+
+/** Makes the checked @p tractogram ready, unless it is, and appends it to @p atlas, with one bundle called @p name for
+ * all of its streamlines. If it has groups: one bundle for each, by the group's name, and one called @p name for the
+ * streamlines in no group. On success the tractogram is taken over; on failure it may have its tree and that group, and
+ * the atlas is unchanged. CONUS_ERROR_ARGUMENT if a pathway or bundle has one of these names. */
+conus_status atlas_add_tractogram(conus_atlas *atlas, struct tractogram *tractogram, const char *name);
+
+/** The tractogram of object @p number, hidden or not; NULL if it is no bundle. */
+const struct tractogram *atlas_bundle_tractogram(const conus_atlas *atlas, uint32_t number);
+
+/** The group of streamlines of its tractogram that the bundle @p number is; NULL = all. */
+const struct tract_group *atlas_bundle_group(const conus_atlas *atlas, uint32_t number);
+
+/** Whether there is a bundle that is not hidden. */
+bool atlas_has_bundles(const conus_atlas *atlas);
+
+/** The object as which each streamline of @p tractogram, one of the atlas's, is shown: the first bundle that has it and
+ * is not hidden. @p objects [streamline_count] is all 0 before, and stays so where there is none. */
+void bundles_find_objects(uint32_t *objects, const conus_atlas *atlas, const struct tractogram *tractogram);
+
+/** Moves all points of @p atlas's tractograms by @p world_from_atlas: new tractograms in @p out, [tractogram_count],
+ * with points, point_count, tree and bounds only. CONUS_ERROR_DATA if a point leaves TRACT_COORDINATE_LIMIT;
+ * CONUS_ERROR_MEMORY. On failure @p out has nothing to free. */
+conus_status bundles_move(struct tractogram *out, const conus_atlas *atlas, const double world_from_atlas[16]);
+
+/** Gives @p atlas those points and trees, or a whole tractogram where @p moved has its `first`, with as many groups as
+ * before; and measures its bundles anew. @p moved gets the old ones, to be freed. */
+void bundles_take(conus_atlas *atlas, struct tractogram *moved);
+
+/* The Allen CCF's place in an atlas (include/conus/space.h has the spaces). */
+
+/** The size of the CCF's grid along AP, DV and ML, micrometres: 528 x 320 x 456 voxels of 25. */
+extern const double frame_ccf_size[3];
+
+/** Whether a grid of these sizes, micrometres along AP, DV and ML, is the CCF's. */
+bool frame_is_ccf_size(const double size[3]);
+
+/** Declares an atlas that was not moved to be the Allen CCF, whose corner, where AP, DV and ML start, is the world's
+ * origin: AP grows backward, DV downward; ML grows to the left if @p from_right, as in BrainGlobe, else to the right,
+ * as at the Allen Institute. CONUS_ERROR_DATA if the first volume's grid is the CCF's at another place. */
+conus_status frame_set_ccf(conus_atlas *atlas, bool from_right);
+
+/** The frame of options that have one, or else a space that needs no atlas. CONUS_ERROR_ARGUMENT where its space is
+ * none, or needs one. */
+conus_status frame_of_options(conus_frame *out, const conus_frame *given, conus_space space);
+
+/* The atlas in another space: all of it moved by an affine. */
+
+enum { PLACEMENT_WORDS = sizeof((conus_volume_info *)0)->transform };
+
+/** The words of @p info's transform and @p how (", moved", ", warped") behind them, unless they have it. */
+void placement_words(char out[PLACEMENT_WORDS], const conus_volume_info *info, const char *how);
+
+/** Moves volumes and surfaces by the inverse of @p atlas_from_world, which maps a point of the new space to one of the
+ * atlas. @p words name the transform in one line. Unchanged on failure: CONUS_ERROR_DATA for a matrix that cannot be
+ * inverted or takes a vertex beyond 1e9 mm; CONUS_ERROR_MEMORY. */
+conus_status atlas_move(conus_atlas *atlas, const double atlas_from_world[16], const char *words);
+
+/* Points where needles may enter, or to which they may point (conus/plan.h). */
+
+struct conus_sites {
+    double (*points)[3];
+    double (*normals)[3]; /**< NULL = there are none. */
+    uint64_t *sources;
+    size_t count, capacity;
+    size_t vertex_count;  /**< Vertices of their surface; 0 = there is none. */
+    conus_grid_view grid; /**< Grid of the one volume whose voxels they are, without data; else its count is 0. */
+    char *path;           /**< Its file. */
+    struct notes notes;
+};
+
+/** Sites without a point, with capacity for @p capacity of them. */
+conus_status sites_create(conus_sites **out, size_t capacity, bool has_normals);
+
+/** Appends one; @p normal is NULL without normals. */
+conus_status sites_add(conus_sites *sites, const double point[3], const double *normal, uint64_t source);
+
+/** Sites by the cube in which they are: those in a bucket are linked. */
+struct site_cubes {
+    double edge;   /**< mm */
+    size_t *first; /**< [mask + 1] Number of a site from 1, 0 = none. */
+    size_t *next;  /**< [count] Likewise, of each. */
+    size_t mask;
+    size_t count; /**< So many are in it, the first ones. */
+};
+
+/** For up to @p capacity sites. */
+conus_status site_cubes_init(struct site_cubes *out, double edge, size_t capacity);
+void site_cubes_finish(struct site_cubes *cubes);
+
+/** Adds the next site, which is at @p point. */
+void site_cubes_add(struct site_cubes *cubes, const double point[3]);
+
+/** Index of the nearest site that is nearer than the edge, the first of equally near ones; SIZE_MAX = there is none. */
+size_t site_cubes_nearest(const struct site_cubes *cubes, const conus_sites *sites, const double point[3]);
+
+/** Keeps the sites for which @p is_kept is true. */
+void sites_filter(conus_sites *sites, bool (*is_kept)(const conus_sites *sites, size_t index, void *user), void *user);
 
 #endif

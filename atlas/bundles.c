@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Makes bundles of a tractogram. */
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 
 #include "atlas/labels/labels.h"
 #include "base/geometry/math3.h"

@@ -2,9 +2,8 @@
 /* The box around an atlas, and the centre of an object. */
 #include "atlas/atlas.h"
 
-#include "atlas/bundles.h"
 #include "atlas/space.h"
-#include "base/geometry/box3.h"
+#include "base/geometry/math3.h"
 #include "conus/own.h"
 
 #include <string.h>

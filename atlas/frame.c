@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Spaces of positions, and the place of the Allen CCF in an atlas. */
-#include "atlas/frame.h"
+#include "atlas/atlas.h"
 
 #include "atlas/space.h"
 #include "base/geometry/math3.h"

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Moves an atlas: matrices of voxels exactly, vertices and streamlines in single precision. */
-#include "atlas/placement.h"
+#include "atlas/atlas.h"
 
-#include "atlas/bundles.h"
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"

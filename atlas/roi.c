@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Regions of interest: voxels of a volume, tetrahedra of a mesh. */
-#include "atlas/roi.h"
+#include "atlas/volume.h"
 
 #include "atlas/space.h"
-#include "base/geometry/box3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "conus/own.h"

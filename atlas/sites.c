@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sites: points that are thinned out, and those of regions. */
-#include "atlas/sites.h"
+#include "atlas/atlas.h"
 
-#include "atlas/roi.h"
 #include "atlas/space.h"
+#include "atlas/volume.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"

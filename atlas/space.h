@@ -3,7 +3,7 @@
 #ifndef CONUS_ATLAS_SPACE_H
 #define CONUS_ATLAS_SPACE_H
 
-#include "base/geometry/box3.h"
+#include "base/geometry/math3.h"
 #include "base/status.h"
 #include "base/text.h"
 #include "conus/atlas.h"

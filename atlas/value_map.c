@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Makes, copies and checks a sparse map of values. */
-#include "atlas/value_map.h"
+#include "atlas/volume.h"
 
 #include "base/memory.h"
 

@@ -1,11 +1,95 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A volume as the engines see it: one object number per voxel, and for scalar volumes the value too. */
+/** @file Volumes as the engines see them: values, one object number per voxel, interpolation, and regions of
+ * interest. */
 #ifndef CONUS_ATLAS_VOLUME_H
 #define CONUS_ATLAS_VOLUME_H
 
-#include "atlas/value_map.h"
+#include "base/status.h"
 #include "base/tolerance.h"
 #include "conus/atlas.h"
+#include "conus/study.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* The values of a volume of which most voxels hold the same: pathways and maps of probabilities.
+ *
+ * Voxels are counted as elsewhere, i fastest. Each VALUE_RUN of them in turn are a run, and of a run that holds nothing
+ * but the value of voxel 0, the background, only that is kept. Values are kept as codes of as many bytes as the file
+ * has, and a table of what they mean, or as floats. */
+
+enum { VALUE_BOUNDS = 8 }; /**< Of value_map_spread(). */
+/** Voxels of a run, and runs of a page. */
+enum { VALUE_RUN = 64, VALUE_RUNS = 64, VALUE_PAGE = VALUE_RUN * VALUE_RUNS };
+
+struct value_map {
+    size_t count;       /**< Voxels; 0: there is no map. */
+    size_t page_count;  /**< Pages that are kept, */
+    size_t run_count;   /**< and runs; number 0 of both is the background's. */
+    size_t table_count; /**< 0: the codes are floats. */
+    size_t width;       /**< Bytes of a code: 1, 2 or 4. */
+    uint32_t *pages;    /**< [value_map_pages()] Number of the page with these voxels. */
+    uint32_t *runs;     /**< [page_count][VALUE_RUNS] Number of the run with these. */
+    void *codes;        /**< [run_count][VALUE_RUN] */
+    float *table;       /**< [table_count] The value of each code. */
+};
+
+/** Writes the codes of @p count voxels from @p stored on. */
+typedef void value_coder(void *user, void *codes, const uint8_t *stored, size_t count);
+
+/** Makes a map of @p count voxels, at least one, of @p size bytes each, with codes of @p width bytes that @p code
+ * writes: first that of voxel 0, then those of each run to be kept, in order. The map has no table. */
+conus_status value_map_init(struct value_map *out, const void *stored, size_t size, size_t count, size_t width,
+                            value_coder *code, void *user);
+
+/** The same of floats as they are. */
+conus_status value_map_of(struct value_map *out, const float *values, size_t count);
+
+/** Frees the arrays. */
+void value_map_finish(struct value_map *map);
+
+/** Copies a map with its arrays. */
+conus_status value_map_copy(struct value_map *out, const struct value_map *map);
+
+/** Whether the counts are those of a map of @p count voxels, and its numbers lead to pages and runs. */
+bool value_map_is_sound(const struct value_map *map, size_t count);
+
+/** The first voxel from @p voxel on of which a run is kept; map->count if there is none. */
+size_t value_map_next(const struct value_map *map, size_t voxel);
+
+/** Divides all values by @p scale, in double; below 0 and above 1 they become these. */
+void value_map_divide(struct value_map *map, double scale);
+
+/** Adds to above[i] how many voxels have values above bounds[i]; there are up to VALUE_BOUNDS. */
+void value_map_spread(uint64_t *above, const struct value_map *map, const double *bounds, size_t count);
+
+/** Whether no more than one value is there besides 0, as in a mask of whatever value. */
+bool value_map_is_mask(const struct value_map *map);
+
+static inline size_t value_map_pages(size_t voxels)
+{
+    return voxels / VALUE_PAGE + 1;
+}
+
+/** The value of code number @p at. */
+static inline float value_map_code(const struct value_map *map, size_t at)
+{
+    if (map->width == sizeof(float)) {
+        return ((const float *)map->codes)[at];
+    }
+    size_t code = map->width == 1 ? ((const uint8_t *)map->codes)[at] : ((const uint16_t *)map->codes)[at];
+    return map->table[code < map->table_count ? code : 0]; /* a damaged one is not followed */
+}
+
+static inline float value_map_at(const struct value_map *map, size_t voxel)
+{
+    const uint32_t *page = map->runs + (size_t)map->pages[voxel / VALUE_PAGE] * VALUE_RUNS;
+    size_t run = page[voxel / VALUE_RUN % VALUE_RUNS];
+    return value_map_code(map, run * VALUE_RUN + voxel % VALUE_RUN);
+}
+
+/* A volume as the engines see it: one object number per voxel, and for scalar volumes the value too. */
 
 /** The number of voxels that stop rays and belong to no object. Above every object's number, so that an object that is
  * equally near comes first. */
@@ -204,5 +288,135 @@ static inline void volume_fetch(const struct volume *volume, size_t voxel)
         __builtin_prefetch(volume->objects32 + voxel);
     }
 }
+
+/* Trilinear interpolation between voxel centres. */
+
+/** A coordinate between two voxels: array offsets of both, and the weight of the second. */
+struct volume_neighbours {
+    size_t low, high;
+    double part;
+};
+
+static inline struct volume_neighbours volume_find_neighbours(double x, size_t dim, size_t step)
+{
+    double most = (double)dim - 1;
+    x = x > 0 ? x : 0;
+    x = x < most ? x : most;
+    ptrdiff_t index = (ptrdiff_t)x; /* to signed numbers and from them is quicker */
+    size_t low = (size_t)index;
+    return (struct volume_neighbours){low * step, (low + 1 < dim ? low + 1 : low) * step, x - (double)index};
+}
+
+/** Of eight voxels the values of the lower ones along the first axis, and how much more the upper ones have: a and b, c
+ * and d are the lower and the upper one along the second axis, a and b lower along the third. */
+struct volume_cell {
+    double a, b, c, d;
+    double a_rise, b_rise, c_rise, d_rise;
+};
+
+static inline double volume_rise(double *low, const struct volume *volume, size_t row,
+                                 const struct volume_neighbours *x)
+{
+    *low = (double)volume_value(volume, row + x->low);
+    return (double)volume_value(volume, row + x->high) - *low;
+}
+
+static inline void volume_read_cell(struct volume_cell *out, const struct volume *volume,
+                                    const struct volume_neighbours *x, const struct volume_neighbours *y,
+                                    const struct volume_neighbours *z)
+{
+    out->a_rise = volume_rise(&out->a, volume, y->low + z->low, x);
+    out->b_rise = volume_rise(&out->b, volume, y->high + z->low, x);
+    out->c_rise = volume_rise(&out->c, volume, y->low + z->high, x);
+    out->d_rise = volume_rise(&out->d, volume, y->high + z->high, x);
+}
+
+/** At parts of the way along the three axes. */
+static inline double volume_in_cell(const struct volume_cell *cell, double x, double y, double z)
+{
+    double low = cell->a + x * cell->a_rise;
+    double high = cell->c + x * cell->c_rise;
+    low += y * (cell->b + x * cell->b_rise - low);
+    high += y * (cell->d + x * cell->d_rise - high);
+    return low + z * (high - low);
+}
+
+/** Whether a voxel's cell holds @p p, in index space. */
+static inline bool volume_reaches(const struct volume *volume, const double p[3])
+{
+    const size_t *dim = volume->info.dim;
+    return p[0] >= -0.5 && p[0] < (double)dim[0] - 0.5 && p[1] >= -0.5 && p[1] < (double)dim[1] - 0.5 && p[2] >= -0.5 &&
+           p[2] < (double)dim[2] - 0.5;
+}
+
+/** The value at @p p, in index space; outside of the voxel centres that of the border. */
+static inline double volume_trilinear(const struct volume *volume, const double p[3])
+{
+    const size_t *dim = volume->info.dim;
+    struct volume_neighbours x = volume_find_neighbours(p[0], dim[0], 1);
+    struct volume_neighbours y = volume_find_neighbours(p[1], dim[1], dim[0]);
+    struct volume_neighbours z = volume_find_neighbours(p[2], dim[2], dim[0] * dim[1]);
+    struct volume_cell cell;
+    volume_read_cell(&cell, volume, &x, &y, &z);
+    return volume_in_cell(&cell, x.part, y.part, z.part);
+}
+
+/* A region of interest: the voxels of a volume, or the tetrahedra of a mesh, whose value reaches a threshold. */
+
+struct tetrahedron {
+    uint32_t nodes[4]; /**< From 0. */
+    float value;
+};
+
+struct conus_roi {
+    struct volume volume;   /**< Without objects. Of tetrahedra it is a grid that they lie in, without values. */
+    uint64_t voxels;        /**< How many voxels or tetrahedra the region has. */
+    double mm3;             /**< Their volume. */
+    size_t low[3], high[3]; /**< Bounds of the region in the grid, both ends in it. */
+    double (*nodes)[3];     /**< World mm. NULL = it is a region of voxels. */
+    struct tetrahedron *tetrahedra; /**< [voxels] Those of the region; the two are owned. */
+};
+
+/** Takes over @p values, scaled, one per voxel, on success; info->threshold says which of them count, as
+ * conus_roi_options has it. Errors as of conus_roi_load(). */
+conus_status roi_create(conus_roi **out, const conus_volume_info *info, float *values);
+
+/** A mesh, all of it. */
+struct roi_mesh {
+    double (*nodes)[3]; /**< World mm. */
+    size_t node_count;
+    struct tetrahedron *tetrahedra; /**< Their nodes are there. */
+    size_t count;                   /**< At least 1. */
+};
+
+/** The same of the tetrahedra of @p mesh, whose arrays it takes over on success. Of @p info only path, sum, format,
+ * datatype and threshold are read. */
+conus_status roi_create_mesh(conus_roi **out, const conus_volume_info *info, const struct roi_mesh *mesh);
+
+/** mm³, never negative. */
+double roi_tetrahedron_mm3(const double (*nodes)[3], const struct tetrahedron *tetrahedron);
+
+/** Whether something of this value belongs to a region of this threshold, which it was perhaps written as. */
+static inline bool roi_value_belongs(float value, double threshold)
+{
+    const float bound = (float)(threshold * (1 - TOLERANCE));
+    return threshold > 0   ? value >= bound
+           : threshold < 0 ? value <= bound
+                           : value != 0 && value == value; /* NaN belongs to nothing */
+}
+
+static inline bool roi_has(const conus_roi *roi, size_t voxel)
+{
+    return roi_value_belongs(roi->volume.values[voxel], roi->volume.info.threshold);
+}
+
+/** The value of a voxel or tetrahedron. */
+static inline float roi_value(const conus_roi *roi, size_t index)
+{
+    return roi->nodes ? roi->tetrahedra[index].value : roi->volume.values[index];
+}
+
+/** Its middle, world mm. */
+void roi_middle(double out[3], const conus_roi *roi, size_t index);
 
 #endif

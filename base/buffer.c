@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Growable text and bytes. */
-#include "base/buffer.h"
-
 #include "base/memory.h"
+
 #include "base/text.h"
 
 #include <stdarg.h>

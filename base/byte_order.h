@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Numbers of either byte order out of unaligned bytes, and into them, the lowest byte first. `swapped` = not
- * this machine's order. */
+/** @file Bytes of a file: numbers of either byte order, and how gzip begins. */
 #ifndef CONUS_BASE_BYTE_ORDER_H
 #define CONUS_BASE_BYTE_ORDER_H
 
@@ -8,6 +7,9 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
+
+/* Numbers of either byte order out of unaligned bytes, and into them, the lowest byte first. `swapped` = not this
+ * machine's order. */
 
 /** Whether big-endian data are swapped here. */
 #define BIG_ENDIAN_IS_SWAPPED (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__)
@@ -99,5 +101,16 @@ static inline void order_put_f32(uint8_t *to, float value)
     memcpy(&bits, &value, sizeof bits);
     order_put(to, bits, sizeof bits);
 }
+
+/* How a file of gzip begins: also for the reader, which packs nothing out by base/formats/. */
+
+/** The smaller of two numbers of bytes, which fits into a size. */
+static inline size_t smaller_of(uint64_t a, uint64_t b)
+{
+    return (size_t)(a < b ? a : b);
+}
+
+/** True where @p data begins like a gzip file. */
+bool gzip_is(const uint8_t *data, size_t size);
 
 #endif

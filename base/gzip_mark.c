@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How a file of gzip begins. */
-#include "base/gzip_mark.h"
+#include "base/byte_order.h"
 
 bool gzip_is(const uint8_t *data, size_t size)
 {

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sorted runs whose lengths are powers of two: the logarithmic method of Bentley and Saxe (1980). */
-#include "base/name_set.h"
-
 #include "base/memory.h"
+
 #include "base/order.h"
 
 #include <stdlib.h>

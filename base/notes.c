@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A list of lines of advice. */
-#include "base/notes.h"
+#include "base/status.h"
 
 #include "base/memory.h"
 #include "base/text.h"

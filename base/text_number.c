@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Formats numbers in decimal. */
-#include "base/text_number.h"
+#include "base/text.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -2,8 +2,6 @@
 /* Runs every scenario in a child process and collects what the children print. */
 #include "bench/all.h"
 
-#include "bench/report.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

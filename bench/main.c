@@ -2,7 +2,6 @@
 /* conus-bench: the table of scenarios, the command line and the exit code. */
 #include "base/text.h"
 #include "bench/all.h"
-#include "bench/report.h"
 #include "bench/support/bench.h"
 #include "conus/own.h"
 

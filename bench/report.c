@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Writes the JSON of conus-bench: machine, settings, and whether each ratio keeps its bound. */
-#include "bench/report.h"
+#include "bench/all.h"
 
-#include "base/buffer.h"
 #include "base/files/file.h"
+#include "base/memory.h"
 #include "conus/own.h"
-#include "render/gl/context.h"
+#include "render/gl/gl.h"
 
 #include <jansson.h>
 #include <math.h>

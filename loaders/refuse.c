@@ -2,7 +2,7 @@
 /* Asks the table of formats, and the readers of label tables for what it does not know. */
 #include "loaders/refuse.h"
 
-#include "base/formats/gzip.h"
+#include "base/formats/packed.h"
 #include "loaders/labels/label_format.h"
 
 const struct format *format_nearest(const struct file_head *head)

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* An atlas as one block of memory: a head, the small things, and from a cache line on the large arrays. One walk over
  * the atlas says where everything lies, whether the block is measured, filled, written part by part, or read. */
-#include "pack/atlas_pack.h"
+#include "pack/pack.h"
 
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "atlas/tracts/tract_node.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "conus/own.h"
-#include "pack/pack_layout.h"
 #include "selection/engine/voxels/distance_map.h"
 
 #include <stddef.h>

@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_atlas_load(), and what is added from files. */
-#include "loaders/scene/load.h"
 #include "atlas/space.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "conus/own.h"
-#include "loaders/maps/atlas_on_job.h"
-#include "loaders/maps/load_scalar.h"
-#include "loaders/scene/load_streamlines.h"
-#include "loaders/scene/scene_load.h"
-#include "pack/pack_file.h"
+#include "loaders/maps/maps.h"
+#include "loaders/scene/parts.h"
+#include "loaders/scene/scene.h"
+#include "pack/pack.h"
 #include "sources/keys.h"
 
 #include <stdio.h>

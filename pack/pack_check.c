@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Looks at all numbers of an attached atlas that are indices, and at those that readers check. */
-#include "pack/pack_check.h"
+#include "pack/pack.h"
 
 #include "atlas/atlas.h"
-#include "atlas/bundles.h"
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"

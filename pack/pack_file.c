@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Writes packs, and opens them. */
-#include "pack/pack_file.h"
+#include "pack/pack.h"
 
 #include "atlas/atlas.h"
-#include "base/files/inputs.h"
+#include "base/files/file.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/path.h"
@@ -11,9 +11,6 @@
 #include "base/text.h"
 #include "base/writer.h"
 #include "conus/own.h"
-#include "pack/atlas_pack.h"
-#include "pack/pack_check.h"
-#include "pack/pack_layout.h"
 
 #include <assert.h>
 #include <libdeflate.h>

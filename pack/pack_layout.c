@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The members of packed structures: where each lies, what a block has of it, and which must be looked at before the
  * structure is used. */
-#include "pack/pack_layout.h"
+#include "pack/pack.h"
 
 #include "atlas/atlas.h"
 #include "atlas/tracts/tract_node.h"

@@ -3,13 +3,11 @@
  * rows of a stream. */
 #include "poses/pose_stream.h"
 
-#include "base/buffer.h"
 #include "base/child/hdf5.h"
 #include "base/formats/encoding.h"
 #include "base/formats/matlab.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "base/name_set.h"
 #include "base/options.h"
 #include "base/order.h"
 #include "base/path.h"
@@ -18,9 +16,8 @@
 #include "conus/own.h"
 #include "poses/programs/pose_programs.h"
 #include "poses/rows/columns.h"
-#include "poses/rows/pose_lines.h"
 #include "poses/rows/pose_row.h"
-#include "sources/format.h"
+#include "sources/source.h"
 
 #include <errno.h>
 #include <math.h>

@@ -3,7 +3,6 @@
 #ifndef CONUS_POSES_POSE_STREAM_H
 #define CONUS_POSES_POSE_STREAM_H
 
-#include "base/notes.h"
 #include "base/status.h"
 #include "base/text.h"
 #include "conus/plan.h"

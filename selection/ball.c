@@ -2,9 +2,7 @@
 /* conus_select_ball(): what is at a point, and how near is the rest. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "selection/rank.h"
 #include "selection/selection.h"
-#include "selection/selector.h"
 
 #include <string.h>
 

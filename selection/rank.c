@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Ranks the results of a selection. Some scores of Eq. 12 need more than results: the box around the atlas, and which
  * objects touch the aperture's rim. */
-#include "selection/rank.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/selection.h"

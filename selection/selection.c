@@ -2,14 +2,11 @@
 /* Makes a selection: traces its cone, counts what the cone holds, and gathers the results. */
 #include "selection/selection.h"
 
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
-#include "base/geometry/tangent.h"
 #include "base/memory.h"
 #include "conus/own.h"
 #include "poses/rows/pose_row.h"
-#include "selection/rank.h"
-#include "selection/selector.h"
 
 #include <string.h>
 

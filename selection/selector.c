@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Makes, shares and ends selectors. */
-#include "selection/selector.h"
+#include "selection/selection.h"
 
-#include "atlas/bundles.h"
-#include "atlas/frame.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/text.h"
 #include "conus/own.h"
-#include "selection/rank.h"
 
 #include <string.h>
 

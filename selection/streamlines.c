@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lists of streamlines: those that come into a selection's region. */
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "base/memory.h"
 #include "conus/own.h"
-#include "selection/measure/tract_census.h"
+#include "selection/measure/measure.h"
 #include "selection/selection.h"
 
 struct conus_streamline_list {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file The endings of names: what a file may be given as, by its name alone. What it is its first bytes say
- * (format.h). Programs have it beside the library. */
+ * (source.h). Programs have it beside the library. */
 #ifndef CONUS_SOURCES_ENDINGS_H
 #define CONUS_SOURCES_ENDINGS_H
 

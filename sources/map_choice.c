@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Chooses one of the maps of a file by number or name. */
-#include "sources/map_choice.h"
+#include "sources/source.h"
 
-#include "base/buffer.h"
+#include "base/memory.h"
 
 enum { SHOWN = 8, WIDTH = 60 };
 

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table of formats: how a file is known, what it may be given as, and what a message advises where that is not what
  * is needed. */
-#include "sources/format.h"
+#include "sources/source.h"
 
 #include "base/child/hdf5.h"
 #include "base/formats/matlab.h"
+#include "base/formats/packed.h"
 #include "base/formats/xml.h"
-#include "base/formats/zip.h"
 #include "base/path.h"
-#include "sources/signatures.h"
 
 #include <stdio.h>
 #include <string.h>

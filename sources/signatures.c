@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tells apart the formats that need more than a few fixed bytes. */
-#include "sources/signatures.h"
+#include "sources/source.h"
 
 #include "base/byte_order.h"
 #include "base/text.h"

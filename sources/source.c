@@ -2,7 +2,7 @@
 /* Opens files, and unpacks their first bytes. */
 #include "sources/source.h"
 
-#include "base/formats/gzip.h"
+#include "base/formats/packed.h"
 #include "base/memory.h"
 
 /* Unpacks the first bytes where they are packed; of damaged ones there are none. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Makes the candidates of a plan from entries and targets, and writes the poses that it lists. */
-#include "cli/candidates.h"
+#include "cli/cmd_plan.h"
 
 #include "base/order.h"
 #include "base/path.h"
@@ -8,7 +8,7 @@
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "settings/notes.h"
+#include "settings/settings.h"
 #include "sources/endings.h"
 
 #include <math.h>

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus atlases: lists what is installed, and where that was looked for. */
-#include "cli/answers/aligned.h"
-#include "cli/answers/info_json.h"
+#include "cli/answers/answers.h"
 #include "cli/commands.h"
 #include "conus/own.h"
 #include "options/messages.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus batch: answers many poses with several threads. */
-#include "cli/batch/batch_dispatch.h"
+#include "cli/batch/batch.h"
 #include "cli/commands.h"
 
 static int run_batch(const void *given, const struct arguments *arguments)

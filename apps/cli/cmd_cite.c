@@ -6,11 +6,10 @@
 #include "cli/commands.h"
 #include "cli/verify/verify.h"
 #include "conus/own.h"
-#include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/provenance.h"
-#include "settings/atlases.h"
+#include "settings/settings.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus diff: compares two results row by row, or two pictures. */
 #include "base/system/system.h"
-#include "cli/answers/results_diff.h"
+#include "cli/answers/answers.h"
 #include "cli/commands.h"
 #include "options/messages.h"
 #include "options/options.h"

@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus info: lists the contents of an atlas as a table, a tree or JSON. */
-#include "cli/answers/aligned.h"
-#include "cli/answers/info_json.h"
+#include "cli/answers/answers.h"
 #include "cli/commands.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/provenance.h"
-#include "settings/atlas_input.h"
-#include "settings/atlases.h"
-#include "settings/notes.h"
 #include "settings/settings.h"
 
 #include "conus/own.h"

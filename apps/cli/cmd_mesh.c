@@ -4,8 +4,6 @@
 #include "cli/commands.h"
 #include "conus/own.h"
 #include "options/messages.h"
-#include "settings/atlas_input.h"
-#include "settings/notes.h"
 #include "settings/settings.h"
 
 struct mesh_settings {

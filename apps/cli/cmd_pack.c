@@ -3,9 +3,7 @@
 #include "cli/commands.h"
 #include "conus/own.h"
 #include "options/messages.h"
-#include "options/outputs.h"
-#include "settings/atlas_input.h"
-#include "settings/notes.h"
+#include "options/output.h"
 #include "settings/settings.h"
 
 #include <stdlib.h>

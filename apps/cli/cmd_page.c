@@ -1,19 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus page: one HTML file with the atlas, a question and its answer inside. */
-#include "cli/cmd_page.h"
+#include "cli/commands.h"
 
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
-#include "cli/commands.h"
-#include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "options/outputs.h"
-#include "options/stage.h"
-#include "settings/atlas_input.h"
-#include "settings/named_places.h"
-#include "settings/notes.h"
 #include "settings/settings.h"
 
 #include "conus/own.h"

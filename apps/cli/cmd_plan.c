@@ -4,11 +4,9 @@
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
-#include "cli/answers/ends.h"
+#include "cli/answers/answers.h"
 #include "cli/commands.h"
 #include "conus/own.h"
-#include "options/clock.h"
-#include "options/interrupt.h"
 #include "options/messages.h"
 #include "options/progress.h"
 

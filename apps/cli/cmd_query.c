@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus query: what is in a cone or ball, with the tables, pictures and masks that belong to it. */
-#include "cli/answers/selection_files.h"
+#include "cli/answers/answers.h"
 #include "cli/commands.h"
 #include "cli/request.h"
 #include "conus/own.h"
@@ -8,7 +8,6 @@
 #include "options/options.h"
 #include "options/output.h"
 #include "options/provenance.h"
-#include "settings/notes.h"
 #include "settings/settings.h"
 
 #include <math.h>

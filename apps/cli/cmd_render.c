@@ -1,25 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus render: draws an atlas, with or without a cone, into a picture file. */
+#include "cli/cmd_render.h"
 #include "base/order.h"
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
 #include "cli/commands.h"
-#include "cli/render_caption.h"
-#include "cli/render_cuts.h"
-#include "cli/render_turn.h"
 #include "conus/own.h"
-#include "figures/contacts.h"
 #include "figures/figure.h"
 #include "options/messages.h"
 #include "options/options.h"
 #include "options/output.h"
-#include "options/outputs.h"
 #include "options/progress.h"
-#include "settings/atlas_input.h"
-#include "settings/named_places.h"
-#include "settings/notes.h"
-#include "settings/pose_settings.h"
+#include "settings/settings.h"
 
 #include <inttypes.h>
 #include <math.h>

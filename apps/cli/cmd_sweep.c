@@ -2,7 +2,6 @@
 /* conus sweep: the angles that admit areas, shares at several angles, probabilities under errors of the pose. */
 #include "cli/commands.h"
 #include "cli/request.h"
-#include "options/angles.h"
 #include "options/messages.h"
 #include "options/options.h"
 

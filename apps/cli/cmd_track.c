@@ -4,12 +4,11 @@
 #include "cli/commands.h"
 #include "cli/request.h"
 #include "conus/own.h"
-#include "link/send_selection.h"
-#include "options/clock.h"
-#include "options/interrupt.h"
+#include "link/station.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "settings/station_settings.h"
+#include "options/progress.h"
+#include "settings/settings.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -4,11 +4,9 @@
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
-#include "cli/cmd_page.h"
 #include "cli/commands.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "options/stage.h"
 #include "sources/endings.h"
 
 #include <errno.h>

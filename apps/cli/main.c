@@ -5,7 +5,6 @@
 #include "options/messages.h"
 #include "options/options.h"
 #include "options/output.h"
-#include "options/outputs.h"
 #include "pages/pages.h"
 
 #include "conus/version.h"

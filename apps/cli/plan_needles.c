@@ -3,12 +3,12 @@
  * options, which are read by the parser of conus plan. */
 #include "base/path.h"
 #include "base/text.h"
-#include "cli/answers/ends.h"
+#include "cli/answers/answers.h"
 #include "cli/cmd_plan.h"
 #include "conus/own.h"
-#include "options/input_file.h"
-#include "options/interrupt.h"
 #include "options/messages.h"
+#include "options/output.h"
+#include "options/progress.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Writes the caption of a picture. */
-#include "cli/render_caption.h"
+#include "cli/cmd_render.h"
 
 #include "base/system/system.h"
 #include "cli/cite/citation.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "settings/atlas_input.h"
+#include "settings/settings.h"
 
 #include "conus/own.h"
 

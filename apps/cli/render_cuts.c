@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads --cuts: planes through a point, planes at places, and mosaics. */
-#include "cli/render_cuts.h"
+#include "cli/cmd_render.h"
 
 #include "options/messages.h"
 #include "settings/settings.h"

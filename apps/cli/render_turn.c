@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Frames of a turntable: the camera goes around the atlas in equal steps. */
-#include "cli/render_turn.h"
+#include "cli/cmd_render.h"
 
 #include "base/system/system.h"
 #include "options/messages.h"

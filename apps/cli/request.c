@@ -5,7 +5,7 @@
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "settings/notes.h"
+#include "settings/settings.h"
 
 #include <assert.h>
 #include <math.h>

@@ -6,14 +6,11 @@
 #ifndef CONUS_CLI_REQUEST_H
 #define CONUS_CLI_REQUEST_H
 
-#include "cli/answers/answer_format.h"
-#include "cli/answers/ends.h"
+#include "cli/answers/answers.h"
 #include "conus/selection.h"
 #include "options/output.h"
-#include "options/outputs.h"
 #include "options/progress.h"
-#include "settings/named_places.h"
-#include "settings/pose_settings.h"
+#include "settings/settings.h"
 
 struct request_settings {
     struct atlas_settings atlas;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Rows of a list as points of a picture; contacts of electrodes are told by their names. */
-#include "figures/contacts.h"
+#include "figures/figure.h"
 
 #include "base/order.h"
 #include "base/text.h"

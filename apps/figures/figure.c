@@ -3,8 +3,8 @@
 #include "figures/figure.h"
 
 #include "conus/own.h"
-#include "options/input_file.h"
 #include "options/messages.h"
+#include "options/output.h"
 
 #include <math.h>
 #include <stdlib.h>

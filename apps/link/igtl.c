@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses and writes OpenIGTLink messages; no sockets here. */
-#include "link/igtl.h"
+#include "link/station.h"
 
 #include "conus/pose.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Makes JSON and points of a selection, and hands them to the station. */
-#include "link/send_selection.h"
 #include "conus/report.h"
+#include "link/station.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #include "link/station.h"
 
 #include "base/system/system.h"
-#include "options/clock.h"
+#include "options/progress.h"
 
 #include <arpa/inet.h>
 #include <errno.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Counts steps, with room for their rounding. */
-#include "options/angles.h"
+#include "options/options.h"
 
 #include <math.h>
 

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads whole files or pipes, up to a limit of bytes. */
-#include "options/input_file.h"
+#include "options/output.h"
 
 #include "base/system/system.h"
 #include "base/text.h"
 #include "conus/own.h"
 #include "options/messages.h"
-#include "options/output.h"
 
 #include <errno.h>
 #include <inttypes.h>

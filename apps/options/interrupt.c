@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The handlers of SIGINT and SIGTERM. */
-#include "options/interrupt.h"
+#include "options/progress.h"
 
 #include "base/system/system.h"
 

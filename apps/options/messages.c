@@ -5,7 +5,7 @@
 #include "base/system/system.h"
 #include "base/text.h"
 #include "conus/own.h"
-#include "options/table_fit.h"
+#include "options/options.h"
 
 #include <errno.h>
 #include <stdarg.h>

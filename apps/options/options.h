@@ -302,4 +302,29 @@ void help_usage(FILE *out, const struct command *command);
 /** The meaning of exit code @p code, in a few words; NULL past the last. */
 const char *help_exit_code(size_t code);
 
+/* Tables of text that fit a terminal, and what a terminal can show. */
+
+/** Fits the tables in @p text, UTF-8 with a final NUL, into @p width columns (0 = as wide as they are), and with
+ * @p bold writes their headers so. Lines between them stay as they are. Where columns are left out, a last line names
+ * those of the first such table, and says @p whole: "--format tsv has all". A table is lines with two gaps of two
+ * spaces or more in their first, the header; its columns end where the words of the header end. NULL without memory;
+ * the caller frees it. */
+char *table_fit(const char *text, size_t width, bool bold, const char *whole);
+
+/** Columns of the terminal at @p descriptor: as it says, else $COLUMNS; 0 where it is no terminal or nothing says. */
+size_t terminal_width(int descriptor);
+
+/** Whether @p descriptor is a terminal that shows bold and colours: neither $NO_COLOR nor TERM=dumb forbids them. */
+bool terminal_has_colour(int descriptor);
+
+/* Angles from LOW to HIGH in steps, as --angles has them; in whatever unit. */
+
+enum { ANGLE_LIMIT = 1000 };
+
+/** How many there are: LOW, LOW + STEP and so on up to HIGH, which counts even if rounding puts it a little beyond.
+ * 0 unless HIGH is from LOW on and STEP above 0; ANGLE_LIMIT + 1 for more than that many. */
+size_t angles_count(const double range[3]);
+/** The angle at @p index. */
+double angles_at(const double range[3], size_t index);
+
 #endif

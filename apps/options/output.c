@@ -7,7 +7,7 @@
 #include "base/text.h"
 #include "conus/own.h"
 #include "options/messages.h"
-#include "options/table_fit.h"
+#include "options/options.h"
 
 #include <errno.h>
 #include <stdio.h>

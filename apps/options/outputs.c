@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Checks the files that are about to be written. */
-#include "options/outputs.h"
+#include "options/output.h"
 
 #include "base/system/system.h"
 #include "base/text.h"
 #include "conus/own.h"
-#include "options/input_file.h"
 #include "options/messages.h"
-#include "options/output.h"
 #include "options/provenance.h"
 
 #include <assert.h>

@@ -3,7 +3,6 @@
 #include "options/progress.h"
 
 #include "base/system/system.h"
-#include "options/clock.h"
 #include "options/messages.h"
 
 #include <stdio.h>

@@ -1,12 +1,26 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * How far a long piece of work has got, on stderr: on a terminal at most ten times a second, on one line that is gone
- * at the end; in a file or pipe a line every five minutes. */
+/** @file Long pieces of work: the clock, how far they have got, and signals that end them. */
 #ifndef CONUS_OPTIONS_PROGRESS_H
 #define CONUS_OPTIONS_PROGRESS_H
 
+#include "conus/pose.h"
+
 #include <stdbool.h>
 #include <stdint.h>
+#include <time.h>
+
+/* The one clock of the programs. */
+
+/** Monotonic time in ms, from an arbitrary origin. */
+static inline double clock_ms(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
+}
+
+/* How far a long piece of work has got, on stderr: on a terminal at most ten times a second, on one line that is
+ * gone at the end; in a file or pipe a line every five minutes. */
 
 enum progress_kind { PROGRESS_AUTO, PROGRESS_JSON, PROGRESS_NONE };
 
@@ -32,5 +46,17 @@ void progress_update(struct progress *progress, uint64_t done, uint64_t errors);
 
 /** The last word; clears a terminal's line. */
 void progress_finish(struct progress *progress, uint64_t done, uint64_t errors);
+
+/* SIGINT and SIGTERM, kept until a long piece of work comes to a place where it can end. */
+
+/** From here on the first of each is kept, and stops @p poses, so that nothing waits for a silent pipe; the second one
+ * ends the program. One that is ignored stays so. */
+void interrupt_catch(conus_pose_stream *poses);
+
+/** The poses are left alone from here on: to be called before they are destroyed. */
+void interrupt_release(void);
+
+/** The signal that was caught last; 0 if there was none. */
+int interrupt_signal(void);
 
 #endif

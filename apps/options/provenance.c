@@ -7,7 +7,6 @@
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
-#include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
 

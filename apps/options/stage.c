@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Folders, links and copies in a new temporary folder, and its removal. */
-#include "options/stage.h"
+#include "options/output.h"
 
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
 #include "options/messages.h"
-#include "options/output.h"
 
 #include <errno.h>
 #include <stdio.h>

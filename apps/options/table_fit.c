@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the tables in a text by the gaps in their lines, and cuts them where a column ends. */
-#include "options/table_fit.h"
+#include "options/options.h"
 
 #include "base/system/system.h"
 

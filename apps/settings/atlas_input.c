@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Loads the atlas, its pathways and streamlines. */
-#include "settings/atlas_input.h"
+#include "settings/settings.h"
 
 #include "base/system/system.h"
 #include "base/text.h"
 #include "options/messages.h"
 #include "options/options.h"
 #include "options/output.h"
-#include "settings/settings.h"
-#include "settings/tract_shelf.h"
 
 #include "conus/own.h"
 

@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Names and loads several atlases, and compares their spaces. */
-#include "settings/atlases.h"
+#include "settings/settings.h"
 
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
 #include "conus/own.h"
-#include "options/clock.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "options/outputs.h"
+#include "options/progress.h"
 #include "sources/endings.h"
 #include "sources/keys.h"
 

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Takes the constraints of a plan from the command line, and words them. */
-#include "settings/constraints.h"
+#include "settings/settings.h"
 
 #include "base/text.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "settings/settings.h"
 
 #include <math.h>
 #include <stdlib.h>

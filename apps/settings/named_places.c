@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the points that options of places mean. */
-#include "settings/named_places.h"
+#include "settings/settings.h"
 
 #include "base/system/system.h"
 #include "conus/own.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Prints what a careful user should know about atlases, and about where cones lie and point. */
-#include "settings/notes.h"
+#include "settings/settings.h"
 
 #include "base/system/system.h"
 #include "conus/own.h"

@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The options of files of poses, and the check that poses and atlas share a space. */
-#include "settings/pose_settings.h"
+#include "settings/settings.h"
 
 #include "base/path.h"
 #include "conus/own.h"
-#include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "settings/settings.h"
 #include "sources/endings.h"
 
 #include <math.h>

@@ -6,7 +6,6 @@
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/options.h"
-#include "settings/named_places.h"
 
 #include <float.h>
 #include <math.h>

@@ -2,7 +2,6 @@
 /* The options --space and --bregma, and what they mean for atlases. */
 #include "conus/own.h"
 #include "options/messages.h"
-#include "settings/atlases.h"
 #include "settings/settings.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The options of trackers and of a tracked screen, and the start of a station. */
-#include "settings/station_settings.h"
+#include "settings/settings.h"
 
 #include "options/messages.h"
 #include "options/options.h"

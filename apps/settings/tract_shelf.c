@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Keeps tractograms, by path and axes. */
-#include "settings/tract_shelf.h"
+#include "settings/settings.h"
 
 #include "base/system/system.h"
 #include "conus/own.h"

@@ -2,18 +2,13 @@
 /* The loop of the window: waits, hears devices, draws frames of panels and panes. */
 #include "viewer/loop.h"
 
-#include "link/send_selection.h"
-#include "viewer/commands/keys.h"
-#include "viewer/model/file_watch.h"
-#include "viewer/model/plans.h"
-#include "viewer/model/studies.h"
-#include "viewer/panes/panels.h"
+#include "link/station.h"
+#include "viewer/commands/commands.h"
+#include "viewer/model/additions.h"
+#include "viewer/model/viewer.h"
 #include "viewer/panes/panes.h"
-#include "viewer/session/save_file.h"
 #include "viewer/session/session.h"
-#include "viewer/session/undo.h"
 #include "viewer/ui/ui.h"
-#include "viewer/window/figure_form.h"
 #include "viewer/window/window.h"
 
 #include <GLFW/glfw3.h>

@@ -5,7 +5,7 @@
 #ifndef CONUS_VIEWER_LOOP_H
 #define CONUS_VIEWER_LOOP_H
 
-#include "viewer/commands/script.h"
+#include "viewer/commands/commands.h"
 
 /** Shows @p window until it is closed or @p script (NULL = none) ends, which may set the exit code: false; or until
  * another atlas is wanted: true. */

@@ -4,12 +4,10 @@
 #include "conus/own.h"
 #include "options/messages.h"
 #include "pages/pages.h"
-#include "settings/atlases.h"
-#include "viewer/commands/keys.h"
+#include "settings/settings.h"
+#include "viewer/commands/commands.h"
 #include "viewer/loop.h"
-#include "viewer/opening/open.h"
-#include "viewer/opening/view_words.h"
-#include "viewer/opening/waiting.h"
+#include "viewer/opening/opening.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds an area or pathway by name, abbreviation or label, and suggests the closest one. */
-#include "atlas/areas/area_find.h"
+#include "atlas/areas/areas.h"
 
-#include "atlas/areas/sides.h"
-#include "base/buffer.h"
 #include "base/memory.h"
 
 #include <stdio.h>

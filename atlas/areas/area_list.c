@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads a list of areas, from the command line or from a file. */
-#include "atlas/areas/area_list.h"
+#include "atlas/areas/areas.h"
 
 #include "base/memory.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_atlas_set_hemispheres(): areas cut in two at x = 0, or pairs merged into an area above both. */
-#include "atlas/areas/sides.h"
+#include "atlas/areas/areas.h"
 #include "atlas/atlas.h"
 #include "atlas/space.h"
 #include "base/geometry/math3.h"

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Rolls areas up the area tree: to a depth, or to the areas of a list. */
-#include "atlas/areas/level.h"
+#include "atlas/areas/areas.h"
 
-#include "atlas/areas/area_find.h"
-#include "atlas/areas/area_list.h"
 #include "base/memory.h"
 #include "base/text.h"
 

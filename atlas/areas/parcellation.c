@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* atlas_create_of(): turns labels of any size and a label table into areas with dense numbers. */
 #include "atlas/atlas.h"
-#include "atlas/labels/label_voxels.h"
 #include "atlas/labels/labels.h"
 #include "atlas/space.h"
-#include "base/buffer.h"
 #include "base/memory.h"
 #include "base/order.h"
 

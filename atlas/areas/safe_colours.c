@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Colours of a palette: areas that touch get different ones, a left area and its right one the same. */
-#include "atlas/areas/sides.h"
+#include "atlas/areas/areas.h"
 #include "atlas/atlas.h"
 #include "atlas/labels/labels.h"
 #include "base/geometry/math3.h"

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Hides objects, as if they had never been loaded. Readers of an atlas need not know: voxels of hidden areas hold no
  * object, hidden pathways are not hit (volume_can_be_hit()), hidden meshes are not there (atlas_object_mesh()). */
-#include "atlas/areas/area_find.h"
-#include "atlas/areas/area_list.h"
+#include "atlas/areas/areas.h"
 #include "atlas/atlas.h"
 #include "base/memory.h"
 #include "conus/own.h"

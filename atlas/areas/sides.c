@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Left and right: words for the side in names, pairs of areas, the side of each area, and sides that look swapped. */
-#include "atlas/areas/sides.h"
+#include "atlas/areas/areas.h"
 
-#include "atlas/placement.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Samples points of areas: every n-th voxel or vertex. */
-#include "atlas/fit/area_points.h"
+#include "atlas/fit/fit.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Checks the size and place of contexts, streamlines and surfaces against those of the areas. */
-#include "atlas/fit/box_fit.h"
+#include "atlas/fit/fit.h"
 
 #include "atlas/space.h"
 

@@ -2,7 +2,6 @@
 /* Tries the usual mistakes: the direction of a transform, LPS for RAS, metres for millimetres. */
 #include "atlas/fit/fit.h"
 
-#include "atlas/fit/head.h"
 #include "base/geometry/math3.h"
 
 struct fit fit_of(const struct head *head, const struct area_points *points, const double move[16])

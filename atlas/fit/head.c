@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the head among grey values, or in closed surfaces. */
-#include "atlas/fit/head.h"
+#include "atlas/fit/fit.h"
 
-#include "atlas/surface/mesh_lines.h"
-#include "base/geometry/box3.h"
+#include "atlas/surface/mesh.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the direction straight into a head, or to what is nearest of the atlas. */
-#include "atlas/fit/head.h"
+#include "atlas/fit/fit.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/atlas.h"

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_atlas_placement(): where an atlas was, where it is, and how much of it is in the head of its context. */
 #include "atlas/fit/fit.h"
-#include "atlas/fit/head.h"
 #include "base/geometry/math3.h"
 #include "conus/own.h"
 

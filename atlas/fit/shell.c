@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Makes a closed surface around all areas and the head in the context, in a smoothed grid of 0 outside and 1 inside. */
-#include "atlas/fit/head.h"
+#include "atlas/fit/fit.h"
 #include "atlas/space.h"
 #include "base/memory.h"
 #include "conus/atlas.h"

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Compares the points of streamlines with the box around the areas, and with the grid of their voxels. */
-#include "atlas/fit/tract_fit.h"
+#include "atlas/fit/fit.h"
 
-#include "atlas/fit/box_fit.h"
-#include "base/geometry/box3.h"
+#include "base/geometry/math3.h"
 #include "conus/own.h"
 
 #include <math.h>

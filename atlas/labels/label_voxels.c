@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Stores the labels of voxels as places in a list of labels. */
-#include "atlas/labels/label_voxels.h"
+#include "atlas/labels/labels.h"
 
 #include "base/memory.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The shapes of the brain phantom, their triangles and the values of its volumes. */
-#include "atlas/phantom/phantom_brain.h"
+#include "atlas/phantom/phantom.h"
 
 #include "atlas/space.h"
 #include "base/geometry/math3.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Makes trees of boxes by halving them at the median, and searches them along rays and round needles. */
-#include "atlas/surface/bvh.h"
+#include "atlas/surface/mesh.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"

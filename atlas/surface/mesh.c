@@ -2,7 +2,6 @@
 /* Makes, checks, measures, moves and frees meshes, and tests a ray against a triangle. */
 #include "atlas/surface/mesh.h"
 
-#include "atlas/surface/mesh_closed.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 

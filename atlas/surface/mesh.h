@@ -1,11 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A triangulated surface in world space. */
+/** @file Triangulated surfaces in world space: parts of one, what is in it, how near it is, and a tree of boxes over
+ * it. */
 #ifndef CONUS_ATLAS_SURFACE_MESH_H
 #define CONUS_ATLAS_SURFACE_MESH_H
 
-#include "base/notes.h"
+#include "base/geometry/math3.h"
+#include "base/status.h"
 
+#include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
+
+/* A triangulated surface in world space. */
 
 /** The result of mesh_measure(). */
 struct mesh_shape {
@@ -72,5 +78,180 @@ bool mesh_is_passed(const struct mesh *mesh, size_t triangle, const double origi
 
 /** Moves every vertex by @p world_from_mesh; turns triangles around where that mirrors. */
 void mesh_transform(struct mesh *mesh, const double world_from_mesh[16]);
+
+/* Whether a mesh bounds a solid. */
+
+/** Whether triangles pass every edge as often in one direction as in the other. Vertices at equal positions are one,
+ * and triangles without area count: leave none out before. Then the surface winds a whole number of times around every
+ * point that is not on it. */
+conus_status mesh_is_closed(bool *out, const struct mesh *mesh);
+
+/** first[v], of each vertex v of @p mesh: the first vertex at the same position; -0 is 0. Only the vertices of @p mesh
+ * are looked at. */
+conus_status mesh_find_first(uint32_t *first, const struct mesh *mesh);
+
+/** Whether the closed @p mesh winds once, everywhere in the same way, around what it encloses. It does not where two
+ * parts overlap, or where one faces outwards and another inwards (a mirrored half, say): the signed volume then counts
+ * some of the inside twice, or takes it away. Parts that face inwards are fine as cavities of others.
+ *
+ * Looked at along 64 x 64 lines through the bounds of @p shape. They may disagree on a hundredth of the inside, as
+ * surfaces with small folds do. Also false for a mesh with more than 2^26 pairs of a line and a triangle near it. */
+conus_status mesh_winds_once(bool *out, const struct mesh *mesh, const struct mesh_shape *shape);
+
+/* How far a point is from a surface, and whether the surface is around it. */
+
+/** Distance from @p point to the nearest point of any triangle, which @p out receives; INFINITY (and @p out untouched)
+ * where that is more than @p limit. */
+double mesh_nearest(double out[3], const struct mesh *mesh, const double point[3], double limit);
+
+/** Distance from @p needle to @p triangle, 0 where it passes it (mesh_is_passed()). @p depth receives the least depth
+ * at which it is so near, @p point the triangle's nearest point there. */
+double mesh_needle(double *depth, double point[3], const struct mesh *mesh, size_t triangle,
+                   const struct needle *needle);
+
+/** How often the surface winds around @p point: 1 inside of a closed surface and 0 outside, between them near a hole in
+ * one; negative where its triangles face inwards. The sum of the triangles' solid angles over 4 pi (van Oosterom and
+ * Strackee 1983). */
+double mesh_winding(const struct mesh *mesh, const double point[3]);
+
+/* Where triangles cross the lines of a lattice that run along z. */
+
+/** A place where a line passes through a triangle. */
+struct line_crossing {
+    size_t line;     /**< i + count[0] j                                                                        */
+    uint32_t object; /**< The argument of mesh_lines_cross().                                                   */
+    int32_t side;    /**< 1 where the line goes into what the triangle faces away from, -1 where it comes out. */
+    double z;
+};
+
+/** Lines (i, j) at start + (i, j) step along x, y. The caller fills in the first three. */
+struct mesh_lines {
+    double start[2];
+    double step[2]; /**< 0 = there is one place only, and no line. */
+    size_t count[2];
+    struct line_crossing *crossings; /**< Owned. */
+    size_t crossing_count, capacity;
+    size_t pairs; /**< Pairs of a line and a triangle whose bounds it passes, looked at so far. */
+};
+
+void mesh_lines_finish(struct mesh_lines *lines);
+
+/** Appends the crossings of a triangle of @p mesh, whose vertices @p lines_from_mesh (NULL = the identity) moves. A
+ * line that passes an edge or a corner counts as a little beside it, towards larger x and then larger y: of two
+ * triangles on either side of an edge it passes one. So a closed surface is left as often as it is entered.
+ * CONUS_ERROR_MEMORY. */
+conus_status mesh_lines_cross(struct mesh_lines *lines, uint32_t object, const struct mesh *mesh, size_t triangle,
+                              const double *lines_from_mesh);
+
+/** Sorts the crossings by line, object, z. */
+void mesh_lines_sort(struct mesh_lines *lines);
+
+/* The fraction of each voxel that is inside a closed mesh (Eq. 16). */
+
+/** Voxels whose index coordinates are from `low` to `high`, both among them. */
+struct voxel_box {
+    size_t low[3], high[3];
+    size_t count[3];
+    double *inside; /**< [count[2]][count[1]][count[0]] Parts of a voxel. Owned by the caller, memory_free(). */
+};
+
+/** Measures the inside of @p mesh, which winds once around it (mesh_winds_once()), in the voxels from @p out->low to @p
+ * out->high that its bounds meet: sets the box to these, and `inside`, NULL if there are none. Exact but for rounding:
+ * by the divergence theorem a sum over the pieces of triangles in each voxel. CONUS_ERROR_MEMORY. */
+conus_status mesh_voxels_measure(struct voxel_box *out, const struct mesh *mesh, const double voxel_from_mesh[16]);
+
+/* A surface with a label at each vertex, cut into one surface per label. */
+
+struct mesh_part {
+    uint32_t label;
+    struct mesh mesh; /**< Only the vertices that its triangles use; path as that of the whole. */
+};
+
+/** Sorted by label. */
+struct mesh_parts {
+    struct mesh_part *parts;
+    size_t count;
+};
+
+void mesh_parts_finish(struct mesh_parts *parts);
+
+/** The part with that label, or NULL. They ascend by label. */
+struct mesh_part *mesh_parts_find(const struct mesh_parts *parts, uint32_t label);
+
+/** Cuts the checked @p mesh by @p labels (one per vertex, 0 = none). A triangle belongs to the label of most of its
+ * corners; where all three differ, to that of its first. Triangles of label 0 are left out, with a note. Parts are open
+ * at their borders, as areas of a surface are. CONUS_ERROR_DATA where no triangle is labelled. */
+conus_status mesh_split(struct mesh_parts *out, const struct mesh *mesh, const uint32_t *labels, struct notes *notes);
+
+/* A bounding volume hierarchy: a tree of boxes along the axes, searched along rays and round needles. Every box is
+ * taken to be a little larger than it is (BVH_SLACK), far more than rounding in double precision moves a ray. So a
+ * triangle that mesh_is_passed() accepts lies in boxes that the ray hits. */
+
+/** Relative to the largest coordinate of the boxes and of the ray's origin. */
+#define BVH_SLACK 1e-6
+
+/** Bounds, edges included. */
+struct bvh_box {
+    float low[3], high[3];
+    uint32_t number; /**< The caller's number of the box. */
+};
+
+struct bvh_node;
+
+/** A zeroed one is empty: a search finds nothing. */
+struct bvh {
+    struct bvh_node *nodes; /**< Each before those below it; the first one holds all. Owned. */
+    uint32_t *numbers;      /**< [count] of the boxes, leaf by leaf. Owned.                  */
+    size_t count;
+};
+
+/** Extends @p box to @p point. */
+void bvh_box_extend(struct bvh_box *box, const float point[3]);
+
+/** A box that holds nothing yet. */
+struct bvh_box bvh_box_empty(uint32_t number);
+
+/** The box round @p count boxes, with number 0. */
+struct bvh_box bvh_box_around(const struct bvh_box *boxes, size_t count);
+
+/** The longest axis, 0 to 2; of equally long ones the first. */
+int bvh_box_longest_axis(const struct bvh_box *box);
+
+/** Reorders boxes: those with the lower middles along @p axis come before boxes[half]; half is below count. */
+void bvh_halve(struct bvh_box *boxes, size_t count, size_t half, int axis);
+
+/** Makes a tree of @p count boxes, at most UINT32_MAX, and reorders them. The same boxes in the same order give the
+ * same tree. CONUS_ERROR_MEMORY. */
+conus_status bvh_init(struct bvh *out, struct bvh_box *boxes, size_t count);
+void bvh_finish(struct bvh *bvh);
+
+/** Nodes on the stack of a search: each step down leaves one behind, and halving UINT32_MAX boxes takes 32 steps. */
+enum { BVH_DEPTH = 33 };
+
+/** A search on its way. */
+struct bvh_search {
+    const struct bvh *bvh;
+    const struct needle_frame *needle; /**< Round which it goes; NULL: along a ray. */
+    double origin[3];
+    double inverse[3]; /**< 1 / direction; infinite where that is 0. */
+    double slack;
+    size_t next, end; /**< The rest of a leaf, in bvh->numbers. */
+    struct bvh_visit {
+        double enter; /**< Where the ray enters the node's box, or how far the needle is from it. */
+        uint32_t node;
+    } visits[BVH_DEPTH]; /**< A stack of nodes to visit. */
+    size_t waiting;
+};
+
+/** Begins a search along a ray from @p origin; both arrays are copied, @p bvh must outlive the search. */
+void bvh_search_init(struct bvh_search *out, const struct bvh *bvh, const double origin[3], const double direction[3]);
+
+/** Begins a search round @p needle, in the frame of the boxes; both must outlive the search. Boxes are as they are. */
+void bvh_search_round(struct bvh_search *out, const struct bvh *bvh, const struct needle_frame *needle);
+
+/** The next number, approximately from near to far, whose leaf the ray hits at @p limit (in units of the direction's
+ * length) or before, or is no farther from the needle than that, mm; false after the last. The limit may shrink from
+ * call to call. The ray may miss the number's own box. */
+bool bvh_search_next(uint32_t *number, struct bvh_search *search, double limit);
 
 #endif

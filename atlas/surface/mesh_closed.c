@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Pairs the edges of a mesh: a closed one passes each as often in either direction. Counts how often it winds. */
-#include "atlas/surface/mesh_closed.h"
+#include "atlas/surface/mesh.h"
 
-#include "atlas/surface/mesh_lines.h"
 #include "base/memory.h"
 #include "base/order.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Crossings of triangles with parallel lines, found triangle by triangle. */
-#include "atlas/surface/mesh_lines.h"
+#include "atlas/surface/mesh.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"

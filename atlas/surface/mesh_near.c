@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Distance from a point or a needle to a mesh, and the winding number of the mesh around it. */
-#include "atlas/surface/mesh_near.h"
+#include "atlas/surface/mesh.h"
 
 #include "base/geometry/math3.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cuts a mesh by the labels of its vertices. */
-#include "atlas/surface/mesh_split.h"
+#include "atlas/surface/mesh.h"
 
 #include "base/memory.h"
 #include "base/order.h"

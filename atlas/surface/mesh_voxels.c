@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cuts triangles along the borders of voxels, and adds up the volume between each piece and the floor of its column. */
-#include "atlas/surface/mesh_voxels.h"
+#include "atlas/surface/mesh.h"
 
-#include "base/geometry/box3.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 enum { CORNERS = 12 }; /* a triangle between six planes has at most 9 */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A line in a capsule: in the balls round its ends, and in the cylinder between them (Eq. 18). */
-#include "atlas/tracts/capsule.h"
+#include "atlas/tracts/tractogram.h"
 
 #include "base/geometry/math3.h"
 

@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The layout of a tract_tree in memory, for searches of other kinds. An item of level 0 is a leaf, one of level
- * l + 1 is a node with up to TRACT_WIDTH items of level l. All nodes and leaves but the last ones of their levels are
- * full. So item i of a level is lane i % TRACT_WIDTH of the node i / TRACT_WIDTH above it, and no node says where its
- * items are. The nodes above level 0 come first, the root is the last one. Run r is lane r % TRACT_LEAF of leaf r /
- * TRACT_LEAF. */
+/** @file The tree of a tractogram in memory, and where a search along a ray starts in it, for searches of other
+ * kinds. */
 #ifndef CONUS_ATLAS_TRACTS_TRACT_NODE_H
 #define CONUS_ATLAS_TRACTS_TRACT_NODE_H
 
-#include "atlas/tracts/tract_tree.h"
+#include "atlas/tracts/tractogram.h"
+
+/* The layout of a tract_tree in memory, for searches of other kinds. An item of level 0 is a leaf, one of level l +
+ * 1 is a node with up to TRACT_WIDTH items of level l. All nodes and leaves but the last ones of their levels are
+ * full. So item i of a level is lane i % TRACT_WIDTH of the node i / TRACT_WIDTH above it, and no node says where
+ * its items are. The nodes above level 0 come first, the root is the last one. Run r is lane r % TRACT_LEAF of leaf
+ * r / TRACT_LEAF. */
 
 enum {
     TRACT_WIDTH = 16,
@@ -67,5 +70,30 @@ struct tract_levels {
 
 /** The levels of a tree of @p run_count runs, at most UINT32_MAX. */
 struct tract_levels tract_levels_of(size_t run_count);
+
+/* The start of a search along a ray in a tractogram, in single precision, and the slack by which everything is then
+ * enlarged, so that no segment is lost. Processor and GPU search from there (Eq. 18). */
+
+/** Relative to the largest coordinate and to the radius: far above any rounding in single precision. */
+#define TRACT_SLACK 1e-5
+
+struct tract_start {
+    double along;        /**< mm from the ray's origin to where the search begins, at the border of the tractogram. */
+    float origin[3];     /**< That place. */
+    float direction[3];  /**< Unit length. */
+    float inverse[3];    /**< 1 / direction, finite. */
+    float radius, slack; /**< mm; the slack is no part of the radius. */
+};
+
+/** Where the ray from @p origin enters the box around all capsules. False if it misses: then only radius and slack are
+ * set, and nothing at all for a tractogram without a point. */
+bool tract_start_find(struct tract_start *out, const struct tractogram *tractogram, const double origin[3],
+                      const double direction[3]);
+
+/** An upper bound in single precision: a place @p limit mm from the ray's origin is at most so far from the start. */
+static inline float tract_start_reach(double limit, double along, float slack)
+{
+    return (float)((limit - along) * (1 + TRACT_SLACK)) + slack;
+}
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Moves a ray to the border of a tractogram, in double, and converts it to single precision. */
-#include "atlas/tracts/tract_start.h"
+#include "atlas/tracts/tract_node.h"
 
 #include "base/geometry/math3.h"
 

@@ -7,7 +7,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
-#include "base/text_number.h"
+#include "base/text.h"
 #include "base/threads.h"
 
 #include <assert.h>

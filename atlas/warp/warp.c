@@ -2,9 +2,8 @@
 /* Moves an atlas by a deformation field: everything is made first, so that nothing can fail when the atlas changes. */
 #include "atlas/warp/warp.h"
 
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "atlas/deformation/deformation.h"
-#include "atlas/placement.h"
 #include "atlas/warp/warp_parts.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"

@@ -2,7 +2,7 @@
 /* The voxels of a warped atlas, where nobody names a grid. */
 #include "atlas/space.h"
 #include "atlas/warp/warp.h"
-#include "base/geometry/box3.h"
+#include "base/geometry/math3.h"
 
 #include <string.h>
 

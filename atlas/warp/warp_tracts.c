@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Streamlines whose points go back through a field. One with a point that has no place is left out whole. */
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "atlas/deformation/deformation.h"
 #include "atlas/warp/warp_parts.h"
 #include "base/memory.h"

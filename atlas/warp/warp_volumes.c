@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Volumes on another grid, each voxel as the nearest of the atlas's own. */
+#include "atlas/atlas.h"
 #include "atlas/deformation/deformation.h"
-#include "atlas/placement.h"
 #include "atlas/space.h"
 #include "atlas/warp/warp_parts.h"
 #include "base/geometry/math3.h"

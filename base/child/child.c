@@ -2,7 +2,6 @@
 /* Finds a program, starts it, and takes what it writes. */
 #include "base/child/child.h"
 
-#include "base/child/process.h"
 #include "base/memory.h"
 #include "base/path.h"
 #include "base/system/system.h"

@@ -2,7 +2,6 @@
 /* Reads files whole and writes them whole or not at all, through a temporary file beside the target. */
 #include "base/files/file.h"
 
-#include "base/files/inputs.h"
 #include "base/memory.h"
 #include "base/path.h"
 #include "base/system/system.h"

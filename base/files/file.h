@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Whole files in, whole files out. */
-#ifndef CONUS_BASE_FILE_H
-#define CONUS_BASE_FILE_H
+/** @file Files: whole ones in and out, their sums, folders, and which were read. */
+#ifndef CONUS_BASE_FILES_FILE_H
+#define CONUS_BASE_FILES_FILE_H
 
-#include "base/buffer.h"
+#include "base/memory.h"
+#include "base/path.h"
 #include "base/status.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+/* Whole files in, whole files out. */
 
 /** Bytes on the heap. */
 struct bytes {
@@ -115,5 +118,78 @@ struct sha256_ctx;
 
 /** The same of all bytes given to @p context, which is as new afterwards. */
 void file_sha256_end(char out[65], struct sha256_ctx *context);
+
+/* Which files were read, and what they held. */
+
+struct file_sum {
+    char *path;
+    char sha256[65];
+};
+
+/** Every path once, in the order in which they came. */
+struct file_sums {
+    struct file_sum *items;
+    size_t count;
+    struct name_set paths; /**< The paths of the first items, to find them. */
+};
+
+void file_sums_finish(struct file_sums *sums);
+
+/** Lower-case SHA-256 of an open file in hexadecimal, read a part at a time, until stops(@p user), if not NULL, is
+ * true: CONUS_ERROR_CANCELLED. Other errors as of file_part_here(). */
+conus_status file_sha256_open(char out[65], const struct open_file *file, bool (*stops)(void *user), void *user);
+
+/** Adds @p path with the sum of @p content, the bytes that were read from it, unless it is there. */
+conus_status file_sums_add(struct file_sums *sums, const char *path, const struct bytes *content);
+
+/** The same of an open file, whose bytes are read for it, a part at a time. */
+conus_status file_sums_add_open(struct file_sums *sums, const struct open_file *file);
+
+/** Adds @p path with its sum, unless it is there. */
+conus_status file_sums_put(struct file_sums *sums, const char *path, const char sha256[65]);
+
+/** Moves the sums of @p from, which is left empty, behind its own, except those it has. */
+conus_status file_sums_move(struct file_sums *sums, struct file_sums *from);
+
+/** Forgets all but the first @p count. */
+void file_sums_cut(struct file_sums *sums, size_t count);
+
+/* The entries of a folder, and paths made of others. */
+
+/** File names, owned. */
+struct names {
+    char **names;
+    size_t count;
+};
+
+enum { NAMES_LIMIT = 4096 }; /**< Names of a folder that names_list() gives. */
+
+/** The first NAMES_LIMIT names in @p folder that end in @p ending, sorted, so that an answer does not depend on the
+ * file system; none if there is no such folder. @p ending may be a list, as for path_ending_length(). @p out is the
+ * caller's to finish, also on failure. */
+conus_status names_list(struct names *out, const char *folder, const char *ending);
+void names_finish(struct names *names);
+
+/** Appends a copy of @p name. */
+conus_status names_add(struct names *names, const char *name);
+
+/** The folder of @p path with a '/' at its end, "./" if it has none. NULL without memory; memory_free() it. */
+char *path_folder(const char *path);
+
+/* The files that this process has read, in that order (conus_inputs_keep()), so that none is replaced by an output. */
+
+/** The file @p path is opened to be read; @p info is what stat() says of it, NULL = nothing. It becomes an input where
+ * it is a regular file, unless the thread searches. */
+void inputs_read(const char *path, const struct system_stat *info);
+
+/** While a thread searches, it reads files to find out whether they belong to what it makes. Those that do become
+ * inputs by inputs_take(). Gives what was, to be set again. */
+bool inputs_search(bool searches);
+
+/** The file @p path was read while the thread searches, and belongs to what it makes. Does nothing at other times. */
+void inputs_take(const char *path);
+
+/** The file @p path has been made by this process, which may read it and make it again. */
+void inputs_product(const char *path);
 
 #endif

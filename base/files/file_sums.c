@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A list of the files that were read, with their SHA-256. */
-#include "base/files/file_sums.h"
+#include "base/files/file.h"
 
-#include "base/files/inputs.h"
 #include "base/memory.h"
 
 #include <nettle/sha2.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lists the names in a folder, and makes paths. */
-#include "base/files/folder.h"
+#include "base/files/file.h"
 
 #include "base/memory.h"
 #include "base/order.h"

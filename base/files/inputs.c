@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lists the files that the process has read, each once or more often, and those that it has made. */
-#include "base/files/inputs.h"
-
 #include "base/files/file.h"
+
 #include "base/memory.h"
 #include "base/system/system.h"
 #include "conus/own.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Unpacks gzip, through zlib. */
-#include "base/formats/gzip.h"
+#include "base/formats/packed.h"
 
 #include "base/byte_order.h"
 #include "base/memory.h"

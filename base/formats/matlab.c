@@ -3,7 +3,7 @@
 #include "base/formats/matlab.h"
 
 #include "base/byte_order.h"
-#include "base/formats/gzip.h"
+#include "base/formats/packed.h"
 #include "base/memory.h"
 
 #include <stdio.h>

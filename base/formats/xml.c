@@ -2,7 +2,6 @@
 /* Parses XML through expat. */
 #include "base/formats/xml.h"
 
-#include "base/buffer.h"
 #include "base/formats/encoding.h"
 #include "base/memory.h"
 

@@ -4,7 +4,6 @@
 #ifndef CONUS_BASE_FORMATS_XML_H
 #define CONUS_BASE_FORMATS_XML_H
 
-#include "base/notes.h"
 #include "base/status.h"
 #include "base/text.h"
 

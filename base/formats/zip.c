@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lists and unpacks zip archives: the record at the end leads to the central directory, that to the files. */
-#include "base/formats/zip.h"
+#include "base/formats/packed.h"
 
 #include "base/byte_order.h"
 #include "base/order.h"

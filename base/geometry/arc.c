@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Taylor's series near 0, to where the next term is below half a bit. */
-#include "base/geometry/arc.h"
+#include "base/geometry/math3.h"
 
 #include <math.h>
 #include <stdbool.h>

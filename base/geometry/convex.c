@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Convex polyhedra as the directed edges of their faces: cut by a plane, and measured by a sum over faces. */
-#include "base/geometry/convex.h"
-
 #include "base/geometry/math3.h"
+
 #include "base/memory.h"
 
 #include <string.h>

@@ -1,16 +1,51 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * Vectors and matrices of double, for three dimensions. Matrices are column-major double[16] with the last row
- * 0 0 0 1 (affine); `a_from_b` maps b coordinates to a. */
-#ifndef CONUS_BASE_MATH3_H
-#define CONUS_BASE_MATH3_H
+/** @file Geometry in three dimensions: functions of arcs with the same bits everywhere, vectors and matrices,
+ * needles, and convex bodies. */
+#ifndef CONUS_BASE_GEOMETRY_MATH3_H
+#define CONUS_BASE_GEOMETRY_MATH3_H
 
-#include "base/geometry/arc.h"
 #include "base/tolerance.h"
 
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 #include <string.h>
+
+/* Sine, cosine and arc tangent whose bits do not depend on the C library, as tangent() in tangent.c: sums of many
+ * arcs around a surface show the last bit of theirs in the ninth digit of a volume. */
+
+/** sin(@p x) and cos(@p x), within 2e-16, for |x| <= 1000 radians. NaN of what is not finite. */
+void sine_cosine(double *sine, double *cosine, double x);
+
+static inline double sine_of(double x)
+{
+    double sine;
+    double cosine;
+    sine_cosine(&sine, &cosine, x);
+    return sine;
+}
+
+static inline double cosine_of(double x)
+{
+    double sine;
+    double cosine;
+    sine_cosine(&sine, &cosine, x);
+    return cosine;
+}
+
+/** The angle from the x axis to (@p x, @p y), -pi to pi, within 2 units in the last place. @p y where both are 0. NaN
+ * where one is not finite. */
+double arc_tangent(double y, double x);
+
+/* A tangent whose bits do not depend on the C library. */
+
+/** tan(@p x), rounded to nearest, for 0 <= x < pi / 2. C libraries differ in the last bit of theirs, and with it the
+ * slope of a cone: the same question would have other rows in a browser. */
+double tangent(double x);
+
+/* Vectors and matrices of double, for three dimensions. Matrices are column-major double[16] with the last row 0 0 0
+ * 1 (affine); `a_from_b` maps b coordinates to a. */
 
 #define MATH3_PI 3.14159265358979323846
 
@@ -204,5 +239,130 @@ static inline bool mat4_invert_affine(double out[16], const double m[16])
     memcpy(out, r, sizeof r);
     return true;
 }
+
+/* Boxes along the axes, and the boxes around points. */
+
+/** Its corners of least and of greatest coordinates; empty where low[0] is above high[0]. */
+struct box3 {
+    double low[3], high[3];
+};
+
+static inline struct box3 box3_empty(void)
+{
+    return (struct box3){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+}
+
+/** Makes the box hold @p p, too; a coordinate that is NaN does not count. */
+static inline void box3_add(struct box3 *box, const double p[3])
+{
+    for (int a = 0; a < 3; a++) {
+        box->low[a] = fmin(box->low[a], p[a]);
+        box->high[a] = fmax(box->high[a], p[a]);
+    }
+}
+
+/** Makes the box hold another one, of these corners; of an empty one nothing. */
+static inline void box3_join(struct box3 *box, const double low[3], const double high[3])
+{
+    for (int a = 0; a < 3; a++) {
+        box->low[a] = fmin(box->low[a], low[a]);
+        box->high[a] = fmax(box->high[a], high[a]);
+    }
+}
+
+/** Corner number 0 to 7: bit a of it stands for the greater coordinate along axis a. */
+static inline void box3_corner(double out[3], const struct box3 *box, int corner)
+{
+    for (int a = 0; a < 3; a++) {
+        out[a] = corner >> a & 1 ? box->high[a] : box->low[a];
+    }
+}
+
+/** The box around the image of @p box under the affine @p m. */
+static inline struct box3 box3_image(const struct box3 *box, const double m[16])
+{
+    struct box3 image = box3_empty();
+    for (int corner = 0; corner < 8; corner++) {
+        double p[3];
+        box3_corner(p, box, corner);
+        mat4_point(p, m, p);
+        box3_add(&image, p);
+    }
+    return image;
+}
+
+/* A needle, a part of a line, and how far it is from boxes and segments (Eq. 21). */
+
+/** Its points are origin + t direction, near <= t <= far; both are finite. */
+struct needle {
+    double origin[3];    /**< mm           */
+    double direction[3]; /**< A unit vector. */
+    double near, far;    /**< mm             */
+};
+
+/** The point of the needle's line at @p depth. */
+void needle_point(double out[3], const struct needle *needle, double depth);
+
+/** A needle as boxes along the axes of another frame see it. The axes count as perpendicular. */
+struct needle_frame {
+    double at[3];     /**< The origin, in the frame's units.                                               */
+    double step[3];   /**< Steps per mm along the needle. 0 below 1e-12 of a mm: the needle is along the others. */
+    double per[3];    /**< 1 / step; 0 where that is 0.                                                    */
+    double square[3]; /**< (step scale)^2.                                                                 */
+    double scale[3];  /**< mm per unit.                                                                    */
+    double near, far;
+};
+
+/** @p frame_from_world NULL: the world. */
+void needle_frame_init(struct needle_frame *out, const struct needle *needle, const double frame_from_world[16]);
+
+/** Distance in mm from the box between the corners @p low and @p high. @p depth receives the least depth at which the
+ * needle is so near: 0 and where it comes in, if it does. */
+double needle_box(double *depth, const struct needle_frame *frame, const double low[3], const double high[3]);
+
+/** Distance from the segment from @p a to @p b, which may be one point. @p depth receives the least depth at which the
+ * needle is so near, @p point the segment's point there. */
+double needle_segment(double *depth, double point[3], const struct needle *needle, const double a[3],
+                      const double b[3]);
+
+/* Boxes, tetrahedra and other convex polyhedra that planes across an axis cut in two (Eq. 16). */
+
+/** An edge of a face. The edges of a face lie one after the other, in any order, and run round it in one sense; the
+ * face beside it has the same edge the other way round. */
+struct convex_edge {
+    double from[3], to[3];
+    uint32_t face;
+    bool is_new; /**< Only while a polyhedron is cut. */
+};
+
+/** Holds the edges of polyhedra. Those made last are dropped by setting `count` back. */
+struct convex_stack {
+    struct convex_edge *edges; /**< Owned. */
+    size_t count, capacity;
+};
+
+struct convex {
+    double low[3], high[3]; /**< Bounds. */
+    double volume;
+    size_t first, count; /**< Edges on the stack; none = it fills its bounds. */
+    uint32_t faces;      /**< Larger than the number of any of its faces. */
+};
+
+void convex_finish(struct convex_stack *stack);
+
+/** A box with faces across the axes. */
+struct convex convex_box(const double low[3], const double high[3]);
+
+/** The tetrahedron of these corners, in either order. False without memory. */
+bool convex_tetrahedron(struct convex *out, struct convex_stack *stack, const double corners[4][3]);
+
+/** The image of @p convex under the affine @p m. A box stays one if m maps axes to axes, within 10⁻⁶ over the box.
+ * False without memory. */
+bool convex_move(struct convex *out, struct convex_stack *stack, const struct convex *convex, const double m[16]);
+
+/** The part of @p convex below @p at along @p axis or, with @p above, above it; `at` is between its bounds. False
+ * without memory. */
+bool convex_cut(struct convex *out, struct convex_stack *stack, const struct convex *convex, int axis, double at,
+                bool above);
 
 #endif

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Distances of a needle. All are convex along it, and the slope of their squares is linear from one known depth to the
  * next: where it rises to 0 the needle is nearest. */
-#include "base/geometry/needle.h"
-
 #include "base/geometry/math3.h"
 
 /* Two directions are parallel where they part by at most so many mm per mm. */

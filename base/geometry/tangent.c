@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The series of the tangent at x / 1024, then ten times tan(2 x) = 2 tan(x) / (1 - tan(x)^2). Numbers are sums of two
  * doubles (T. J. Dekker, Numerische Mathematik 18, 1971): about 30 digits, 16 of which are left in the end. */
-#include "base/geometry/tangent.h"
+#include "base/geometry/math3.h"
 
 #include <math.h>
 

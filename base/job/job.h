@@ -17,9 +17,8 @@
 #ifndef CONUS_BASE_JOB_JOB_H
 #define CONUS_BASE_JOB_JOB_H
 
-#include "base/files/file_sums.h"
-#include "base/files/folder.h"
-#include "base/notes.h"
+#include "base/files/file.h"
+#include "base/status.h"
 #include "base/text.h"
 
 #include <stdbool.h>

@@ -2,7 +2,7 @@
 /* Bytes out of memory, files and gzip, block by block. */
 #include "base/job/reader.h"
 
-#include "base/gzip_mark.h"
+#include "base/byte_order.h"
 #include "base/memory.h"
 
 #include <string.h>

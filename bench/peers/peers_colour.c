@@ -6,10 +6,9 @@
 #include "bench/peers/peers.h"
 #include "bench/support/bench.h"
 #include "bench/support/frame.h"
+#include "render/colour/colour.h"
 #include "render/colour/colour_gl.h"
-#include "render/colour/colour_view.h"
-#include "render/colour/renderer.h"
-#include "render/gl/target.h"
+#include "render/gl/gl.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #include "bench/peers/peers.h"
 #include "bench/support/bench.h"
 #include "bench/support/trace.h"
-#include "bench/torus/torus_scene.h"
+#include "bench/torus/torus.h"
 
 #include <stdio.h>
 

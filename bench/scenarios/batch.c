@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Whole batches: poses as text in, rows as text out. */
-#include "bench/support/program.h"
+#include "bench/support/bench.h"
 #include "bench/support/trace.h"
 
-#include "base/buffer.h"
 #include "base/geometry/math3.h"
+#include "base/memory.h"
 #include "conus/own.h"
 #include "selection/engine/engine_rays.h"
 #include "selection/selection.h"
-#include "selection/selector.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -4,12 +4,10 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "bench/support/bench.h"
-#include "bench/support/bonsai_volume.h"
 #include "bench/support/frame.h"
-#include "bench/support/slicing.h"
 #include "bench/support/trace.h"
+#include "render/colour/colour.h"
 #include "render/colour/colour_gl.h"
-#include "render/colour/renderer.h"
 
 #include <inttypes.h>
 #include <stdio.h>

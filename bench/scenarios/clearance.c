@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The clearance of needles of 60 mm through the middle of an atlas from its areas: by every cell, one by one, against
  * the search, for all areas and for one. */
-#include "selection/measure/clearance.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "bench/support/bench.h"
+#include "selection/measure/measure.h"
 
 static const double LENGTH = 60; /* mm */
 static const double LIMIT = 10;  /* mm */

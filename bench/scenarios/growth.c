@@ -5,9 +5,9 @@
 #include "base/memory.h"
 #include "bench/support/bench.h"
 #include "bench/support/trace.h"
-#include "bench/torus/torus_scene.h"
+#include "bench/torus/torus.h"
 #include "selection/engine/engine_rays.h"
-#include "selection/selector.h"
+#include "selection/selection.h"
 
 #include <assert.h>
 #include <math.h>

@@ -2,7 +2,7 @@
 /* The cost of opening a large labelled volume, which is the atlas enlarged by nearest neighbour, and of conus query on
  * it. The memory is that of a separate process. */
 #include "base/memory.h"
-#include "bench/support/program.h"
+#include "bench/support/bench.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,9 +2,9 @@
 /* A plan of needles towards one area that keep away from its neighbours in the list, with pruning and without; and one
  * of several needles together, against whole lists of each. */
 #include "selection/plan/plan.h"
-#include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
+#include "base/memory.h"
 #include "bench/support/bench.h"
 
 #include <math.h>

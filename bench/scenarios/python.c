@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The Python package beside the program: from the path of an atlas and a table of poses to all answers. */
-#include "bench/support/program.h"
+#include "bench/support/bench.h"
 
 #include <spawn.h>
 #include <stdio.h>

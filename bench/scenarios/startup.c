@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* From nothing to an answer: loading an atlas from files and from a pack, making a selector, and the whole program. */
 #include "base/memory.h"
-#include "bench/support/program.h"
+#include "bench/support/bench.h"
 #include "conus/own.h"
 
 #include <stdio.h>

@@ -4,7 +4,6 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "bench/support/bench.h"
-#include "selection/cone/aperture.h"
 #include "selection/cone/cone.h"
 #include "selection/engine/tracts/tract_rays.h"
 

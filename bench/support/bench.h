@@ -124,4 +124,45 @@ conus_status bench_peers_mesh(struct bench *bench);
 conus_status bench_peers_pick(struct bench *bench);
 conus_status bench_peers_colour(struct bench *bench);
 
+/* The volume of the paper's second experiment, or a similar one. */
+
+/** Grey value at which wood, leaves and pot begin: below it are air and noise. */
+enum { BONSAI_EDGE = 256, BONSAI_AIR = 28 };
+
+struct bonsai {
+    size_t edge; /**< Voxels along each axis, each a mm wide. */
+    uint8_t *voxels;
+    bool is_papers; /**< The bytes that everyone has, by their SHA-256; else a stand-in. */
+};
+
+/** Reads the 256^3 bytes of the paper's volume from a file of just these, or of any format that a context may have.
+ * CONUS_ERROR_DATA, naming both checksums, if the bytes are others. */
+conus_status bonsai_read(struct bonsai *out, const char *path);
+
+/** Makes a stand-in with @p edge voxels along each axis: a pot of soil, a trunk with branches, clouds of leaves. */
+conus_status bonsai_make(struct bonsai *out, size_t edge);
+
+void bonsai_finish(struct bonsai *bonsai);
+
+/** A grid with its middle at @p centre: of a context, or of a pathway from @p threshold on if that is not 0. */
+void bonsai_info(conus_volume_info *out, const struct bonsai *bonsai, const double centre[3], double threshold);
+
+/** A copy of the values. NULL without memory. */
+float *bonsai_values(const struct bonsai *bonsai);
+
+/* The programs of conus, run as separate processes, and poses for them. */
+
+/** The folder of conus-bench itself, without a slash at its end; "." if the system does not say. */
+void program_folder(char *out, size_t size);
+
+/** Path of @p program: the value of the environment variable @p given, else beside conus-bench, else where the build
+ * puts it. CONUS_ERROR_ARGUMENT if there is none. */
+conus_status program_find(char *out, size_t size, const char *program, const char *given);
+
+/** Runs @p arguments, the first of which is the path, without its output. CONUS_ERROR_ARGUMENT if it fails. */
+conus_status program_run(char *const arguments[]);
+
+/** Writes a table of @p count random poses round a grid to @p path: x y z tx ty tz, seen under @p angle_deg. */
+conus_status program_write_poses(const char *path, size_t count, const conus_volume_info *info, double angle_deg);
+
 #endif

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads the paper's volume of a bonsai, or makes a similar one. */
-#include "bench/support/bonsai_volume.h"
+#include "bench/support/bench.h"
 
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "bench/support/bench.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "render/gl/context.h"
+#include "render/gl/gl.h"
 
 void frame_size(uint32_t size[2], bool check)
 {

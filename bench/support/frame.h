@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A frame buffer as screens have it, 8 bits a channel and a depth, which needs a current context throughout; and
- * helpers of the scenarios with pictures. */
+/** @file Scenarios with pictures: a frame buffer, and volumes in the paper's way. */
 #ifndef CONUS_BENCH_SUPPORT_FRAME_H
 #define CONUS_BENCH_SUPPORT_FRAME_H
 
 #include "bench/support/bench.h"
-#include "render/colour/colour_view.h"
+#include "render/colour/colour.h"
+#include "render/colour/colour_gl.h"
 #include "render/gl/camera.h"
-#include "render/gl/functions.h"
+#include "render/gl/gl.h"
+
+/* A frame buffer as screens have it, 8 bits a channel and a depth, which needs a current context throughout; and
+ * helpers of the scenarios with pictures. */
 
 enum { FRAME_WIDTH = 1400, FRAME_HEIGHT = 1050 }; /* the paper's */
 
@@ -41,5 +44,20 @@ void picture_aim(struct camera *camera, struct colour_view *view, const struct c
 
 /** Root mean square of the difference of two RGBA pictures in the channels from @p first to @p last. */
 double picture_rms(const float *a, const float *b, size_t pixels, size_t first, size_t last);
+
+/* Volumes in the paper's way: polygons, cut out of the volumes' box perpendicular to the view, farthest first, each
+ * textured, classified and shaded per fragment and blended by the framebuffer. Needs a current context throughout. */
+
+struct slicing {
+    uint32_t slices;
+    GLuint program, buffer, vertices;
+    struct slicing_vertex *polygons; /**< Farthest first. */
+};
+
+conus_status slicing_init(struct slicing *out, uint32_t slices);
+void slicing_finish(struct slicing *slicing);
+
+/** Draws into the framebuffer that is bound, over what is there. @p view is one of @p pass with as many slices. */
+void slicing_draw(struct slicing *slicing, const struct colour_pass *pass, const struct colour_view *view);
 
 #endif

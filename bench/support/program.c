@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds and runs the programs of conus, and writes poses for them. */
-#include "bench/support/program.h"
+#include "bench/support/bench.h"
 
-#include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Draws a volume as blended polygons. */
-#include "bench/support/slicing.h"
+#include "bench/support/frame.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "render/colour/colour_view.h"
+#include "render/colour/colour.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Rays through 1,000 to 200,000 tori: how the time grows with the number of objects. */
+#include "bench/torus/torus.h"
 #include "base/memory.h"
 #include "bench/support/bench.h"
 #include "bench/support/trace.h"
-#include "bench/torus/torus_pass.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #include "bench/support/bench.h"
 #include "bench/support/frame.h"
 #include "bench/support/trace.h"
-#include "bench/torus/torus_pass.h"
+#include "bench/torus/torus.h"
 #include "selection/engine/triangles/mesh_tracer.h"
 
 #include <stdio.h>

@@ -3,8 +3,8 @@
 #include "base/memory.h"
 #include "bench/support/bench.h"
 #include "bench/support/trace.h"
-#include "bench/torus/torus_scene.h"
-#include "selection/evidence/layers.h"
+#include "bench/torus/torus.h"
+#include "selection/evidence/evidence.h"
 
 #include <stdio.h>
 

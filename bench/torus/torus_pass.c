@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Draws the torus scene with OpenGL as the paper does, and creates the engines of one number of tori. */
-#include "bench/torus/torus_pass.h"
+#include "bench/torus/torus.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "bench/support/frame.h"
 #include "bench/support/trace.h"
-#include "render/gl/context.h"
-#include "render/gl/program.h"
-#include "render/gl/target.h"
+#include "render/gl/gl.h"
 
 #include <stdio.h>
 #include <string.h>

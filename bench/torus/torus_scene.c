@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Places the tori and aims cones at them. */
-#include "bench/torus/torus_scene.h"
+#include "bench/torus/torus.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"

@@ -1,17 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Atlases, surfaces, pathways, contexts and regions of interest from arrays. */
-#include "atlas/areas/sides.h"
+#include "atlas/areas/areas.h"
 #include "atlas/atlas.h"
 #include "atlas/space.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "conus/own.h"
-#include "loaders/labels/labels_on_job.h"
-#include "loaders/maps/load_scalar.h"
-#include "loaders/scene/load_parcellation.h"
-#include "loaders/volumes/volume_file.h"
-#include "loaders/volumes/volume_header.h"
-#include "loaders/volumes/volume_values.h"
+#include "loaders/labels/labels.h"
+#include "loaders/maps/maps.h"
+#include "loaders/scene/scene.h"
+#include "loaders/volumes/volumes.h"
 
 #include <stdio.h>
 #include <string.h>

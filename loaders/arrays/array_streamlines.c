@@ -4,9 +4,9 @@
 #include "base/options.h"
 #include "base/text.h"
 #include "conus/streamlines.h"
-#include "loaders/maps/atlas_on_job.h"
-#include "loaders/scene/load_streamlines.h"
-#include "loaders/tracts/tract_build.h"
+#include "loaders/maps/maps.h"
+#include "loaders/scene/scene.h"
+#include "loaders/tracts/tracts.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads manifest.json, and keeps its places below the root. */
-#include "loaders/brainglobe/brainglobe_atlas.h"
+#include "loaders/brainglobe/brainglobe.h"
 
 #include "base/formats/json_text.h"
 #include "base/order.h"

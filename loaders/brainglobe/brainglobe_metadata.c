@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads metadata.json, and derives the matrices of voxels and vertices. */
-#include "loaders/brainglobe/brainglobe_metadata.h"
+#include "loaders/brainglobe/brainglobe.h"
 
 #include "base/formats/json_text.h"
 #include "base/geometry/math3.h"

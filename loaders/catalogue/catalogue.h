@@ -64,7 +64,7 @@ const char *catalogue_join(struct job *job, const char *folder, const char *name
 /** How a folder is looked through. */
 struct folder_rule {
     size_t depth;                /**< Levels of folders below that are looked at. */
-    const char *const *patterns; /**< For names of labelled volumes, NULL at the end; NULL: volume_marks.h decides. */
+    const char *const *patterns; /**< For names of labelled volumes, NULL at the end; NULL: volume_marks.c decides. */
     const char *cut;             /**< Ending of a name without the file's that is no part of it; NULL = none. */
     bool subjects;               /**< It holds subjects of FreeSurfer. */
     bool versions;               /**< It holds atlases of BrainGlobe's third release. */
@@ -87,5 +87,18 @@ void freesurfer_look(struct job *job, conus_catalogue *catalogue, const char *fo
  * with "-2mm" behind it, all with the XML as their label table. An XML of another kind, or damaged, is passed over; one
  * without such a volume is a note. */
 void fsl_look(struct job *job, conus_catalogue *catalogue, const char *xml_path);
+
+/* Whether a volume holds labels, by its name, its header and what lies beside it. No voxel is read. */
+
+/** Whether the ending of @p name is that of a volume (of a pair, of the header). */
+bool volume_marks_is_volume(const char *name);
+
+/** Whether @p name fits one of @p patterns, NULL at the end, and @p how as for text_matches(). */
+bool volume_marks_fit(const char *name, const char *const *patterns, unsigned how);
+
+/** Decides whether the one volume in the file @p path counts as labels, and sets @p spacing to its voxels' edge lengths
+ * in mm. A volume of a @p known name does. Others need a mark: NIfTI's intent "label", a label table inside, one beside
+ * it that bears its name, or a name as label volumes have. A file that cannot be read is no atlas. */
+bool volume_marks_find(struct job *job, double spacing[3], const char *path, bool known);
 
 #endif

@@ -5,8 +5,7 @@
 #include "base/files/file.h"
 #include "base/memory.h"
 #include "conus/own.h"
-#include "loaders/brainglobe/brainglobe_atlas.h"
-#include "loaders/catalogue/volume_marks.h"
+#include "loaders/brainglobe/brainglobe.h"
 #include "sources/endings.h"
 
 #include <ctype.h>

@@ -4,8 +4,7 @@
 
 #include "base/formats/xml.h"
 #include "conus/own.h"
-#include "loaders/catalogue/volume_marks.h"
-#include "loaders/labels/fsl_find.h"
+#include "loaders/labels/labels.h"
 #include "sources/endings.h"
 
 #include <string.h>

@@ -3,7 +3,6 @@
 #include "loaders/catalogue/catalogue.h"
 
 #include "base/files/file.h"
-#include "base/files/inputs.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/system/system.h"

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The marks of a labelled volume. */
-#include "loaders/catalogue/volume_marks.h"
+#include "loaders/catalogue/catalogue.h"
 
-#include "base/formats/gzip.h"
+#include "base/formats/packed.h"
 #include "base/system/system.h"
 #include "loaders/labels/label_format.h"
-#include "loaders/volumes/volume_input.h"
+#include "loaders/volumes/volumes.h"
 #include "sources/endings.h"
 
 #include <string.h>

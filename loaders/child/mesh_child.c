@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sends conus-mesh a request and takes its frames. */
-#include "loaders/child/mesh_child.h"
+#include "loaders/child/parts.h"
 
 #include "base/child/child.h"
-#include "base/child/process.h"
 #include "base/system/system.h"
 #include "base/text.h"
 

@@ -4,7 +4,7 @@
 
 #include "base/byte_order.h"
 #include "base/memory.h"
-#include "loaders/child/mesh_child.h"
+#include "loaders/child/parts.h"
 
 #include <stdio.h>
 #include <string.h>

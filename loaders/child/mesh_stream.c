@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses the frames that conus-mesh writes. */
-#include "loaders/child/mesh_stream.h"
+#include "loaders/child/parts.h"
 
 #include "base/byte_order.h"
 #include "base/memory.h"

@@ -7,8 +7,7 @@
 #include "base/memory.h"
 #include "base/order.h"
 #include "base/tolerance.h"
-#include "loaders/volumes/nifti.h"
-#include "loaders/volumes/volume_values.h"
+#include "loaders/volumes/volumes.h"
 
 #include <limits.h>
 #include <math.h>

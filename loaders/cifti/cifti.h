@@ -6,7 +6,7 @@
 #define CONUS_LOADERS_CIFTI_CIFTI_H
 
 #include "base/files/file.h"
-#include "loaders/labels/label_cells.h"
+#include "loaders/labels/label_format.h"
 
 /** Most bytes before the values: header and XML. */
 enum { CIFTI_HEAD_LIMIT = 64 << 20 };
@@ -60,5 +60,48 @@ void cifti_table(struct job *job, struct label_table *out, const struct cifti_ma
 /** Labels of all grayordinates in map @p map, whose table is @p table: cifti->count, 0 = no area. Negative ones become
  * 0, with a note. CONUS_ERROR_DATA for one that is not whole, or that the table lacks. */
 uint32_t *cifti_labels(struct job *job, const struct cifti *cifti, size_t map, const struct label_table *table);
+
+/* A .dlabel.nii as a file, one map of it, and what that says of vertices and voxels. */
+
+/** One map of a file. What it points to is the job's. */
+struct cifti_choice {
+    struct cifti cifti; /**< Without values. */
+    size_t map;
+    struct label_table table; /**< Of the map, sorted; label 0 is nothing. */
+    uint32_t *labels;         /**< [cifti.count] of the grayordinates; 0 = no area. */
+};
+
+/** Parses @p file and takes the map @p wanted (map_choice_make()). NULL after a failure. */
+struct cifti_choice *cifti_choose(struct job *job, const struct bytes *file, struct text wanted);
+
+/** The surface that GIFTI calls @p structure, or NULL. */
+const struct cifti_model *cifti_choice_surface(const struct cifti_choice *choice, const char *structure);
+
+/** Whether the file has voxels. */
+bool cifti_choice_has_voxels(const struct cifti_choice *choice);
+
+/** The labels that @p model has, or all voxels where that is NULL: *count, sorted, each once, without 0. */
+uint32_t *cifti_list(struct job *job, size_t *count, const struct cifti_choice *choice,
+                     const struct cifti_model *model);
+
+/** Labels of all vertices of the surface @p model: [model->vertex_count], 0 for those that the file leaves out. The
+ * empty @p table gets what the map says of those that there are. NULL after a failure. */
+uint32_t *cifti_vertices(struct job *job, struct label_table *table, const struct cifti_choice *choice,
+                         const struct cifti_model *model);
+
+/** Labels of all voxels of the volume, [dim[0] dim[1] dim[2]], i fastest, likewise. The hemisphere of a label is that
+ * of the structures that have it, if it is one. */
+uint32_t *cifti_voxels(struct job *job, struct label_table *table, const struct cifti_choice *choice);
+
+/** A file, opened by its path with ",map=K" or ",map=NAME" behind it. */
+struct cifti_file {
+    const char *path; /**< Without what chooses the map. */
+    char sha256[65];  /**< SHA-256 of the file as it is stored. */
+    struct cifti_choice *choice;
+};
+
+/** Opens @p path, a .dlabel.nii (FORMAT_CIFTI), plain or gzip. Notes and errors carry the path. NULL after a failure.
+ */
+struct cifti_file *cifti_file_open(struct job *job, const char *path);
 
 #endif

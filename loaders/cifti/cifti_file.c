@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Opens a .dlabel.nii, and spreads the labels of a map over vertices and voxels. */
-#include "loaders/cifti/cifti_file.h"
+#include "loaders/cifti/cifti.h"
 
 #include "base/order.h"
-#include "sources/map_choice.h"
 #include "sources/source.h"
 
 #include <string.h>

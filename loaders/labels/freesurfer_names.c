@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table is freesurfer_names.inc. */
-#include "loaders/labels/freesurfer_names.h"
+#include "loaders/labels/label_format.h"
 
 struct fact {
     uint16_t number;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses an atlas XML of FSL, SPM or CAT12. */
-#include "loaders/labels/fsl_atlas.h"
+#include "loaders/labels/labels.h"
 
 #include "base/formats/xml.h"
 #include "base/geometry/math3.h"
-#include "loaders/labels/label_cells.h"
+#include "loaders/labels/label_format.h"
 
 #include <string.h>
 

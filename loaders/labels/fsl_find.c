@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which atlas XML, in a volume's folder or the one above, names the volume. */
-#include "loaders/labels/fsl_find.h"
+#include "loaders/labels/labels.h"
 
-#include "base/files/folder.h"
-#include "base/files/inputs.h"
+#include "base/files/file.h"
 #include "base/formats/xml.h"
 #include "base/path.h"
 #include "base/system/system.h"
-#include "loaders/labels/labels_on_job.h"
 #include "sources/endings.h"
 
 #include <string.h>

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which number a label of an FSL atlas XML has in a volume of labels: its index, or that plus one. */
-#include "base/files/folder.h"
+#include "base/files/file.h"
 #include "base/geometry/math3.h"
-#include "loaders/labels/fsl_find.h"
-#include "loaders/labels/label_cells.h"
 #include "loaders/labels/label_format.h"
+#include "loaders/labels/labels.h"
 
 #include <math.h>
 

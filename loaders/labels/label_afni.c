@@ -4,8 +4,6 @@
  * In a NIfTI extension (code 4) the table is itself such a string, cut into pieces of 1000 characters. */
 #include "loaders/labels/label_format.h"
 
-#include "loaders/labels/label_cells.h"
-
 #include <stdlib.h>
 #include <string.h>
 

@@ -3,8 +3,6 @@
 #include "loaders/labels/label_format.h"
 
 #include "base/formats/xml.h"
-#include "loaders/labels/label_cells.h"
-#include "loaders/labels/label_rows.h"
 
 #include <stdio.h>
 #include <string.h>

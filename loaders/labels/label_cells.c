@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cells and entries of label tables, for all formats. */
-#include "loaders/labels/label_cells.h"
+#include "loaders/labels/label_format.h"
 
-#include "base/formats/base64.h"
+#include "base/formats/encoding.h"
 
 #include <string.h>
 

@@ -4,8 +4,6 @@
 #include "base/order.h"
 #include "loaders/labels/label_format.h"
 
-#include "loaders/labels/label_cells.h"
-
 #include <math.h>
 #include <string.h>
 

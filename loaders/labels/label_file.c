@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A label table from a file, and its colours from a .lut beside it. */
-#include "loaders/labels/label_file.h"
+#include "loaders/labels/labels.h"
 
-#include "base/files/folder.h"
+#include "base/files/file.h"
 #include "loaders/labels/label_format.h"
 #include "sources/source.h"
 

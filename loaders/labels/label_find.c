@@ -1,21 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where a volume's label table is: inside the file, then beside it (docs/formats.md has the order). */
-#include "loaders/labels/label_find.h"
+#include "loaders/labels/labels.h"
 
-#include "atlas/labels/label_voxels.h"
 #include "atlas/labels/labels.h"
-#include "base/files/folder.h"
-#include "base/files/inputs.h"
+#include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/path.h"
 #include "base/system/system.h"
-#include "loaders/labels/freesurfer_names.h"
-#include "loaders/labels/fsl_find.h"
-#include "loaders/labels/label_cells.h"
-#include "loaders/labels/label_file.h"
 #include "loaders/labels/label_format.h"
-#include "loaders/labels/label_search.h"
-#include "loaders/labels/label_words.h"
 #include "sources/endings.h"
 
 #include <stdlib.h>

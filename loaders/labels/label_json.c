@@ -6,7 +6,6 @@
 #include "loaders/labels/label_format.h"
 
 #include "base/formats/json_text.h"
-#include "loaders/labels/label_cells.h"
 
 #include <string.h>
 

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Label tables of rows with white space between the columns. Which of the formats it is follows from the types of the
  * columns in most rows; a row that then breaks the format is an error, never a reason to read it as something else. */
-#include "loaders/labels/label_rows.h"
+#include "loaders/labels/label_format.h"
 
 #include "base/order.h"
-#include "loaders/labels/label_cells.h"
 
 #include <string.h>
 

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Several tables may name one volume's labels: the first is used, and none may contradict it silently. */
-#include "loaders/labels/label_search.h"
+#include "loaders/labels/labels.h"
 
-#include "base/files/folder.h"
+#include "base/files/file.h"
 #include "base/order.h"
 #include "base/system/system.h"
-#include "loaders/labels/label_file.h"
 #include "loaders/labels/label_format.h"
 
 #include <string.h>

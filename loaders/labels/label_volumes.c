@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table beside a 4-D file that names its volumes: one line a volume, or numbers and names. Which number the first
  * volume has follows from the numbers alone, or no name is used. */
-#include "loaders/labels/label_volumes.h"
+#include "loaders/labels/labels.h"
 
-#include "base/files/inputs.h"
-#include "loaders/labels/label_cells.h"
-#include "loaders/labels/label_file.h"
+#include "base/files/file.h"
 #include "loaders/labels/label_format.h"
 #include "sources/endings.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The words of a file's name that say which atlas it is. */
-#include "loaders/labels/label_words.h"
+#include "loaders/labels/labels.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Label tables that a job makes. */
-#include "loaders/labels/labels_on_job.h"
+#include "loaders/labels/labels.h"
 
 #include "base/formats/encoding.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A manifest in the making: items are appended, if they load. */
-#include "loaders/manifest/manifest_draft.h"
+#include "loaders/manifest/manifest.h"
 
 #include <stdarg.h>
 #include <stdio.h>

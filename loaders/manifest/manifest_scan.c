@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Guesses from its values what a volume is good for, and from names whether surfaces have labels. */
-#include "loaders/manifest/manifest_scan.h"
+#include "loaders/manifest/manifest.h"
 
-#include "atlas/areas/sides.h"
-#include "base/buffer.h"
+#include "atlas/areas/areas.h"
 #include "base/memory.h"
-#include "loaders/volumes/grey.h"
-#include "loaders/volumes/volume_table.h"
-#include "loaders/volumes/volume_values.h"
+#include "loaders/volumes/volumes.h"
 #include "sources/endings.h"
 
 #include <string.h>

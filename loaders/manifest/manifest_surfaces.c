@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Entries of a manifest for the surfaces in a folder, or for the files of BrainGlobe. */
-#include "loaders/manifest/manifest_surfaces.h"
+#include "loaders/manifest/manifest.h"
 
 #include "base/files/file.h"
 #include "base/path.h"
 #include "conus/own.h"
-#include "loaders/manifest/manifest_scan.h"
 #include "sources/endings.h"
 
 #include <string.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The keys of a scene's items and of a manifest, one table each, and what they may not say together. */
-#include "loaders/manifest/scene.h"
+#include "loaders/manifest/manifest.h"
 
 #include "base/formats/json_text.h"
-#include "loaders/labels/label_cells.h"
+#include "loaders/labels/label_format.h"
 #include "loaders/manifest/schema.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* An atlas to which a job adds something: its notes and files, and the way back. */
-#include "loaders/maps/atlas_on_job.h"
+#include "loaders/maps/maps.h"
 
 struct atlas_mark atlas_mark(const conus_atlas *atlas)
 {

@@ -1,14 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* FSL atlases with a volume per label: the XML, and which of its images is taken. */
-#include "loaders/maps/fsl_maps.h"
+#include "loaders/maps/maps.h"
 
-#include "base/files/folder.h"
+#include "base/files/file.h"
 #include "base/memory.h"
-#include "loaders/labels/fsl_find.h"
-#include "loaders/labels/label_cells.h"
-#include "loaders/labels/label_search.h"
-#include "loaders/labels/label_volumes.h"
-#include "loaders/labels/labels_on_job.h"
+#include "loaders/labels/label_format.h"
+#include "loaders/labels/labels.h"
 
 static double voxel_mm3(const struct volume_file *file)
 {

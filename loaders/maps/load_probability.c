@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Areas of probabilistic atlases: which number means "certainly", and volumes divided by it. */
-#include "loaders/maps/load_probability.h"
+#include "loaders/maps/maps.h"
 
-#include "base/text_number.h"
+#include "base/text.h"
 #include "base/tolerance.h"
-#include "loaders/volumes/volume_values.h"
+#include "loaders/volumes/volumes.h"
 
 #include <math.h>
 

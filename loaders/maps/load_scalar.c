@@ -1,22 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Volumes whose values are numbers, not names: pathways, a context, and conus_roi_load(). */
-#include "loaders/maps/load_scalar.h"
+#include "loaders/maps/maps.h"
 
-#include "atlas/fit/box_fit.h"
 #include "atlas/fit/fit.h"
 #include "atlas/space.h"
-#include "base/buffer.h"
-#include "base/files/folder.h"
-#include "base/files/inputs.h"
+#include "base/files/file.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/order.h"
-#include "base/text_number.h"
+#include "base/text.h"
 #include "base/tolerance.h"
-#include "loaders/labels/fsl_find.h"
-#include "loaders/labels/label_volumes.h"
-#include "loaders/maps/simnibs.h"
-#include "loaders/volumes/volume_values.h"
+#include "loaders/labels/labels.h"
+#include "loaders/volumes/volumes.h"
 #include "sources/source.h"
 
 #include <math.h>

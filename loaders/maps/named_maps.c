@@ -1,16 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Volumes that a table names are probabilities, unless something speaks against it: values as in a scan, volumes that
  * are all above 0 at the same places, as images of one thing are, or values that look like labels. */
-#include "loaders/maps/named_maps.h"
+#include "loaders/maps/maps.h"
 
 #include "base/memory.h"
 #include "base/tolerance.h"
-#include "loaders/labels/label_cells.h"
-#include "loaders/labels/label_volumes.h"
-#include "loaders/maps/atlas_on_job.h"
-#include "loaders/volumes/grey.h"
-#include "loaders/volumes/volume_input.h"
-#include "loaders/volumes/volume_values.h"
+#include "loaders/labels/label_format.h"
+#include "loaders/labels/labels.h"
+#include "loaders/volumes/volumes.h"
 #include "sources/endings.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds tetrahedra and their values in a mesh of SimNIBS (simnibs/mesh_tools/mesh_io.py, Msh.write_hdf5). */
-#include "loaders/maps/simnibs.h"
+#include "loaders/maps/maps.h"
 
 #include "base/geometry/math3.h"
 

@@ -2,16 +2,15 @@
 /* conus_phantom_write(): writes a phantom as files that any other program reads, and its truth. */
 #include "atlas/labels/labels.h"
 #include "atlas/phantom/phantom.h"
-#include "atlas/phantom/phantom_brain.h"
 #include "atlas/space.h"
-#include "base/buffer.h"
 #include "base/byte_order.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
+#include "base/memory.h"
 #include "base/options.h"
 #include "conus/own.h"
-#include "loaders/surfaces/mesh_format.h"
-#include "loaders/volumes/nifti_write.h"
+#include "loaders/surfaces/surfaces.h"
+#include "loaders/volumes/volumes.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -297,7 +296,7 @@ static void write_drawing(struct job *job, const char *folder, const struct phan
                  nifti_format_labels(job, &drawing->grid, drawing->labels, SPACE_SCANNER));
 }
 
-/* Writes the brain phantom (atlas/phantom/phantom_brain.h): the surfaces brain-NN-ABBREVIATION.surf.gii,
+/* Writes the brain phantom (atlas/phantom/phantom.h): the surfaces brain-NN-ABBREVIATION.surf.gii,
  * brain-context.nii.gz, brain-pathway.nii.gz and, last, brain.atlas.json. */
 static void write_brain(struct job *job, const char *folder, const conus_phantom_options *options)
 {

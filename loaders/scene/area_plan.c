@@ -1,19 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The list of surfaces and groups that the "areas" and the "tree" of a manifest give. */
-#include "loaders/scene/area_plan.h"
+#include "loaders/scene/parts.h"
 
-#include "atlas/frame.h"
-#include "base/files/folder.h"
+#include "atlas/atlas.h"
+#include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
-#include "loaders/brainglobe/brainglobe_metadata.h"
-#include "loaders/labels/label_file.h"
-#include "loaders/labels/labels_on_job.h"
-#include "loaders/scene/parcellations.h"
-#include "loaders/surfaces/foreign/mesh_foreign.h"
-#include "loaders/transform/transform_chain.h"
-#include "loaders/volumes/volume_file.h"
+#include "loaders/brainglobe/brainglobe.h"
+#include "loaders/labels/labels.h"
+#include "loaders/surfaces/foreign/foreign.h"
+#include "loaders/transform/transform.h"
+#include "loaders/volumes/volumes.h"
 #include "sources/source.h"
 
 #include <stdio.h>
@@ -330,7 +328,7 @@ static struct brainglobe_metadata find_axes(const struct planning *p, const char
 }
 
 /* Plans "brainglobe", a folder. */
-static void plan_brainglobe(const struct planning *p)
+static void plan_of_brainglobe(const struct planning *p)
 {
     const double scale = p->area->scale > 0 ? p->area->scale : micrometres;
     const double scales[3] = {scale, scale, scale};
@@ -391,7 +389,7 @@ void area_plan_make(struct job *job, struct area_plan *out, const struct scene *
         (item->vertex_labels || item->parts ? plan_labelled
          : item->kind == ITEM_AREA          ? plan_file
          : item->kind == ITEM_AREAS         ? plan_pattern
-                                            : plan_brainglobe)(&planning);
+                                            : plan_of_brainglobe)(&planning);
         job_out(job, mark);
     }
     sort_areas(job, out);

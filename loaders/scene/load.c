@@ -1,23 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A volume, an FSL atlas XML, a manifest, a surface, CIFTI labels or a folder becomes an atlas. */
-#include "loaders/scene/load.h"
+#include "loaders/scene/scene.h"
 
-#include "atlas/areas/sides.h"
+#include "atlas/areas/areas.h"
 #include "atlas/atlas.h"
-#include "base/files/folder.h"
+#include "base/files/file.h"
 #include "base/memory.h"
-#include "loaders/brainglobe/brainglobe_atlas.h"
-#include "loaders/labels/fsl_atlas.h"
-#include "loaders/manifest/manifest_surfaces.h"
-#include "loaders/maps/atlas_on_job.h"
+#include "loaders/brainglobe/brainglobe.h"
+#include "loaders/labels/labels.h"
+#include "loaders/manifest/manifest.h"
+#include "loaders/maps/maps.h"
 #include "loaders/refuse.h"
-#include "loaders/scene/load_parcellation.h"
-#include "loaders/scene/load_progress.h"
-#include "loaders/scene/parcellations.h"
-#include "loaders/scene/plan_brainglobe.h"
-#include "loaders/scene/plan_cifti.h"
-#include "loaders/scene/scene_load.h"
-#include "loaders/volumes/volume_zarr.h"
+#include "loaders/scene/parts.h"
+#include "loaders/volumes/volumes.h"
 
 #include <string.h>
 

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* From planned surfaces to areas of the atlas: reading them, their notes, the area tree. */
-#include "atlas/fit/box_fit.h"
-#include "atlas/labels/label_voxels.h"
-#include "atlas/surface/mesh_split.h"
-#include "base/files/folder.h"
+#include "atlas/fit/fit.h"
+#include "atlas/labels/labels.h"
+#include "atlas/surface/mesh.h"
+#include "base/files/file.h"
 #include "base/order.h"
-#include "loaders/labels/labels_on_job.h"
-#include "loaders/scene/area_plan.h"
-#include "loaders/scene/parcellations.h"
-#include "loaders/surfaces/foreign/mesh_foreign.h"
+#include "loaders/labels/labels.h"
+#include "loaders/scene/parts.h"
+#include "loaders/surfaces/foreign/foreign.h"
 #include "sources/source.h"
 
 #include <stdlib.h>

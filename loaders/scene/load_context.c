@@ -1,18 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A volume or a surface around the areas, and values of its vertices. */
-#include "loaders/scene/load_context.h"
+#include "loaders/scene/parts.h"
 
-#include "atlas/fit/box_fit.h"
 #include "atlas/fit/fit.h"
 #include "atlas/space.h"
 #include "base/files/file.h"
-#include "base/files/folder.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "conus/own.h"
-#include "loaders/maps/load_scalar.h"
-#include "loaders/surfaces/mesh_file.h"
-#include "loaders/surfaces/vertex_map.h"
+#include "loaders/maps/maps.h"
+#include "loaders/surfaces/surfaces.h"
 #include "sources/source.h"
 
 #include <math.h>

@@ -1,21 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A parcellation: a labelled volume, or an FSL atlas XML that names some, and the table of its labels. */
-#include "loaders/scene/load_parcellation.h"
+#include "loaders/scene/scene.h"
 
 #include "atlas/space.h"
-#include "base/files/folder.h"
+#include "base/files/file.h"
 #include "base/formats/xml.h"
 #include "base/memory.h"
 #include "base/tolerance.h"
-#include "loaders/cifti/cifti_file.h"
-#include "loaders/labels/fsl_find.h"
-#include "loaders/labels/label_file.h"
-#include "loaders/labels/label_search.h"
-#include "loaders/labels/labels_on_job.h"
+#include "loaders/cifti/cifti.h"
+#include "loaders/labels/labels.h"
 #include "loaders/refuse.h"
-#include "loaders/volumes/grey.h"
-#include "loaders/volumes/volume_table.h"
-#include "loaders/volumes/volume_values.h"
+#include "loaders/volumes/volumes.h"
 
 #include <math.h>
 #include <stdio.h>

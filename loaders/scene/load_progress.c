@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What all loaders of scenes share: callbacks, and the atlas with its notes and files. */
-#include "loaders/scene/load_progress.h"
+#include "loaders/scene/parts.h"
 
 #include "base/memory.h"
-#include "loaders/maps/atlas_on_job.h"
-#include "loaders/surfaces/mesh_file.h"
+#include "loaders/maps/maps.h"
+#include "loaders/surfaces/surfaces.h"
 
 #include <string.h>
 

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* From a tractogram to the bundles of an atlas: their radius, names and notes. */
-#include "loaders/scene/load_streamlines.h"
+#include "loaders/scene/scene.h"
 
-#include "atlas/fit/tract_fit.h"
+#include "atlas/fit/fit.h"
 #include "base/memory.h"
 #include "base/path.h"
-#include "base/text_number.h"
+#include "base/text.h"
 #include "conus/own.h"
-#include "loaders/maps/atlas_on_job.h"
-#include "loaders/tracts/tract_file.h"
-#include "sources/format.h"
+#include "loaders/maps/maps.h"
+#include "loaders/tracts/tracts.h"
+#include "sources/source.h"
 
 #include <string.h>
 

@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_atlas_transform(): moves an atlas by an affine, a field, or a chain of both. */
-#include "loaders/scene/load_transform.h"
+#include "loaders/scene/parts.h"
 
-#include "atlas/fit/area_points.h"
-#include "atlas/placement.h"
+#include "atlas/atlas.h"
+#include "atlas/fit/fit.h"
 #include "atlas/space.h"
 #include "atlas/warp/warp.h"
 #include "base/memory.h"
 #include "base/options.h"
-#include "loaders/maps/atlas_on_job.h"
-#include "loaders/transform/transform_file.h"
-#include "loaders/transform/transform_name.h"
-#include "loaders/volumes/volume_file.h"
+#include "loaders/maps/maps.h"
+#include "loaders/transform/transform.h"
+#include "loaders/volumes/volumes.h"
 
 #include <string.h>
 

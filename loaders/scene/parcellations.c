@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parcellations of one scene: their labels made one set, and each voxel given to the first that claims it. */
-#include "loaders/scene/parcellations.h"
+#include "loaders/scene/parts.h"
 
 #include "atlas/space.h"
-#include "base/files/folder.h"
+#include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/order.h"
-#include "loaders/labels/labels_on_job.h"
+#include "loaders/labels/labels.h"
 
 #include <math.h>
 #include <string.h>

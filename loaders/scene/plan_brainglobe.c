@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* From BrainGlobe's manifest.json to a manifest of ours. BrainGlobe downloads an array when somebody asks for it, and a
  * store without chunks reads as an empty brain: whether they are there is looked at first. */
-#include "loaders/scene/plan_brainglobe.h"
+#include "loaders/scene/parts.h"
 
-#include "loaders/brainglobe/brainglobe_atlas.h"
-#include "loaders/volumes/volume_input.h"
-#include "loaders/volumes/volume_zarr.h"
+#include "loaders/brainglobe/brainglobe.h"
+#include "loaders/volumes/volumes.h"
 
 #include <string.h>
 #include <strings.h>

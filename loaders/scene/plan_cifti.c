@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* From a .dlabel.nii to a manifest: the surface of each structure, and labels that no two of them share. */
-#include "loaders/scene/plan_cifti.h"
+#include "loaders/scene/parts.h"
 
-#include "base/files/folder.h"
+#include "base/files/file.h"
 #include "base/order.h"
-#include "loaders/manifest/manifest_surfaces.h"
-#include "loaders/surfaces/surface_find.h"
+#include "loaders/manifest/manifest.h"
+#include "loaders/surfaces/surfaces.h"
 
 #include <stdlib.h>
 

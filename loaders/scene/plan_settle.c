@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which of two areas keeps a label that both the planned surfaces and the parcellation have. */
-#include "base/files/folder.h"
-#include "loaders/labels/labels_on_job.h"
-#include "loaders/scene/area_plan.h"
-#include "loaders/scene/parcellations.h"
+#include "base/files/file.h"
+#include "loaders/labels/labels.h"
+#include "loaders/scene/parts.h"
 
 #include <string.h>
 

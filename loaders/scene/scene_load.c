@@ -1,22 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* From a scene to the atlas that it describes. Every failure names the manifest and the key. */
-#include "loaders/scene/scene_load.h"
+#include "loaders/scene/parts.h"
 
-#include "atlas/frame.h"
+#include "atlas/atlas.h"
 #include "base/files/file.h"
-#include "base/files/folder.h"
 #include "base/memory.h"
 #include "base/tolerance.h"
-#include "loaders/labels/label_find.h"
-#include "loaders/labels/labels_on_job.h"
-#include "loaders/maps/fsl_maps.h"
-#include "loaders/maps/load_probability.h"
-#include "loaders/maps/load_scalar.h"
-#include "loaders/scene/area_plan.h"
-#include "loaders/scene/load_context.h"
-#include "loaders/scene/load_streamlines.h"
-#include "loaders/scene/load_transform.h"
-#include "loaders/scene/parcellations.h"
+#include "loaders/labels/labels.h"
+#include "loaders/maps/maps.h"
+#include "loaders/scene/scene.h"
 #include "sources/source.h"
 
 #include <math.h>

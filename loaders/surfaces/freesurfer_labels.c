@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses FreeSurfer's labels of vertices: annotations, and labels as text ("#!ascii label", a count, and so many lines
  * "vertex x y z value"). */
-#include "loaders/surfaces/freesurfer_labels.h"
+#include "loaders/surfaces/parts.h"
 
 #include "base/order.h"
-#include "loaders/labels/label_cells.h"
+#include "loaders/labels/label_format.h"
 
 #include <stdlib.h>
 #include <string.h>

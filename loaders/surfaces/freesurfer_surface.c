@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses FreeSurfer surfaces. */
-#include "loaders/surfaces/freesurfer_surface.h"
-#include "sources/signatures.h"
+#include "loaders/surfaces/parts.h"
+#include "sources/source.h"
 
 #include "base/byte_order.h"
 #include "base/geometry/math3.h"

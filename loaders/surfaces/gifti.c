@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The elements of a GIFTI document. */
-#include "loaders/surfaces/gifti.h"
+#include "loaders/surfaces/parts.h"
 
 #include "base/byte_order.h"
 #include "base/files/file.h"
-#include "base/formats/base64.h"
-#include "base/formats/gzip.h"
+#include "base/formats/encoding.h"
+#include "base/formats/packed.h"
 #include "base/formats/xml.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/path.h"
 #include "base/text.h"
-#include "loaders/labels/label_cells.h"
+#include "loaders/labels/label_format.h"
 
 #include <libdeflate.h>
 #include <stdio.h>

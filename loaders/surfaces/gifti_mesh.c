@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Makes a surface, or labels of its vertices, of the arrays of a GIFTI file. */
-#include "loaders/surfaces/gifti.h"
+#include "loaders/surfaces/parts.h"
 
 #include "atlas/space.h"
 #include "atlas/surface/mesh_space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/tolerance.h"
-#include "loaders/surfaces/freesurfer_surface.h"
-#include "sources/map_choice.h"
+#include "sources/source.h"
 
 enum { SPACE_UNKNOWN = 0, GEOMETRY_WHOLE = (1 << 12) - 1 };
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_sites_load(): vertices of a surface with their normals, and which of them have labels. */
-#include "atlas/sites.h"
-#include "atlas/surface/mesh_closed.h"
+#include "atlas/atlas.h"
+#include "atlas/surface/mesh.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "loaders/surfaces/mesh_file.h"
+#include "loaders/surfaces/surfaces.h"
 
 #include <string.h>
 

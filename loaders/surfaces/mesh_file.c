@@ -1,19 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads a surface, or labels of vertices, with the reader of its format. */
-#include "loaders/surfaces/mesh_file.h"
+#include "loaders/surfaces/surfaces.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/path.h"
 #include "loaders/cifti/cifti.h"
-#include "loaders/cifti/cifti_file.h"
-#include "loaders/labels/labels_on_job.h"
+#include "loaders/labels/labels.h"
 #include "loaders/refuse.h"
-#include "loaders/surfaces/foreign/mesh_foreign.h"
-#include "loaders/surfaces/freesurfer_labels.h"
-#include "loaders/surfaces/freesurfer_surface.h"
-#include "loaders/surfaces/gifti.h"
-#include "loaders/surfaces/surface_find.h"
+#include "loaders/surfaces/foreign/foreign.h"
+#include "loaders/surfaces/parts.h"
 #include "sources/source.h"
 
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Writes a mesh in each of the formats. */
-#include "loaders/surfaces/mesh_format.h"
+#include "loaders/surfaces/surfaces.h"
 
 #include "base/byte_order.h"
 #include "base/geometry/math3.h"

@@ -6,7 +6,7 @@
 #include "base/options.h"
 #include "conus/own.h"
 #include "loaders/child/mesh_extract.h"
-#include "loaders/surfaces/mesh_format.h"
+#include "loaders/surfaces/surfaces.h"
 
 #include <string.h>
 

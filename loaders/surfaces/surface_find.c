@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Looks for the surface of a structure by what GIFTI files say about themselves. */
-#include "loaders/surfaces/surface_find.h"
+#include "loaders/surfaces/surfaces.h"
 
-#include "base/files/inputs.h"
+#include "base/files/file.h"
 #include "base/formats/xml.h"
-#include "loaders/surfaces/gifti.h"
+#include "loaders/surfaces/parts.h"
 #include "sources/source.h"
 
 #include <string.h>

@@ -1,22 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads and writes numbers of the vertices of a surface. */
-#include "loaders/surfaces/vertex_map.h"
+#include "loaders/surfaces/surfaces.h"
 
-#include "atlas/sites.h"
+#include "atlas/atlas.h"
 #include "base/byte_order.h"
 #include "base/files/file.h"
-#include "base/files/folder.h"
 #include "base/formats/xml.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"
 #include "loaders/refuse.h"
-#include "loaders/surfaces/gifti.h"
-#include "loaders/surfaces/mesh_file.h"
-#include "loaders/surfaces/mesh_format.h"
-#include "loaders/surfaces/surface_find.h"
-#include "loaders/volumes/nifti_write.h"
-#include "sources/map_choice.h"
+#include "loaders/surfaces/parts.h"
+#include "loaders/volumes/volumes.h"
 #include "sources/source.h"
 
 #include <libdeflate.h>

@@ -6,8 +6,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "base/threads.h"
-#include "loaders/tiff/tiff_lzw.h"
-#include "sources/signatures.h"
+#include "sources/source.h"
 
 #include <libdeflate.h>
 #include <stdio.h>

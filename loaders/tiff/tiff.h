@@ -7,6 +7,10 @@
 
 #include "base/job/job.h"
 
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
 enum { TIFF_PAGE_LIMIT = 1 << 16 };
 
 /** A whole file in memory. */
@@ -58,5 +62,19 @@ void tiff_parse(struct job *job, struct tiff *out, const uint8_t *data, size_t s
 /** Unpacks @p count pages from @p first on, which have directories, into @p out: one behind the other, rows from the
  * top, in the byte order of the file, count * page_bytes bytes. */
 void tiff_unpack(struct job *job, uint8_t *out, const struct tiff *tiff, size_t first, size_t count);
+
+/* LZW as TIFF 6.0 has it: codes of 9 to 12 bits, the highest bit first. */
+
+enum { TIFF_LZW_CODES = 4096 };
+
+/** The strings behind the codes; needs no beginning and no end. */
+struct tiff_lzw {
+    uint16_t before[TIFF_LZW_CODES]; /**< Code of the string without its last byte. */
+    uint16_t length[TIFF_LZW_CODES];
+    uint8_t first[TIFF_LZW_CODES], last[TIFF_LZW_CODES];
+};
+
+/** Unpacks exactly @p size bytes; false where @p packed is damaged, or holds fewer or more. */
+bool tiff_lzw_unpack(uint8_t *out, size_t size, const uint8_t *packed, size_t packed_size, struct tiff_lzw *lzw);
 
 #endif

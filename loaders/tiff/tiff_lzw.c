@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* TIFF 6.0, section 13: code 256 empties the table, 257 ends the data, and codes get wider one code early. */
-#include "loaders/tiff/tiff_lzw.h"
+#include "loaders/tiff/tiff.h"
 
 enum { CLEAR = 256, END = 257, FIRST_FREE = 258, LEAST_BITS = 9, MOST_BITS = 12 };
 

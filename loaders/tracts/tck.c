@@ -4,12 +4,11 @@
 
 #include "base/byte_order.h"
 #include "base/files/file.h"
-#include "base/files/folder.h"
-#include "base/formats/gzip.h"
+#include "base/formats/packed.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/streamlines.h"
-#include "loaders/tracts/tract_build.h"
+#include "loaders/tracts/tracts.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Grows the arrays of a tractogram. */
-#include "loaders/tracts/tract_build.h"
+#include "loaders/tracts/tracts.h"
 
-#include "base/formats/gzip.h"
+#include "base/formats/packed.h"
 #include "base/memory.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The readers of the formats of tractograms, and what holds for all of them. */
-#include "loaders/tracts/tract_file.h"
+#include "loaders/tracts/tracts.h"
 
 #include "base/memory.h"
 #include "base/path.h"

@@ -4,7 +4,7 @@
 #ifndef CONUS_LOADERS_TRACTS_TRACT_FORMATS_H
 #define CONUS_LOADERS_TRACTS_TRACT_FORMATS_H
 
-#include "loaders/tracts/tract_build.h"
+#include "loaders/tracts/tracts.h"
 #include "sources/source.h"
 
 /** Reads a tractogram to its end. Fills in what a file says: format, points, streamlines, scalars and groups, which are

@@ -3,9 +3,9 @@
 #include "loaders/tracts/tract_formats.h"
 
 #include "base/byte_order.h"
-#include "base/formats/gzip.h"
+#include "base/formats/packed.h"
 #include "base/geometry/math3.h"
-#include "base/text_number.h"
+#include "base/text.h"
 
 #include <stdio.h>
 

@@ -3,9 +3,9 @@
 #include "loaders/tracts/tract_formats.h"
 
 #include "base/byte_order.h"
-#include "base/files/folder.h"
+#include "base/files/file.h"
 #include "base/formats/json_text.h"
-#include "base/formats/zip.h"
+#include "base/formats/packed.h"
 #include "base/memory.h"
 #include "base/order.h"
 

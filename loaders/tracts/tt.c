@@ -3,7 +3,7 @@
 #include "loaders/tracts/tract_formats.h"
 
 #include "base/byte_order.h"
-#include "base/formats/gzip.h"
+#include "base/formats/packed.h"
 #include "base/geometry/math3.h"
 
 #include <stdio.h>

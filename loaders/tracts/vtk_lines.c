@@ -2,7 +2,7 @@
 /* Makes streamlines of the lines of VTK's files. */
 #include "loaders/tracts/tract_formats.h"
 
-#include "base/formats/gzip.h"
+#include "base/formats/packed.h"
 #include "base/memory.h"
 #include "loaders/surfaces/foreign/foreign.h"
 #include "sources/source.h"

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads deformation fields, and finds out what their vectors mean. */
-#include "loaders/transform/field_file.h"
+#include "loaders/transform/transform.h"
 
 #include "base/byte_order.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "loaders/volumes/volume_file.h"
-#include "loaders/volumes/volume_values.h"
-#include "sources/signatures.h"
+#include "loaders/volumes/volumes.h"
+#include "sources/source.h"
 
 #include <string.h>
 

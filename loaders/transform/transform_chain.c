@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Puts the steps of a chain together. */
-#include "loaders/transform/transform_chain.h"
+#include "loaders/transform/transform.h"
 
 #include "atlas/space.h"
 #include "base/geometry/math3.h"

@@ -3,7 +3,7 @@
  */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "loaders/transform/transform_chain.h"
+#include "loaders/transform/transform.h"
 
 /* One group of the file. */
 struct itk_group {

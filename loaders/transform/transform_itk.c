@@ -5,8 +5,8 @@
 #include "base/geometry/math3.h"
 #include "base/job/reader.h"
 #include "base/memory.h"
-#include "loaders/transform/transform_chain.h"
-#include "sources/signatures.h"
+#include "loaders/transform/transform.h"
+#include "sources/source.h"
 
 #include <string.h>
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The direction of a transform, by its name. */
-#include "loaders/transform/transform_name.h"
+#include "loaders/transform/transform.h"
 
-#include "base/files/folder.h"
+#include "base/files/file.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* X5, a draft of BIDS, as nitransforms writes it: RAS mm, from points of the reference to the moving image. */
 #include "base/geometry/math3.h"
-#include "loaders/transform/transform_chain.h"
+#include "loaders/transform/transform.h"
 
 enum { CHAIN_LIMIT = 64 };
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tells labels from grey values by the share of neighbouring voxels that are equal. */
-#include "loaders/volumes/grey.h"
+#include "loaders/volumes/volumes.h"
 
-#include "base/files/folder.h"
+#include "base/files/file.h"
 #include "base/order.h"
 #include "sources/endings.h"
 

@@ -3,8 +3,8 @@
 #include "atlas/space.h"
 #include "base/byte_order.h"
 #include "base/geometry/math3.h"
-#include "loaders/volumes/volume_voxels.h"
-#include "sources/signatures.h"
+#include "loaders/volumes/parts.h"
+#include "sources/source.h"
 
 #include <stdio.h>
 

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads MINC 2 ("MINC 2.0 File Format Reference", McConnell Brain Imaging Centre; nibabel's minc2.py). */
-#include "loaders/volumes/minc.h"
+#include "loaders/volumes/parts.h"
 
 #include "base/byte_order.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "loaders/volumes/volume_voxels.h"
 
 #include <math.h>
 #include <stdio.h>

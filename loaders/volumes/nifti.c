@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads and checks NIfTI headers and extensions, and chooses between qform, sform and the plain grid. */
-#include "loaders/volumes/nifti.h"
+#include "loaders/volumes/volumes.h"
 
 #include "atlas/space.h"
 #include "base/byte_order.h"
-#include "base/formats/gzip.h"
+#include "base/formats/packed.h"
 #include "base/geometry/math3.h"
 #include "base/path.h"
 #include "base/tolerance.h"
 #include "loaders/refuse.h"
-#include "loaders/volumes/volume_voxels.h"
-#include "sources/format.h"
+#include "loaders/volumes/parts.h"
+#include "sources/source.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Formats a NIfTI-1 file. */
-#include "loaders/volumes/nifti_write.h"
+#include "loaders/volumes/volumes.h"
 
 #include "atlas/space.h"
-#include "base/buffer.h"
 #include "base/byte_order.h"
-#include "base/files/folder.h"
+#include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A volume whose voxels are held, or given to a reader of labels. */
-#include "loaders/volumes/volume_file.h"
+#include "loaders/volumes/volumes.h"
 
 #include "base/byte_order.h"
 #include "base/memory.h"
+#include "loaders/volumes/parts.h"
 #include "loaders/volumes/text/text_volume.h"
-#include "loaders/volumes/volume_values.h"
-#include "loaders/volumes/volume_voxels.h"
 
 #include <stdio.h>
 #include <string.h>

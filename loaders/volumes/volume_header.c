@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table of datatypes, and the checks of datatype and dimensions that all formats share. */
-#include "loaders/volumes/volume_header.h"
+#include "loaders/volumes/volumes.h"
 
-#include "atlas/frame.h"
+#include "atlas/atlas.h"
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"

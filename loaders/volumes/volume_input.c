@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Opens a file or folder as a volume. */
-#include "loaders/volumes/volume_input.h"
+#include "loaders/volumes/volumes.h"
 
 #include "base/memory.h"
 #include "loaders/refuse.h"
-#include "loaders/volumes/volume_voxels.h"
+#include "loaders/volumes/parts.h"
 
 static const struct volume_reader *const readers[] = {&nifti_reader, &nifti_image_reader, &mgh_reader,  &nrrd_reader,
                                                       &afni_reader,  &afni_brik_reader,   &tiff_reader, &minc_reader,

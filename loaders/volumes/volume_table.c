@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Labels in a volume's own file: 3D Slicer's segments, extensions of NIfTI, text ahead of the voxels. */
-#include "loaders/volumes/volume_table.h"
+#include "loaders/volumes/volumes.h"
 
 #include "loaders/volumes/text/text_volume.h"
 

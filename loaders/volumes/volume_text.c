@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Volumes whose header is text: NRRD, MetaImage and AFNI. */
 #include "base/byte_order.h"
-#include "base/files/folder.h"
-#include "base/formats/base64.h"
+#include "base/files/file.h"
+#include "base/formats/encoding.h"
 #include "loaders/refuse.h"
-#include "loaders/volumes/text/header_text.h"
+#include "loaders/volumes/parts.h"
 #include "loaders/volumes/text/text_volume.h"
-#include "loaders/volumes/volume_voxels.h"
 
 #include <float.h>
 #include <math.h>

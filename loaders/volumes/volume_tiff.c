@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* TIFF stacks: where they lie is stated, or stands in metadata.json beside them. */
-#include "base/formats/gzip.h"
+#include "base/formats/packed.h"
 #include "base/memory.h"
 #include "loaders/tiff/tiff.h"
-#include "loaders/volumes/volume_voxels.h"
+#include "loaders/volumes/parts.h"
 
 #include <stdio.h>
 #include <string.h>

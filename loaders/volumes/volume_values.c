@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Stored voxels into labels and values. */
-#include "loaders/volumes/volume_values.h"
+#include "loaders/volumes/volumes.h"
 
 #include "base/byte_order.h"
 #include "base/memory.h"
 #include "base/tolerance.h"
-#include "loaders/volumes/volume_file.h"
-#include "loaders/volumes/volume_header.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads voxels: kept, or in pieces. */
-#include "loaders/volumes/volume_voxels.h"
+#include "loaders/volumes/parts.h"
 
 #include "atlas/space.h"
-#include "base/formats/gzip.h"
+#include "base/formats/packed.h"
 #include "base/memory.h"
-#include "sources/signatures.h"
+#include "sources/source.h"
 
 #include <string.h>
 

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the group and the level, and places the array. */
-#include "loaders/volumes/volume_zarr.h"
+#include "loaders/volumes/volumes.h"
 
 #include "atlas/space.h"
-#include "base/files/folder.h"
+#include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "loaders/volumes/volume_voxels.h"
-#include "loaders/zarr/ome.h"
+#include "loaders/volumes/parts.h"
+#include "loaders/zarr/zarr.h"
 
 #include <math.h>
 #include <stdio.h>

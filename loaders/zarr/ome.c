@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads multiscales of OME-Zarr 0.1 to 0.6. */
-#include "loaders/zarr/ome.h"
+#include "loaders/zarr/zarr.h"
 
 #include "base/formats/json_text.h"
 #include "base/path.h"
-#include "loaders/zarr/zarr.h"
 
 #include <math.h>
 #include <string.h>

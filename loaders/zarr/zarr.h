@@ -5,7 +5,7 @@
 #ifndef CONUS_LOADERS_ZARR_ZARR_H
 #define CONUS_LOADERS_ZARR_ZARR_H
 
-#include "base/formats/gzip.h"
+#include "base/formats/packed.h"
 #include "base/job/job.h"
 
 enum {
@@ -73,5 +73,24 @@ typedef void zarr_take(struct job *job, void *user, size_t first, const uint8_t 
  * array without any chunk CONUS_ERROR_DATA. */
 struct zarr_found zarr_read(struct job *job, const struct zarr_array *array, const char *folder, uint64_t volume,
                             zarr_take *take, void *user);
+
+/* OME's metadata of a Zarr group: the levels of an image and where they lie. */
+
+struct ome_level {
+    char *path;      /**< Path of its array, below the group's folder. */
+    double scale[3]; /**< mm a voxel along the axes of space, in their order; 0 = not stated, or without a unit. */
+    double translation[3]; /**< mm: where the centre of the first voxel lies. */
+};
+
+struct ome {
+    struct ome_level *levels;
+    size_t count;
+    size_t rank;         /**< Axes; 0 = not stated. */
+    char orientation[4]; /**< Where the axes of space start, "asr"; empty = not stated.  */
+};
+
+/** Parses zarr.json of a group (OME 0.5, 0.6), or .zattrs (OME up to 0.4). No image in it is CONUS_ERROR_DATA; @p out
+ * has no levels then, else they are the job's. */
+void ome_parse(struct job *job, struct ome *out, struct text text);
 
 #endif

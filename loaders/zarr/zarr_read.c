@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads the chunks of an array, one after the other. */
-#include "base/buffer.h"
 #include "base/byte_order.h"
 #include "base/memory.h"
 #include "base/order.h"

@@ -3,13 +3,12 @@
  * JSON whose names or objects are points; and lines of "name: (x, y, z)". */
 #include "poses/programs/pose_programs.h"
 
-#include "base/buffer.h"
 #include "base/formats/json_text.h"
 #include "base/formats/table.h"
+#include "base/memory.h"
 #include "conus/own.h"
 #include "poses/rows/columns.h"
 #include "poses/rows/pose_row.h"
-#include "poses/rows/space_words.h"
 
 #include <ctype.h>
 #include <math.h>

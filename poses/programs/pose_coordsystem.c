@@ -6,7 +6,6 @@
 #include "base/formats/json_text.h"
 #include "base/memory.h"
 #include "poses/rows/pose_row.h"
-#include "poses/rows/space_words.h"
 
 #include <stdio.h>
 #include <string.h>

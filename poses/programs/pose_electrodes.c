@@ -6,7 +6,6 @@
 #include "base/memory.h"
 #include "base/order.h"
 #include "poses/rows/columns.h"
-#include "poses/rows/named_cells.h"
 #include "poses/rows/pose_row.h"
 
 #include <string.h>

@@ -3,7 +3,7 @@
 #include "poses/programs/pose_programs.h"
 
 #include "base/geometry/math3.h"
-#include "poses/rows/named_cells.h"
+#include "poses/rows/columns.h"
 #include "poses/rows/pose_row.h"
 
 static const char first_line[] = "##INVESALIUS3_MARKER_FILE_";

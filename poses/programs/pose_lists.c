@@ -5,7 +5,6 @@
 
 #include "conus/own.h"
 #include "poses/rows/pose_row.h"
-#include "poses/rows/space_words.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,9 +3,8 @@
 #include "poses/programs/pose_programs.h"
 
 #include "base/geometry/math3.h"
-#include "poses/rows/named_cells.h"
+#include "poses/rows/columns.h"
 #include "poses/rows/pose_row.h"
-#include "poses/rows/space_words.h"
 
 /* One markup: a line, or a list of points. */
 struct markup {

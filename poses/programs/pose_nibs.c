@@ -4,7 +4,7 @@
 #include "poses/programs/pose_programs.h"
 
 #include "base/geometry/math3.h"
-#include "poses/rows/named_cells.h"
+#include "poses/rows/columns.h"
 #include "poses/rows/pose_row.h"
 
 enum column {

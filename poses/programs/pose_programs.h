@@ -4,10 +4,10 @@
 #ifndef CONUS_POSES_PROGRAMS_POSE_PROGRAMS_H
 #define CONUS_POSES_PROGRAMS_POSE_PROGRAMS_H
 
-#include "base/buffer.h"
 #include "base/child/hdf5.h"
 #include "base/formats/json_text.h"
 #include "base/formats/matlab.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "conus/pose.h"
 #include "poses/rows/pose_row.h"

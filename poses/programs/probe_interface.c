@@ -2,7 +2,6 @@
 /* Parses ProbeInterface's JSON, and puts the contacts of its probes where poses say. */
 #include "poses/programs/pose_programs.h"
 
-#include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/formats/json_text.h"
 #include "base/geometry/math3.h"
@@ -11,7 +10,6 @@
 #include "base/order.h"
 #include "conus/own.h"
 #include "poses/rows/pose_row.h"
-#include "poses/rows/space_words.h"
 
 #include <stdio.h>
 #include <string.h>

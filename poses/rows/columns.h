@@ -1,16 +1,75 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Tables of points and poses: which column has which role, the row that a line is, axes in two rows, and what
- * names say of left and right. */
+/** @file Tables of points and poses: their lines, the roles of columns, and cells by exact names. */
 #ifndef CONUS_POSES_ROWS_COLUMNS_H
 #define CONUS_POSES_ROWS_COLUMNS_H
 
+#include "base/files/file.h"
 #include "base/formats/table.h"
 #include "base/job/job.h"
-#include "base/name_set.h"
+#include "base/memory.h"
+#include "base/system/system.h"
 #include "base/text.h"
 #include "conus/pose.h"
 #include "poses/rows/pose_row.h"
-#include "poses/rows/space_words.h"
+
+#include <nettle/sha2.h>
+
+/* Lines of a text of any length, one at a time, from a file, a pipe or memory, in memory that does not grow. */
+
+enum { POSE_LINE_LIMIT = 65535 }; /**< Longest line that is read, in bytes, without its ending. */
+
+/** Where lines come from. All 0 but `descriptor` = -1 is an empty text. What is stopped ends behind its last whole
+ * line. */
+struct pose_lines {
+    int descriptor;          /**< Borrowed; -1: all there is lies in `data`.                        */
+    bool seekable;           /**< A regular file: read at `offset`, without moving the descriptor.  */
+    struct system_wake stop; /**< Not seekable: once woken, there is nothing more; borrowed. */
+    uint64_t offset;         /**< Where in it the bytes after those in `data` are.                  */
+    const char *data;        /**< Bytes not yet taken; in `own`, or borrowed.                       */
+    size_t size;
+    char *own; /**< NULL where `data` is borrowed. */
+    bool ended;
+    bool after_cr; /**< A LF that comes now belongs to the line before. */
+    size_t number; /**< Lines taken. */
+
+    struct file_state state; /**< Seekable: of the file when it was opened, */
+    struct sha256_ctx hash;  /**< and of the bytes that were read. */
+};
+
+struct pose_line {
+    struct text text; /**< "" when too long. */
+    size_t number;    /**< From 1. */
+    bool too_long;
+    bool blank; /**< Too long, and a comment: no data. */
+};
+
+/** Lines of an open file, from @p offset where it is seekable: then CONUS_ERROR_IO once it changes.
+ * pose_lines_finish() ends it, without closing. */
+conus_status pose_lines_init(struct pose_lines *lines, int descriptor, bool seekable, uint64_t offset);
+/** Lines of a text that outlives them. */
+void pose_lines_init_text(struct pose_lines *lines, struct text text);
+void pose_lines_finish(struct pose_lines *lines);
+
+/** Begins the text, after pose_lines_init(): takes off a byte order mark. UTF-16, which it tells, is read as a whole
+ * and becomes UTF-8; CONUS_ERROR_MEMORY above @p limit bytes. */
+conus_status pose_lines_begin(struct pose_lines *lines, uint64_t limit);
+
+/** Reads on until @p size bytes (at most POSE_LINE_LIMIT) lie in `data`, or all there are, or, where that is enough,
+ * until a pipe is silent for a fifth of a second and something is there. */
+conus_status pose_lines_fill(struct pose_lines *lines, size_t size, bool may_be_silent);
+
+/** Takes the next line, ended by LF, CR, CRLF or the end; *found = false when there is none. The line's text lives
+ * until the next call. */
+conus_status pose_lines_next(struct pose_lines *lines, struct pose_line *line, bool *found);
+
+/** Appends all that is left, CONUS_ERROR_MEMORY above @p limit bytes. @p out is the caller's to finish. */
+conus_status pose_lines_rest(struct buffer *out, struct pose_lines *lines, uint64_t limit);
+
+/** SHA-256 of all that was read, and of what is left, which is taken, too. Seekable only. */
+conus_status pose_lines_sha256(char out[65], struct pose_lines *lines);
+
+/* Tables of points and poses: which column has which role, the row that a line is, axes in two rows, and what names
+ * say of left and right. */
 
 /** What a column may be. Before ROLE_NAME they are numbers. m00 … m33 are row-major. */
 enum column_role {
@@ -204,5 +263,42 @@ void sides_check(struct job *job, const struct sides *sides, const char *why);
  * than the first letter says. It says a side only where there is the same shaft of the other one (RPH), or where all
  * names with a number begin so: of both letters, or of three shafts. */
 void sides_warn(struct job *job, const struct sides *sides, int of_file);
+
+/* The cells of a program's table by the exact names of its columns, where nothing need be guessed. */
+
+enum { NAMED_CELLS_MOST = 32 };
+
+/** Which cells of a table a reader wants; others are passed over. */
+struct named_cells {
+    const char *const *names; /**< [count]; "a/b" is called a or b. */
+    size_t count;             /**< At most NAMED_CELLS_MOST. */
+    struct table table;       /**< What stands between cells. */
+    size_t needed;            /**< Each row has cells of the first of them; 0: of all. */
+    bool may_be_longer;       /**< Rows may have more cells than the header. */
+    size_t at[NAMED_CELLS_MOST];
+    struct text called[NAMED_CELLS_MOST]; /**< What the header has; borrowed. */
+    size_t width;                         /**< Cells of the header. */
+    struct table_line line;               /**< The row. */
+};
+
+/** Looks for the columns in the line @p header, which must live as long. One that is there twice is an error; @p job
+ * NULL: it is not asked. */
+void named_cells_find(struct job *job, struct named_cells *cells, struct text header);
+
+/** Whether the table has this column. */
+bool named_cells_has(const struct named_cells *cells, size_t column);
+
+/** Takes a row to pieces, until the next one. An error where a cell that is needed is missing, where there are more
+ * than in the header, or a quotation mark is not closed. */
+void named_cells_split(struct job *job, struct named_cells *cells, struct text line);
+
+/** The row's cell of @p column; empty where the table lacks it. */
+struct text named_cell(const struct named_cells *cells, size_t column);
+
+/** Whether it holds no value: empty, "n/a", "None", "(null)". */
+bool named_cell_is_absent(const struct named_cells *cells, size_t column);
+
+/** The numbers of @p count columns from @p first. */
+void named_cells_numbers(struct job *job, double *out, const struct named_cells *cells, size_t first, size_t count);
 
 #endif

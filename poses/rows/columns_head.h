@@ -3,7 +3,7 @@
 #ifndef CONUS_POSES_ROWS_COLUMNS_HEAD_H
 #define CONUS_POSES_ROWS_COLUMNS_HEAD_H
 
-#include "base/buffer.h"
+#include "base/memory.h"
 #include "poses/rows/columns.h"
 
 /** What three columns that differ only in x y z are, by the words that stand with the letter. The last of several

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds columns by their names, and cells by their columns. */
-#include "poses/rows/named_cells.h"
+#include "poses/rows/columns.h"
 
 #include "poses/rows/pose_row.h"
 

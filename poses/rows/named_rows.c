@@ -6,7 +6,7 @@
 #include "conus/pose.h"
 #include "poses/rows/columns.h"
 #include "poses/rows/columns_head.h"
-#include "poses/rows/place.h"
+#include "poses/rows/pose_row.h"
 
 #include <math.h>
 #include <stdio.h>

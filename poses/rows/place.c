@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Takes a place apart, as people write it. */
-#include "poses/rows/place.h"
+#include "poses/rows/pose_row.h"
 
 enum { SHOWN = 80 };
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads lines in blocks of fixed size. */
-#include "poses/rows/pose_lines.h"
+#include "poses/rows/columns.h"
 
 #include "base/memory.h"
 #include "base/system/system.h"

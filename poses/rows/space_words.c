@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the words of spaces and units in sentences. */
-#include "poses/rows/space_words.h"
+#include "poses/rows/pose_row.h"
 
 #include "base/geometry/math3.h"
 #include "conus/atlas.h"

@@ -5,9 +5,7 @@
 #include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/memory.h"
-#include "render/colour/field.h"
-#include "render/colour/pathways.h"
-#include "render/image/image_srgb.h"
+#include "render/image/image.h"
 
 #include <string.h>
 

@@ -4,12 +4,10 @@
 
 #include "base/look.h"
 #include "base/memory.h"
-#include "render/colour/colour_view.h"
-#include "render/colour/edges.h"
+#include "render/colour/colour.h"
+#include "render/gl/gl.h"
 #include "render/gl/shaders.h"
-#include "render/gl/target.h"
-#include "render/gl/volume_texture.h"
-#include "render/id/mesh_layer.h"
+#include "render/id/id_pass.h"
 
 #include <string.h>
 

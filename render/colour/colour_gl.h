@@ -4,8 +4,7 @@
 #define CONUS_RENDER_COLOUR_COLOUR_GL_H
 
 #include "render/colour/colour.h"
-#include "render/gl/context.h"
-#include "render/gl/program.h"
+#include "render/gl/gl.h"
 
 /** The context of a device that colour_gl_create() made. */
 struct gl_context *colour_gl_context(const struct colour_device *device);

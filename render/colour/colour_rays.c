@@ -9,10 +9,9 @@
 #include "base/look.h"
 #include "base/memory.h"
 #include "base/threads.h"
-#include "render/colour/colour_view.h"
-#include "render/colour/edges.h"
-#include "render/id/surface_rays.h"
-#include "render/image/image_srgb.h"
+#include "render/colour/colour.h"
+#include "render/id/shapes.h"
+#include "render/image/image.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -556,7 +555,7 @@ static float object_depth(const struct scene *scene, const struct track *areas, 
     return inside;
 }
 
-static const float least_gradient = 0.25F; /* of the stored gradient (field.h) */
+static const float least_gradient = 0.25F; /* of the stored gradient (colour.h) */
 
 /* False where it is a border with an area that is not seen, of which the occupancy has hardly a gradient. */
 static bool area_normal(float out[3], const struct scene *scene, four place)
@@ -639,7 +638,7 @@ static four look(const struct scene *scene, enum look_colour rgb)
     return (four){linear[rgb >> 16], linear[rgb >> 8 & 255], linear[rgb & 255], 1};
 }
 
-/* Colour and emphasis of an object or, of a streamline, what tubes.h says: a colour of its own, or pale. */
+/* Colour and emphasis of an object or, of a streamline, what shapes.h says: a colour of its own, or pale. */
 static four entry_of(const struct scene *scene, uint32_t number)
 {
     const float *linear = scene->device->linear;

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Packs a view into the uniform block of the colour pass: planes of Eq. 7, camera, light, cone and markers. */
-#include "render/colour/colour_view.h"
+#include "render/colour/colour.h"
 
 #include "base/geometry/math3.h"
 #include "base/look.h"
-#include "render/colour/field.h"
-#include "render/image/image_srgb.h"
+#include "render/image/image.h"
 
 struct slices colour_pass_slices(const struct colour_pass *pass, const struct camera *camera, uint32_t count)
 {

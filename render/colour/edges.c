@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the squares that are drawn again, and mixes what was drawn. */
-#include "render/colour/edges.h"
+#include "render/colour/colour.h"
 
 #include <math.h>
 #include <string.h>

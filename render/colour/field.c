@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Computes densities and gradients of areas and of grey values. */
-#include "render/colour/field.h"
+#include "render/colour/colour.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"

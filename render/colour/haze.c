@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Classifies the voxels of pathways by their transfer functions before they are interpolated: colours times extinction,
  * so that no colour bleeds from where nothing is. */
-#include "render/colour/haze.h"
+#include "render/colour/colour.h"
 
-#include "atlas/volume_sample.h"
+#include "atlas/volume.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "render/image/image_srgb.h"
+#include "render/image/image.h"
 
 #include <limits.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Joins pathways and some areas, or areas on several grids, into one volume of objects. */
-#include "render/colour/pathways.h"
+#include "render/colour/colour.h"
 
 #include "atlas/space.h"
 #include "base/geometry/math3.h"

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The renderer of the public interface: its device, its updates, and its pictures. */
-#include "render/colour/renderer.h"
+#include "render/colour/colour.h"
 
 #include "base/memory.h"
 #include "base/options.h"
-#include "render/colour/colour.h"
 
 #include <math.h>
 #include <string.h>

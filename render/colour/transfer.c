@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses, copies and samples transfer functions. */
-#include "render/colour/transfer.h"
+#include "render/colour/colour.h"
 
 #include "atlas/atlas.h"
 #include "base/files/file.h"
@@ -9,7 +9,7 @@
 #include "base/path.h"
 #include "base/text.h"
 #include "conus/own.h"
-#include "render/image/image_srgb.h"
+#include "render/image/image.h"
 
 #include <float.h>
 #include <math.h>

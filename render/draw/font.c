@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Opens the font and measures text. */
-#include "render/draw/font.h"
+#include "render/draw/draw.h"
 
-#include "base/formats/gzip.h"
+#include "base/formats/packed.h"
 #include "base/library.h"
 #include "base/memory.h"
 #include "base/text.h"

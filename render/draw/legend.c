@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lays a legend out in columns and draws it. */
-#include "render/draw/legend.h"
+#include "render/draw/draw.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The list of what is drawn in 2-D. */
-#include "render/draw/list.h"
+#include "render/draw/draw.h"
 
 #include "base/memory.h"
 #include "base/text.h"
-#include "render/draw/srgb.h"
 
 #include <math.h>
 #include <string.h>

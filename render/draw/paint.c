@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What cairo draws of a list: how much of each pixel an item covers, or a page of PDF. */
-#include "render/draw/paint.h"
+#include "render/draw/draw.h"
 
 #include "base/library.h"
 #include "base/memory.h"
 #include "conus/version.h"
-#include "render/draw/font.h"
-#include "render/draw/srgb.h"
 
 #include <cairo-pdf.h>
 #include <cairo.h>

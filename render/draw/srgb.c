@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Linear values to sRGB and back. */
-#include "render/draw/srgb.h"
+#include "render/draw/draw.h"
 
 #include <math.h>
 

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SVG 1.1: the pixels as a PNG inside, the list over it, text as text in the font's name. */
-#include "render/draw/svg.h"
+#include "render/draw/draw.h"
 
 #include "base/memory.h"
-#include "render/draw/srgb.h"
 
 #include <math.h>
 #include <nettle/base64.h>

@@ -3,12 +3,12 @@
  * draws them, with the cone over them. */
 #include "render/flat/cut.h"
 
-#include "atlas/bundles.h"
-#include "atlas/volume_sample.h"
+#include "atlas/atlas.h"
+#include "atlas/volume.h"
 #include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/memory.h"
-#include "render/draw/srgb.h"
+#include "render/draw/draw.h"
 
 #include <string.h>
 

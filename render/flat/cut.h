@@ -13,7 +13,8 @@
 #define CONUS_RENDER_FLAT_CUT_H
 
 #include "atlas/atlas.h"
-#include "render/colour/emphasis.h"
+#include "render/colour/colour.h"
+#include "render/draw/draw.h"
 
 /** A cone or cylinder to be drawn; world mm. */
 struct cut_cone {
@@ -89,5 +90,34 @@ double cut_cone_distance(const struct cut_place *place, const struct cut_cone *c
 
 /** Draws the cone over @p rgba, a picture at @p place. */
 void cut_draw_cone(uint8_t *rgba, const struct cut_place *place, const struct cut_cone *cone);
+
+/* Outlines of a cut as lines: of areas along their pixels, and of the cone. */
+
+/** Lines of a cut on their way to the list; those of surfaces come from cut_view.line, one item for each object. */
+struct cut_lines {
+    struct draw_list *out;
+    const conus_object *list;
+    const uint8_t (*rgb)[3]; /**< [object count + 1] In place of those of `list`; NULL = these. */
+    double width;            /**< Of lines, pixels; the cone's is wider. */
+    double at[2], limit[2];  /**< The corner in the picture; width and height: what is beyond is left out. */
+    uint32_t object;         /**< Object of `points`. */
+    double (*points)[2];
+    size_t count, capacity;
+};
+
+/** Adds a loop around each group of a number's pixels that touch by their sides, and around each hole in it: through
+ * the middles of the outermost pixels. Numbers for which @p skips is true have none; NULL = none is skipped.
+ * CONUS_ERROR_MEMORY. */
+conus_status cut_trace_areas(const struct cut_lines *lines, const uint32_t *objects, uint32_t width, uint32_t height,
+                             const bool *skips);
+
+/** Adds the line of a cone or cylinder in the cut. */
+void cut_trace_cone(const struct cut_lines *lines, const struct cut_place *place, const struct cut_cone *cone);
+
+/** A cut_line; its user is a struct cut_lines. */
+void cut_lines_add(void *user, const double from[2], const double to[2], uint32_t object);
+
+/** Adds what is left, and frees. */
+void cut_lines_finish(struct cut_lines *lines);
 
 #endif

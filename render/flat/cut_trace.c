@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Walks around areas of pixels, and finds where the distance to a cone's wall is 0. */
-#include "render/flat/cut_trace.h"
+#include "render/flat/cut.h"
 
 #include "base/look.h"
 #include "base/memory.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Where a picture is taken from: a pose that looks down its own -z, and a field of view. */
+/** @file What pictures have without OpenGL: the camera, texels of a volume, and who hears of their pieces. */
 #ifndef CONUS_RENDER_GL_CAMERA_H
 #define CONUS_RENDER_GL_CAMERA_H
 
@@ -7,6 +7,8 @@
 #include "conus/pose.h"
 
 #include <stdint.h>
+
+/* Where a picture is taken from: a pose that looks down its own -z, and a field of view. */
 
 struct camera {
     double world_from_camera[16]; /**< Rigid; -z is forward, +y up.       */
@@ -43,5 +45,33 @@ void camera_cone_forward(double out[3], const double axis[3]);
  * axis. False where it is not in front of the camera. */
 bool camera_project(double *x, double *y, double *depth, const struct camera *camera, const struct camera_frame *frame,
                     const double p[3]);
+
+/* What a texel of a volume is, in GL and on the CPU. */
+
+enum volume_texture_kind {
+    VOLUME_TEXTURE_UINT8 = 1, /**< R8UI; integers are never filtered. */
+    VOLUME_TEXTURE_UINT16,    /**< R16UI */
+    VOLUME_TEXTURE_UINT32,    /**< R32UI */
+    VOLUME_TEXTURE_FLOAT,     /**< R32F, trilinear between voxel centres, clamped to the edge. */
+    VOLUME_TEXTURE_BYTE4,     /**< RGBA8, likewise.                                            */
+    VOLUME_TEXTURE_HALF4,     /**< RGBA16F, likewise; its voxels are four floats each.         */
+    VOLUME_TEXTURE_FLOAT4     /**< RGBA32F, never filtered: a table. */
+};
+
+/* Who hears of the pieces of a picture. Needs no GL. */
+
+/** Receives progress and may cancel a picture between its pieces; `progress` may be NULL. */
+struct picture_listener {
+    conus_progress progress;
+    void *user;
+};
+
+/** Reports piece @p done of @p total. CONUS_ERROR_CANCELLED if the listener wants no more. */
+static inline conus_status listener_tell(const struct picture_listener *listener, size_t done, size_t total)
+{
+    return !listener->progress || listener->progress(listener->user, done, total)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_CANCELLED, "the picture was cancelled");
+}
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Opens EGL displays, creates contexts and passes on what drivers say. */
-#include "render/gl/context.h"
+#include "render/gl/gl.h"
 
 #include "base/memory.h"
 #include "base/system/system.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Takes the functions of OpenGL and EGL from libepoxy. */
-#include "render/gl/functions.h"
+#include "render/gl/gl.h"
 
 #include <pthread.h>
 

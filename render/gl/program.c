@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Compiles and links programs, and finds the line of a compile error. */
-#include "render/gl/program.h"
+#include "render/gl/gl.h"
 
-#include "base/buffer.h"
+#include "base/memory.h"
 #include "base/text.h"
-#include "render/gl/context.h"
 #include "render/gl/shaders.h"
 
 #include <assert.h>

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Copies on the device into memory that the CPU sees, behind a fence. */
-#include "render/gl/readback.h"
-
-#include "render/gl/context.h"
+#include "render/gl/gl.h"
 
 enum { ALIGNMENT = 16, MAPPING = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT };
 

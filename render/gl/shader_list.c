@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Draws until all records fit, and reads them back. */
-#include "render/gl/shader_list.h"
-
-#include "render/gl/context.h"
+#include "render/gl/gl.h"
 
 enum { HEADER_SIZE = 8, SIZE_LIMIT = 1 << 24 }; /* bytes; any driver takes blocks of 2^24 */
 

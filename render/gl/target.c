@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Creates, clears and reads framebuffers. */
-#include "render/gl/target.h"
-
-#include "render/gl/context.h"
+#include "render/gl/gl.h"
 
 #include <assert.h>
 #include <string.h>

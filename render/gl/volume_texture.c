@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Creates 3-D textures within the limits of driver and memory. */
-#include "render/gl/volume_texture.h"
-
-#include "render/gl/context.h"
+#include "render/gl/gl.h"
 
 /* GL's names of a volume_texture_kind. */
 struct format {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cuts meshes into clusters of neighbouring triangles and finds a bounding ball of each. */
-#include "render/id/clusters.h"
+#include "render/id/id_pass.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sends shapes and places of cones to the device, which makes rays of them, and takes the rows that it has counted. */
-#include "render/id/cone_pass.h"
+#include "render/id/id_pass.h"
 
 #include "base/memory.h"
-#include "render/gl/context.h"
-#include "render/gl/program.h"
-#include "render/gl/readback.h"
+#include "render/gl/gl.h"
 #include "render/gl/shaders.h"
 
 #include <assert.h>

@@ -3,11 +3,8 @@
 #include "render/id/id_pass.h"
 
 #include "base/memory.h"
-#include "render/gl/context.h"
-#include "render/gl/program.h"
-#include "render/gl/shader_list.h"
+#include "render/gl/gl.h"
 #include "render/gl/shaders.h"
-#include "render/gl/volume_texture.h"
 
 #include <assert.h>
 #include <string.h>

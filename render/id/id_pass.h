@@ -1,16 +1,21 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * The ID pass: which object each of many rays hits first. The rays are those of the pixels of as many cones as one
- * likes, so a block of cones is one dispatch per volume and one wait. Needs a current context throughout. One
- * trace is: id_pass_begin(); for each volume fill id_pass_rays() and id_pass_trace(); id_pass_read(). For all layers:
- * id_pass_begin(); for each volume fill id_pass_rays() and id_pass_pierce(). */
+/** @file The ID passes: which object each ray or pixel hits first. All need a current context throughout. */
 #ifndef CONUS_RENDER_ID_ID_PASS_H
 #define CONUS_RENDER_ID_ID_PASS_H
 
+#include "atlas/atlas.h"
+#include "atlas/surface/mesh.h"
 #include "atlas/volume.h"
+#include "base/status.h"
 #include "conus/selection.h"
-#include "render/gl/functions.h"
-#include "render/id/slices.h"
+#include "render/gl/camera.h"
+#include "render/gl/gl.h"
+#include "render/id/shapes.h"
+
+/* The ID pass: which object each of many rays hits first. The rays are those of the pixels of as many cones as one
+ * likes, so a block of cones is one dispatch per volume and one wait. Needs a current context throughout. One trace
+ * is: id_pass_begin(); for each volume fill id_pass_rays() and id_pass_trace(); id_pass_read(). For all layers:
+ * id_pass_begin(); for each volume fill id_pass_rays() and id_pass_pierce(). */
 
 struct id_pass;
 
@@ -96,5 +101,242 @@ typedef conus_status (*id_pass_take)(void *user, const struct id_interval *inter
 /** Hands to @p take, in portions, all intervals of the rays in volume number @p volume, whatever hides them. Not for
  * CONUS_SAMPLING_SLICES. */
 conus_status id_pass_pierce(struct id_pass *pass, size_t volume, id_pass_take take, void *user);
+
+/* Cones whose rays the device makes: a cone goes up as its place. Either it adds up, per object, what they hit first
+ * in volumes (Eq. 4, Eq. 11), and rows come down; or the ID pass walks them, and pixels or intervals do. With the
+ * bits of the rays engine and its statistics. Needs a current context throughout. */
+
+/** Where a cone is: the columns of world_from_device, right, up, back and apex; the radius of a cylinder, else 0. And
+ * which shape it has. */
+struct cone_place {
+    double columns[4][3], radius;
+    uint32_t shape, unused;
+};
+
+/** A ray of a shape. */
+struct cone_aim {
+    double right, up, forward; /**< Unit direction in the device's frame. */
+    double u, v;               /**< In the buffer (Eq. 3).                */
+    uint32_t rank, unused;     /**< Of its pixel among those of its part, to count. */
+};
+
+enum { CONE_PART = 256 };
+
+/** Beside the number of a pixel. */
+#define CONE_BORDER 0x80000000U
+
+/** A pixel of the shape; those of a part by ascending number, as many as the part has rays. */
+struct cone_spot {
+    double weight;          /**< Sums of them must be exact where there are several parts.           */
+    uint32_t pixel, square; /**< Row-major, with CONE_BORDER if a neighbour is in no cone; n^2 r^2. */
+};
+
+/** What the pixels of a part hit first of one object. */
+struct cone_row {
+    double nearest, contact;       /**< mm along the rays, INFINITY for object 0. */
+    double weight;                 /**< Sum.                                      */
+    uint32_t object, own;          /**< As reported, and as its contact hit it.   */
+    uint32_t pixels, pixel, voxel; /**< How many; the contact's two.                      */
+    uint32_t border;               /**< CONE_BORDER if one of them has it; else 0.        */
+};
+
+/** The rows of a part of a cone. */
+struct cone_head {
+    uint32_t first, count;
+};
+
+/** After a failure all but its end is lost. */
+struct cone_pass;
+
+/** @p out is NULL on a driver that does not round each `precise` operation, which some thousand numbers show: such rays
+ * would be others than the CPU's. The volumes of @p id_pass, which must outlive it, are searched. */
+conus_status cone_pass_create(struct cone_pass **out, struct id_pass *id_pass);
+/** NULL is fine. */
+void cone_pass_destroy(struct cone_pass *pass);
+
+/** Sets as what each object is counted: @p groups[k] for object k. */
+conus_status cone_pass_set_groups(struct cone_pass *pass, const uint32_t *groups, size_t group_count);
+
+/** Adds a shape of @p rays rays, as number @p known: the device has as many of that many rays, to count with, which
+ * need
+ * @p spots, or to list, where it is NULL. After a failure it has none. */
+conus_status cone_pass_add_shape(struct cone_pass *pass, const struct cone_aim *aims, const struct cone_spot *spots,
+                                 size_t rays, size_t known);
+
+/** Counts for @p cones cones, whose rays are walked CONE_PART by CONE_PART: those of a part should be neighbours. Part
+ * p of cone c has (*heads)[c * parts + p], parts = rays / CONE_PART rounded up. Both are borrowed until the next call.
+ * Volumes have at most 2^32 - 1 voxels each. */
+conus_status cone_pass_count(struct cone_pass *pass, const struct cone_place *places, uint32_t cones, uint32_t rays,
+                             const struct cone_head **heads, const struct cone_row **rows);
+
+/** Lists the next rays that are made: ray k is ray @p list[k] % rays of cone list[k] / rays; @p count of them, of which
+ * the device has the first @p known. */
+conus_status cone_pass_list(struct cone_pass *pass, const struct cone_place *places, uint32_t cones, uint32_t rays,
+                            const uint32_t *list, size_t known, uint32_t count);
+
+/** Makes the listed rays in volume number @p volume, for the next id_pass_trace() or id_pass_pierce(); after
+ * id_pass_begin() for as many. */
+conus_status cone_pass_make_rays(struct cone_pass *pass, size_t volume);
+
+/* Meshes cut into clusters of neighbouring triangles, so that one test can leave out what a view cannot show. They
+ * are laid out for drawing without a draw call, an attribute or a query per triangle: a triangle's last corner is a
+ * vertex of its own, whose number is the triangle's. */
+
+/** So many triangles of one mesh are a cluster, at most; so many clusters in a row, from whichever meshes, are a group,
+ * and so many a range. */
+enum { CLUSTER_TRIANGLES = 16, CLUSTER_GROUP = 8, CLUSTER_RANGE = 256 };
+
+/** At most CLUSTER_TRIANGLES neighbours of one mesh. */
+struct cluster {
+    uint32_t first, count; /**< Triangles in drawing order. */
+    uint32_t object;
+};
+
+struct clusters {
+    size_t cluster_count;
+    struct cluster *cluster; /**< [cluster_count] sorted by `first`.                                          */
+    size_t group_count;
+    float *balls; /**< [cluster_count + group_count][4] centre and radius, mm, of a ball around each cluster and each
+                       group; NULL once dropped. */
+    size_t range_count;
+    float *range_balls; /**< [range_count][4] likewise; stays.                                                */
+    size_t triangle_count;
+    uint32_t *triangle; /**< [triangle_count] number in its mesh, by drawing order.                           */
+    size_t vertex_count;
+    float *positions;  /**< [vertex_count][3]; NULL once dropped.                                             */
+    uint32_t *corners; /**< [triangle_count][3] vertices; the last one's number is the triangle's; likewise.  */
+};
+
+/** Object number k is meshes[k - 1]; NULL = it is no mesh. Neighbouring meshes come in a row. */
+conus_status clusters_init(struct clusters *out, const struct mesh *const *meshes, size_t count);
+void clusters_finish(struct clusters *clusters);
+
+/** Frees balls, positions and corners once a driver has a copy. */
+void clusters_drop_triangles(struct clusters *clusters);
+
+/** The cluster of the triangle that is drawn as number @p triangle. */
+const struct cluster *clusters_find(const struct clusters *clusters, uint32_t triangle);
+
+/* The mesh ID pass (Eq. 9): which triangle each pixel of n x n buffers hits first. Needs a current context throughout.
+ *
+ * The device leaves out the clusters of triangles that a view cannot show, and draws the others, which the CPU never
+ * sees. The driver proposes the triangles that cover a pixel's centre and are the nearest within rounding, and
+ * mesh_distance() settles in double precision which of them is: nearest first; of equally near ones that of the lower
+ * object, then the lower triangle.
+ *
+ * Many queries are read back at once. What a query draws, and where on the driver's grid, does not depend on its
+ * neighbours. */
+
+struct mesh_pass;
+
+/** Where the buffer looks from (Eq. 1, Eq. 3): either slope or radius is 0. */
+struct mesh_view {
+    const double *world_from_device; /**< [16] rigid; looks down its -z.                          */
+    double slope;                    /**< Tangent of half the opening angle.                      */
+    double radius;                   /**< A cylinder's parallel rays: half the buffer's edge, mm. */
+    uint32_t resolution;             /**< n                                                       */
+};
+
+/** A pixel's ray in the world; direction is a unit vector. */
+struct mesh_ray {
+    double origin[3], direction[3];
+};
+
+/** The first hit of each pixel's ray so far; bottom row first, [n n] each. */
+struct mesh_pixels {
+    const struct mesh_ray *rays; /**< Those of the view's pixels.      */
+    uint32_t *objects;           /**< In and out: 0 = none.            */
+    double *distances;           /**< In and out: mm; INFINITY = none. */
+    uint64_t *triangles;         /**< Out, where a mesh is hit first.  */
+};
+
+/** One view, and the pixels to fill. */
+struct mesh_query {
+    struct mesh_view view;
+    struct mesh_pixels pixels;
+};
+
+/** A triangle that covers a pixel's centre. */
+struct mesh_pass_hit {
+    uint32_t pixel, object;
+    uint32_t triangle; /**< In the object's mesh. */
+};
+
+/** Takes hits in any order. */
+typedef conus_status (*mesh_pass_take)(void *user, const struct mesh_pass_hit *hit);
+
+/** Uploads meshes, which must outlive the pass; object number k is meshes[k - 1], NULL = it is none. Takes their size
+ * on the device off @p memory_left. */
+conus_status mesh_pass_create(struct mesh_pass **out, const struct mesh *const *meshes, size_t count,
+                              uint64_t *memory_left);
+/** NULL is fine. */
+void mesh_pass_destroy(struct mesh_pass *pass);
+
+/** Draws the meshes for @p count queries, all of one resolution. A pixel takes a mesh's hit if it is nearer than the
+ * hit that it has. */
+conus_status mesh_pass_render(struct mesh_pass *pass, const struct mesh_query *queries, size_t count);
+
+/** Hands to @p take every triangle that covers a pixel's centre, whatever hides it (Eq. 10); in the view of a cylinder
+ * those behind the device, too. The hits are not exact yet: mesh_distance() decides where a ray hits a triangle. */
+conus_status mesh_pass_pierce(struct mesh_pass *pass, const struct mesh_view *view, mesh_pass_take take, void *user);
+
+/* The streamlines of an atlas as a camera sees them: tubes (shapes.h), found pixel by pixel in closed form (Eq. 18).
+ * Needs a current context. */
+
+struct tube_layer;
+
+/** Uploads the streamlines of @p atlas, which has some, and takes their size off @p memory_left. */
+conus_status tube_layer_create(struct tube_layer **out, const conus_atlas *atlas, uint64_t *memory_left);
+/** NULL is fine. */
+void tube_layer_destroy(struct tube_layer *layer);
+
+/** Updates the hidden bundles, and colours the streamlines (tubes_paint()). */
+conus_status tube_layer_update(struct tube_layer *layer, const struct tube_colouring *colouring,
+                               const bool *const *is_pale);
+
+struct tube_layer_view {
+    const double *eye;               /**< World mm. */
+    const double *camera_from_world; /**< [9] As in mesh.vert.glsl, by rows. */
+    float shift[2];                  /**< In halves of the picture. */
+    uint32_t width, height;
+    double draft; /**< mm; draws a draft, in which no tube is thinner. 0 = draws all as they are. */
+    struct picture_listener listener;
+};
+
+/** Draws into the bound framebuffer as mesh.frag.glsl does, behind what is there; depths are reversed.
+ * CONUS_ERROR_CANCELLED. */
+conus_status tube_layer_draw(const struct tube_layer *layer, const struct tube_layer_view *view);
+
+/* The meshes and streamlines of an atlas as a camera sees them: which object covers a pixel, its depth and its
+ * normal. The colour pass shades them and ends its rays there. Needs a current context throughout. */
+
+struct mesh_layer;
+
+/** Uploads the meshes and streamlines of @p atlas and the surfaces around its areas, whose numbers follow those of the
+ * objects; there must be some. Takes their size off @p memory_left. */
+conus_status mesh_layer_create(struct mesh_layer **out, const conus_atlas *atlas, uint64_t *memory_left);
+/** NULL is fine. */
+void mesh_layer_destroy(struct mesh_layer *layer);
+
+/** Updates the hidden meshes and bundles, and colours the streamlines: see tube_layer_update(). */
+conus_status mesh_layer_update(struct mesh_layer *layer, const conus_atlas *atlas,
+                               const struct tube_colouring *colouring, const bool *const *is_pale);
+
+/** Draws into textures of its own; its framebuffer stays bound. CONUS_ERROR_CANCELLED if the listener ends it. */
+conus_status mesh_layer_draw(struct mesh_layer *layer, const struct mesh_layer_view *view);
+
+/** Layers of translucent meshes: for each pixel the nearest surface of each object, nearer ones first. */
+struct mesh_layer_peels {
+    GLuint surface, object; /**< Array textures, like the two below; 0 where there never was a layer. */
+    size_t count;           /**< Layers of the last picture, up to MESH_LAYER_PEELS. */
+};
+struct mesh_layer_peels mesh_layer_peels(const struct mesh_layer *layer);
+
+/** Opaque surfaces, RGBA32F: the normal on the side that is seen, in world axes, and the depth along the view axis in
+ * mm; 0 = nothing.
+ */
+GLuint mesh_layer_surface(const struct mesh_layer *layer);
+/** R32UI: the object's number; for a streamline tube_colour(), and for a surface's map such a colour, too. */
+GLuint mesh_layer_object(const struct mesh_layer *layer);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the corners that areas share, gives each to one of them, and cuts triangles by that. */
-#include "render/id/mesh_borders.h"
+#include "render/id/shapes.h"
 
 #include "base/memory.h"
 #include "base/order.h"

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Uploads the meshes of an atlas and draws them for a camera, and streamlines with them. */
-#include "render/id/mesh_layer.h"
+#include "render/id/id_pass.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "render/gl/context.h"
-#include "render/gl/program.h"
+#include "render/gl/gl.h"
 #include "render/gl/shaders.h"
 
 #include <stddef.h>

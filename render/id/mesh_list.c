@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Puts the meshes of an atlas together. */
-#include "render/id/mesh_list.h"
+#include "render/id/shapes.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "render/id/mesh_borders.h"
 
 /* Each triangle adds its normal, weighted by its area, to its corners. */
 static void add_normals(struct mesh_vertex *vertices, const struct mesh *mesh)

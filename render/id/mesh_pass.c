@@ -1,16 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lets the device draw the clusters that a view can show, reads the proposed triangles and decides which is nearest. */
-#include "render/id/mesh_pass.h"
+#include "render/id/id_pass.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
-#include "render/gl/context.h"
-#include "render/gl/program.h"
-#include "render/gl/shader_list.h"
+#include "render/gl/gl.h"
 #include "render/gl/shaders.h"
-#include "render/gl/target.h"
-#include "render/id/clusters.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Computes the planes over a volume. */
-#include "render/id/slices.h"
+#include "render/id/shapes.h"
 
 #include "base/geometry/math3.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Meets triangles by exact signs of edges, so that no ray passes between two of them, and tubes in closed form. */
-#include "render/id/surface_rays.h"
+#include "render/id/shapes.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"

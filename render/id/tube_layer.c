@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Uploads the streamlines of an atlas and draws them for a camera. */
-#include "render/id/tube_layer.h"
+#include "render/id/id_pass.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "render/gl/context.h"
-#include "render/gl/program.h"
+#include "render/gl/gl.h"
 #include "render/gl/shaders.h"
-#include "render/id/mesh_list.h"
+#include "render/id/shapes.h"
 
 /* Instances that are drawn before the listener may cancel. */
 enum { PIECE = 50000 };

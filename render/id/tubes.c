@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Chooses the streamlines of an atlas that are drawn, their points and their colours. */
-#include "render/id/tubes.h"
+#include "render/id/shapes.h"
 
-#include "atlas/bundles.h"
-#include "base/buffer.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 

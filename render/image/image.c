@@ -4,7 +4,7 @@
 
 #include "base/memory.h"
 #include "conus/own.h"
-#include "render/draw/paint.h"
+#include "render/draw/draw.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -9,7 +9,7 @@
 #include "base/files/file.h"
 #include "base/status.h"
 #include "conus/image.h"
-#include "render/draw/list.h"
+#include "render/draw/draw.h"
 
 /** Longest side, and largest sum of all channels in bytes, of an image that is created or read. */
 #define IMAGE_MAX_SIDE 65536U
@@ -88,5 +88,24 @@ static inline void image_lay(const struct image_rgba *to, size_t pixel, const fl
         to->plane[c][pixel] = over[c] + (1 - over[3]) * to->plane[c][pixel];
     }
 }
+
+/* The codecs between an image and bytes in memory: image_exr.c and image_png.c. image_file.c picks one for a file.
+ * Formatting gives bytes that are the caller's to finish. */
+
+/** All channels and attributes, as one scan-line part, ZIP. Matrices are written as m44d, row-major like OpenEXR's. */
+conus_status image_format_exr(struct bytes *out, const conus_image *image);
+/** One scan-line part of FLOAT, UINT and HALF (made float) channels, string and m44 attributes. DWA, and B44 of other
+ * than HALF, are CONUS_ERROR_UNSUPPORTED: OpenEXR's C library 3.1.5 lacks the one and decodes the other wrongly. */
+conus_status image_parse_exr(conus_image **out, const uint8_t *data, size_t size);
+/** 8-bit sRGB with opacity: png_rgba, or else image_srgb_bytes(). */
+conus_status image_format_png(struct bytes *out, const conus_image *image);
+/** 1 to 16 bits of any colour type, taken as sRGB whatever gamma or profile it states. */
+conus_status image_parse_png(conus_image **out, const uint8_t *data, size_t size);
+
+/* An image's R, G, B, A as sRGB bytes. */
+
+/** Converts R, G, B, A to sRGB bytes; A (1 where there is none) is not premultiplied, values are clipped to 0..1.
+ * [width * height * 4], the caller's to memory_free(). CONUS_ERROR_ARGUMENT without R, G, B. */
+conus_status image_srgb_bytes(uint8_t **out, const conus_image *image);
 
 #endif

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* OpenEXR through its C library, between an image and bytes in memory, with our allocator and its first message as
  * ours. One call at a time per thread. */
-#include "base/buffer.h"
 #include "base/library.h"
 #include "base/memory.h"
 #include "render/image/image.h"
-#include "render/image/image_codecs.h"
 
 #include <openexr.h>
 #include <stdio.h>

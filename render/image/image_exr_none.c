@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Stands for images in files of OpenEXR, in a build without that library: each function says so. */
-#include "render/image/image_codecs.h"
+#include "render/image/image.h"
 
 static conus_status refuse(void)
 {

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Image files: detects the format of a file that is read, and picks the format of one that is written. */
-#include "render/image/image_codecs.h"
+#include "render/image/image.h"
 
 #include "base/memory.h"
 #include "conus/own.h"
-#include "render/draw/paint.h"
-#include "render/draw/svg.h"
-#include "render/image/image_srgb.h"
+#include "render/draw/draw.h"
 
 #include <string.h>
 #include <strings.h>

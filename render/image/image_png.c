@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* PNG through libpng, between an image and bytes in memory. libpng reports errors by longjmp. So variables that must
  * outlive a jump are in struct job, and functions that set the jump have no locals that change. */
-#include "render/image/image_codecs.h"
+#include "render/image/image.h"
 
-#include "base/buffer.h"
 #include "base/library.h"
 #include "base/memory.h"
-#include "render/image/image_srgb.h"
 
 #include <math.h>
 #include <png.h>

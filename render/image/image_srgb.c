@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* An image's linear values to sRGB bytes and back. */
-#include "render/image/image_srgb.h"
+#include "render/image/image.h"
 
 #include "base/memory.h"
 #include "conus/own.h"

@@ -52,7 +52,7 @@ layout(std430, binding = TILE_BUFFER) readonly buffer Tiles
 };
 layout(location = 0) out vec4 colour; // linear radiance times opacity, opacity
 
-const uint TUBE_OWN_COLOUR = 0x80000000u; // as in tube_layer.h
+const uint TUBE_OWN_COLOUR = 0x80000000u; // as in id_pass.h
 const uint TUBE_PALE = 0x40000000u;
 const float OPAQUE = 0.995;
 const float GHOST = 0.3; // how much the cone, its axis and the markers show through areas before them
@@ -233,7 +233,7 @@ vec3 look(int rgb)
     return linear_of(vec3(rgb >> 16, rgb >> 8 & 255, rgb & 255) / 255.0);
 }
 
-// Colour and emphasis of an object or, of a streamline, what tube_layer.h says: a colour of its own, or pale.
+// Colour and emphasis of an object or, of a streamline, what id_pass.h says: a colour of its own, or pale.
 vec4 entry_of(uint number)
 {
     bool own = (number & TUBE_OWN_COLOUR) != 0u;

@@ -12,7 +12,7 @@ layout(std430, binding = 2) readonly buffer Opacities
 
 const int SEEN = 16; // translucent areas along one ray
 const float OUTLINE_OPACITY = 0.8; // of surfaces around the areas
-const float LEAST_GRADIENT = 0.25; // of the stored gradient (field.h)
+const float LEAST_GRADIENT = 0.25; // of the stored gradient (colour.h)
 const float EDGE = 0.3; // cosine between normal and view
 
 bool lies_in(vec3 place)

@@ -29,7 +29,7 @@ struct Interval { // struct id_interval
     uint cell[3];
 };
 
-layout(std430, binding = OUT_BUFFER) restrict buffer Intervals // see shader_list.h
+layout(std430, binding = OUT_BUFFER) restrict buffer Intervals // see gl.h
 {
     uint interval_count, unused;
     Interval intervals[];

@@ -16,7 +16,7 @@ uniform int taken; // layers
 layout(location = 0) out vec4 surface;
 layout(location = 1) out uint object;
 
-const uint TUBE_OWN_COLOUR = 0x80000000u; // as in tube_layer.h
+const uint TUBE_OWN_COLOUR = 0x80000000u; // as in id_pass.h
 
 // Where most of the corners have no value, the surface has its own colour.
 uint painted()

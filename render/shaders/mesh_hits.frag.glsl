@@ -2,7 +2,7 @@
 // computed on the CPU in double precision.
 flat in uint triangle;
 
-layout(std430, binding = HIT_BUFFER) restrict buffer Hits // see shader_list.h
+layout(std430, binding = HIT_BUFFER) restrict buffer Hits // see gl.h
 {
     uint hit_count, unused;
     uvec2 hits[]; // pixel, triangle

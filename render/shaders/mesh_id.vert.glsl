@@ -14,5 +14,5 @@ void main()
     dvec3 place = device_from_world * (dvec3(position) - apex);
     // z = 0 passes every clipping plane as long as the corner is before the apex: there is no near or far plane.
     gl_Position = vec4(vec2(place.xy), 0.0, parallel ? 1.0 : float(place.z));
-    triangle = uint(gl_VertexID); // the last corner's counts: see clusters.h
+    triangle = uint(gl_VertexID); // the last corner's counts: see id_pass.h
 }

@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A batch: blocks of poses are read from a stream, answered by threads as rows of text, and delivered in order. */
-#include "base/buffer.h"
+#include "selection/batch/batch.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "conus/own.h"
 #include "poses/pose_stream.h"
 #include "poses/rows/pose_row.h"
-#include "selection/batch/ring.h"
-#include "selection/batch/worker.h"
 #include "selection/report/report.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The threads that answer the blocks of a run. */
-#include "selection/batch/ring.h"
+#include "selection/batch/batch.h"
 
 #include "base/memory.h"
 #include "base/status.h"

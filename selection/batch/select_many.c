@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Poses of arrays in, arrays of results out, by blocks. */
-#include "selection/batch/ring.h"
-#include "selection/batch/worker.h"
+#include "selection/batch/batch.h"
 
 #include "base/memory.h"
 #include "base/options.h"

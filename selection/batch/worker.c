@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Answers the poses of a block with one selector, those of an engine that can trace many at once together. */
-#include "selection/batch/worker.h"
+#include "selection/batch/batch.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "base/system/system.h"
 #include "conus/own.h"
-#include "selection/rank.h"
 #include "selection/selection.h"
-#include "selection/selector.h"
 
 enum { THREAD_LIMIT = 1024, DEFAULT_BLOCK = 256, DEFAULT_ANGLE = 10 };
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which pixels of the buffer are in the cone, with the weight and direction of each. */
-#include "selection/cone/aperture.h"
+#include "selection/cone/cone.h"
 
 #include "base/memory.h"
 

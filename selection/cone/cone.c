@@ -3,7 +3,6 @@
 #include "selection/cone/cone.h"
 
 #include "base/geometry/math3.h"
-#include "base/geometry/tangent.h"
 #include "poses/rows/pose_row.h"
 
 #include <string.h>

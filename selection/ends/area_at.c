@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the area that holds a point, else the nearest one (Eq. 20). */
-#include "selection/ends/area_at.h"
+#include "selection/ends/ends.h"
 
-#include "atlas/surface/mesh_near.h"
+#include "atlas/surface/mesh.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/engine/voxels/distance_map.h"

@@ -2,8 +2,8 @@
 /* Lists the areas of a matrix, with ends or without. */
 #include "base/memory.h"
 #include "base/order.h"
-#include "selection/ends/connectivity.h"
-#include "selection/selector.h"
+#include "selection/ends/ends.h"
+#include "selection/selection.h"
 
 /* Areas as they are listed: by their places in the list of those to show, then by number. */
 struct listing {

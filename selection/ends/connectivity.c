@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Counts streamlines by the areas at their ends (Eq. 20). */
-#include "selection/ends/connectivity.h"
+#include "selection/ends/ends.h"
 
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "base/memory.h"
 #include "base/order.h"
 #include "base/threads.h"
-#include "selection/ends/area_at.h"
-#include "selection/measure/tract_census.h"
+#include "selection/measure/measure.h"
 #include "selection/selection.h"
-#include "selection/selector.h"
 
 #include <math.h>
 #include <stddef.h>

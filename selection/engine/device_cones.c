@@ -5,7 +5,7 @@
 #include "atlas/atlas.h"
 #include "base/memory.h"
 #include "base/order.h"
-#include "render/id/cone_pass.h"
+#include "render/id/id_pass.h"
 
 #include <stdlib.h>
 #include <string.h>

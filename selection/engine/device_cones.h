@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Cones whose rays the device makes (render/id/cone_pass.h), for the gl engine. Their shapes go there as the CPU
+/** @file Cones whose rays the device makes (render/id/id_pass.h), for the gl engine. Their shapes go there as the CPU
  * has them; rows come back as counts. Needs a current context throughout. */
 #ifndef CONUS_SELECTION_ENGINE_DEVICE_CONES_H
 #define CONUS_SELECTION_ENGINE_DEVICE_CONES_H
 
 #include "render/id/id_pass.h"
-#include "selection/cone/aperture.h"
-#include "selection/evidence/counts.h"
+#include "selection/cone/cone.h"
+#include "selection/evidence/evidence.h"
 
 /** After a failure all but its end is lost. */
 struct device_cones;

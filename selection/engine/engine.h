@@ -4,9 +4,8 @@
 #ifndef CONUS_SELECTION_ENGINE_ENGINE_H
 #define CONUS_SELECTION_ENGINE_ENGINE_H
 
-#include "render/id/slices.h" /* SLICES_FRACTION */
-#include "selection/cone/aperture.h"
-#include "selection/evidence/counts.h"
+#include "render/id/shapes.h" /* SLICES_FRACTION */
+#include "selection/cone/cone.h"
 #include "selection/evidence/evidence.h"
 
 /** An engine for one atlas. */

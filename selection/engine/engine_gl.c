@@ -2,15 +2,14 @@
 /* The gl engine: the GPU finds hits and crossings, which become evidence and layers here. */
 #include "selection/engine/engine.h"
 
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "render/gl/context.h"
+#include "render/gl/gl.h"
 #include "render/id/id_pass.h"
-#include "render/id/mesh_pass.h"
 #include "selection/engine/device_cones.h"
 #include "selection/engine/engine_rays.h"
-#include "selection/engine/triangles/mesh_intervals.h"
+#include "selection/engine/triangles/mesh_rays.h"
 #include "selection/engine/voxels/traverse.h"
 
 #include <pthread.h>

@@ -2,14 +2,14 @@
 /* The rays engine: traces volumes, meshes and streamlines on the CPU, block by block of pixels. */
 #include "selection/engine/engine_rays.h"
 
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "render/id/slices.h"
-#include "selection/cone/aperture.h"
+#include "render/id/shapes.h"
+#include "selection/cone/cone.h"
 #include "selection/engine/tracts/tract_rays.h"
 #include "selection/engine/triangles/mesh_rays.h"
-#include "selection/engine/voxels/labelled_map.h"
+#include "selection/engine/voxels/distance_map.h"
 
 #include <stdatomic.h>
 #include <stdio.h>

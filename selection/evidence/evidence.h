@@ -1,12 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * The evidence: what each pixel's ray hits first. Statistics, scores, reports and pictures use it, whichever engine
- * made it. */
+/** @file What engines find: the first hits of rays, all layers, and counts. */
 #ifndef CONUS_SELECTION_EVIDENCE_EVIDENCE_H
 #define CONUS_SELECTION_EVIDENCE_EVIDENCE_H
 
 #include "atlas/atlas.h"
 #include "selection/cone/cone.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* The evidence: what each pixel's ray hits first. Statistics, scores, reports and pictures use it, whichever engine
+ * made it. */
 
 #define EVIDENCE_NO_VOXEL UINT64_MAX
 
@@ -35,5 +40,69 @@ void evidence_drop_blocked(struct evidence *evidence);
 /** World position of the contact of pixel column @p i, row @p j: the ray's origin + distance x ray; NAN where nothing
  * is hit. */
 void evidence_position(double out[3], const struct evidence *evidence, const struct cone *cone, uint32_t i, uint32_t j);
+
+/* All layers of the evidence (Eq. 10): every interval of every pixel's ray inside an object. Engines append
+ * intervals in any order; later steps get them sorted. Only memory limits their number. */
+
+/** Intervals of an n x n buffer, pixels outside the aperture too. A zeroed one is empty. */
+struct layers {
+    conus_interval *intervals;
+    size_t count, capacity;
+};
+
+void layers_finish(struct layers *layers);
+
+/** Empties it and keeps its memory. */
+static inline void layers_clear(struct layers *layers)
+{
+    layers->count = 0;
+}
+
+/** Makes capacity for @p more intervals. */
+conus_status layers_reserve(struct layers *layers, size_t more);
+
+/** Appends a copy of @p interval. */
+conus_status layers_add(struct layers *layers, const conus_interval *interval);
+
+/** Sorts by pixel (of @p pixels), then entry, then object, then exit. Quick where a pixel's intervals were appended in
+ * about that order. */
+conus_status layers_sort(struct layers *layers, size_t pixels);
+
+/** Drops what lies outside the cone's range; intervals that reach into it are cut there. Needs sorted layers and leaves
+ * them so. */
+void layers_clip(struct layers *layers, const struct cone *cone);
+
+/** Finds what each pixel hit first, from sorted layers: the visible part of the evidence. True if it is certain: in no
+ * pixel do several intervals begin where the first does. */
+bool layers_first(struct evidence *out, const struct layers *layers);
+
+/** Replaces each interval's object by the one as which @p group [@p object_count + 1] reports it. Intervals of a pixel
+ * that then have one object and touch or overlap become one. Needs sorted layers without blockers and leaves them
+ * sorted. */
+conus_status layers_regroup(struct layers *layers, const uint32_t *group, size_t object_count);
+
+/** Drops the intervals of voxels that block but are no object (VOLUME_BLOCKER). */
+void layers_drop_blockers(struct layers *layers);
+
+/* First hits added up per object, where an engine counts them itself: evidence of a cone without its pixels. */
+
+/** What some pixels in the cone hit first of one object. */
+struct hit_count {
+    uint32_t object; /**< As it is reported; 0 = nothing.                               */
+    uint32_t pixels;
+    double weight;     /**< Sum of theirs (Eq. 4).                                         */
+    double nearest;    /**< mm along their rays; INFINITY of nothing.                      */
+    uint32_t pixel;    /**< The contact's: the smallest r, of equal ones the nearest, the first (Eq. 11). */
+    uint32_t own;      /**< Which object that one hit, whatever it is reported as,         */
+    uint64_t voxel;    /**< in which voxel,                                                */
+    double contact;    /**< and how far along its ray, mm.                                 */
+    bool is_at_border; /**< One of the pixels has a neighbour that is not in the cone.  */
+};
+
+/** Of one cone. An object may have several, of other pixels. End it with memory_free(rows). */
+struct hit_counts {
+    struct hit_count *rows;
+    size_t count, capacity;
+};
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Collects, sorts, clips and regroups the intervals of all rays. */
-#include "selection/evidence/layers.h"
+#include "selection/evidence/evidence.h"
 
 #include "base/memory.h"
 #include "base/order.h"

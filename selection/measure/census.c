@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Counts the voxels of each object whose centre is in a region. */
-#include "selection/measure/census.h"
+#include "selection/measure/measure.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
-#include "selection/region/region_rows.h"
+#include "selection/region/region.h"
 
 /* Axes in the order in which voxels are stored. */
 static const int STORED[3] = {0, 1, 2};

@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds where a needle is nearest to each object. */
-#include "selection/measure/clearance.h"
+#include "selection/measure/measure.h"
 
-#include "atlas/surface/mesh_near.h"
-#include "atlas/tracts/capsule.h"
+#include "atlas/surface/mesh.h"
+#include "atlas/tracts/tractogram.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
-#include "selection/measure/label_runs.h"
-#include "selection/measure/near.h"
 
 /* Tubes are looked for round the needle, each time so many times as far as before. */
 static const double WIDER = 2;

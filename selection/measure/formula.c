@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses the formula of a score into a program for a stack, and evaluates it. */
-#include "selection/measure/formula.h"
+#include "selection/measure/score.h"
 
 #include "base/text.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The history that a track keeps of its objects. */
-#include "selection/measure/history.h"
+#include "selection/measure/score.h"
 
 #include "base/memory.h"
 

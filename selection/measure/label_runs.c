@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds runs of voxels of one object, several labels at a time. */
-#include "selection/measure/label_runs.h"
+#include "selection/measure/measure.h"
 
 #include "base/memory.h"
 

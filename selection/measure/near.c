@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the nearest point of each object to the centre of a ball. */
-#include "selection/measure/near.h"
+#include "selection/measure/measure.h"
 
-#include "atlas/surface/mesh_near.h"
+#include "atlas/surface/mesh.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "selection/measure/census.h"
 
 conus_status near_prepare(struct near *near, const conus_atlas *atlas)
 {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Adds up triangles of closed surfaces in a region, block by block. */
-#include "selection/measure/solids.h"
+#include "selection/measure/measure.h"
 
-#include "atlas/surface/bvh.h"
+#include "atlas/surface/mesh.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "selection/region/region_segment.h"
+#include "selection/region/region.h"
 
 enum { BLOCK_TRIANGLES = 16 };
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Adds up pixels, intervals and voxels per object, and makes results of the sums. */
-#include "selection/measure/statistics.h"
+#include "selection/measure/measure.h"
 
 #include "atlas/space.h"
 #include "base/geometry/math3.h"

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Counts the streamlines in a region. */
-#include "selection/measure/tract_census.h"
+#include "selection/measure/measure.h"
 
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
-#include "selection/region/region_segment.h"
+#include "selection/region/region.h"
 
 #include <string.h>
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Whose the streamlines are, which way bundles run, and where along them a point is. */
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "selection/measure/tract_census.h"
+#include "selection/measure/measure.h"
 
 #include <string.h>
 

@@ -1,11 +1,42 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A picture in the making: what conus_render() hands from step to step. */
+/** @file A picture in the making: what conus_render() hands from step to step, and what stands out in it; the view
+ * of a cut. */
 #ifndef CONUS_SELECTION_PICTURE_PICTURE_H
 #define CONUS_SELECTION_PICTURE_PICTURE_H
 
-#include "render/colour/renderer.h"
-#include "render/draw/font.h"
-#include "selection/picture/picture_emphasis.h"
+#include "base/status.h"
+#include "conus/own.h"
+#include "render/colour/colour.h"
+#include "render/draw/draw.h"
+#include "render/flat/cut.h"
+#include "selection/selection.h"
+
+/* How areas stand out in a picture with a cone. */
+
+/** How each object, by number, stands out in a picture of @p selection: [object count + 1] of enum emphasis, to be
+ * freed. @p chosen (0 = none) and what is below it in the area tree are never pale. NULL without memory. */
+uint8_t *picture_emphasis(const conus_selection *selection, uint32_t chosen);
+
+/** How far along the axis the farthest contact lies, mm; -INFINITY where nothing is hit. */
+double picture_cone_depth(const conus_selection *selection);
+
+/** Whether a picture of @p selection, which may be NULL, colours by rank: unless @p own_colours, or where the atlas has
+ * a palette, which somebody chose. */
+bool picture_has_ranks(const conus_selection *selection, bool own_colours);
+
+/** conus_selection_rank() of each object, by number: [object count + 1], to be freed. NULL without memory. */
+uint32_t *picture_ranks(const conus_selection *selection);
+
+enum { PICTURE_RANKS = 6 };
+/** sRGB of each object by its rank, to be freed; where the atlas has a palette its colours, but what has a rank has
+ * none that a better one has, while there are some: of [object count + 1] @p ranks; 0, and all where that is NULL,
+ * = @p not_hit, 0xRRGGBB, but what is @p listed ([object count + 1]; NULL = nothing is) has its own colour, so that
+ * nothing that is not hit has the colour of a hit. With a @p selection as much of a rank's colour shows as
+ * conus_selection_weight() says, and the rest is @p not_hit. NULL without memory. */
+uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, unsigned not_hit, const bool *listed,
+                               const conus_selection *selection))[3];
+
+/* A picture in the making: what conus_render() hands from step to step. */
 
 /** Tangents of a frustum's edges are at most so large. */
 enum { PICTURE_FRUSTUM_LIMIT = 1000 };
@@ -61,7 +92,7 @@ struct picture {
     size_t group_count;
     uint32_t *group_of; /**< [options.point_count] */
     double em, line;    /**< Size of letters, and the thinnest line (half a point), pixels. */
-    float ink[4];       /**< Colour of letters, in the form of list.h. */
+    float ink[4];       /**< Colour of letters, in the form of draw.h. */
     float dim;          /**< Opacity of letters that say less.                              */
     struct camera camera;
     struct camera_frame frame;
@@ -274,5 +305,38 @@ static inline size_t picture_flipped(uint32_t n, size_t pixel)
 
 /** Adds paths and SHA-256 of the atlas's files to the image's header; those of the context only if @p context. */
 conus_status picture_add_volumes(conus_image *image, const conus_atlas *atlas, bool context);
+
+/* A cut's view, as the picture of a cut and the figure around it read it. */
+
+/** CONUS_ERROR_ARGUMENT for a width or height that no cut has. */
+conus_status cut_view_check_size(const conus_cut_view *view);
+
+/** The axes of the picture; those of an axial cut unless the caller chose some. */
+void cut_view_axes(double right[3], double up[3], const conus_cut_view *view);
+
+/** The cone or cylinder of a selection, which must outlive @p out. */
+void cutter_cone(struct cut_cone *out, const conus_selection *selection);
+
+/** Without a cone, or colours that somebody chose, pathways and bundles stand out from areas: they have their own
+ * colours, and areas that are not in @p listed, which may be NULL, are a neutral grey.
+ * @param[out] out [objects + 1] What stands out, to be freed; NULL where there is a cone, colours were chosen, or
+ * neither pathways nor bundles are shown.
+ * @return CONUS_OK or CONUS_ERROR_MEMORY. */
+conus_status cutter_list_tracts(bool **out, const conus_atlas *atlas, const conus_selection *selection,
+                                bool own_colours, const bool *listed);
+
+/** What the figure around a cut says about the answer. */
+struct cutter_figure {
+    cut_line *line; /**< Gets the lines of surfaces, which are then not drawn. */
+    void *line_user;
+    const uint32_t *ranks;   /**< [objects + 1] NULL = picture_ranks().                          */
+    const uint8_t *emphasis; /**< [objects + 1] NULL = picture_emphasis(). */
+    const bool *listed;      /**< [objects + 1] What has its own colour unless it has a rank; NULL = nothing. */
+    bool has_cone;           /**< It is drawn. */
+};
+
+/** Draws what conus_cutter_draw() does, as the figure says. @p out is the cutter's. */
+conus_status cutter_draw_figure(const struct cut **out, conus_cutter *cutter, const conus_cut_view *view,
+                                const struct cutter_figure *figure);
 
 #endif

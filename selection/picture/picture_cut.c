@@ -5,10 +5,9 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "conus/own.h"
-#include "render/colour/pathways.h"
+#include "render/colour/colour.h"
 #include "render/image/image.h"
 #include "selection/picture/picture.h"
-#include "selection/picture/picture_cutter.h"
 
 #include <string.h>
 

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cuts side by side on one sheet, at one scale, perhaps with the view in space before them. */
-#include "base/geometry/box3.h"
+#include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/look_sizes.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "conus/own.h"
-#include "render/colour/pathways.h"
-#include "render/flat/cut_trace.h"
+#include "render/colour/colour.h"
+#include "render/flat/cut.h"
 #include "render/image/image.h"
 #include "selection/picture/picture.h"
-#include "selection/picture/picture_cutter.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,16 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The picture of cuts through the atlas with the cone in them. */
-#include "selection/picture/picture_cutter.h"
+#include "selection/picture/picture.h"
 
 #include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "conus/own.h"
-#include "render/colour/emphasis.h"
-#include "render/colour/pathways.h"
+#include "render/colour/colour.h"
 #include "render/flat/cut.h"
-#include "selection/picture/picture_emphasis.h"
 
 #include <string.h>
 

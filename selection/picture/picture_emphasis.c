@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How areas stand out in a picture with a cone. */
-#include "selection/picture/picture_emphasis.h"
+#include "selection/picture/picture.h"
 
 #include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/memory.h"
 #include "conus/own.h"
-#include "render/colour/emphasis.h"
+#include "render/colour/colour.h"
 
 #include <string.h>
 

@@ -2,16 +2,15 @@
 /* The legend of a picture: its rows, and the place beside or below the drawing that it takes. */
 #include "selection/picture/picture.h"
 
-#include "base/buffer.h"
 #include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/memory.h"
 #include "base/path.h"
 #include "conus/own.h"
-#include "render/colour/pathways.h"
-#include "render/draw/legend.h"
+#include "render/colour/colour.h"
+#include "render/draw/draw.h"
 #include "render/image/image.h"
-#include "selection/measure/tract_census.h"
+#include "selection/measure/measure.h"
 
 #include <ctype.h>
 #include <stdarg.h>

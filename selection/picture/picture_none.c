@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Stands for pictures and their files, in a build without the libraries that they need: each function says so. */
-#include "render/image/image_codecs.h"
+#include "render/image/image.h"
 
 #include "conus/own.h"
-#include "render/draw/paint.h"
+#include "render/draw/draw.h"
 
 static conus_status refuse(void)
 {

@@ -3,11 +3,8 @@
 #include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/memory.h"
-#include "base/name_set.h"
 #include "base/order.h"
 #include "selection/picture/picture.h"
-#include "selection/picture/picture_cutter.h"
-#include "selection/picture/picture_emphasis.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"
-#include "render/colour/pathways.h"
+#include "render/colour/colour.h"
 #include "selection/picture/picture.h"
 #include "selection/selection.h"
 

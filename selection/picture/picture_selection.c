@@ -2,14 +2,13 @@
 /* The evidence as an image, and a picture of it with a legend. */
 #include "selection/picture/picture.h"
 
-#include "base/buffer.h"
 #include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "conus/own.h"
-#include "render/draw/legend.h"
-#include "render/image/image_srgb.h"
+#include "render/draw/draw.h"
+#include "render/image/image.h"
 #include "selection/selection.h"
 
 #include <math.h>

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_render(): the picture of the atlas from a camera, with the cone in it. */
-#include "base/geometry/box3.h"
+#include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/look_sizes.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/text.h"
 #include "conus/own.h"
-#include "render/colour/pathways.h"
+#include "render/colour/colour.h"
 #include "render/image/image.h"
-#include "render/image/image_srgb.h"
-#include "selection/measure/tract_census.h"
+#include "selection/measure/measure.h"
 #include "selection/picture/picture.h"
 
 #include <stdio.h>

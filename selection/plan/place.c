@@ -2,10 +2,9 @@
 /* Finds the point that words mean: numbers, an area's inner point, a position of a cap. */
 #include "conus/own.h"
 
-#include "atlas/areas/area_find.h"
+#include "atlas/areas/areas.h"
 #include "base/geometry/math3.h"
 #include "base/options.h"
-#include "poses/rows/place.h"
 #include "poses/rows/pose_row.h"
 #include "selection/plan/plan_deepest.h"
 

@@ -2,7 +2,7 @@
 /* Compares points of a list with the areas and positions that they are called as. */
 #include "conus/own.h"
 
-#include "atlas/areas/area_find.h"
+#include "atlas/areas/areas.h"
 #include "base/geometry/math3.h"
 #include "base/order.h"
 #include "poses/rows/pose_row.h"

@@ -2,7 +2,6 @@
 /* Has poses of a stream tried by threads, and keeps the best of them. */
 #include "selection/plan/plan.h"
 
-#include "base/buffer.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
@@ -11,10 +10,8 @@
 #include "conus/own.h"
 #include "poses/pose_stream.h"
 #include "poses/rows/pose_row.h"
-#include "selection/batch/ring.h"
-#include "selection/batch/worker.h"
-#include "selection/plan/plan_trial.h"
-#include "selection/plan/together/bodies.h"
+#include "selection/batch/batch.h"
+#include "selection/plan/together/together.h"
 
 #include <math.h>
 #include <pthread.h>

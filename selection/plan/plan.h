@@ -1,13 +1,124 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A plan from inside: its constraints, what judges a pose, and the order of poses (Eq. 22). */
+/** @file A plan from inside: its constraints, what judges a pose and tries it, and the order of poses (Eq. 22). */
 #ifndef CONUS_SELECTION_PLAN_PLAN_H
 #define CONUS_SELECTION_PLAN_PLAN_H
 
+#include "base/geometry/math3.h"
 #include "conus/plan.h"
-#include "selection/measure/formula.h"
-#include "selection/plan/plan_leeway.h"
-#include "selection/selector.h"
+#include "conus/pose.h"
+#include "selection/evidence/evidence.h"
+#include "selection/measure/score.h"
+#include "selection/selection.h"
 #include "selection/study/study.h"
+
+/* The checked constraints of a plan (Eq. 22). */
+
+/** A shape that objects of a structure have: a volume, a mesh, or a bundle. */
+struct plan_part {
+    const struct volume *volume; /**< Any of its objects may be the structure's. */
+    const struct mesh *mesh;
+    const struct tractogram *tractogram;
+    const struct tract_group *group; /**< Group of the tractogram; NULL = all of it. */
+    uint32_t object;                 /**< The mesh's or the bundle's. */
+    struct plan_map *map;            /**< Map of the volume, see plan_constraint_map(); NULL = none. */
+};
+
+/** A constraint, checked. */
+struct plan_constraint {
+    char *name;             /**< The names that were asked for, as the atlas has them; NULL without a structure. */
+    conus_constraint asked; /**< Without names; needles are owned, the direction has length 1. */
+    uint32_t *has;  /**< [object_count + 1] Each object of the structure at its number, else 0; NULL without one. */
+    bool *reported; /**< [object_count + 1] The object as which each is reported; NULL except for measures of a cone. */
+    struct plan_part *parts;
+    size_t part_count;
+    bool has_leeway;
+    size_t shanks[2]; /**< It is about those from the first to before the second, from 0: */
+    bool any_shank;   /**< any of these; else each. */
+};
+
+/** Fills a zeroed one; it can be finished after a failure, too. */
+conus_status plan_constraint_init(struct plan_constraint *out, const conus_selector *selector,
+                                  const conus_constraint *asked, size_t shank_count);
+void plan_constraint_finish(struct plan_constraint *constraint);
+
+/** Makes the maps of a constraint that keeps a distance, or that has a leeway. */
+conus_status plan_constraint_map(struct plan_constraint *constraint, const conus_selector *selector);
+
+/** Fills a zeroed one's name, has and parts; it can be finished after a failure, too. Hidden objects are left out,
+ * unless @p with_hidden. */
+conus_status plan_structure_find(struct plan_constraint *out, const conus_atlas *atlas, const char *names,
+                                 bool with_hidden);
+
+/** The same of one object and of all below it, hidden or not; it may have no part. */
+conus_status plan_structure_of(struct plan_constraint *out, const conus_atlas *atlas, uint32_t number);
+
+/** Refuses constraints that repeat or exclude each other. */
+conus_status plan_constraints_check(const struct plan_constraint *constraints, size_t count, const conus_atlas *atlas);
+
+/** Whether a measure concerns the pose's cone or cylinder, not its axis. */
+static inline bool plan_is_of_cone(conus_measure measure)
+{
+    return measure >= CONUS_MEASURE_SHARE;
+}
+
+/** Whether it measures an angle: degrees in the verdict, radians while it is judged. */
+static inline bool plan_is_of_direction(const struct plan_constraint *constraint)
+{
+    return constraint->asked.kind == CONUS_CONSTRAINT_LEAN || constraint->asked.kind == CONUS_CONSTRAINT_ENTRY_ANGLE;
+}
+
+/** Whether the constraint is a distance that must be kept. */
+static inline bool plan_is_clearance(const struct plan_constraint *constraint)
+{
+    return constraint->asked.kind == CONUS_CONSTRAINT_AVOID && constraint->asked.measure == CONUS_MEASURE_LENGTH;
+}
+
+/* How far the points of an axis may move until a structure is no longer reached (Eq. 22). */
+
+/** A part of the axis, mm from the apex. */
+struct plan_span {
+    double entry, exit;
+};
+
+struct plan_spans {
+    struct plan_span *items;
+    size_t count, capacity;
+};
+
+/** Scratch, kept between questions. A zeroed one is ready. */
+struct plan_leeway {
+    struct needle needle;    /**< The part of the axis that counts. */
+    const uint32_t *has;     /**< The structure's objects. */
+    conus_contacts contacts; /**< Its points, where there are some: `least` of them are to stay in the structure, */
+    double least;            /**< else so many mm. */
+    bool uses_maps;          /**< The parts' maps, where they have some, may be looked at. */
+    struct plan_side *sides;
+    size_t side_count, side_capacity;
+    struct plan_body *bodies; /**< Everything that is not the structure, side by side. */
+    size_t body_count, body_capacity;
+    struct plan_spans inside; /**< Where the needle is in the structure, side by side; */
+    struct plan_spans taken;  /**< where bodies are nearer than delta, and where they are for a smaller one, */
+    struct plan_spans sure;   /**< likewise; */
+    struct plan_spans left;   /**< what that leaves. */
+};
+
+void plan_leeway_finish(struct plan_leeway *leeway);
+
+/** Asks about a constraint with a leeway, a REACH, and an axis that passes @p layers; leeway->needle, contacts and
+ * least are set. */
+conus_status plan_leeway_ask(struct plan_leeway *leeway, const struct plan_constraint *constraint,
+                             const conus_atlas *atlas, const struct layers *layers);
+
+/** Whether the points of the axis may each move by less than @p delta, mm, in any direction. */
+conus_status plan_leeway_is(bool *out, struct plan_leeway *leeway, double delta);
+
+/** A delta for which that is so, at most @p most: no less than half of the largest one, or 0. */
+conus_status plan_leeway_guess(double *out, struct plan_leeway *leeway, double most);
+
+/** The largest such delta, from below, to 1e-6 mm. */
+conus_status plan_leeway_find(double *out, struct plan_leeway *leeway);
+
+/* A plan from inside: its constraints, what judges a pose, and the order of poses (Eq. 22). */
 
 /* plan.c */
 
@@ -170,5 +281,66 @@ void plan_measure_all(conus_plan *plan);
 
 /** The judge of single poses outside of a run. */
 struct plan_judge *plan_judge_of(conus_plan *plan);
+
+/* A pose that is tried: what a plan asks of it, and how much of that has to be measured (Eq. 22). */
+
+/** The constraints and options of a plan; a run does not change them. */
+struct plan_asked {
+    conus_selector *selector;
+    conus_plan_options options; /**< Defaults filled in; strings and shanks are not kept. */
+    struct plan_constraint *constraints;
+    size_t count;
+    struct plan_order order;
+    struct plan_jitter jitter;
+    bool measures_all; /**< Of every pose, also what decides nothing. */
+};
+
+/** The results of earlier poses, so that less has to be measured of later ones. */
+struct plan_bar {
+    bool has_maps; /**< All constraints have maps. */
+    bool has_feasible;
+    bool is_full;      /**< Keys are those of the last pose of a full list: whatever follows has to be better. */
+    size_t infeasible; /**< So many are kept. */
+    double *keys;      /**< [rank_count] */
+    double *misses;    /**< [count] By how much the nearest miss breaks each constraint. */
+};
+
+conus_status plan_bar_init(struct plan_bar *out, const struct plan_asked *asked);
+void plan_bar_finish(struct plan_bar *bar);
+void plan_bar_copy(struct plan_bar *to, const struct plan_bar *from, const struct plan_asked *asked);
+
+/** The scratch with which one thread tries poses. */
+struct plan_worker {
+    struct plan_judge judge;
+    struct plan_bar bar; /**< As it was when the pose's turn came. */
+};
+
+/** A pose that is tried. */
+struct plan_trial {
+    conus_planned planned; /**< The id is that at `id` of its block's strings. */
+    size_t id;
+    conus_verdict *verdicts;
+    double *keys; /**< As they are compared. */
+    double *bar;  /**< [rank_count] What it has to be better than, where it has a bar: the last of a full list, or
+                     the best of its entry or target so far where that is less. */
+    bool has_bar;
+    bool is_known;    /**< It was judged before, and is feasible. */
+    bool is_measured; /**< All of this is whole. */
+    double most;      /**< mm: else, where it is feasible, what its leeway does not exceed. */
+    bool is_lone;     /**< It breaks planned.broken and nothing else. */
+};
+
+/** Why a row is no candidate; NULL where it is one, and @p out has its needle. */
+const char *plan_trial_begin(conus_planned *out, const conus_pose_row *row, const struct plan_asked *asked);
+
+/** Has a judge that is turned to the pose give all verdicts, with so much care, and sums them up. */
+conus_status plan_trial_measure(struct plan_trial *trial, struct plan_judge *judge, const struct plan_asked *asked,
+                                enum plan_care care);
+
+/** Tries the pose, which was begun: it is whole where it may be kept. */
+conus_status plan_trial_try(struct plan_trial *trial, struct plan_worker *worker, const struct plan_asked *asked);
+
+/** The same of a pose that is known to be feasible; of one that is measured its leeway is known. */
+conus_status plan_trial_again(struct plan_trial *trial, struct plan_worker *worker, const struct plan_asked *asked);
 
 #endif

@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Checks constraints, and finds the shapes of their structures. */
-#include "selection/plan/plan_constraint.h"
+#include "selection/plan/plan.h"
 
-#include "atlas/areas/area_find.h"
-#include "atlas/areas/area_list.h"
-#include "atlas/bundles.h"
-#include "base/buffer.h"
+#include "atlas/areas/areas.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "selection/plan/plan_map.h"
+#include "selection/plan/plan_deepest.h"
 #include "selection/study/study.h"
 
 #include <string.h>

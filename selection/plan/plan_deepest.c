@@ -2,9 +2,8 @@
 /* Finds the point of a structure that is farthest from its border, and how much of it lies on which side. */
 #include "selection/plan/plan_deepest.h"
 
-#include "atlas/areas/sides.h"
-#include "atlas/surface/bvh.h"
-#include "atlas/surface/mesh_near.h"
+#include "atlas/areas/areas.h"
+#include "atlas/surface/mesh.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"

@@ -4,16 +4,15 @@
  * is nearer than delta to one interval of the axis, and what all of them leave has the length that is asked for, or
  * not.
  */
-#include "selection/plan/plan_leeway.h"
+#include "selection/plan/plan.h"
 
-#include "atlas/surface/mesh_near.h"
-#include "atlas/tracts/capsule.h"
+#include "atlas/surface/mesh.h"
+#include "atlas/tracts/tractogram.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
-#include "selection/measure/census.h"
-#include "selection/measure/near.h"
-#include "selection/plan/plan_map.h"
+#include "selection/measure/measure.h"
+#include "selection/plan/plan_deepest.h"
 #include "selection/study/study.h"
 
 #include <math.h>

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Distances of voxel centres from cells: along one axis after the other, since the cells are boxes. */
-#include "selection/plan/plan_map.h"
+#include "selection/plan/plan_deepest.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "selection/measure/near.h"
+#include "selection/measure/measure.h"
 
 #include <math.h>
 #include <string.h>

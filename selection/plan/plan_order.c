@@ -3,9 +3,8 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "base/text_number.h"
 #include "selection/plan/plan.h"
-#include "selection/plan/together/bodies.h"
+#include "selection/plan/together/together.h"
 
 #include <math.h>
 #include <stdio.h>

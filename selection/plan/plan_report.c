@@ -8,7 +8,7 @@
 #include "poses/rows/pose_row.h"
 #include "selection/lists/lists.h"
 #include "selection/plan/plan.h"
-#include "selection/report/report_columns.h"
+#include "selection/report/report.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds points of a structure that needles may point to, and keeps those that are in one. */
-#include "atlas/areas/area_find.h"
-#include "atlas/areas/area_list.h"
-#include "atlas/sites.h"
+#include "atlas/areas/areas.h"
+#include "atlas/atlas.h"
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "selection/plan/plan_deepest.h"

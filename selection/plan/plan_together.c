@@ -8,9 +8,8 @@
 #include "base/order.h"
 #include "base/status.h"
 #include "selection/plan/plan.h"
-#include "selection/plan/together/pairs.h"
-#include "selection/plan/together/search.h"
-#include "selection/selector.h"
+#include "selection/plan/together/together.h"
+#include "selection/selection.h"
 
 #include <math.h>
 #include <string.h>

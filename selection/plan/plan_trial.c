@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tries a pose: by as much as decides whether it is kept. */
-#include "selection/plan/plan_trial.h"
+#include "selection/plan/plan.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"

@@ -3,7 +3,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/plan/plan.h"
-#include "selection/plan/plan_map.h"
+#include "selection/plan/plan_deepest.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Rows of voxels as a region sees them, and the choice of a kernel that cuts them. */
-#include "selection/region/region_rows.h"
+#include "selection/region/region.h"
 
 #include "base/geometry/math3.h"
 #include "base/simd/processor.h"

@@ -4,7 +4,7 @@
  * defines LANES and KERNEL (the function's name), includes this once, and is compiled with that set's flags. Every
  * kernel gives the same bits. */
 #include "base/simd/lanes.h"
-#include "selection/region/region_rows.h"
+#include "selection/region/region.h"
 
 /* The rows under way at t = 0. */
 struct start {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Segments and boxes against a cone, a cylinder or a ball. */
-#include "selection/region/region_segment.h"
+#include "selection/region/region.h"
 
 #include "base/geometry/math3.h"
 

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Triangles cut to a cone, a cylinder or a ball, and the flux through what is left. */
-#include "selection/region/region_triangle.h"
+#include "selection/region/region.h"
 
 #include "base/geometry/math3.h"
-#include "selection/region/region_segment.h"
 
 /* A triangle gains a corner at each of six planes at most. */
 enum { CORNER_LIMIT = 10, AXES = 3 };

@@ -2,14 +2,13 @@
 /* Reports: makes them, and collects what they are to say. */
 #include "selection/report/report.h"
 
-#include "atlas/frame.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/text.h"
 #include "conus/own.h"
-#include "selection/report/report_bep032.h"
-#include "selection/report/report_writers.h"
+#include "selection/report/parts.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 /* Answers in the two blocks of AFNI's whereami -tab. */
 #include "atlas/atlas.h"
 #include "base/path.h"
-#include "selection/report/report_writers.h"
+#include "selection/report/parts.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The electrodes.tsv, probes.tsv and coordsystem.json of the draft BEP032 of BIDS (docs/formats.md): where each contact
  * of a probe is, and the smallest area that contains all of them. */
-#include "selection/report/report_bep032.h"
+#include "selection/report/parts.h"
 
-#include "atlas/frame.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/path.h"

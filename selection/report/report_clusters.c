@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table for people of the clusters of regions of interest. */
-#include "selection/report/report_table.h"
-#include "selection/report/report_writers.h"
+#include "selection/report/parts.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The tables of columns of all kinds of reports, and how a cell is read from a row. */
-#include "selection/report/report_columns.h"
+#include "selection/report/report.h"
 
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "conus/own.h"
-#include "selection/plan/together/pairs.h"
-#include "selection/report/report_bep032.h"
+#include "selection/plan/together/together.h"
+#include "selection/report/parts.h"
 
 #include <assert.h>
 #include <stddef.h>

@@ -3,7 +3,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "poses/programs/pose_programs.h"
-#include "selection/report/report_writers.h"
+#include "selection/report/parts.h"
 
 /* Appends @p count fields of the line: missing ones as n/a, without what is too much. */
 static void write_fields(struct buffer *out, struct text line, size_t count)

@@ -5,8 +5,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "conus/own.h"
-#include "selection/report/report_bep032.h"
-#include "selection/report/report_writers.h"
+#include "selection/report/parts.h"
 #include "selection/study/study.h"
 
 #include <jansson.h>

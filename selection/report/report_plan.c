@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The tables for people of plans: of poses, of their constraints, and of depths. */
-#include "selection/report/report_table.h"
-#include "selection/report/report_writers.h"
+#include "selection/report/parts.h"
 
 #include <stdio.h>
 #include <string.h>

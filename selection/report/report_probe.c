@@ -7,7 +7,7 @@
 #include "base/memory.h"
 #include "base/order.h"
 #include "conus/own.h"
-#include "selection/report/report_writers.h"
+#include "selection/report/parts.h"
 
 #include <stdlib.h>
 #include <string.h>

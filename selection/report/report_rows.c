@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Rows as text, for tables and for lines of JSON. */
-#include "selection/report/report_writers.h"
+#include "selection/report/parts.h"
 
 #include <assert.h>
 #include <stdio.h>

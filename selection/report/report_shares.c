@@ -3,8 +3,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"
-#include "selection/report/report_table.h"
-#include "selection/report/report_writers.h"
+#include "selection/report/parts.h"
 
 #include <stdio.h>
 

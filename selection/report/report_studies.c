@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The tables for people of studies: one writer, and lists of what it shows of each. */
 #include "base/geometry/math3.h"
-#include "selection/report/report_table.h"
-#include "selection/report/report_writers.h"
+#include "selection/report/parts.h"
 
 #include <assert.h>
 #include <math.h>

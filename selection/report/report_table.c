@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table of answers for people, aligned, with units; and what all tables for people have in common. */
-#include "selection/report/report_table.h"
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "conus/own.h"
-#include "selection/report/report_writers.h"
+#include "selection/report/parts.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The lines below a table for people: which atlas, pathways and bundles its answers rest on. */
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "base/memory.h"
 #include "base/path.h"
-#include "selection/report/report_table.h"
-#include "selection/report/report_writers.h"
+#include "selection/report/parts.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -4,8 +4,7 @@
 
 #include "base/memory.h"
 #include "conus/own.h"
-#include "selection/report/report_bep032.h"
-#include "selection/report/report_writers.h"
+#include "selection/report/parts.h"
 
 /* Hands out report->text, which a writer has filled. */
 static conus_status hand_out(conus_report *report, conus_status status, const char **text, size_t *size)

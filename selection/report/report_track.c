@@ -2,8 +2,7 @@
 /* The table of a track for people: a line per object and step, under one header. */
 #include "base/geometry/math3.h"
 #include "base/text.h"
-#include "selection/report/report_table.h"
-#include "selection/report/report_writers.h"
+#include "selection/report/parts.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table of the voxels that an answer holds, and of the points of its streamlines. */
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
-#include "selection/report/report_writers.h"
+#include "selection/report/parts.h"
 
 /* A voxel that is listed. */
 struct listed_voxel {

@@ -5,7 +5,7 @@
 #include "base/order.h"
 #include "base/text.h"
 #include "poses/rows/pose_row.h"
-#include "selection/selector.h"
+#include "selection/selection.h"
 #include "selection/study/study.h"
 
 #include <string.h>

@@ -2,12 +2,12 @@
 /* Parts a region of interest into clusters of voxels, finds what each covers, and its local maxima. */
 #include "selection/study/study.h"
 
-#include "atlas/roi.h"
+#include "atlas/volume.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
 #include "conus/study.h"
-#include "selection/selector.h"
+#include "selection/selection.h"
 
 #include <math.h>
 

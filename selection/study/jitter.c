@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Answers many poses around one, and estimates the probability of each object. */
-#include "selection/selector.h"
+#include "selection/selection.h"
 #include "selection/study/study.h"
 
 #include "base/geometry/math3.h"

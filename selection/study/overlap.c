@@ -2,14 +2,13 @@
 /* Adds up the shares of a region's voxels or tetrahedra in each object (Eq. 16). */
 #include "selection/study/study.h"
 
-#include "atlas/roi.h"
 #include "atlas/space.h"
-#include "atlas/surface/mesh_lines.h"
-#include "atlas/surface/mesh_voxels.h"
-#include "base/geometry/box3.h"
+#include "atlas/surface/mesh.h"
+#include "atlas/volume.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
-#include "selection/selector.h"
+#include "selection/selection.h"
 #include "selection/study/shares.h"
 
 #include <string.h>

@@ -7,7 +7,6 @@
 #include "conus/own.h"
 #include "poses/rows/pose_row.h"
 #include "selection/selection.h"
-#include "selection/selector.h"
 
 #include <string.h>
 

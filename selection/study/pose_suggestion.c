@@ -3,7 +3,6 @@
 #include "base/status.h"
 #include "conus/selection.h"
 #include "selection/selection.h"
-#include "selection/selector.h"
 
 #include <math.h>
 

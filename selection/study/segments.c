@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "base/order.h"
 #include "poses/rows/pose_row.h"
-#include "selection/selector.h"
+#include "selection/selection.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 #define CONUS_SELECTION_STUDY_SHARES_H
 
 #include "atlas/atlas.h"
-#include "base/geometry/convex.h"
+#include "base/geometry/math3.h"
 
 /** Called for each piece of a box that lies in the same objects throughout: @p count of them, which may repeat. */
 typedef void (*shares_take)(void *user, const uint32_t *objects, size_t count, double share);

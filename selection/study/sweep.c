@@ -2,13 +2,13 @@
 /* Finds the angle at which each object is admitted, and sorts the objects by it. */
 #include "selection/study/study.h"
 
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
 #include "poses/rows/pose_row.h"
-#include "selection/measure/census.h"
-#include "selection/selector.h"
+#include "selection/measure/measure.h"
+#include "selection/selection.h"
 
 /* The narrowest round cone about an axis that holds some of an object (Eq. 13): of a voxel's the angle of its centre,
  * of a surface's or streamline's that of its nearest point to the axis, exact but for rounding. */

@@ -2,9 +2,7 @@
 /* Follows a device: ranks with a history, and confirms what the trigger selects. */
 #include "base/memory.h"
 #include "base/options.h"
-#include "selection/rank.h"
 #include "selection/selection.h"
-#include "selection/selector.h"
 #include "selection/study/study.h"
 
 #include <math.h>

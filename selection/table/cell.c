@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads a value of a row, by its type. */
-#include "selection/table/cell.h"
+#include "selection/table/table.h"
 
-#include "atlas/placement.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 
 #include <string.h>

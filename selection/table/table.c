@@ -4,7 +4,6 @@
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "base/name_set.h"
 #include "conus/own.h"
 
 #include <assert.h>

@@ -3,7 +3,6 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"
-#include "selection/weight/rows.h"
 #include "selection/weight/weight.h"
 #include "sources/keys.h"
 

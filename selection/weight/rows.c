@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Small tables of named columns: weights by angle or offset, priors of objects. */
-#include "selection/weight/rows.h"
+#include "selection/weight/weight.h"
 
 #include <stdio.h>
 

@@ -6,7 +6,6 @@
 #include "base/memory.h"
 #include "base/order.h"
 #include "conus/own.h"
-#include "selection/weight/rows.h"
 #include "sources/keys.h"
 
 #include <math.h>

@@ -6,7 +6,8 @@
 #include "base/text.h"
 #include "conus/selection.h"
 #include "conus/study.h"
-#include "selection/cone/aperture.h"
+#include "poses/rows/columns.h"
+#include "selection/cone/cone.h"
 
 /** What a weight depends on. */
 enum weight_by { WEIGHT_BY_NOTHING, WEIGHT_BY_ANGLE, WEIGHT_BY_OFFSET };
@@ -60,5 +61,13 @@ void prior_finish(struct prior *prior);
 
 /** Sets the posterior of the results of a cone, in which weights are set. */
 void prior_apply(conus_result *results, size_t count, const struct prior *prior, const struct cone *cone);
+
+/* Small tables of named columns. */
+
+/** Takes a row of a table. */
+typedef void rows_take(struct job *job, const struct named_cells *cells, void *user);
+
+/** Reads a file of at most 64 MiB: a header with some of @p count column names, and no others, and rows. */
+conus_status rows_read(const char *path, const char *const *names, size_t count, rows_take *take, void *user);
 
 #endif

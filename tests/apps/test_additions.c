@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Options that add files to an open atlas, and the numbers of objects while files are added and removed. */
-#include "viewer/session/session_fit.h"
+#include "viewer/session/session.h"
 
 #include "conus/own.h"
 #include "test.h"

@@ -2,8 +2,7 @@
 /* Loading one atlas or several as the options say, and cancelling a load. */
 #include "conus/own.h"
 #include "options/messages.h"
-#include "settings/atlas_input.h"
-#include "settings/atlases.h"
+#include "settings/settings.h"
 #include "test.h"
 
 #include <stdio.h>

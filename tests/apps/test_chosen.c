@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The shape of the chosen area, its shadow and its outline, without a window. */
-#include "viewer/model/outline.h"
-#include "viewer/pictures/cells.h"
+#include "viewer/model/viewer.h"
+#include "viewer/pictures/pictures.h"
 
 #include "conus/own.h"
 #include "test.h"

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The window's settings for queries and studies, without a window. */
-#include "viewer/commands/keys.h"
+#include "viewer/commands/commands.h"
 #include "viewer/model/columns.h"
-#include "viewer/model/query_settings.h"
-#include "viewer/model/studies.h"
+#include "viewer/model/viewer.h"
 #include "viewer/session/session.h"
 
 #include "conus/own.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A SpaceMouse behind a fake spacenavd and a fake gamepad, as sources and moving a tool. */
 #include "viewer/devices/devices.h"
-#include "viewer/tools/inputs.h"
+#include "viewer/tools/tools.h"
 
 #include "test.h"
 #include "window_scene.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The page for choosing a file, without a window: its list, and the answer to Enter. */
-#include "viewer/window/dialog.h"
+#include "viewer/window/start.h"
 
 #include "conus/own.h"
 #include "test.h"

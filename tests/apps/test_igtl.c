@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* OpenIGTLink's messages: a written message is read again in whatever pieces it arrives; a broken or hostile one is
  * counted and never makes a pose. */
-#include "link/igtl.h"
+#include "link/station.h"
 #include "test.h"
 
 #include <math.h>

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The window's texts can be read: contrast of its colours, and no text cut off, at usual sizes of window. */
-#include "viewer/commands/keys.h"
+#include "viewer/commands/commands.h"
 #include "viewer/model/columns.h"
-#include "viewer/model/studies.h"
-#include "viewer/opening/view_words.h"
-#include "viewer/panes/panels.h"
+#include "viewer/model/viewer.h"
+#include "viewer/opening/opening.h"
+#include "viewer/panes/panes.h"
 #include "viewer/ui/ui_audit.h"
 
 #include "conus/own.h"

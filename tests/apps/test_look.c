@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The appearance of an atlas: grey values, opacities, haze, colours of the context and the background, without a
  * window. */
-#include "viewer/commands/script.h"
-#include "viewer/commands/script_words.h"
-#include "viewer/model/picker.h"
-#include "viewer/pictures/appearance.h"
+#include "viewer/commands/commands.h"
+#include "viewer/model/viewer.h"
+#include "viewer/pictures/pictures.h"
 #include "viewer/session/session.h"
-#include "viewer/session/undo.h"
-#include "viewer/tools/point.h"
-#include "viewer/window/figure_form.h"
+#include "viewer/tools/tools.h"
+#include "viewer/window/window.h"
 
 #include "conus/own.h"
 #include "test.h"

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Pictures of a moving view: drawn with fewer pixels, and yet without steps at edges; and when a late one says so. */
-#include "viewer/pictures/edges.h"
-#include "viewer/pictures/painter.h"
+#include "viewer/pictures/pictures.h"
 #include "viewer/window/window.h"
 
 #include "conus/own.h"

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which texts the panel of hits has, and in which order, without a screen. */
-#include "options/clock.h"
 #include "options/messages.h"
-#include "viewer/commands/script.h"
-#include "viewer/panes/panels.h"
+#include "options/progress.h"
+#include "viewer/commands/commands.h"
+#include "viewer/panes/panes.h"
 #include "viewer/ui/ui_audit.h"
 
 #include "builders/area_rows.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Names in a pane: no name lies on another, whatever the places, and each object has one name. */
-#include "viewer/window/labels.h"
+#include "viewer/window/window.h"
 
 #include "test.h"
 

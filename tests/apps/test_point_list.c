@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The list of points: loaded, chosen from, kept by sessions, in the phantom of balls of 8, 16 and 24 mm around 0. */
-#include "viewer/model/headline.h"
-#include "viewer/model/plans.h"
-#include "viewer/model/points.h"
-#include "viewer/model/studies.h"
+#include "viewer/model/columns.h"
+#include "viewer/model/viewer.h"
 #include "viewer/session/session.h"
-#include "viewer/tools/inputs.h"
+#include "viewer/tools/tools.h"
 
 #include "options/messages.h"
-#include "settings/atlases.h"
+#include "settings/settings.h"
 #include "test.h"
 #include "viewer/model/additions.h"
 #include "window_scene.h"

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The mouse's cone without a window: where it begins, when it stays, which notices it has. */
-#include "viewer/model/picker.h"
+#include "viewer/model/viewer.h"
 #include "viewer/session/property.h"
-#include "viewer/tools/extent.h"
-#include "viewer/tools/inputs.h"
-#include "viewer/tools/point.h"
+#include "viewer/tools/tools.h"
 
 #include "test.h"
 

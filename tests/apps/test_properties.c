@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table of the window's state, row by row: sessions have each value, and the documents list every row. */
-#include "viewer/commands/keys.h"
-#include "viewer/commands/script.h"
+#include "viewer/commands/commands.h"
 #include "viewer/session/session.h"
 
 #include "test.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Changes made to areas in the window are carried over to an atlas with another choice of hemispheres; showing one side
  * only. */
-#include "viewer/model/hemispheres.h"
-#include "viewer/opening/replace.h"
+#include "viewer/model/viewer.h"
+#include "viewer/opening/parts.h"
 
 #include "builders/area_rows.h"
 #include "conus/own.h"

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The lists of hits: cells against the tables of the report writers, order, columns in sessions, exported files. */
 #include "viewer/model/columns.h"
-#include "viewer/model/headline.h"
 #include "viewer/session/session.h"
 
 #include "builders/area_rows.h"

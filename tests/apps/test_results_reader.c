@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests of the tables that `conus diff` reads. */
-#include "cli/answers/results_reader.h"
+#include "cli/answers/answers.h"
 #include "options/messages.h"
 #include "test.h"
 

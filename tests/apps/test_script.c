@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests of what scripts of the window cannot do, sessions that they cannot open among it: each is said with its line.
  */
-#include "viewer/commands/script.h"
+#include "viewer/commands/commands.h"
 
 #include "base/memory.h"
 #include "conus/own.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The order of areas that a search finds. */
-#include "viewer/model/search.h"
+#include "viewer/model/viewer.h"
 
 #include "conus/arrays.h"
 #include "test.h"

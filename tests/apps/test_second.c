@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The second tool without a window: its answers, the devices that move it, holding it, its cone's lines, sessions. */
-#include "options/clock.h"
-#include "viewer/commands/script.h"
+#include "options/progress.h"
+#include "viewer/commands/commands.h"
 #include "viewer/session/session.h"
-#include "viewer/session/undo.h"
-#include "viewer/tools/inputs.h"
-#include "viewer/tools/point.h"
-#include "viewer/tools/shell.h"
+#include "viewer/tools/tools.h"
 
 #include "test.h"
 #include "window_scene.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests of how a session describes its atlas and finds it again. */
-#include "viewer/model/session_file.h"
+#include "viewer/model/additions.h"
 
 #include "conus/own.h"
 #include "options/provenance.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cameras of the window's 3-D pane: the orbit of the mouse, and the eye of a tracked head (Eq. 1). */
-#include "viewer/pictures/camera.h"
+#include "viewer/pictures/pictures.h"
 
 #include "test.h"
 

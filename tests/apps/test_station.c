@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests of stations over real sockets of this machine. */
 #include "link/station.h"
-#include "options/clock.h"
+#include "options/progress.h"
 #include "test.h"
 
 #include <arpa/inet.h>

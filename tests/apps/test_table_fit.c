@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tables on a terminal: where lines are cut, which words are bold, which lines stay whole. Columns are counted by
  * hand. */
-#include "options/table_fit.h"
+#include "options/options.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests of undo and redo, without a window. */
 #include "viewer/session/session.h"
-#include "viewer/session/undo.h"
 
 #include "test.h"
 #include "window_scene.h"

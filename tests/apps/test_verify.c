@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests of the parts of conus verify: command lines, sidecars, places of files, and values. */
-#include "cli/verify/record.h"
 #include "cli/verify/verify.h"
 #include "conus/version.h"
 #include "options/messages.h"
 #include "options/options.h"
+#include "options/output.h"
 #include "options/provenance.h"
-#include "options/stage.h"
 #include "test.h"
 
 #include <errno.h>

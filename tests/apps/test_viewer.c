@@ -3,8 +3,7 @@
 #include "atlas/warp/warp.h"
 #include "base/look.h"
 #include "base/memory.h"
-#include "viewer/model/file_watch.h"
-#include "viewer/model/picker.h"
+#include "viewer/model/additions.h"
 #include "viewer/model/viewer.h"
 #include "viewer/session/session.h"
 

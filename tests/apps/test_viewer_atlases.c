@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Several atlases in the window, without a window: all answer the same queries, one of them is drawn. */
-#include "viewer/model/picker.h"
-#include "viewer/opening/loader.h"
+#include "viewer/model/viewer.h"
+#include "viewer/opening/opening.h"
 #include "viewer/session/session.h"
-#include "viewer/window/hover.h"
+#include "viewer/window/window.h"
 
 #include "conus/own.h"
 #include "test.h"

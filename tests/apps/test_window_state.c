@@ -2,11 +2,9 @@
 /* Tests of the state that the window keeps from one run to the next (its place, the size of its text, the files that
  * were opened last), and of its start page. */
 #include "base/memory.h"
-#include "viewer/ui/theme.h"
-#include "viewer/window/place.h"
+#include "viewer/ui/ui.h"
 #include "viewer/window/start.h"
-#include "viewer/window/state_file.h"
-#include "viewer/window/thumbnail.h"
+#include "viewer/window/window.h"
 
 #include "conus/own.h"
 #include "test.h"

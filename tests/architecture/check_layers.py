@@ -9,6 +9,9 @@ include that names no file of the project.
 So are circles of any length: between files, where one file's object of the build folder BUILD uses a symbol that the
 other's defines, and between folders, where one folder includes another's header or uses its symbol. They are printed
 with the arrows that make them.
+
+A folder has one header that other folders include, and one that only it includes. APART names the others, with the
+reason; a name that has become needless is an error.
 """
 import collections
 import itertools
@@ -140,6 +143,36 @@ RULES = {**LIBRARY, **APPS}
 # What programs link beside the library (conus_system in base/CMakeLists.txt, conus_keys in sources).
 SHARED = {"base/look.h", "base/look_sizes.h", "base/order.h", "base/path.h",
           "base/system/system.h", "base/text.h", "base/writer.h", "sources/endings.h", "sources/keys.h"}
+# {folder: (headers beside its one for others and its one for itself, why)}.
+APART = {
+    "apps/cli": ("cmd_plan cmd_render request", "parts of some commands; commands.h lists all of them"),
+    "apps/hdf5": ("memory_limit", "is compiled into libhdf5 (scripts/libraries)"),
+    "apps/options": ("messages output progress provenance", "messages are for everyone, options for commands, files for"
+                     " who writes some, progress for long work; sidecars need JSON and SHA-256"),
+    "apps/viewer/model": ("additions columns", "know files and lists, and no state of the window"),
+    "apps/viewer/session": ("property", "is a table, which keys and scripts read, too"),
+    "apps/viewer/window": ("start", "is the page without an atlas, and what is kept between runs"),
+    "atlas": ("space volume", "a grid is known before there are voxels, and engines know volumes only"),
+    "atlas/surface": ("mesh_space", "is C++, too, in conus-mesh"),
+    "atlas/tracts": ("tract_leaf_lanes tract_node", "a kernel's body, and memory that engines walk themselves"),
+    "base": ("byte_order library look look_sizes numbers options order path status text threads tolerance writer",
+             "each is one word of all others' vocabulary, and programs may use some of them (SHARED)"),
+    "base/child": ("hdf5 hdf5_protocol", "what is asked of conus-hdf5, and what conus-hdf5 itself includes"),
+    "base/formats": ("encoding json_text matlab table xml", "are as many formats, some with libraries"),
+    "base/job": ("reader", "reads bytes, which few jobs do"),
+    "base/simd": ("lanes", "is the vocabulary of kernels, which define LANES first"),
+    "loaders/child": ("mesh_protocol", "is C++, too, in conus-mesh"),
+    "loaders/labels": ("label_format", "is for readers of other files that have entries of such tables"),
+    "poses/rows": ("columns", "tables whose columns are guessed; most know rows only"),
+    "render/gl": ("camera shaders", "need no OpenGL; the build writes the sources of shaders.h"),
+    "render/id": ("shapes", "needs no OpenGL"),
+    "selection/engine": ("device_cones", "needs OpenGL"),
+    "selection/engine/triangles": ("embree", "includes Embree"),
+    "selection/engine/voxels": ("distance_map traverse_lanes", "maps are packed with an atlas; a kernel's body"),
+    "selection/measure": ("score", "knows results only, and not how they are measured"),
+    "selection/plan": ("plan_deepest", "knows a structure, and no plan"),
+    "sources": ("endings keys", "programs have them beside the library (SHARED)"),
+}
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 
@@ -180,6 +213,27 @@ def check():
         for target in targets.split():
             if (room, target) not in used:
                 faults.append(f"the arrow from {room} to {target} is not used: delete it")
+    return faults
+
+
+def check_headers():
+    """Faults of folders with more headers than one for others and one for themselves."""
+    users = {path.relative_to(ROOT): set() for path in find_sources() if path.suffix == ".h"}
+    for path in find_sources():
+        for header in {find_header(path, name) for name in INCLUDE.findall(path.read_text())} & set(users):
+            users[header].add(path.parent.relative_to(ROOT))
+    faults = [f"{folder}/{name}.h stands apart, but is not there" for folder, (names, _) in APART.items()
+              for name in names.split() if not (ROOT / folder / f"{name}.h").is_file()]
+    for folder in sorted({header.parent for header in users}):
+        apart = APART.get(folder.as_posix(), ("", ""))[0].split()
+        for whose in ("other folders", "only its own files"):
+            headers = {header.stem for header in users if header.parent == folder
+                       and bool(users[header] - {folder}) == (whose == "other folders")}
+            joined = sorted(headers - set(apart))
+            if len(joined) > 1:
+                faults.append(f"{folder}: {whose} include {', '.join(joined)}: make one header of them")
+            if headers and not joined:
+                faults.append(f"{folder}: {' '.join(sorted(headers))} need not all stand apart: no other is there")
     return faults
 
 
@@ -279,7 +333,7 @@ def check_circles():
     return print_circles("files", files) + print_circles("folders", folders)
 
 
-FAULTS = check()
+FAULTS = check() + check_headers()
 for fault in FAULTS:
     print(fault)
 sys.exit(1 if check_circles() or FAULTS else 0)

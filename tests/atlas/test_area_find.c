@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Names of areas as people write them: separators, sides before or behind, and what has two readings. */
-#include "atlas/areas/area_find.h"
+#include "atlas/areas/areas.h"
 #include "builders/area_rows.h"
 #include "test.h"
 

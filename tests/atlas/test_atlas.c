@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Atlases built in memory: dense areas, pathways, notes on oddities. */
-#include "atlas/areas/area_find.h"
+#include "atlas/areas/areas.h"
 #include "atlas/atlas.h"
 #include "atlas/space.h"
 #include "base/geometry/math3.h"

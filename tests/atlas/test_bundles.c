@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tractograms become bundles: their numbers, names, groups, moves and hiding. */
-#include "atlas/bundles.h"
-#include "atlas/placement.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"

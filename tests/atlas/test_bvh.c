@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Trees of boxes: a search finds every box that a ray hits, each once. */
-#include "atlas/surface/bvh.h"
+#include "atlas/surface/mesh.h"
 #include "base/geometry/math3.h"
 #include "test.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Eq. 18: a line in one capsule. */
-#include "atlas/tracts/capsule.h"
+#include "atlas/tracts/tractogram.h"
 #include "base/geometry/math3.h"
 #include "test.h"
 

@@ -5,7 +5,7 @@
  * 40 x 57 voxels of 200 um; AP grows backward, DV downward, ML to the right; voxel n of an axis has its centre at
  * 200 (n + 1/2) um. Here the corner lies at (-5.7, 3, 1) mm of a RAS world, so that
  *     x = -5.7 + ML / 1000,  y = 3 - AP / 1000,  z = 1 - DV / 1000. */
-#include "atlas/frame.h"
+#include "atlas/atlas.h"
 
 #include "atlas/space.h"
 #include "base/geometry/math3.h"

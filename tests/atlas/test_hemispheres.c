@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Left and right areas: words for sides in names, pairs, merging and splitting (Eq. 10). */
-#include "atlas/areas/level.h"
-#include "atlas/areas/sides.h"
+#include "atlas/areas/areas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "builders/area_rows.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Voxels that store places in a list of labels, against the labels themselves. */
-#include "atlas/labels/label_voxels.h"
+#include "atlas/labels/labels.h"
 #include "base/memory.h"
 #include "test.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The part of Eq. 10 that rolls areas up the tree. */
-#include "atlas/areas/level.h"
+#include "atlas/areas/areas.h"
 #include "builders/area_rows.h"
 #include "conus/own.h"
 #include "test.h"

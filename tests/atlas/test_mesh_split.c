@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A surface is cut into areas by the labels of its vertices. */
-#include "atlas/surface/mesh_split.h"
+#include "atlas/surface/mesh.h"
 
 #include "base/memory.h"
 #include "test.h"

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The inside of meshes voxel by voxel (Eq. 16): boxes against polyhedra cut by planes, and sums against volumes. */
-#include "atlas/surface/mesh_voxels.h"
-#include "base/geometry/convex.h"
+#include "atlas/surface/mesh.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "mesh_scene.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The brain phantom: its exact size, closed surfaces that are not convex and do not touch, the pathway's tube. */
 #include "atlas/atlas.h"
-#include "atlas/phantom/phantom_brain.h"
+#include "atlas/phantom/phantom.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "conus/own.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Names of left and right areas, and where these lie. */
-#include "atlas/areas/sides.h"
-#include "atlas/placement.h"
+#include "atlas/areas/areas.h"
+#include "atlas/atlas.h"
 #include "base/memory.h"
 #include "builders/area_rows.h"
 #include "conus/own.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sparse maps of values against the arrays from which they are made, bit by bit. */
-#include "atlas/value_map.h"
+#include "atlas/volume.h"
 
 #include "base/memory.h"
 #include "test.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Streamlines moved by a deformation field whose inverse is known in closed form. A streamline with a point that has no
  * place is left out whole, with its numbers and its places in groups. */
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "atlas/warp/warp.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"

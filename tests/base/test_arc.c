@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sine, cosine and arc tangent against values of 200 bits (mpmath) rounded to double, and against the C library's. */
-#include "base/geometry/arc.h"
 #include "base/geometry/math3.h"
 #include "test.h"
 

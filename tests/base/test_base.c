@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Text, numbers, arrays, files and 3-D maths of base/. */
-#include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/formats/encoding.h"
 #include "base/geometry/math3.h"

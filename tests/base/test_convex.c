@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Convex polyhedra cut by planes, against closed forms (Eq. 16). */
-#include "base/geometry/convex.h"
 #include "base/geometry/math3.h"
 #include "conus/status.h"
 #include "test.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Gzip files: members, ranges, bombs, flipped bits. */
-#include "base/formats/gzip.h"
+#include "base/formats/packed.h"
 
 #include "builders/nifti_builder.h"
 #include "test.h"

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The list of the files that a process has read, of which none is replaced. */
 #include "base/files/file.h"
-#include "base/files/inputs.h"
 #include "base/system/system.h"
 #include "conus/own.h"
 #include "test.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sets of names against a list of the same names. */
-#include "base/name_set.h"
+#include "base/memory.h"
 
 #include "test.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Paths taken apart. What is wanted is written by hand. */
-#include "base/files/folder.h"
+#include "base/files/file.h"
 #include "base/memory.h"
 #include "base/path.h"
 #include "test.h"

@@ -3,7 +3,6 @@
  * and each primitive failing. */
 #include "base/job/reader.h"
 
-#include "base/buffer.h"
 #include "base/memory.h"
 #include "sources/source.h"
 #include "test.h"

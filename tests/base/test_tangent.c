@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The tangent, to the last bit, against values of 113 bits (GCC's libquadmath, tanq) rounded to double. */
-#include "base/geometry/tangent.h"
+#include "base/geometry/math3.h"
 #include "test.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Zip archives: stored, packed, ZIP64, streamed; contradicting records, names that lead elsewhere, bombs. */
-#include "base/formats/zip.h"
+#include "base/formats/packed.h"
 
 #include "base/memory.h"
 #include "builders/zip_builder.h"

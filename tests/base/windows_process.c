@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What base/child/process.h promises, asked on Windows by a program that starts itself. tests/cli/windows.bats builds
+/* What base/child/child.h promises, asked on Windows by a program that starts itself. tests/cli/windows.bats builds
  * it and runs it in wine, which knows no limits of memory and time. What is wanted is what tests/loaders/child and
  * tests/base/test_hdf5_child.c want on Linux. */
-#include "base/child/process.h"
+#include "base/child/child.h"
 #include "base/system/system.h"
 
 #include <errno.h>

@@ -2,7 +2,6 @@
 /* Tests of the code that the scenarios of conus-bench share: which runs count, when a ratio is null, and that one
  * failing scenario leaves the others alone. No time is asserted. */
 #include "bench/all.h"
-#include "bench/report.h"
 #include "test.h"
 
 #include <math.h>

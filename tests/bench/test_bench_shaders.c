@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The shaders that the bench adds, by glslang. */
-#include "bench/support/slicing.h"
-#include "bench/torus/torus_pass.h"
+#include "bench/support/frame.h"
+#include "bench/torus/torus.h"
 #include "shader_check.h"
 #include "test.h"
 #include "test_gl.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* has_gl: whether there is OpenGL 4.5. Exit code 77: no, with the reason. Command lines ask it before they skip a test:
  * conus ends with 4 also where a driver refuses a shader. */
-#include "render/gl/context.h"
+#include "render/gl/gl.h"
 
 #include <stdio.h>
 

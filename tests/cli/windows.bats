@@ -33,7 +33,7 @@ says_no_failures() {
     says_no_failures 'ä b"c'
 }
 
-@test "base/child/process.h keeps on Windows what it promises" {
+@test "base/child/child.h keeps on Windows what it promises" {
     build_for_windows tests/base/windows_process.c base/child/process_windows.c
     says_no_failures
 }

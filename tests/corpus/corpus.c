@@ -6,10 +6,9 @@
 #include "base/files/file.h"
 #include "base/path.h"
 #include "base/text.h"
-#include "cli/answers/info_json.h"
+#include "cli/answers/answers.h"
 #include "options/messages.h"
 #include "options/options.h"
-#include "settings/atlas_input.h"
 #include "settings/settings.h"
 #include "test.h"
 
@@ -34,20 +33,20 @@ enum { PREFIXES = 4096, FEW = 512, FAILURES = 2000, CHILD_PREFIXES = 4, CHILD_FA
 enum { PATH_SIZE = 1024, WORD_LIMIT = 64, LARGEST = 1 << 26 };
 
 /* The options of `conus info` that say what is loaded. */
-struct question {
+struct posed {
     struct atlas_settings atlas;
     struct context_choice context;
     struct common_settings common;
 };
 
 static const struct option_group groups[] = {
-    {"", atlas_options, offsetof(struct question, atlas)},
-    {"", context_choice_options, offsetof(struct question, context)},
-    {"", plain_options, offsetof(struct question, common)},
+    {"", atlas_options, offsetof(struct posed, atlas)},
+    {"", context_choice_options, offsetof(struct posed, context)},
+    {"", plain_options, offsetof(struct posed, common)},
     {0},
 };
 static const struct command command = {
-    .name = "info", .operands = {"ATLAS"}, .groups = groups, .settings_size = sizeof(struct question)};
+    .name = "info", .operands = {"ATLAS"}, .groups = groups, .settings_size = sizeof(struct posed)};
 
 struct answer {
     int code;      /* The exit code. */
@@ -131,7 +130,7 @@ static void add_voxels(json_t *json, const conus_atlas *atlas)
 }
 
 /* Loads what the settings say; the allocation number `failing` and all later ones fail, none if it is -1. */
-static void load(struct answer *out, const struct entry *entry, const struct question *question, const char *path,
+static void load(struct answer *out, const struct entry *entry, const struct posed *question, const char *path,
                  long failing)
 {
     conus_atlas *atlas = NULL;
@@ -161,7 +160,7 @@ static void load(struct answer *out, const struct entry *entry, const struct que
 
 static void ask(struct answer *out, const struct entry *entry, long failing)
 {
-    struct question question = {0};
+    struct posed question = {0};
     struct arguments arguments;
     *out = (struct answer){.unharmed = true};
     out->code = options_parse(&arguments, &question, &command, NULL, entry->word_count, (char **)entry->words, 2);

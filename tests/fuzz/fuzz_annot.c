@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* FreeSurfer's annotations, in which every label of a vertex must be in the table; and its lists of vertices. */
-#include "loaders/surfaces/freesurfer_labels.h"
+#include "loaders/surfaces/parts.h"
 
 #include <stdlib.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The sidecar of a part: the values that are taken from it when parts are joined are consistent. */
-#include "cli/batch/batch_record.h"
+#include "cli/batch/parts.h"
 #include "quiet.h"
 
 #include <math.h>

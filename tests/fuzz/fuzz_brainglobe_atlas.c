@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Any bytes as BrainGlobe's manifest.json: no path leaves the root. */
-#include "loaders/brainglobe/brainglobe_atlas.h"
+#include "loaders/brainglobe/brainglobe.h"
 
 #include <stdlib.h>
 #include <string.h>

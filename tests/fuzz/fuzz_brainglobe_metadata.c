@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Any bytes as BrainGlobe's metadata.json. */
-#include "loaders/brainglobe/brainglobe_metadata.h"
+#include "loaders/brainglobe/brainglobe.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* CIFTI files of labels: the contents of an accepted file are consistent, and its vertices and voxels can be used. */
-#include "loaders/cifti/cifti_file.h"
+#include "loaders/cifti/cifti.h"
 
 #include <stdlib.h>
 

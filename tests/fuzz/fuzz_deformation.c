@@ -3,8 +3,8 @@
  * to the wanted place. */
 #include "atlas/deformation/deformation.h"
 #include "base/geometry/math3.h"
-#include "loaders/transform/field_file.h"
-#include "loaders/volumes/nifti.h"
+#include "loaders/transform/transform.h"
+#include "loaders/volumes/volumes.h"
 
 #include <stdlib.h>
 #include <string.h>

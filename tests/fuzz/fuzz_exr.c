@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* OpenEXR: an image that is read can be written again, and is then the same. */
 #include "conus/own.h"
-#include "render/image/image_codecs.h"
+#include "render/image/image.h"
 
 #include <stdlib.h>
 

@@ -5,7 +5,7 @@
 #define CONUS_TESTS_FUZZ_FUZZ_FOREIGN_H
 
 #include "loaders/surfaces/foreign/foreign.h"
-#include "loaders/surfaces/foreign/mesh_build.h"
+#include "loaders/surfaces/foreign/parts.h"
 
 #include <stdlib.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A formula of scores from any bytes, evaluated. */
-#include "selection/measure/formula.h"
+#include "selection/measure/score.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* GIFTI documents, and the use of their arrays. */
-#include "loaders/surfaces/gifti.h"
+#include "loaders/surfaces/parts.h"
 
 #include <stdlib.h>
 

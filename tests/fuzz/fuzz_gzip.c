@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Unpacking: the first two bytes say how much the header would ask for and from where; the rest is the packed file. */
-#include "base/formats/gzip.h"
+#include "base/formats/packed.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Bytes from a network: whole and in pieces they mean the same, and every pose that is heard is rigid. */
-#include "link/igtl.h"
+#include "link/station.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Any bytes as a level, except those that open files, on an atlas of three depths, plain or merged. */
-#include "atlas/areas/level.h"
+#include "atlas/areas/areas.h"
 #include "atlas/atlas.h"
 #include "base/memory.h"
 

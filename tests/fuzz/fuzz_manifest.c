@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Manifests: any bytes parse or are refused; what was read can be written, and that be read. */
-#include "loaders/manifest/scene.h"
+#include "loaders/manifest/manifest.h"
 
 #include <stdint.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus-hdf5's stream of a MINC volume: it has as many voxels as its header says. */
 #include "base/memory.h"
-#include "loaders/volumes/minc.h"
+#include "loaders/volumes/parts.h"
 
 #include <stdlib.h>
 

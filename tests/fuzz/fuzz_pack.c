@@ -5,7 +5,7 @@
 #include "atlas/atlas.h"
 #include "base/system/system.h"
 #include "conus/own.h"
-#include "pack/pack_file.h"
+#include "pack/pack.h"
 #include "tests/support/packed_atlas.h"
 
 #include <libdeflate.h>

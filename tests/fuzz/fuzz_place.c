@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The window's place: a text that parses is a possible window, one that does not changes nothing. */
-#include "viewer/window/place.h"
+#include "viewer/window/window.h"
 
 #include <stdint.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* PNG: a picture that is read can be written again. */
-#include "render/image/image_codecs.h"
+#include "render/image/image.h"
 
 #include <stdlib.h>
 

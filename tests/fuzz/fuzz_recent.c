@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The list of recent files: paths in a list that parses are absolute; one that does not parse changes nothing. */
-#include "viewer/window/recent.h"
+#include "viewer/window/start.h"
 
 #include <stdint.h>
 #include <stdlib.h>

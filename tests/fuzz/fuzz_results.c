@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tables for `conus diff`: every row must be found again by its own key. */
-#include "cli/answers/results_reader.h"
+#include "cli/answers/answers.h"
 #include "options/messages.h"
 #include "quiet.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lines of the window's scripts: words are parts of their line, one after the other. */
-#include "viewer/commands/script_words.h"
+#include "viewer/commands/commands.h"
 
 #include <math.h>
 #include <stdint.h>

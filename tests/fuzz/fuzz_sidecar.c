@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A sidecar from a stranger: the values that conus verify takes from it are consistent. */
-#include "cli/verify/record.h"
+#include "cli/verify/verify.h"
 
 #include <stdlib.h>
 #include <string.h>

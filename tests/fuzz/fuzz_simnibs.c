@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus-hdf5's stream of a SimNIBS mesh: all tetrahedra have nodes, and a region of them has a volume. */
 #include "base/memory.h"
-#include "loaders/maps/simnibs.h"
+#include "loaders/maps/maps.h"
 
 #include <math.h>
 #include <stdlib.h>

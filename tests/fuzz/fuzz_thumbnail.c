@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The picture that the start page keeps of an atlas of 5 bytes: one that does not parse changes nothing. */
-#include "viewer/window/thumbnail.h"
+#include "viewer/window/start.h"
 
 #include <stdlib.h>
 

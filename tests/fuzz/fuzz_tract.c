@@ -2,7 +2,7 @@
 /* Tractograms: an accepted one passes its check, and all of its numbers can be read. */
 #include "fuzz_tractogram.h"
 
-#include "loaders/tracts/tract_file.h"
+#include "loaders/tracts/tracts.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

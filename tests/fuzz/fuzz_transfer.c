@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Any bytes as a transfer function: the points of an accepted one are in order and in range. */
-#include "render/colour/transfer.h"
+#include "render/colour/colour.h"
 
 #include <stdlib.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Transforms of all programs: an accepted one moves points to points. */
 #include "base/geometry/math3.h"
-#include "loaders/transform/transform_file.h"
+#include "loaders/transform/transform.h"
 
 #include <stdlib.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Composites and X5 in conus-hdf5's stream: an accepted field has finite numbers. */
 #include "base/memory.h"
-#include "loaders/transform/transform_chain.h"
+#include "loaders/transform/transform.h"
 
 #include <math.h>
 #include <stdlib.h>

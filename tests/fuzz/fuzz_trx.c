@@ -2,9 +2,9 @@
 /* TRX archives. Checksums of stored files are corrected first: otherwise no change would be read. */
 #include "fuzz_tractogram.h"
 
-#include "base/formats/zip.h"
+#include "base/formats/packed.h"
 #include "base/memory.h"
-#include "loaders/tracts/tract_file.h"
+#include "loaders/tracts/tracts.h"
 
 #include <string.h>
 #include <zlib.h>

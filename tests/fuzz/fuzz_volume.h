@@ -4,10 +4,9 @@
 #define CONUS_TESTS_FUZZ_FUZZ_VOLUME_H
 
 #include "base/memory.h"
-#include "loaders/labels/labels_on_job.h"
+#include "loaders/labels/labels.h"
 #include "loaders/volumes/text/text_volume.h"
-#include "loaders/volumes/volume_file.h"
-#include "loaders/volumes/volume_values.h"
+#include "loaders/volumes/volumes.h"
 #include "tests/support/label_list.h"
 #include "tests/support/volume_on_job.h"
 

@@ -3,7 +3,7 @@
 #include "atlas/atlas.h"
 #include "base/memory.h"
 #include "conus/pose.h"
-#include "poses/rows/place.h"
+#include "poses/rows/pose_row.h"
 #include "tests/support/builders/place_atlas.h"
 
 #include <math.h>

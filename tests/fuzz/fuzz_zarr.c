@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Any bytes as the metadata of a Zarr array and of OME, and as a chunk packed in every way. */
-#include "loaders/zarr/ome.h"
 #include "loaders/zarr/zarr.h"
 
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Zip archives: every listed file lies inside, behind those before it by name, and has the same stored bytes both ways.
  */
-#include "base/formats/zip.h"
+#include "base/formats/packed.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -5,10 +5,10 @@
  * "ras": coordinates as they are stored. dump_mesh labels FILE OUT [SURFACE]: writes uint32 labels, raw, and prints
  * the table. dump_mesh voxels FILE OUT: the same of the voxels of a CIFTI file, with the volume's size and place.
  * dump_mesh split FILE OUT LABELS: cuts the surface FILE by the labels and prints each part. */
-#include "atlas/surface/mesh_split.h"
+#include "atlas/surface/mesh.h"
 #include "base/memory.h"
-#include "loaders/cifti/cifti_file.h"
-#include "loaders/surfaces/mesh_file.h"
+#include "loaders/cifti/cifti.h"
+#include "loaders/surfaces/surfaces.h"
 #include "tests/support/mesh_on_job.h"
 
 #include <stdio.h>

@@ -3,7 +3,7 @@
  * for a point without an image. RAS mm. For tests/oracles/compare_composites.py. The kind of the file goes to
  * stderr. */
 #include "base/geometry/math3.h"
-#include "loaders/transform/transform_file.h"
+#include "loaders/transform/transform.h"
 
 #include <stdio.h>
 

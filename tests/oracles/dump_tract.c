@@ -2,7 +2,7 @@
 /* dump_tract FILE OUT: reads the tractogram FILE and writes its contents to OUT, for compare_tracts.py: lines of text,
  * an empty line, then the arrays in this machine's byte order: first, points or halves, the values of each scalar, the
  * members of each group. Notes and the message of a refusal go to standard error, each in a line. */
-#include "loaders/tracts/tract_file.h"
+#include "loaders/tracts/tracts.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,8 +2,7 @@
 /* dump_volume VOLUME VALUES LABELS: writes the decoded voxels raw, as float32 into VALUES and, if they are labels, as
  * uint32 into LABELS, and the header's fields to stdout, for tests/oracles/compare_volumes.py. */
 #include "base/memory.h"
-#include "loaders/volumes/volume_file.h"
-#include "loaders/volumes/volume_values.h"
+#include "loaders/volumes/volumes.h"
 #include "tests/support/label_list.h"
 #include "tests/support/volume_on_job.h"
 

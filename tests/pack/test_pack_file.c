@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Packs open as what was packed, or not at all; and they say when their sources have changed. */
-#include "pack/pack_file.h"
+#include "pack/pack.h"
 
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "conus/own.h"
-#include "pack/pack_check.h"
-#include "pack/pack_layout.h"
 #include "packed_atlas.h"
 #include "test.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Places taken apart: forms, prefixes of texts, and what is no place. */
-#include "poses/rows/place.h"
+#include "poses/rows/pose_row.h"
 #include "test.h"
 
 #include <stdlib.h>

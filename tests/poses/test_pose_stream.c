@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Poses read block by block, from files and pipes. */
-#include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
+#include "base/memory.h"
 #include "base/system/system.h"
 #include "conus/own.h"
 #include "poses/pose_stream.h"
-#include "poses/rows/pose_lines.h"
+#include "poses/rows/columns.h"
 #include "test.h"
 
 #include <pthread.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Rays, apertures and checks of cones. */
 #include "base/geometry/math3.h"
-#include "selection/cone/aperture.h"
+#include "selection/cone/cone.h"
 #include "test.h"
 
 static struct cone looking_down(double degrees, uint32_t resolution)

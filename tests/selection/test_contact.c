@@ -4,7 +4,7 @@
 #include "base/geometry/math3.h"
 #include "conus/arrays.h"
 #include "scene.h"
-#include "selection/measure/statistics.h"
+#include "selection/measure/measure.h"
 #include "test.h"
 #include "test_gl.h"
 

@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "conus/own.h"
 #include "made_atlas.h"
-#include "selection/report/report_columns.h"
+#include "selection/report/report.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -3,7 +3,7 @@
  * pass the axis z at z = 30, 0 and 3 mm beside it; 2 and 3 are far away. */
 #include "atlas/phantom/phantom.h"
 #include "conus/own.h"
-#include "loaders/tracts/tract_file.h"
+#include "loaders/tracts/tracts.h"
 #include "made_atlas.h"
 #include "test.h"
 #include "tract_scene.h"

@@ -5,7 +5,7 @@
 #include "gl_pair.h"
 #include "mesh_scene.h"
 #include "scene.h"
-#include "selection/cone/aperture.h"
+#include "selection/cone/cone.h"
 #include "selection/region/region.h"
 #include "test.h"
 

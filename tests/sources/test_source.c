@@ -2,7 +2,7 @@
 /* Files that are opened and known by their first bytes, in each role. */
 #include "sources/source.h"
 
-#include "loaders/volumes/nifti_write.h"
+#include "loaders/volumes/volumes.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Stands for OpenGL's contexts where conus is built without: tests that need one skip. */
-#include "render/gl/context.h"
+#include "render/gl/gl.h"
 
 conus_status gl_context_create(struct gl_context **out, conus_log log, void *log_user)
 {

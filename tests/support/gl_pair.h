@@ -4,7 +4,7 @@
 #define CONUS_TESTS_SUPPORT_GL_PAIR_H
 
 #include "selection/engine/engine.h"
-#include "selection/evidence/layers.h"
+#include "selection/evidence/evidence.h"
 
 /** Counts of a test's comparisons; each test uses those that it needs. */
 struct gl_counts {

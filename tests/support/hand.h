@@ -5,7 +5,7 @@
 #define CONUS_TESTS_SUPPORT_HAND_H
 
 #include "atlas/atlas.h"
-#include "base/buffer.h"
+#include "base/memory.h"
 
 /* The path of one trial, angles in degrees. Its numbers are not fitted to a person, but within the range reported for
  * hands that hold a controller. */

@@ -2,7 +2,7 @@
 /* Makes atlases of labels in memory, and of drawn phantoms. */
 #include "made_atlas.h"
 
-#include "atlas/labels/label_voxels.h"
+#include "atlas/labels/labels.h"
 
 conus_status atlas_create(conus_atlas **out, const conus_volume_info *info, const uint32_t *labels,
                           const struct label_table *table, const char *label_source, struct notes *notes)

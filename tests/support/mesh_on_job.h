@@ -3,8 +3,8 @@
 #ifndef CONUS_TESTS_SUPPORT_MESH_ON_JOB_H
 #define CONUS_TESTS_SUPPORT_MESH_ON_JOB_H
 
-#include "loaders/surfaces/foreign/mesh_foreign.h"
-#include "loaders/surfaces/mesh_file.h"
+#include "loaders/surfaces/foreign/foreign.h"
+#include "loaders/surfaces/surfaces.h"
 
 /* What was read is let go where its notes find no memory. */
 static inline conus_status mesh_file_read(struct mesh *out, struct label *about, const char *path,

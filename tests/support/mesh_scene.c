@@ -2,7 +2,7 @@
 /* Builds meshes, and finds hits by trying every triangle. */
 #include "mesh_scene.h"
 
-#include "atlas/phantom/phantom_brain.h"
+#include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "oracle_triangle.h"

@@ -3,7 +3,7 @@
 #ifndef CONUS_TESTS_SUPPORT_MESH_SCENE_H
 #define CONUS_TESTS_SUPPORT_MESH_SCENE_H
 
-#include "selection/engine/triangles/mesh_intervals.h"
+#include "selection/engine/triangles/mesh_rays.h"
 
 /** An atlas without objects. End it with conus_atlas_destroy(). */
 conus_atlas *mesh_scene_atlas(void);

@@ -3,8 +3,7 @@
 #ifndef CONUS_TESTS_SUPPORT_PACKED_ATLAS_H
 #define CONUS_TESTS_SUPPORT_PACKED_ATLAS_H
 
-#include "atlas/bundles.h"
-#include "atlas/labels/label_voxels.h"
+#include "atlas/atlas.h"
 #include "atlas/labels/labels.h"
 #include "atlas/space.h"
 #include "base/geometry/math3.h"

@@ -3,7 +3,7 @@
 #ifndef CONUS_TESTS_SUPPORT_PICTURE_SCENE_H
 #define CONUS_TESTS_SUPPORT_PICTURE_SCENE_H
 
-#include "render/colour/renderer.h"
+#include "render/colour/colour.h"
 
 enum { PICTURE_WIDTH = 80, PICTURE_HEIGHT = 60, PICTURE_PIXELS = PICTURE_WIDTH * PICTURE_HEIGHT };
 

@@ -3,7 +3,7 @@
 #ifndef CONUS_TESTS_SUPPORT_TEST_GL_H
 #define CONUS_TESTS_SUPPORT_TEST_GL_H
 
-#include "render/gl/context.h"
+#include "render/gl/gl.h"
 #include "test.h"
 
 /** A context, or the running test is skipped, saying why. Not for a set-up: cmocka takes a skip there for a failure. */

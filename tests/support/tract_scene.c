@@ -2,9 +2,9 @@
 /* Makes tractograms, of arrays or streamline by streamline. */
 #include "tract_scene.h"
 
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "base/memory.h"
-#include "loaders/tracts/tract_file.h"
+#include "loaders/tracts/tracts.h"
 #include "test.h"
 
 #include <string.h>

@@ -4,7 +4,7 @@
 #define CONUS_TESTS_SUPPORT_TRACT_SCENE_H
 
 #include "atlas/atlas.h"
-#include "base/buffer.h"
+#include "base/memory.h"
 
 /** A tractogram in the making; `made` belongs to the caller. */
 struct tract_builder {

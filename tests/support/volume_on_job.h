@@ -4,8 +4,7 @@
 #define CONUS_TESTS_SUPPORT_VOLUME_ON_JOB_H
 
 #include "base/memory.h"
-#include "loaders/volumes/volume_file.h"
-#include "loaders/volumes/volume_values.h"
+#include "loaders/volumes/volumes.h"
 
 static inline conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory,
                                             struct notes *notes)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Measures the columns, then pads the cells. */
-#include "cli/answers/aligned.h"
+#include "cli/answers/answers.h"
 
 #include "base/system/system.h"
 #include "options/messages.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The options --format and --output. */
-#include "cli/answers/answer_format.h"
+#include "cli/answers/answers.h"
 
 #include "base/path.h"
 #include "base/system/system.h"

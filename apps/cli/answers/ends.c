@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Files of rows beside the answers, and the options of the ends of streamlines. */
-#include "cli/answers/ends.h"
+#include "cli/answers/answers.h"
 
-#include "cli/answers/answer_format.h"
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The JSON of conus info. */
-#include "cli/answers/info_json.h"
+#include "cli/answers/answers.h"
 #include "conus/own.h"
 
 #include <inttypes.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Compares tables row by row and pictures pixel by pixel. */
-#include "cli/answers/results_diff.h"
+#include "cli/answers/answers.h"
 
 #include "base/system/system.h"
 #include "conus/own.h"

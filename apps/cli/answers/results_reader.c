@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses a TSV or CSV result and finds its rows by their keys. */
-#include "cli/answers/results_reader.h"
+#include "cli/answers/answers.h"
 
 #include "base/order.h"
-#include "options/input_file.h"
 #include "options/messages.h"
+#include "options/output.h"
 
 #include <stdint.h>
 #include <stdio.h>

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Files that show one selection: --image, --mask with its sidecar, --streamlines-out. */
-#include "cli/answers/selection_files.h"
+#include "cli/answers/answers.h"
 
 #include "base/path.h"
-#include "cli/answers/answer_format.h"
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"

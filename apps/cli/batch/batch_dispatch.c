@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Dispatches a command line: one batch, and each of its files. */
-#include "cli/batch/batch_dispatch.h"
+#include "cli/batch/batch.h"
 
-#include "cli/batch/batch_task.h"
-#include "options/input_file.h"
+#include "cli/batch/parts.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/provenance.h"

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The file of rows: beginning, appending, naming. */
-#include "cli/batch/batch_file.h"
+#include "cli/batch/parts.h"
 
-#include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
 

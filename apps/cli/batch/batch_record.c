@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Writes the record of a batch into its sidecar, with the hashes that identify its inputs. */
-#include "cli/batch/batch_record.h"
+#include "cli/batch/parts.h"
 
 #include "base/system/system.h"
 #include "conus/own.h"
-#include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/provenance.h"

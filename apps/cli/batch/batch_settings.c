@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table of options of conus batch, and what --format means. */
-#include "cli/batch/batch_settings.h"
+#include "cli/batch/batch.h"
 
 #include "options/messages.h"
 #include "options/options.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the part of the poses that a process answers: as it was told, or from the environment. */
-#include "cli/batch/batch_shard.h"
+#include "cli/batch/batch.h"
 
 #include "base/path.h"
 #include "base/system/system.h"

@@ -1,20 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A batch: its inputs, the library's batch, its file of rows; and parts, answered one by one and joined. */
-#include "cli/batch/batch_task.h"
+#include "cli/batch/parts.h"
 
 #include "base/system/system.h"
-#include "cli/batch/batch_file.h"
-#include "cli/batch/batch_record.h"
 #include "conus/own.h"
-#include "options/input_file.h"
-#include "options/interrupt.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "options/outputs.h"
 #include "options/progress.h"
 #include "options/provenance.h"
-#include "settings/named_places.h"
-#include "settings/notes.h"
+#include "settings/settings.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -6,7 +6,6 @@
 #include "base/system/system.h"
 #include "base/text.h"
 #include "conus/own.h"
-#include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "sources/endings.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads a sidecar, strictly, and cuts the command line in it into words. */
-#include "cli/verify/record.h"
+#include "cli/verify/verify.h"
 
 #include "base/order.h"
 #include "options/provenance.h"

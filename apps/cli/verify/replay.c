@@ -5,7 +5,6 @@
 #include "base/system/system.h"
 #include "cli/verify/verify.h"
 #include "conus/own.h"
-#include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
 

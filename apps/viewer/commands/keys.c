@@ -1,16 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table of keys, what each does, and the page that lists them. */
-#include "viewer/commands/keys.h"
+#include "viewer/commands/commands.h"
 
 #include "base/text.h"
-#include "viewer/model/hemispheres.h"
-#include "viewer/model/plans.h"
-#include "viewer/model/query_settings.h"
-#include "viewer/session/save_file.h"
-#include "viewer/session/undo.h"
-#include "viewer/tools/inputs.h"
-#include "viewer/ui/ui_list.h"
-#include "viewer/window/figure_form.h"
+#include "viewer/model/viewer.h"
+#include "viewer/session/session.h"
+#include "viewer/tools/tools.h"
+#include "viewer/ui/ui.h"
 #include "viewer/window/window.h"
 
 #include <GLFW/glfw3.h>

@@ -1,23 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The commands of scripts, and their run over frames. */
-#include "viewer/commands/script.h"
+#include "viewer/commands/commands.h"
 
 #include "base/system/system.h"
 #include "conus/own.h"
 #include "options/messages.h"
 #include "settings/settings.h"
-#include "viewer/commands/script_words.h"
-#include "viewer/commands/state.h"
 #include "viewer/model/columns.h"
-#include "viewer/model/hemispheres.h"
-#include "viewer/model/plans.h"
-#include "viewer/model/query_settings.h"
-#include "viewer/model/search.h"
-#include "viewer/model/studies.h"
+#include "viewer/model/viewer.h"
 #include "viewer/session/session.h"
-#include "viewer/tools/inputs.h"
-#include "viewer/tools/point.h"
-#include "viewer/window/figure_form.h"
+#include "viewer/tools/tools.h"
+#include "viewer/window/window.h"
 
 #include <GLFW/glfw3.h>
 #include <jansson.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Splits a line of a script into words; numbers. */
-#include "viewer/commands/script_words.h"
+#include "viewer/commands/commands.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The numbers of what is shown as JSON. */
-#include "viewer/commands/state.h"
+#include "viewer/commands/commands.h"
 
 #include <inttypes.h>
 #include <jansson.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Checks the values of a source: they are finite, and change. */
-#include "viewer/devices/source.h"
+#include "viewer/devices/devices.h"
 
 #include <math.h>
 #include <string.h>

@@ -6,7 +6,6 @@
 #include "conus/own.h"
 #include "options/output.h"
 #include "sources/keys.h"
-#include "viewer/model/session_file.h"
 
 #include <stdint.h>
 #include <stdio.h>

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Additions to an atlas: contexts, pathways, tractograms, a list of points and further atlases, as options of
- * the command line, words such as "--streamlines=FILE,radius=1". */
+/** @file The files of an atlas in the window: what was added to it, where a session finds them, and whether they
+ * change. */
 #ifndef CONUS_VIEWER_MODEL_ADDITIONS_H
 #define CONUS_VIEWER_MODEL_ADDITIONS_H
 
-#include "conus/atlas.h"
-
 #include "base/system/system.h"
+#include "conus/atlas.h"
 
 #include <jansson.h>
 #include <stdbool.h>
 #include <stddef.h>
+
+/* Additions to an atlas: contexts, pathways, tractograms, a list of points and further atlases, as options of the
+ * command line, words such as "--streamlines=FILE,radius=1". */
 
 enum addition { ADD_CONTEXT = 0, ADD_PATHWAY, ADD_STREAMLINES, ADD_POSE, ADD_ATLAS, ADDITION_COUNT };
 /** Their options, without dashes: "context". */
@@ -66,5 +68,48 @@ bool addition_is_volume_context(const json_t *entry);
 bool additions_match(size_t *match, const json_t *then, const json_t *now);
 /** Whether a file of @p now is another than that of the same name in @p then, by its checksum; @p name says which. */
 bool additions_differ(char name[ADDITIONS_MISSING], const json_t *then, const json_t *now);
+
+/* Reads from a session's file which atlas it belongs to, and finds that atlas again. */
+
+/** A session as it was read. */
+struct session_file {
+    json_t *root;
+    const char *atlas;     /**< As it was given; borrowed from root, as what follows. */
+    const char *folder;    /**< "" = unknown. */
+    const char *sha256;    /**< "" = unknown. */
+    uint64_t bytes;        /**< With sha256. */
+    const json_t *options; /**< An array of texts; NULL = unknown. */
+};
+
+/** Whether @p path is a session's file; then end @p out with session_file_finish(). A damaged file does not count. */
+bool session_file_read(struct session_file *out, const char *path);
+void session_file_finish(struct session_file *file);
+
+/** Finds the atlas: where it was, beside the session, and, if its checksum is known, any file beside the session and
+ * among @p others that has it. False: it is nowhere there. */
+bool session_file_find(char out[SYSTEM_PATH], const struct session_file *file, const char *session,
+                       const char *const *others, size_t count);
+/** Finds what was beside the atlas @p atlas, a path: the same file, by its checksum, or by name where none is known. */
+bool session_file_find_near(char out[SYSTEM_PATH], const struct session_file *file, const char *atlas);
+/** Whether the atlas is surely another than that of the session, by its checksum. */
+bool session_file_differs(const struct session_file *file, const conus_atlas *atlas);
+
+/** The text of @p key in a JSON object; "" = none. */
+const char *json_text(const json_t *object, const char *key);
+
+/* Watches the files of an atlas that is shown, which stays as it was read when one changes on disk. */
+
+enum { FILE_WATCH_TEXT = 160 };
+
+struct file_watch;
+
+/** Notes how the files are now; NULL without memory. The atlas outlives it. */
+struct file_watch *file_watch_create(const conus_atlas *atlas);
+void file_watch_destroy(struct file_watch *watch);
+
+/** Looks again. True: one changed, went away or came back since the last look, as @p text says in a line. */
+bool file_watch_check(struct file_watch *watch, char text[FILE_WATCH_TEXT]);
+/** The name of a file that has changed since the watch began, and that @p now was read from, too; NULL = none has. */
+const char *file_watch_find_other(const struct file_watch *watch, const conus_atlas *now);
 
 #endif

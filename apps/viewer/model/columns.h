@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The columns of the lists of hits: which are shown, their cells as conus query gives them, the order of
- * rows, and the formats that they are exported in. */
+/** @file The answers of the window: the columns of their lists, and the answer in a sentence. */
 #ifndef CONUS_VIEWER_MODEL_COLUMNS_H
 #define CONUS_VIEWER_MODEL_COLUMNS_H
 
 #include "viewer/model/viewer.h"
+
+/* The columns of the lists of hits: which are shown, their cells as conus query gives them, the order of rows, and
+ * the formats that they are exported in. */
 
 enum result_column_number {
     RESULT_RANK = 0, /**< Zero, so that rows are ordered by it unless told. */
@@ -82,5 +84,20 @@ enum { EXPORT_WHY = 256 };
 /** Writes what was selected in all atlases to @p path, in the format of its ending, and its sidecar beside it. False:
  * @p why says why not, in one line. */
 bool export_results(struct viewer *viewer, const char *path, char why[EXPORT_WHY]);
+
+/* The answer in a sentence of two lines. */
+
+enum { HEADLINE_TEXT = 512 };
+
+struct headline {
+    char what[HEADLINE_TEXT]; /**< "Precentral_L", "Caudate_L and Putamen_L", "Reaches Hippocampus_L". */
+    char more[HEADLINE_TEXT]; /**< "60 % of the cone \u00b7 50.0 mm from the start \u00b7 left"; " " where there is
+                                   nothing to say. */
+    bool is_of_plan;          /**< It says what the needle of a plan does, in place of what is hit first. */
+};
+
+/** Words the first tool's answer in the drawn atlas: what the needle of a plan does, wherever that is judged, or else
+ * what is hit best: of several whose shares are shown as the same number all, as far as shares decide. */
+void headline_find(struct headline *out, struct viewer *viewer);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Whether the files of an atlas have changed on disk. */
-#include "viewer/model/file_watch.h"
+#include "viewer/model/additions.h"
 
 #include "base/system/system.h"
 #include "conus/own.h"

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Words the answer. */
-#include "viewer/model/headline.h"
+#include "viewer/model/columns.h"
 
 #include "base/path.h"
-#include "viewer/model/plans.h"
+#include "viewer/model/viewer.h"
 
 #include <ctype.h>
 #include <math.h>

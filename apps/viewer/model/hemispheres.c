@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Hides the areas of a side; finds and exchanges the option --hemispheres. */
-#include "viewer/model/hemispheres.h"
+#include "viewer/model/viewer.h"
 
 #include "settings/settings.h"
 #include "viewer/model/additions.h"

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Draws outlines into pictures. */
-#include "viewer/model/outline.h"
+#include "viewer/model/viewer.h"
 
 #include "base/look.h"
-#include "viewer/model/plans.h"
 
 #include <math.h>
 #include <stdlib.h>

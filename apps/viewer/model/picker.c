@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds what is under the mouse: single rays and small balls, by a selector of their own. */
-#include "viewer/model/picker.h"
 #include "conus/own.h"
+#include "viewer/model/viewer.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Runs a plan, and keeps what a list of it shows. */
-#include "viewer/model/plan_list.h"
 #include "conus/own.h"
+#include "viewer/model/study.h"
 
 #include <math.h>
 #include <stdio.h>

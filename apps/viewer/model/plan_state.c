@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Ends what a plan reads from its atlas. */
-#include "viewer/model/plan_state.h"
+#include "viewer/model/study.h"
 
 #include <stdlib.h>
 

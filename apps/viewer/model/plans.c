@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Holds the first tool against the constraints of a plan, and words what they say of it. */
-#include "viewer/model/plans.h"
+#include "viewer/model/viewer.h"
 
 #include "base/system/system.h"
 #include "conus/own.h"
 #include "options/messages.h"
-#include "settings/atlases.h"
+#include "settings/settings.h"
 #include "viewer/model/additions.h"
-#include "viewer/model/query_settings.h"
-#include "viewer/model/studies.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Loads a list and makes balls of its rows. */
-#include "viewer/model/points.h"
-
-#include "figures/contacts.h"
-#include "options/messages.h"
-#include "settings/pose_settings.h"
 #include "viewer/model/viewer.h"
+
+#include "figures/figure.h"
+#include "options/messages.h"
+#include "settings/settings.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tries query settings before they hold; range, level and order; the options of conus query as words. */
-#include "viewer/model/query_settings.h"
+#include "viewer/model/viewer.h"
 
 #include "conus/own.h"
 #include "options/messages.h"

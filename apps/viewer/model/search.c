@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Ranks objects by how well their names fit. */
-#include "viewer/model/search.h"
+#include "viewer/model/viewer.h"
 
 #include <ctype.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads which atlas a session belongs to, and finds that atlas again. */
-#include "viewer/model/session_file.h"
+#include "viewer/model/additions.h"
 
 #include "base/path.h"
 #include "base/system/system.h"

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The thread of studies: the newest question, one answer at a time. */
-#include "viewer/model/studier.h"
+#include "viewer/model/study.h"
 
 #include "base/system/system.h"
-#include "options/clock.h"
-#include "viewer/model/view_atlas.h"
+#include "options/progress.h"
+#include "viewer/model/viewer.h"
 
 #include <pthread.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Keeps the study of the cone up to date. */
-#include "viewer/model/studies.h"
+#include "viewer/model/viewer.h"
 
-#include "viewer/model/studier.h"
+#include "viewer/model/study.h"
 
 #include <stdlib.h>
 #include <string.h>

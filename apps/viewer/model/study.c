@@ -3,9 +3,9 @@
 #include "viewer/model/study.h"
 
 #include "base/order.h"
-#include "options/angles.h"
-#include "viewer/model/view_atlas.h"
-#include "viewer/pictures/camera.h"
+#include "options/options.h"
+#include "viewer/model/viewer.h"
+#include "viewer/pictures/pictures.h"
 
 #include <math.h>
 #include <stddef.h>

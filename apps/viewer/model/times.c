@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Collects times and writes their medians. */
-#include "viewer/model/times.h"
+#include "viewer/model/viewer.h"
 
 #include "base/order.h"
 #include "base/system/system.h"

@@ -3,7 +3,7 @@
 #include "viewer/model/viewer.h"
 
 #include "conus/own.h"
-#include "options/clock.h"
+#include "options/progress.h"
 
 #include <math.h>
 

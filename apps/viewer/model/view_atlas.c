@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* An atlas of the window: its making, its question and its end. */
-#include "viewer/model/view_atlas.h"
+#include "viewer/model/viewer.h"
 
 #include "conus/own.h"
-#include "viewer/model/file_watch.h"
+#include "viewer/model/additions.h"
 #include "viewer/model/study.h"
 
 #include <math.h>

@@ -1,16 +1,271 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * The state of the window apart from its look: the atlas, the cone and its hits, the hidden objects, the views of the
- * panes. Panels, panes, scripts and sessions read it and change it through these functions. */
+/** @file The state of the window apart from its look: tools, points, atlases, and the functions by which panels,
+ * panes, scripts and sessions read and change it. */
 #ifndef CONUS_VIEWER_MODEL_VIEWER_H
 #define CONUS_VIEWER_MODEL_VIEWER_H
 
-#include "viewer/model/plan_state.h"
-#include "viewer/model/points.h"
-#include "viewer/model/tool.h"
-#include "viewer/model/view_atlas.h"
-#include "viewer/pictures/camera.h"
-#include "viewer/pictures/painter.h"
+#include "conus/atlas.h"
+#include "conus/own.h"
+#include "conus/picture.h"
+#include "conus/pose.h"
+#include "conus/status.h"
+#include "options/progress.h"
+#include "viewer/model/study.h"
+#include "viewer/pictures/pictures.h"
+
+#include <jansson.h>
+#include <stdint.h>
+
+/* A list of points and poses, such as contacts, optodes or coils: all are balls over the pictures, and one is
+ * chosen, which the first tool then asks about. */
+
+struct atlases;
+struct common_settings;
+struct viewer;
+
+enum { POINT_LIMIT = 10000 /* rows */ };
+
+struct point_list {
+    conus_pose_list *poses;    /**< NULL = none. */
+    conus_drawn_point *points; /**< [count] Of rows without an error. */
+    uint32_t *rows;            /**< [count] Their numbers from 1. */
+    size_t count;
+    bool has_electrodes; /**< The groups are the points' own. */
+    unsigned number;     /**< Of lists that are not the same. */
+};
+
+/** Loads the list @p path, of positions in @p frame, for @p atlases, whose space it must share. Returns the exit code
+ * and prints an error unless it is 0; then *out is unchanged. */
+int points_load(struct point_list *out, const char *path, const struct atlases *atlases, const conus_frame *frame,
+                double radius, const struct common_settings *common, uint64_t max_memory);
+void points_finish(struct point_list *list);
+/** Puts @p list, which it takes over, in the place of the viewer's; what was chosen there is chosen no more, and the
+ * mouse points again. */
+void points_use(struct viewer *viewer, struct point_list *list);
+/** The point of the chosen row; NULL = none. */
+const conus_drawn_point *points_chosen(const struct viewer *viewer);
+
+/* The two tools of the window. The same functions move, hold and confirm both. All atlases of the viewer are asked
+ * what a tool's cone hits; the questions about the two tools differ only in pose and angle. World RAS+, mm. */
+
+enum pointer {
+    POINT_BY_MOUSE = 0,
+    POINT_BY_WAND,
+    POINT_BY_REPLAY,
+    POINT_BY_TRACKER,
+    POINT_BY_SPACEMOUSE,
+    POINT_BY_GAMEPAD,
+    POINTER_COUNT
+};
+/** The names of pointers in panels, scripts and messages. */
+extern const char *const pointer_names[POINTER_COUNT];
+
+enum tool_number { FIRST_TOOL = 0, SECOND_TOOL, TOOL_COUNT };
+
+struct tool {
+    bool on;              /**< The first one is always; the second one is off at first. */
+    enum pointer pointer; /**< It moves the tool: only a tracker moves both tools. The second one never a replay. */
+    conus_pose pose;
+    bool has_pose, held; /**< Held: neither mouse nor device moves it. */
+    bool is_point;       /**< Of the pose only the place counts: what is there, or in a ball of the cylinder's radius,
+                            is the answer. Only of the first tool. */
+    double angle;        /**< Full opening, degrees. */
+    unsigned answer_number; /**< Tells answers apart, whose addresses may come again. */
+    double select_ms;       /**< For all atlases. */
+    /* of the second tool, which is asked when its answer is needed: */
+    unsigned version;     /**< Grows with every change that shows; the viewer's does not: its cuts stay as they are. */
+    unsigned asked_after; /**< The first tool's answer_number when the second was asked: each change of the question
+                             gives the first one a new number. */
+    bool is_asked;        /**< Its answers belong to the present pose and angle. */
+};
+
+/** Asks again for the first tool. To be called after options, score, its angle, or whether it has a pose changed:
+ * without a pose there is no answer. */
+void tool_reselect(struct viewer *viewer);
+/** Takes the first tool's pose and answer away; the mouse may give it another pose. */
+void tool_clear(struct viewer *viewer);
+
+/** To be called when its pose or angle was changed. */
+void tool_changed(struct viewer *viewer, enum tool_number number);
+/** Moves it, held or not. */
+void tool_aim(struct viewer *viewer, enum tool_number number, const conus_pose *pose);
+/** Puts the first tool where a pose is, of which only the place counts. */
+void tool_aim_point(struct viewer *viewer, enum tool_number number, const conus_pose *pose);
+/** A number for which objects the first tool's answer has in the drawn atlas, in which order, how strong their colours
+ * are, and which of them are only behind others: what pictures show of it. */
+uint64_t tool_answer_sum(const struct viewer *viewer);
+/** Whether it has a cone: a pose, and not only a place. */
+bool tool_has_cone(const struct viewer *viewer, enum tool_number number);
+/** Aims it from @p origin along @p direction; where that is no direction, the status line says so. */
+void tool_aim_along(struct viewer *viewer, enum tool_number number, const double origin[3], const double direction[3]);
+/** Puts it where it is to start, looking at the brain's middle: the first before the face, the second to the right. */
+void tool_place(struct viewer *viewer, enum tool_number number);
+/** Holds it where it is, or lets it go; without a pose there is nothing to hold. */
+void tool_hold(struct viewer *viewer, enum tool_number number);
+/** Its angle times @p factor, from 0.1 to 179 degrees. */
+void tool_widen(struct viewer *viewer, enum tool_number number, double factor);
+/** Pins the best hit of its cone in the drawn atlas. */
+void tool_confirm(struct viewer *viewer, enum tool_number number);
+/** Has it moved by @p pointer from now on; then nothing holds it. */
+void tool_choose(struct viewer *viewer, enum tool_number number, enum pointer pointer);
+/** Has it moved by the next of all that can move it, and says so. */
+void tool_choose_next(struct viewer *viewer, enum tool_number number);
+
+/** Switches the second tool on or off; a pose stays. What moves the first tool does not move the second. */
+void tool_use_second(struct viewer *viewer, bool on);
+/** Whether the first tool has the device that shall move the second one. */
+bool tool_second_is_taken(const struct viewer *viewer);
+/** Asks the atlases about the second tool, if it is on and its answers are out of date. */
+void tool_update_second(struct viewer *viewer);
+
+/** Whether its pointer moves it: the second one only while it is on and the first has another pointer. */
+bool tool_is_moved(const struct viewer *viewer, enum tool_number number);
+/** The tool that @p pointer moves; TOOL_COUNT = none. */
+enum tool_number tool_moved_by(const struct viewer *viewer, enum pointer pointer);
+
+/* One of the atlases in the window: what is hidden in it, and its answer to the question that all get. */
+
+enum { SEARCH_SIZE = 64 };
+
+/** Which areas and pathways of an atlas are shown. */
+struct shown_objects {
+    bool *hidden;    /**< [object_count + 1] */
+    uint32_t chosen; /**< The object that was clicked in the list of areas; 0 = none. */
+    char search[SEARCH_SIZE];
+};
+
+struct view_atlas {
+    conus_atlas *atlas;
+    char *path; /**< As it was given. */
+    char *name; /**< In the column `atlas`; "" where it is the only one. */
+    size_t object_count;
+    double box[2][3]; /**< Around all of its objects, those that are hidden, too; low above high = there are none. */
+    char *sides;      /**< [object_count + 1] Of conus_atlas_sides(). */
+    const char **prefixes; /**< [object_count + 1] Of conus_atlas_prefixes(). */
+    double found_grey[2];  /**< Grey values of the context that the cuts show as black and white, unless the look says
+                            others: what air and bright tissue have; both 0 without one. */
+    bool is_covered;       /**< conus_context_is_covered() */
+    struct appearance appearance;
+    struct shown_objects shown;
+    struct file_watch *watch;
+    conus_selector *selector;           /**< Made when needed; NULL after the atlas changed. */
+    conus_selector_options made_with;   /**< The selector. */
+    char *made_level;                   /**< Its level; NULL = none. */
+    struct answer *answers[TOOL_COUNT]; /**< To the newest question, for each tool; NULL = none. */
+    struct answer *nothing;             /**< Of view_atlas_nothing(). */
+    conus_selector *pickers[2];         /**< For picker.c, by conus_layers; made when needed. */
+    conus_cutter *probe;                /**< Likewise. */
+};
+
+/** The input of view_atlas_init(). */
+struct view_source {
+    conus_atlas *atlas;
+    const char *path, *name; /**< NULL = "". */
+};
+
+/** Does not take the atlas over; false without memory. */
+bool view_atlas_init(struct view_atlas *out, const struct view_source *source);
+/** Ends all but the atlas itself. */
+void view_atlas_finish(struct view_atlas *view);
+
+/** Asks for what is in the cone of a tool, of full opening @p angle, degrees. Where that fails, there is no answer. */
+conus_status view_atlas_select(struct view_atlas *view, enum tool_number tool, const conus_selector_options *options,
+                               const conus_pose *pose, double angle);
+/** The answer to a cone of these options from @p pose, where nothing is: pictures with it have no colour of their
+ * files. NULL without memory. */
+struct answer *view_atlas_nothing(struct view_atlas *view, const conus_selector_options *options,
+                                  const conus_pose *pose);
+/** Makes the selector, unless there is one with these options. */
+conus_status view_atlas_prepare(struct view_atlas *view, const conus_selector_options *options);
+/** Ends what was made for the atlas and would have to be made anew after a change; the answer stays. */
+void view_atlas_invalidate(struct view_atlas *view);
+/** Ends the answer for a tool. */
+void view_atlas_forget(struct view_atlas *view, enum tool_number tool);
+
+/** The answer for a tool; NULL = none. */
+const conus_selection *view_atlas_selection(const struct view_atlas *view, enum tool_number tool);
+/** Index of the context volume, or the number of volumes where there is none. */
+size_t view_atlas_context(const struct view_atlas *view);
+/** Grey values that the cuts show as black and white now. */
+const double *view_atlas_grey(const struct view_atlas *view);
+/** Whether the same file is the context of both, or none is. */
+bool view_atlas_shares_context(const struct view_atlas *a, const struct view_atlas *b);
+/** How many of its objects are hidden. */
+size_t view_atlas_hidden(const struct view_atlas *view);
+/** Whether pathways or bundles are shown, for which pictures leave areas out. */
+bool view_atlas_shows_tracts(const struct view_atlas *view);
+enum { VIEW_ATLAS_TITLE = 256 };
+/** The name of object @p number in lists and pictures; its kind stands before the name where another kind has the same
+ * name. */
+const char *view_atlas_title(char out[VIEW_ATLAS_TITLE], const struct view_atlas *view, size_t number);
+/** The title of object @p number under a @p name that it had before. */
+const char *view_atlas_title_of(char out[VIEW_ATLAS_TITLE], const struct view_atlas *view, size_t number,
+                                const char *name);
+/** The side of object @p number as view_atlas.sides has it, but none where left and right are exchanged: 'L', 'R', 'B'
+ * or a space. */
+char view_atlas_side(const struct view_atlas *view, size_t number);
+/** The volume of a pathway from a threshold on; NULL of another object. */
+const conus_volume_info *view_atlas_pathway(const struct view_atlas *view, uint32_t object);
+
+/* How long frames, pictures and selections take, for docs/benchmarks.md and for whoever wants to know. */
+
+enum timed {
+    TIMED_FRAME = 0, /**< Drawing the window, without waiting for the screen.                        */
+    TIMED_PERIOD,    /**< From one frame to the next, where they follow at once.                      */
+    TIMED_SELECTION, /**< Selecting, once per pose.                                                  */
+    TIMED_LATENCY,   /**< From a tracker's message to the selection.                                 */
+    TIMED_PICTURE,   /**< The 3-D picture, coarse or fine, on its own thread.                        */
+    TIMED_KINDS
+};
+
+enum { TIMES_KEPT = 2048 };
+
+struct times {
+    double samples[TIMED_KINDS][TIMES_KEPT]; /**< ms; the newest replace the oldest. */
+    size_t counts[TIMED_KINDS];              /**< All samples that were added. */
+    double started, frame_started;           /**< Clock, ms: of the program, of the newest frame (0 = none yet). */
+    double first_frame, first_picture;       /**< ms from the start; 0 = not yet.    */
+    double written, used;                    /**< Clock and processor time, ms, when they were written last. */
+};
+
+/** Starts, at the clock @p started. */
+void times_start(struct times *times, double started);
+void times_add(struct times *times, enum timed kind, double milliseconds);
+/** A frame begins now. */
+void times_begin_frame(struct times *times);
+/** The window sleeps: the next frame does not follow from the one before. */
+void times_pause(struct times *times);
+
+/** Writes count, median, 90th percentile and maximum of each since the last time, as JSON, and starts anew; with
+ * how long that was, and the processor time that the program took meanwhile. */
+conus_status times_write(struct times *times, const char *path);
+
+/* The search for areas and pathways of an atlas by what a user types. Names come before numbers. */
+
+/** How well an object fits a text, the case of ASCII letters aside: by its name or its abbreviation, and last by its
+ * label. A word begins where a letter or digit follows something else. Nothing fits an empty text. */
+enum search_fit {
+    SEARCH_NONE = 0,
+    SEARCH_LABEL,  /**< The label is the text. */
+    SEARCH_PART,   /**< The text is in the name. */
+    SEARCH_WORD,   /**< A word of the name begins with it. */
+    SEARCH_BEGIN,  /**< The name begins with it. */
+    SEARCH_EXACT,  /**< The name is the text, but for the case, */
+    SEARCH_SAME,   /**< or in every byte. */
+    SEARCH_FIT_END /**< How many there are. */
+};
+
+enum search_fit search_fit(const conus_object *object, const char *text);
+
+/** Numbers of the objects of @p atlas that fit, best first, and by number where they fit alike. To be freed; @p
+ * count is how many. NULL without memory. */
+uint32_t *search_all(size_t *count, const conus_atlas *atlas, const char *text);
+
+/** The best of them; 0 = none, or no memory. */
+uint32_t search_best(const conus_atlas *atlas, const char *text);
+
+/* The state of the window apart from its look: the atlas, the cone and its hits, the hidden objects, the views of
+ * the panes. Panels, panes, scripts and sessions read it and change it through these functions. */
 
 enum { EDITOR_POINTS = 32, EDITOR_BINS = 128 };
 
@@ -56,7 +311,7 @@ struct pin {
     double apart;                  /**< mm from the pin before it; NaN of the first. */
 };
 
-/** Where the mouse's cones begin: at the surface under it, before that (point.h), or at the eye. */
+/** Where the mouse's cones begin: at the surface under it, before that (tools.h), or at the eye. */
 enum starts { START_SURFACE = 0, START_BEFORE, START_EYE };
 
 /** How all atlases are asked, for both tools, and what the first one's cone does besides. */
@@ -130,7 +385,7 @@ struct viewer {
 };
 
 /** Gets ready for @p count atlases, at least one, the first of which is drawn. They are taken over on success, their
- * strings, @p transfer and @p log are not; @p transfer, @p log and @p wake (painter.h) may be NULL. */
+ * strings, @p transfer and @p log are not; @p transfer, @p log and @p wake (pictures.h) may be NULL. */
 conus_status viewer_create(struct viewer *out, const struct view_source *sources, size_t count, const char *transfer,
                            conus_log log, void (*wake)(void));
 void viewer_finish(struct viewer *viewer);
@@ -235,9 +490,9 @@ bool viewer_move_grey(struct viewer *viewer, double right, double up);
 /** Sets the opacity in 3-D, 0 to 1, of an object of the drawn atlas and all below it; NaN = as if none was set. Object
  * 0: of everything that the cone does not hit, more than 0. */
 void viewer_set_opacity(struct viewer *viewer, uint32_t object, double opacity);
-/** Draws a pathway of the drawn atlas so (appearance.h). */
+/** Draws a pathway of the drawn atlas so (pictures.h). */
 void viewer_set_haze(struct viewer *viewer, uint32_t pathway, size_t haze);
-/** Colours the streamlines of the drawn atlas by this (tract_colour_name() in pictures/appearance.h). */
+/** Colours the streamlines of the drawn atlas by this (tract_colour_name() in pictures/pictures.h). */
 void viewer_colour_streamlines(struct viewer *viewer, size_t colour);
 /** Gives @p view, one of the viewer's atlases, the look @p look, which is for as many objects. */
 void viewer_set_look(struct viewer *viewer, struct view_atlas *view, struct appearance *appearance);
@@ -259,5 +514,194 @@ void viewer_set_hidden(struct viewer *viewer, struct view_atlas *view, bool *hid
 bool viewer_is_below(const struct viewer *viewer, uint32_t object, uint32_t ancestor);
 /** How much of an object and all below it is shown. */
 enum shown viewer_shown(const struct viewer *viewer, uint32_t object);
+
+/* Changes the query settings, all at once or one. If the atlas refuses a value, the status line says so and nothing
+ * changes. */
+
+/** Only what lies between two depths along the axis, mm from the apex, counts; both 0 = everything. */
+bool query_set_range(struct viewer *viewer, double nearest, double farthest);
+/** Moves the limits by so many mm; where there are none they are 0 and 50 mm first. */
+bool query_move_range(struct viewer *viewer, double nearest, double farthest);
+
+/** Rolls areas of the first atlas up; @p level is as --level has it, "" = not at all. False: it was said why not. */
+bool query_set_level(struct viewer *viewer, const char *level);
+/** The deepest level of the first atlas; 0 where none of its areas is part of another. */
+unsigned query_deepest(const struct viewer *viewer);
+/** The level as a depth; 0 = there is none, or it is a list of areas. */
+unsigned query_depth(const struct viewer *viewer);
+/** One level deeper, from none to 1, and from the deepest to none. */
+void query_next_level(struct viewer *viewer);
+
+/** Asks as conus query does with the @p words behind the first: --layers, --range, --radius, --level, --score, --order,
+ * --resolution, --aperture, --engine, --sampling, --slices, --slice-fraction. What they leave out is the default.
+ * False: it was said why not, on stderr, and all stays as it was. */
+bool query_set_words(struct viewer *viewer, char **words, int count);
+
+/* Left and right areas: only one side of the drawn atlas is shown, as view_atlas.sides has them; --hemispheres among
+ * the options that a session keeps (viewer/opening/opening.h). */
+
+enum side { SIDE_BOTH = 0, SIDE_LEFT, SIDE_RIGHT, SIDE_COUNT };
+/** "both", "left", "right", for scripts. */
+extern const char *const side_names[SIDE_COUNT];
+
+/** The sides that areas have, hidden ones, too: both, one of them, or SIDE_COUNT, none. */
+enum side side_known(const struct viewer *viewer);
+/** "no right areas", where there is one side at most. */
+extern const char *const side_missing[SIDE_COUNT + 1];
+/** The side whose areas are shown, if all of the other are hidden; SIDE_COUNT where those of both are. */
+enum side side_shown(const struct viewer *viewer);
+/** Hides the other side's areas; a side that is to be seen and was hidden whole is shown again. Others stay. */
+void side_show(struct viewer *viewer, enum side side);
+/** Both, left, right, and both again; says so. */
+void side_show_next(struct viewer *viewer);
+
+enum { HEMISPHERES_COUNT = CONUS_HEMISPHERES_MERGED + 1 };
+/** The meaning of each, for people. */
+extern const char *const hemispheres_meanings[HEMISPHERES_COUNT];
+
+/** The hemispheres that the options ask for; NULL is no options. */
+conus_hemispheres hemispheres_of_words(const json_t *words);
+/** A copy of them that says this; NULL without memory. */
+json_t *hemispheres_put_in_words(const json_t *words, conus_hemispheres how);
+
+/* The study of the viewer's cone: sweep, jitter or none. */
+
+/** Studies so from now on. False: it was said why not, and all stays as it was. */
+bool studies_use(struct viewer *viewer, const struct study_settings *settings);
+
+/** Asks for the study of the cone as it is now, unless that is known or under way, and takes what is answered. To be
+ * called whenever something may have changed. */
+void studies_step(struct viewer *viewer);
+/** Asks @p study, of the cone or of a plan, unless the answer is known or under way. */
+void studies_ask(struct viewer *viewer, struct study_state *study, const struct study_question *now);
+/** Takes its newest answer. */
+void studies_take(struct viewer *viewer, struct study_state *study);
+/** Whether there is a study, of a cone that is there. */
+bool studies_is_on(const struct viewer *viewer);
+/** Whether the answer (viewer->study.answer) is missing, or one of another cone, atlas or setting. */
+bool studies_is_old(const struct viewer *viewer);
+/** The table that conus sweep prints of the cone as it is now, borrowed; NULL = there is none, and it was said why. */
+const char *studies_text(struct viewer *viewer);
+
+/* The plan of the window: constraints that the first tool is held against wherever it is, and the candidates of a
+ * file, which are tried on a thread of their own. Its atlas is the first one. */
+
+/** Takes the constraints of @p arguments, if there are any. The tool then begins with this radius and ends at this
+ * depth, mm; 0 = not given. @p poses has the candidates; NULL = none. The viewer's frame is set. Returns the exit code
+ * and prints an error unless it is 0. */
+int plans_open(struct viewer *viewer, const struct arguments *arguments, const char *poses, double depth,
+               double radius);
+
+/** Takes the constraints of @p arguments and the candidates of @p poses in place of those before; the tool stays as it
+ * is. Likewise; where it fails, the plan does, too. */
+int plans_change(struct viewer *viewer, const struct arguments *arguments, const char *poses);
+
+/** The options, as words, that make the object of this name the target, which the needle is to reach; NULL = none. NULL
+ * without memory, or where the name is not UTF-8. */
+json_t *plans_target(const char *name);
+/** @p words with the targets (--reach) of @p targets in place of their own; either may be NULL. NULL without memory. */
+json_t *plans_put_targets(const json_t *words, const json_t *targets);
+bool plans_targets_are_same(const json_t *a, const json_t *b);
+/** Whether an object of the first atlas is by itself what the needle is to reach. */
+bool plans_is_target(const struct viewer *viewer, uint32_t object);
+
+/** The objects of the drawn atlas that are, or are below, what the needle is to reach (@p kind) or to avoid, [objects +
+ * 1], to be freed; NULL: there are none, or no memory. */
+bool *plans_structure(struct viewer *viewer, conus_constraint_kind kind);
+/** How the first of these structures is called: "Thalamus_L, Putamen_L"; NULL without one. */
+const char *plans_name(struct viewer *viewer, conus_constraint_kind kind);
+
+/** Whether there is a plan. */
+bool plans_is_on(const struct viewer *viewer);
+/** The verdict of the constraints on the first tool as it is now. Costs nothing where it has not changed. */
+const struct plan_verdict *plans_verdict(struct viewer *viewer);
+/** That in one line. A tracked tool that is held is elsewhere than its device, which the line then says. */
+void plans_line(char out[PLAN_LINE], struct viewer *viewer, bool with_leeway);
+
+/** Whether the first tool is a needle that the answer is about: that it reaches, or is clear of, something. */
+bool plans_has_needle(struct viewer *viewer);
+/** Keeps that needle in the list of pins, by its verdict, with both ends. */
+void plans_keep(struct viewer *viewer);
+
+enum { PLAN_NUMBER = 32 };
+/** How lists and sentences print a leeway or clearance: never better than it is, so rounded down; "-" where there is
+ * none. */
+const char *plans_number(char out[PLAN_NUMBER], double value);
+
+/** Asks for the list, and takes it once it is there. To be called whenever something may have changed. */
+void plans_step(struct viewer *viewer);
+/** The list, or why there is none: NULL, and @p why says so, "" without a file of candidates. */
+const struct plan_list *plans_list(const struct viewer *viewer, const char **why);
+/** Whether the list is still to come, or to come anew. */
+bool plans_is_behind(const struct viewer *viewer);
+/** Index of the row where the first tool is; SIZE_MAX = none. */
+size_t plans_at(const struct viewer *viewer);
+/** Moves the first tool to a row and holds it there; the cuts go through its tip. False: it was said why not. */
+bool plans_go(struct viewer *viewer, size_t row);
+
+/* Finds objects under the mouse and at places. */
+
+/** The first hit of the ray from @p origin along @p direction in what the 3-D picture shows, if it is less than @p
+ * limit mm away (INFINITY = anywhere). Pathways count from their threshold on. Where the context lets too little light
+ * through to see anything behind, it is hit, and @p object is 0. False: no hit. */
+bool viewer_pick(uint32_t *object, double contact[3], struct viewer *viewer, const double origin[3],
+                 const double direction[3], double limit);
+/** The first hit of such a ray in what a 3-D picture of one atlas would show, whatever its context hides, and how many
+ * mm it is away; 0 and INFINITY = no hit. */
+uint32_t view_atlas_pick(double *depth, struct view_atlas *view, const double origin[3], const double direction[3]);
+/** The distance along such a ray to the first object that is not hidden, mm; INFINITY = there is none. */
+double view_atlas_depth(struct view_atlas *view, const double origin[3], const double direction[3]);
+/** The object whose voxel or closed surface holds a place in one atlas, as its cuts would name it; 0 = none. */
+uint32_t view_atlas_at(struct view_atlas *view, const double place[3]);
+/** The largest value of pathway @p object within a voxel of @p place; NaN of an area. */
+double view_atlas_value(struct view_atlas *view, uint32_t object, const double place[3]);
+
+/* Draws outlines around objects, in pictures of sRGB and opacity, [height width 4], top row first. */
+
+enum { OUTLINE_DASH = 8 /**< Pixels that a dash is long, and the gap behind it. */ };
+
+/** A good place for the object's name: the middle of the upper edge of its outline. */
+struct outline_top {
+    bool is_there; /**< Something was outlined. */
+    uint32_t x, y;
+};
+
+/** What has an outline; the later ones lie over the others. */
+enum outline { OUTLINE_AVOIDED = 0, OUTLINE_TARGET /**< Of a plan. */, OUTLINE_CHOSEN, OUTLINE_COUNT };
+
+struct outline_look {
+    uint8_t rgb[3];
+    double fill; /**< Opacity of the inside. */
+};
+extern const struct outline_look outline_looks[OUTLINE_COUNT];
+
+/** The objects that have it, [objects + 1], to be freed; NULL: none has, or no memory. */
+bool *outline_wanted(struct viewer *viewer, enum outline which);
+
+/** The name of an object that has it; NULL: @p which is not of a plan. */
+const char *outline_name(struct viewer *viewer, enum outline which);
+
+/** Takes the stairs off a shape, @p mask, [height width] of 0 and 1: each pixel becomes what most are that are up to
+ * @p reach beside it. A square stays that is wider than 1.42 @p reach + 1. @p level gets how many they are, of 255: the
+ * edge is at a half. Unchanged without memory. */
+void outline_smooth(uint8_t *mask, uint8_t *level, uint32_t width, uint32_t height, uint32_t reach);
+
+/** Draws a line inside the edge of @p mask, [height width] of 0 and 1, and a dark one outside; none at the picture's
+ * border. All else of a mask that is filled becomes so. */
+void outline_draw(uint8_t *rgba, struct outline_top *top, const uint8_t *mask, uint32_t width, uint32_t height,
+                  const struct outline_look *look);
+
+/** Makes dashes of the outline of @p mask that was drawn, where @p hidden, [height width], is 1. */
+void outline_dash(uint8_t *rgba, const uint8_t *mask, const uint8_t *hidden, uint32_t width, uint32_t height);
+
+/** Takes the stairs off the lines that were drawn of a mask of this @p level, as far as dashes left them: pixels are
+ * covered in part. Unchanged without memory. */
+void outline_soften(uint8_t *rgba, const uint8_t *level, uint32_t width, uint32_t height,
+                    const struct outline_look *look);
+
+/** Draws a wider outline, of two pixels, around the @p wanted ones of @p objects, [height width], over @p rgba; none
+ * without memory. */
+void outline_cut(uint8_t *rgba, struct outline_top *top, const uint32_t *objects, uint32_t width, uint32_t height,
+                 const bool *wanted, const struct outline_look *look);
 
 #endif

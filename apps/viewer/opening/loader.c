@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The thread that reads files, and its progress. */
-#include "viewer/opening/loader.h"
+#include "viewer/opening/opening.h"
 
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "settings/atlas_input.h"
+#include "settings/settings.h"
 
 #include <GLFW/glfw3.h>
 #include <pthread.h>

@@ -1,23 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds out what files are, loads them while the window says how far that is, and shows them in place of others. */
-#include "viewer/opening/open.h"
+#include "viewer/opening/opening.h"
 
 #include "base/path.h"
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "settings/atlas_input.h"
-#include "settings/atlases.h"
-#include "settings/notes.h"
+#include "settings/settings.h"
 #include "sources/endings.h"
 #include "viewer/model/additions.h"
-#include "viewer/model/hemispheres.h"
-#include "viewer/model/plans.h"
-#include "viewer/model/session_file.h"
-#include "viewer/opening/reopen.h"
-#include "viewer/opening/waiting.h"
+#include "viewer/model/viewer.h"
+#include "viewer/opening/parts.h"
 #include "viewer/session/session.h"
-#include "viewer/session/session_atlases.h"
 #include "viewer/window/window.h"
 
 #include <assert.h>

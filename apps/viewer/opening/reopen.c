@@ -1,18 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Loads the same atlases with other options and shows them in place of the old ones. */
-#include "viewer/opening/reopen.h"
+#include "viewer/opening/parts.h"
 
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "viewer/model/file_watch.h"
-#include "viewer/model/hemispheres.h"
-#include "viewer/model/plans.h"
-#include "viewer/model/query_settings.h"
-#include "viewer/opening/replace.h"
-#include "viewer/opening/view_words.h"
-#include "viewer/opening/waiting.h"
-#include "viewer/session/undo.h"
+#include "viewer/model/additions.h"
+#include "viewer/model/viewer.h"
+#include "viewer/opening/opening.h"
+#include "viewer/session/session.h"
 
 #include <stdio.h>
 #include <stdlib.h>

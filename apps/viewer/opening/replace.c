@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Matches the objects of an atlas that was opened twice, and copies the user's changes from the first to the second. */
-#include "viewer/opening/replace.h"
+#include "viewer/opening/parts.h"
 
 #include "base/order.h"
 #include "conus/own.h"

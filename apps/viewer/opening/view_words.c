@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Options become words with absolute paths, and words options again. */
-#include "viewer/opening/view_words.h"
+#include "viewer/opening/opening.h"
 
 #include "base/path.h"
 #include "base/system/system.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Draws the page, and waits for the loader's thread. */
-#include "viewer/opening/waiting.h"
+#include "viewer/opening/opening.h"
 
 #include "options/messages.h"
 #include "options/output.h"

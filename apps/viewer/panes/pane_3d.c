@@ -1,14 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The 3-D pane: shows the painter's picture, and lets the mouse turn it or aim. */
 #include "base/look.h"
-#include "viewer/model/headline.h"
-#include "viewer/model/picker.h"
-#include "viewer/panes/panels.h"
+#include "viewer/model/columns.h"
+#include "viewer/model/viewer.h"
 #include "viewer/panes/panes.h"
-#include "viewer/tools/inputs.h"
-#include "viewer/tools/point.h"
-#include "viewer/window/hover.h"
-#include "viewer/window/thumbnail.h"
+#include "viewer/tools/tools.h"
+#include "viewer/window/start.h"
 #include "viewer/window/window.h"
 
 #include <math.h>

@@ -5,8 +5,8 @@
 
 #include "base/look.h"
 #include "conus/own.h"
-#include "viewer/model/picker.h"
-#include "viewer/pictures/cells.h"
+#include "viewer/model/viewer.h"
+#include "viewer/pictures/pictures.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -4,9 +4,8 @@
 
 #include "base/look.h"
 #include "base/order.h"
-#include "viewer/model/picker.h"
-#include "viewer/model/plans.h"
-#include "viewer/tools/shell.h"
+#include "viewer/model/viewer.h"
+#include "viewer/tools/tools.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,12 +2,10 @@
 /* A flat pane: the cut, the crosshair, the cone in it, and the mouse on it. */
 #include "base/look.h"
 #include "conus/own.h"
-#include "viewer/model/picker.h"
 #include "viewer/model/viewer.h"
 #include "viewer/panes/panes.h"
-#include "viewer/tools/inputs.h"
-#include "viewer/window/figure_form.h"
-#include "viewer/window/hover.h"
+#include "viewer/tools/tools.h"
+#include "viewer/window/window.h"
 
 #include <math.h>
 #include <stdio.h>

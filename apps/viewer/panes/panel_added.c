@@ -2,7 +2,7 @@
 /* The list of additions to the atlas, and a line for one more. */
 #include "conus/own.h"
 #include "options/output.h"
-#include "viewer/panes/panels.h"
+#include "viewer/panes/panes.h"
 
 #include <jansson.h>
 #include <math.h>

@@ -3,10 +3,9 @@
 #include "base/look_sizes.h"
 #include "conus/own.h"
 #include "options/messages.h"
-#include "viewer/model/hemispheres.h"
-#include "viewer/model/search.h"
-#include "viewer/panes/panels.h"
-#include "viewer/ui/ui_list.h"
+#include "viewer/model/viewer.h"
+#include "viewer/panes/panes.h"
+#include "viewer/ui/ui.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The card of the chosen area: facts about it, and buttons that act on it. */
 #include "options/output.h"
-#include "viewer/model/plans.h"
-#include "viewer/panes/panels.h"
-#include "viewer/ui/ui_list.h"
+#include "viewer/model/viewer.h"
+#include "viewer/panes/panes.h"
+#include "viewer/ui/ui.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The panel of the cone: what moves it, its pose, shape and score, and which hits count. */
 #include "conus/own.h"
-#include "settings/station_settings.h"
-#include "viewer/model/query_settings.h"
-#include "viewer/model/search.h"
-#include "viewer/panes/panels.h"
-#include "viewer/tools/point.h"
+#include "settings/settings.h"
+#include "viewer/model/viewer.h"
+#include "viewer/panes/panes.h"
+#include "viewer/tools/tools.h"
 
 #include <GLFW/glfw3.h>
 #include <math.h>

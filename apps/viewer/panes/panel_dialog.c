@@ -2,8 +2,8 @@
 /* The page on which a file is chosen: a line for its path, places, and what is in the folder. */
 #include "conus/own.h"
 #include "options/output.h"
-#include "viewer/panes/panels.h"
-#include "viewer/ui/ui_list.h"
+#include "viewer/panes/panes.h"
+#include "viewer/ui/ui.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The form that asks which pane to save as a figure. */
-#include "viewer/panes/panels.h"
+#include "viewer/panes/panes.h"
 
 #include "base/path.h"
-#include "viewer/window/figure_form.h"
+#include "viewer/window/window.h"
 
 #include <string.h>
 

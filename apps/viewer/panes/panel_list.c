@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The list of what the cone hits in one atlas, and the choice of its columns. */
-#include "viewer/panes/panels.h"
+#include "viewer/panes/panes.h"
 
 #include "base/look.h"
 #include "viewer/model/columns.h"
-#include "viewer/ui/ui_list.h"
+#include "viewer/ui/ui.h"
 
 #include <math.h>
 #include <stdio.h>

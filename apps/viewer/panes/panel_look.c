@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How the atlas looks: the view, an area, the context's grey values, pathways and streamlines. */
-#include "viewer/panes/panels.h"
+#include "viewer/panes/panes.h"
 
 #include "base/look.h"
 #include "conus/own.h"
-#include "viewer/ui/ui_list.h"
+#include "viewer/ui/ui.h"
 
 #include <math.h>
 #include <stdint.h>

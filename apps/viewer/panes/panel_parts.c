@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Widgets that several panels have. */
 #include "options/output.h"
-#include "viewer/panes/panels.h"
-#include "viewer/ui/ui_list.h"
+#include "viewer/panes/panes.h"
+#include "viewer/ui/ui.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The verdict of a plan's constraints on the first tool, and the list of planned poses. */
-#include "viewer/panes/panels.h"
+#include "viewer/panes/panes.h"
 
-#include "viewer/ui/ui_list.h"
+#include "viewer/ui/ui.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The list of points: a row is chosen to be asked about. */
-#include "viewer/panes/panels.h"
-#include "viewer/ui/ui_list.h"
+#include "viewer/panes/panes.h"
+#include "viewer/ui/ui.h"
 
 #include <math.h>
 

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The panel of the answer: the table of results, what is asked, and tabs of all else. */
 #include "base/look_sizes.h"
-#include "viewer/panes/panels.h"
+#include "viewer/panes/panes.h"
 
 #include "viewer/model/columns.h"
-#include "viewer/model/headline.h"
-#include "viewer/model/plans.h"
-#include "viewer/ui/ui_list.h"
+#include "viewer/model/viewer.h"
+#include "viewer/ui/ui.h"
 
 #include <ctype.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The second tool: what moves it, its angle, and the list of what its cone hits. */
-#include "viewer/panes/panels.h"
+#include "viewer/panes/panes.h"
 
 #include "base/look.h"
 

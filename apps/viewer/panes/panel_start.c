@@ -2,9 +2,9 @@
 /* The start page: what conus is, what to do first, and the ways to open an atlas. */
 #include "conus/own.h"
 #include "options/output.h"
-#include "viewer/panes/panels.h"
-#include "viewer/ui/ui_list.h"
-#include "viewer/window/thumbnail.h"
+#include "viewer/panes/panes.h"
+#include "viewer/ui/ui.h"
+#include "viewer/window/start.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The status line. */
-#include "viewer/panes/panels.h"
+#include "viewer/panes/panes.h"
 
-#include "viewer/ui/ui_list.h"
-#include "viewer/window/hover.h"
+#include "viewer/ui/ui.h"
+#include "viewer/window/window.h"
 
 #include <math.h>
 #include <stdio.h>

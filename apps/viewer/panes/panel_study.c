@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The study of the cone: shares over the angle as curves, or probabilities of jitter as bars, with their numbers. */
-#include "viewer/panes/panels.h"
+#include "viewer/panes/panes.h"
 
 #include "base/look.h"
-#include "viewer/model/studies.h"
-#include "viewer/ui/ui_list.h"
+#include "viewer/model/viewer.h"
+#include "viewer/ui/ui.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Draws lines with edges. */
-#include "viewer/panes/strokes.h"
+#include "viewer/panes/panes.h"
 
 #include "base/look.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A selection with a count of its holders. */
-#include "viewer/pictures/answer.h"
+#include "viewer/pictures/pictures.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Background, opacities, pathways as haze, and colours of streamlines. */
-#include "viewer/pictures/appearance.h"
+#include "viewer/pictures/pictures.h"
 
 #include "base/look.h"
 #include "conus/own.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The eye that a 3-D picture is seen by: projections, the orbit around the brain, a tracked head. */
-#include "viewer/pictures/camera.h"
 #include "conus/own.h"
+#include "viewer/pictures/pictures.h"
 
 #include <math.h>
 #include <string.h>

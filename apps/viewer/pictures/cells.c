@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the cells of a shape by cuts through the atlas, first coarsely where it is, then finely. */
-#include "viewer/pictures/cells.h"
 #include "conus/own.h"
+#include "viewer/pictures/pictures.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The direction of an edge is that of the smaller eigenvalue of its structure tensor. */
-#include "viewer/pictures/edges.h"
+#include "viewer/pictures/pictures.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The thread that draws 3-D pictures: coarse, full, smooth. */
-#include "viewer/pictures/painter.h"
+#include "viewer/pictures/pictures.h"
 
 #include "base/system/system.h"
-#include "options/clock.h"
-#include "viewer/pictures/edges.h"
+#include "options/progress.h"
 
 #include <math.h>
 #include <pthread.h>

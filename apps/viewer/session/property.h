@@ -2,7 +2,7 @@
 /** @file
  * The table of the window's state: a row for each value that a user sets. Session files, undo, scripts, keys and tips
  * are loops over it or name its rows; a new value is one row. What belongs to the objects of an atlas (hidden areas,
- * thresholds, opacities) is not here but in session_atlases.h. */
+ * thresholds, opacities) is not here but in session.h. */
 #ifndef CONUS_VIEWER_SESSION_PROPERTY_H
 #define CONUS_VIEWER_SESSION_PROPERTY_H
 

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds a free name by the time, and writes a session or picture there. */
-#include "viewer/session/save_file.h"
+#include "viewer/session/session.h"
 
 #include "base/system/system.h"
 #include "conus/own.h"
 #include "options/provenance.h"
 #include "viewer/model/columns.h"
-#include "viewer/model/studies.h"
-#include "viewer/session/session.h"
+#include "viewer/model/viewer.h"
 
 #include <stdio.h>
 #include <stdlib.h>

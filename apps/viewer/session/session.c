@@ -4,12 +4,9 @@
 #include "viewer/session/session.h"
 
 #include "conus/own.h"
-#include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "viewer/model/columns.h"
-#include "viewer/session/session_atlases.h"
-#include "viewer/session/session_fit.h"
 
 #include <float.h>
 #include <jansson.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Each atlas in a session: where it lies, hidden objects, thresholds and looks; and which of them is drawn. */
-#include "viewer/session/session_atlases.h"
 #include "viewer/model/additions.h"
+#include "viewer/session/session.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Numbers of objects then and now: those of each file that was added belong together, and so do all others. */
-#include "viewer/session/session_fit.h"
+#include "viewer/session/session.h"
 
 #include "options/output.h"
 #include "viewer/model/additions.h"
-#include "viewer/model/session_file.h"
-#include "viewer/session/session_atlases.h"
 
 #include <stdlib.h>
 #include <string.h>

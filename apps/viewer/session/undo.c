@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* States are sessions without what is not taken back. */
-#include "viewer/session/undo.h"
-
-#include "viewer/model/hemispheres.h"
-#include "viewer/model/plans.h"
 #include "viewer/session/session.h"
+
+#include "viewer/model/viewer.h"
 
 #include <jansson.h>
 

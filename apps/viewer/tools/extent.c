@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds where a tool's axis comes into what is shown and leaves it, and turns the tool about there. */
-#include "viewer/tools/extent.h"
-
-#include "viewer/tools/point.h"
+#include "viewer/tools/tools.h"
 
 #include <math.h>
 

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Asks the device of each tool, lets it move the tool, and finds what is to be said of it. */
-#include "viewer/tools/inputs.h"
+#include "viewer/tools/tools.h"
 
 #include "conus/own.h"
-#include "options/clock.h"
-#include "settings/station_settings.h"
-#include "viewer/model/plans.h"
-#include "viewer/tools/point.h"
+#include "options/progress.h"
+#include "settings/settings.h"
+#include "viewer/model/viewer.h"
 
 #include <math.h>
 #include <string.h>

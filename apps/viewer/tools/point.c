@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the surface under the mouse. */
-#include "viewer/tools/point.h"
+#include "viewer/tools/tools.h"
 
 #include "conus/own.h"
-#include "viewer/model/picker.h"
+#include "viewer/model/viewer.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Rings of a cone's wall, and cuts through the triangles between them. */
-#include "viewer/tools/shell.h"
+#include "viewer/tools/tools.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The colours, and their contrast. */
-#include "viewer/ui/theme.h"
+#include "viewer/ui/ui.h"
 
 #include "base/look.h"
 

@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * The widgets of the window: the one border to Dear ImGui, which is C++. Everything here is for the thread that owns
- * the window, between ui_begin() and ui_end() where nothing else is said. Positions and sizes are pixels of the window
- * from its top left corner; colours are sRGB bytes with opacity. */
+/** @file The widgets of the window: the one border to Dear ImGui, which is C++. */
 #ifndef CONUS_VIEWER_UI_UI_H
 #define CONUS_VIEWER_UI_UI_H
-
-#include "viewer/ui/theme.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -15,6 +10,64 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/* The colours of the window, a dark and a light theme: of texts, and of surfaces that texts stand on. Each text can
+ * be read on each surface: their contrast is at least 4.5, also where a text is pale. */
+
+/** sRGB bytes and opacity. */
+typedef struct ui_colour {
+    uint8_t r, g, b, a;
+} ui_colour;
+
+enum theme_text {
+    THEME_PLAIN = 0,
+    THEME_HINT,   /**< Where nothing is typed yet, what is less important. */
+    THEME_ACCENT, /**< Chosen things; keys; what was just done. */
+    THEME_ORANGE, /**< Trouble. */
+    THEME_RED,    /**< A tracker that is lost; the words say so, too. */
+    THEME_GREEN,  /**< One that is there. */
+    THEME_TEXTS
+};
+
+enum theme_surface {
+    THEME_PANEL = 0,
+    THEME_POPUP,
+    THEME_FIELD, /**< Lines to type in, sliders, choices; under the mouse; while they are held. */
+    THEME_FIELD_HOVERED,
+    THEME_FIELD_HELD,
+    THEME_BUTTON,
+    THEME_BUTTON_HOVERED,
+    THEME_BUTTON_HELD,
+    THEME_ROW, /**< A row that is chosen. */
+    THEME_ROW_HOVERED,
+    THEME_ROW_HELD,
+    THEME_MARKED, /**< Text that is marked. */
+    THEME_SHADE,  /**< Under texts over pictures, with the opacity that it has over white. */
+    THEME_SURFACES
+};
+
+/** What no text stands on (base/look.h). */
+enum theme_mark { THEME_MARK = 0, THEME_EDGE, THEME_KNOB, THEME_KNOB_HELD, THEME_LINE, THEME_MARKS };
+
+enum theme { THEME_DARK = 0, THEME_LIGHT, THEME_COUNT };
+
+/** Colours of the theme in use, by those enums: one for the program, as Dear ImGui's style is. */
+extern const ui_colour *theme_texts, *theme_surfaces, *theme_marks;
+/** Texts on THEME_SHADE, over pictures, which have no theme. */
+extern const ui_colour theme_shaded[THEME_TEXTS];
+/** The theme in use; dark until theme_use(), whose colours widgets take over with the next ui_create() or
+ * ui_set_scale(). */
+enum theme theme_used(void);
+void theme_use(enum theme theme);
+/** Opacity of pale texts: less would be too faint. */
+extern const float theme_pale;
+
+/** The theme that the user chose for the desktop; the dark one where no desktop answers within a second. */
+enum theme desktop_theme(void);
+
+/* The widgets of the window: the one border to Dear ImGui, which is C++. Everything here is for the thread that owns
+ * the window, between ui_begin() and ui_end() where nothing else is said. Positions and sizes are pixels of the
+ * window from its top left corner; colours are sRGB bytes with opacity. */
 
 struct ui_box {
     float x, y, width, height;
@@ -199,6 +252,44 @@ void ui_navigate_lists(bool also_panels);
 bool ui_navigates(void);
 /** Whether Escape is for the widgets: a choice or a list that was entered, a number that is typed. */
 bool ui_navigates_deep(void);
+
+/* Widgets of long lists with columns. */
+
+float ui_list_line(void); /**< Height of a row of a list. */
+/** A list of @p count columns, the first of which is at least so wide, and takes what the others leave. Where they
+ * leave less, the list scrolls to the side below it. False: nothing of it is to be drawn, and it is not to be ended. */
+bool ui_list(const char *id, const float *widths, size_t count, float height);
+/** Narrows the first column, of names, and counts fewer columns, but @p least, where the list would scroll to the side.
+ */
+size_t ui_list_fit(float *widths, size_t count, size_t least);
+void ui_list_end(void);
+/** The row of headings; then, for each column, a heading, at its @p right or left; true when it was pressed. */
+void ui_list_top(void);
+bool ui_list_heading(const char *text, bool right);
+/** Such a list with headings that are not pressed. */
+bool ui_table(const char *id, const char *const *headings, const float *widths, size_t count, float height);
+/** The next row, and its first cell. False where it lies so far out of sight that nothing need be drawn in it. */
+bool ui_list_row(void);
+void ui_text_right(const char *text); /**< It ends at the cell's right edge. */
+/** A line under the cell's text, as long as the part of the cell's width. */
+void ui_underline(double part, ui_colour colour);
+/** A line of a list that can be pressed, as ui_name_cut() shows it; what is cut is whole in its tip, with @p tip. */
+bool ui_row_cut(const char *label, bool selected, const char *tip);
+
+/** A text that ends in "..." where it is wider than @p width; then its tip has it whole. */
+void ui_text_cut(const char *text, float width);
+/** A name with "..." in its middle where it is wider than that: its end may say the side. Likewise. */
+void ui_name_cut(const char *name, float width);
+/** The following texts stand in so many columns, filled from ui_next_column() to the next; 1 ends them. */
+void ui_columns(size_t count);
+void ui_next_column(void);
+
+/** A button that opens what comes up to ui_popup_end(), if it is true, over the window. */
+bool ui_popup(const char *label);
+void ui_popup_end(void);
+void ui_popup_close(void); /**< It is over with this frame. */
+/** The next widget, a button with this label, stands in the same line where it fits, else below. */
+void ui_flow(const char *label);
 
 #ifdef __cplusplus
 }

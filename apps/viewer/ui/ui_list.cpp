@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The widgets of ui_list.h, by Dear ImGui.
-#include "viewer/ui/ui_list.h"
+// The widgets of ui.h, by Dear ImGui.
+#include "viewer/ui/ui.h"
 
 #include "viewer/ui/ui_audit.h"
 

@@ -3,7 +3,7 @@
 #include "viewer/ui/ui_audit.h"
 
 #include "base/look_sizes.h"
-#include "viewer/ui/theme.h"
+#include "viewer/ui/ui.h"
 
 #include <imgui.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A list of states, and a place in it. */
-#include "viewer/window/changes.h"
+#include "viewer/window/window.h"
 
 #include <stdbool.h>
 #include <stdlib.h>

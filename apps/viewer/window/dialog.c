@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads folders; what the dialog lists and answers, without how it looks. */
-#include "viewer/window/dialog.h"
+#include "viewer/window/start.h"
 
 #include "base/order.h"
 #include "base/path.h"
@@ -11,7 +11,6 @@
 #include "options/output.h"
 #include "sources/endings.h"
 #include "sources/keys.h"
-#include "viewer/window/state_file.h"
 
 #include <stdint.h>
 #include <stdio.h>

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Notes what GLFW tells, and gives it to widgets, panes and keys frame by frame. */
-#include "viewer/window/events.h"
-
 #include "viewer/window/window.h"
 
 #include <GLFW/glfw3.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds a name, waits until the window has said what it does, and writes what a pane shows as conus render would. */
-#include "viewer/window/figure_form.h"
+#include "viewer/window/window.h"
 
 #include "base/look.h"
 #include "base/look_sizes.h"
@@ -8,7 +8,6 @@
 #include "base/system/system.h"
 #include "conus/own.h"
 #include "viewer/model/viewer.h"
-#include "viewer/window/window.h"
 
 #include <GLFW/glfw3.h>
 #include <math.h>

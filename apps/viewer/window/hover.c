@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the names of what is under the mouse, in each atlas. */
-#include "viewer/window/hover.h"
+#include "viewer/window/window.h"
 
-#include "viewer/model/picker.h"
+#include "viewer/model/viewer.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tries places around a point, the nearest first. */
-#include "viewer/window/labels.h"
+#include "viewer/window/window.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Widths and parts within their limits. */
-#include "viewer/window/layout.h"
+#include "viewer/window/window.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads and writes the file with the window's place. */
-#include "viewer/window/place.h"
+#include "viewer/window/window.h"
 
-#include "viewer/window/state_file.h"
+#include "viewer/window/start.h"
 
 #include <jansson.h>
 #include <math.h>

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads, changes and writes the list of atlases that were opened lately. */
-#include "viewer/window/recent.h"
+#include "viewer/window/start.h"
 
 #include "base/path.h"
-#include "viewer/window/state_file.h"
 
 #include <jansson.h>
 #include <stdio.h>

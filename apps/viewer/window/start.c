@@ -7,9 +7,7 @@
 #include "options/messages.h"
 #include "options/output.h"
 #include "viewer/model/viewer.h"
-#include "viewer/ui/theme.h"
-#include "viewer/window/state_file.h"
-#include "viewer/window/thumbnail.h"
+#include "viewer/ui/ui.h"
 
 #include <stdint.h>
 #include <stdio.h>

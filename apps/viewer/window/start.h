@@ -1,15 +1,81 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The offers of the start page: atlases that were opened lately, those that are installed, a sample, and a line
- * for a path or for words to search by. */
+/** @file The start page, the page on which a file is chosen, and what the window keeps from one run to the next. */
 #ifndef CONUS_VIEWER_WINDOW_START_H
 #define CONUS_VIEWER_WINDOW_START_H
 
 #include "base/system/system.h"
 #include "conus/own.h"
-#include "viewer/window/recent.h"
-#include "viewer/window/texture.h"
+#include "viewer/pictures/pictures.h"
+
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
+
+/* Small files that the window keeps from one run to the next, in $XDG_STATE_HOME/conus, else in
+ * ~/.local/state/conus. */
+
+/** The path of @p name in a folder that is made; false where there is no home, or it is too long. */
+bool state_file_path(char path[SYSTEM_PATH], const char *name);
+/** The bytes of the file @p name, to be freed; NULL where there is none, or it has more than @p limit. */
+char *state_file_read(size_t *size, const char *name, size_t limit);
+/** Writes it, whole or not at all; where that cannot be done the next run finds what the one before left. */
+void state_file_write(const char *name, const char *text, size_t size);
+
+/** The path that people type: ~ is the home folder. False where it is empty, or too long. */
+bool typed_path(char path[SYSTEM_PATH], const char *text);
+
+/* The atlases that were opened lately, newest first: conus/recent.json in $XDG_STATE_HOME, else in ~/.local/state:
+ * {"conus_recent": 1, "atlases": ["/absolute/path", ...]}. */
+
+enum { RECENT_LIMIT = 8 };
+
+struct recent {
+    char paths[RECENT_LIMIT]
+              [SYSTEM_PATH]; /**< Absolute, and shorter than SYSTEM_PATH; whether they are there nobody asks. */
+    size_t count;
+};
+
+/** Reads what was written, and nothing else; false, and @p out stays as it is, where it is not that. */
+bool recent_parse(struct recent *out, const char *text, size_t size);
+/** Reads the list into @p out, which is empty where no valid list is stored. */
+void recent_load(struct recent *out);
+/** Puts an atlas first and writes the file. Nothing happens where its absolute path is too long or no UTF-8. */
+void recent_add(const char *path);
+
+/* Pictures on the screen. */
+
+struct texture {
+    uint32_t name; /**< GL's name; 0 = none yet. */
+    uint32_t width, height;
+};
+
+/** Puts bytes of sRGB, top row first, on a texture; @p smooth: where it has another size, pixels run into each other.
+ */
+void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height, bool smooth);
+/** Ends the picture on a texture. */
+void texture_drop(struct texture *texture);
+
+/* What the start page knows of an atlas that was open before: a picture, and how many areas it has. It is a file of
+ * the window's state, pictures/NAME after the atlas's file: "conus_picture 1 BYTES AREAS\n" with the atlas's size
+ * (16 hexadecimal digits), its areas (8 of them), and the pixels. */
+
+enum { THUMBNAIL_WIDTH = 400, THUMBNAIL_HEIGHT = 300 };
+
+struct thumbnail {
+    uint32_t areas;
+    uint8_t rgba[THUMBNAIL_HEIGHT][THUMBNAIL_WIDTH][4]; /**< sRGB, top row first. */
+};
+
+/** Reads what was kept of an atlas of so many bytes, and nothing else; false, and @p out stays as it is, where it is
+ * not that. */
+bool thumbnail_parse(struct thumbnail *out, uint64_t bytes, const char *text, size_t size);
+/** Finds what was kept of an atlas of this name and size, wherever it was; false where nothing was. */
+bool thumbnail_load(struct thumbnail *out, const char *path);
+/** Keeps the middle of a picture of the atlas @p path, for the next time; where that cannot be, nothing is kept. */
+void thumbnail_keep(const char *path, uint32_t areas, const struct painted *picture);
+
+/* The offers of the start page: atlases that were opened lately, those that are installed, a sample, and a line for
+ * a path or for words to search by. */
 
 /** Whether each word of @p text is in the atlas's name, or is its source's name or the beginning of that. Upper and
  * lower case are the same, and so are '-', '_', '.', '+' and spaces. An empty text fits all. */
@@ -82,5 +148,83 @@ void start_move(struct start *start, int by);
 bool start_typed(char path[SYSTEM_PATH], struct start *start);
 /** The path of the phantom that is the sample, which is written where it is missing; false with conus_message(). */
 bool start_sample(char path[SYSTEM_PATH]);
+
+/* The page on which a file is chosen, to be opened or written: a path, and the folder that it is in. */
+
+enum { FOLDER_LIMIT = 100000 /* entries; more are left out */ };
+
+/** Which files are listed. Folders are always. */
+enum folder_filter { FOLDER_OPENABLE, FOLDER_SESSIONS, FOLDER_ALL };
+
+struct folder_entry {
+    char *name;
+    bool is_folder;
+};
+
+/** All 0 = not read. */
+struct folder {
+    char path[SYSTEM_PATH]; /**< As it was read; "" = none. */
+    enum folder_filter filter;
+    struct folder_entry *entries; /**< [count] Folders first, each kind by name, in which case does not count. */
+    size_t count;
+    bool failed;  /**< It cannot be read, or there is no memory; then count is 0. */
+    bool missing; /**< It failed since there is no such folder. */
+};
+
+/** Reads the folder @p path in place of the one before. Names that begin with a dot are left out. */
+void folder_read(struct folder *folder, const char *path, enum folder_filter filter);
+void folder_finish(struct folder *folder);
+
+/** Whether a file's name ends as one that conus can open, or a session; those without an ending are told by nothing. */
+bool folder_can_open(const char *name);
+/** Whether @p text is in @p name; upper and lower case are the same. */
+bool folder_fits(const char *name, const char *text);
+
+enum { DIALOG_PLACES = 10, DIALOG_WHY = 512 };
+enum dialog_purpose { DIALOG_OPEN, DIALOG_SAVE };
+
+/** All 0 = never shown. */
+struct dialog {
+    bool on;
+    enum dialog_purpose purpose;
+    char text[SYSTEM_PATH]; /**< The typed text: up to its last '/' the folder that is listed, then a part of a name. */
+    bool is_set;            /**< The text is not what the line has: it is to take it over, */
+    size_t selected;        /**< and to select it from this byte on, so that what is typed next takes its place. */
+    char prefilled[SYSTEM_PATH];   /**< The folder that was put there, with its '/'; "" = the user was there. */
+    const char *ending;            /**< Ending of the file to be written; NULL = ".json", a session. */
+    bool takes_keys;               /**< From the next frame on what is typed goes into the line. */
+    bool all;                      /**< Lists all files. */
+    size_t marked;                 /**< Entry of the folder; past the last = none. */
+    bool scrolls;                  /**< The list is to scroll to what is marked. */
+    bool sure;                     /**< To write over the file that is there. */
+    char why[DIALOG_WHY];          /**< An error, or ""; plain. */
+    char text_before[SYSTEM_PATH]; /**< When marked and sure were set. */
+    struct folder folder;
+    char places[DIALOG_PLACES][SYSTEM_PATH]; /**< Folders to go to. */
+    size_t place_count;
+};
+
+/** Shows it, with the text @p path, or where that is NULL with the folder of what was opened last, else with the one
+ * where conus was started. */
+void dialog_show(struct dialog *dialog, enum dialog_purpose purpose, const char *path, const struct start *start);
+void dialog_finish(struct dialog *dialog);
+/** Puts a text into the line. */
+void dialog_set(struct dialog *dialog, const char *text);
+/** Shows it as it was left, with why its file could not be opened; what is typed then takes the place of its path. */
+void dialog_complain(struct dialog *dialog, const char *why);
+/** Reads the folder that the text is in, unless it was read; to be called before its entries are looked at. */
+void dialog_look(struct dialog *dialog);
+/** Whether entry @p index of the folder fits the part of a name. */
+bool dialog_fits(const struct dialog *dialog, size_t index);
+/** Marks the next entry that fits, by 1 below, by -1 above. */
+void dialog_move(struct dialog *dialog, int by);
+/** Goes to the folder around the one that is listed. */
+void dialog_leave(struct dialog *dialog);
+/** Takes entry @p index: a folder is listed, a file is the text. */
+void dialog_take(struct dialog *dialog, size_t index);
+/** Does what Enter does: true, and the path, for a file; lists a folder. Asks first before a file is written over. */
+bool dialog_enter(char path[SYSTEM_PATH], struct dialog *dialog);
+/** The folder that is listed, without a '/' at its end but for the root. */
+void dialog_here(char path[SYSTEM_PATH], const struct dialog *dialog);
 
 #endif

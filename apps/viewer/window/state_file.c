@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds, reads and writes the files of the window's state. */
-#include "viewer/window/state_file.h"
+#include "viewer/window/start.h"
 
 #include "base/path.h"
 #include "conus/own.h"
-#include "options/input_file.h"
 #include "options/messages.h"
+#include "options/output.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Textures of OpenGL. */
-#include "viewer/window/texture.h"
+#include "viewer/window/start.h"
 
 #include <epoxy/gl.h>
 

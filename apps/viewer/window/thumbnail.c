@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads and writes small pictures of atlases. */
-#include "viewer/window/thumbnail.h"
+#include "viewer/window/start.h"
 
 #include "base/path.h"
-#include "viewer/window/state_file.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -7,9 +7,8 @@
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "viewer/model/headline.h"
-#include "viewer/model/plans.h"
-#include "viewer/model/studies.h"
+#include "viewer/model/columns.h"
+#include "viewer/model/viewer.h"
 
 #include <epoxy/gl.h>
 

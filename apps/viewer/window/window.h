@@ -1,26 +1,159 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The window, its textures, and how it is laid out: panels left and right, four panes between them, a status
- * line. What panels and panes draw is theirs (panels.h, panes.h); the state that a session keeps is the viewer's. */
+/** @file The window: how it is laid out, its events, its textures, and what is asked in it. */
 #ifndef CONUS_VIEWER_WINDOW_WINDOW_H
 #define CONUS_VIEWER_WINDOW_WINDOW_H
 
 #include "conus/own.h"
+#include "figures/figure.h"
 #include "viewer/model/additions.h"
-#include "viewer/model/hemispheres.h"
-#include "viewer/model/outline.h"
-#include "viewer/model/times.h"
 #include "viewer/model/viewer.h"
-#include "viewer/pictures/cells.h"
-#include "viewer/tools/extent.h"
-#include "viewer/tools/inputs.h"
+#include "viewer/pictures/pictures.h"
+#include "viewer/tools/tools.h"
 #include "viewer/ui/ui.h"
-#include "viewer/window/changes.h"
-#include "viewer/window/dialog.h"
-#include "viewer/window/events.h"
-#include "viewer/window/labels.h"
-#include "viewer/window/place.h"
 #include "viewer/window/start.h"
-#include "viewer/window/texture.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* The steps that undo goes through: texts of states, one after the other, and where among them the window is. */
+
+enum { CHANGES_LIMIT = 100 };
+
+/** All 0 is one without states. */
+struct changes {
+    char *states[CHANGES_LIMIT]; /**< [count] */
+    size_t count, at;            /**< Where there are any, at < count. */
+};
+
+/** Takes @p state over as the newest, unless it is the one that is there now; what was taken back before it is gone.
+ * The oldest goes where there are too many. */
+void changes_add(struct changes *changes, char *state);
+/** Takes @p state over in place of the one that is there now: between both nothing can be taken back. */
+void changes_renew(struct changes *changes, char *state);
+/** Whether changes_step() finds something there. */
+bool changes_reach(const struct changes *changes, int by);
+/** Goes back (by -1) or forth (1): the state there, borrowed until the next call; NULL = nothing is there. */
+const char *changes_step(struct changes *changes, int by);
+void changes_finish(struct changes *changes); /**< It is one without states then. */
+
+/* What mouse and keyboard did, in its order. Several events may come between two frames, but in a frame the mouse is
+ * at one place, and a key is down or not: so a frame takes only as many as it can tell apart. */
+
+struct window;
+
+/** Events that no frame has taken yet. */
+struct events {
+    struct ui_event *list; /**< [count], with room for more; the window frees it. */
+    size_t count, room;
+    double time;   /**< Of those that the frame took, by glfwGetTime(); it may be some frames ago. */
+    unsigned rest; /**< Frames that take none: a line that a key opened has the keyboard after them only. */
+};
+
+/** To be called for an open window: from now on its events are noted. */
+void events_hear(struct window *window);
+/** Takes those of the next frame: moves of the mouse up to a press, the press alone, ... Returns whether there are
+ * more. */
+bool events_take(struct window *window);
+
+/* Places for names in a pane: none lies on another, nor on what is reserved, and each object has one. */
+
+enum { LABELS_LIMIT = 24 };
+
+/** All 0 is a pane without names. */
+struct labels {
+    struct placed_name {
+        struct ui_box box;
+        uint32_t object; /**< 0 = it is reserved for something else. */
+    } items[LABELS_LIMIT];
+    size_t count;
+    bool (*allows)(void *user, const struct ui_box *box, uint32_t object); /**< Whether an object's name may lie there,
+                                                                               besides; NULL = anywhere. */
+    void *user;                                                            /**< Its first argument. */
+};
+
+/** No name may lie there. */
+void labels_reserve(struct labels *labels, struct ui_box box);
+/** Whether nothing lies there. */
+bool labels_leave_free(const struct labels *labels, const struct ui_box *box);
+bool labels_has(const struct labels *labels, uint32_t object);
+/** Finds the place of a name so large in pixels, as near to @p at as it can be: beside it, or first @p above it. False:
+ * the object has a name already, or there is no room. */
+bool labels_place(struct ui_box *out, struct labels *labels, const struct ui_box *pane, const float at[2],
+                  const float size[2], bool above, uint32_t object);
+
+/* How the window is divided: panels left and right, each a narrow rail where it is folded, and between them the 3-D
+ * pane beside a strip of the three cuts. */
+
+enum { LAYOUT_RAIL = 48 /**< Pixels at scale 1: width of a rail. */ };
+
+/** Whether a panel is folded to its rail: at first the left one is where the window is narrow. */
+enum fold { FOLD_AS_AT_FIRST = 0, FOLD_CLOSED, FOLD_OPEN, FOLD_COUNT };
+
+/** The widths that the user left; all 0 = as at first. */
+struct layout {
+    enum fold folds[2]; /**< Folds of the left and the right panel. */
+    double panels[2]; /**< Widths of the left and the right panel, pixels where texts have scale 1; 0 = as at first. */
+    double division[2]; /**< Parts of the middle's width and height, 0.1 to 0.9, of the 3-D pane and the first cut; 0 =
+                           0.72, a third. */
+};
+
+/** Pixels of a window. */
+struct division {
+    bool folded[2];      /**< Whether each panel is a rail. */
+    float left, right;   /**< Widths of the panels. */
+    float columns, rows; /**< Width and height of the middle. */
+    float column, row;   /**< Width of the 3-D pane and height of the first cut. */
+};
+
+/** Divides a window so that the middle keeps a fifth of its width at least. */
+struct division layout_divide(const struct layout *layout, float width, float height, float scale);
+
+enum border { BORDER_LEFT, BORDER_RIGHT, BORDER_COLUMN, BORDER_ROW, BORDER_COUNT };
+
+/** Moves a border to @p at, pixels from the window's left or upper edge. */
+void layout_move(struct layout *layout, enum border border, float at, float width, float height, float scale);
+/** Puts a border where it was at first. */
+void layout_reset(struct layout *layout, enum border border);
+/** Makes the 3-D pane wider by a step, or narrower (-1). */
+void layout_widen_first(struct layout *layout, int steps);
+/** Folds a panel (0 = left, 1 = right) to its rail, or opens it. */
+void layout_fold(struct layout *layout, size_t side, bool fold);
+/** Makes both panels wider by a step, or narrower (-1), of a window @p width pixels wide. */
+void layout_widen_panels(struct layout *layout, int steps, float width, float scale);
+bool layout_is_same(const struct layout *a, const struct layout *b);
+/** Whether the numbers are ones that a layout can have. */
+bool layout_is_fine(const struct layout *layout);
+
+/* Where the window was and how large, from one run to the next: conus/window.json in $XDG_STATE_HOME, else in
+ * ~/.local/state. */
+
+struct place {
+    int width, height;
+    bool known; /**< x and y hold. */
+    int x, y;
+    struct layout layout;
+    double zoom; /**< Zoom of texts and panels by the user: times the screen's scale; 0 = 1. */
+};
+
+enum { PLACE_LEAST_ZOOM = 50, PLACE_MOST_ZOOM = 400 /* per cent */ };
+
+/** Makes it no larger than @p area, x, y, width and height of what a screen leaves free, and moves it there. */
+void place_fit(struct place *place, const int area[4]);
+/** How large texts shall be on a screen that is @p millimetres wide with so many @p pixels: @p content, as the desktop
+ * says, where that is not 1; else by the density in steps of a quarter, from 1 at 96 pixels per inch, to 3. Densities
+ * that no screen has, and widths that none says, count as 96. */
+float place_scale(float content, int pixels, int millimetres);
+
+/** Reads what was written; false, and @p out stays as it is, where that makes no sense. */
+bool place_parse(struct place *out, const char *text, size_t size);
+/** Reads the place into @p out, which stays as it is where no valid place is stored. */
+void place_load(struct place *out);
+/** Writes it; where that cannot be done the next window is as large as the first one. */
+void place_save(const struct place *place);
+
+/* The window, its textures, and how it is laid out: panels left and right, four panes between them, a status line.
+ * What panels and panes draw is theirs (panes.h, panes.h); the state that a session keeps is the viewer's. */
 
 /** Widgets need a few to answer: hovered, pressed, let go. */
 enum { FRAMES_PER_EVENT = 3 };
@@ -160,7 +293,7 @@ struct open_request {
     bool by_dialog;       /**< It is the dialog that asked, and says so where they cannot be opened. */
     bool is_needed;       /**< By a line of a script, which ends where they cannot be opened. */
     struct json_t *words; /**< Options with which the atlas that is open is to be opened again; NULL = none. */
-    int step;             /**< By which undo goes then (session/undo.h). */
+    int step;             /**< By which undo goes then (session/session.h). */
 };
 
 /** The kinds of file that a user saves. */
@@ -171,7 +304,7 @@ struct window_files {
     struct open_request requested;
     struct open_request asked; /**< Those that the user is asked about: a question lies before all else. */
     struct loader *begun;      /**< Loads the requested files since before there was a window; NULL = none. */
-    struct json_t *opened;     /**< The open ones as a session keeps them (model/session_file.h); NULL = unknown. */
+    struct json_t *opened;     /**< The open ones as a session keeps them (model/additions.h); NULL = unknown. */
     struct json_t *lost;       /**< The session as it was read, "session", and "entries" of its added files that were
                                     not found, which stay in it when it is saved; NULL = none. */
     conus_hemispheres hemispheres;
@@ -278,7 +411,7 @@ struct frame_state {
 
 /** The states that undo goes through, and the session's file. */
 struct history {
-    struct changes changes;             /**< The states that session/undo.h notes. */
+    struct changes changes;             /**< The states that session/session.h notes. */
     unsigned noted_version, noted_said; /**< The viewer's, when undo looked at it last. */
     unsigned noted_second;              /**< The second tool's. */
     struct layout noted_layout;
@@ -446,5 +579,46 @@ bool window_sees_anew(struct seen_view *view, const struct window *window);
 void title_write(char out[TITLE_SIZE], const struct window *window);
 /** Gives the window its title, where that is another one than before. */
 void title_update(struct window *window);
+
+/* The question what is to be saved as a figure, and its answer. */
+
+/** "3d", or a plane's name; [PANE_COUNT], by pane. */
+extern const char *const figure_panes[PANE_COUNT];
+
+/** Asks, with a name that is free: of the enlarged pane, or of the 3-D one. */
+void figure_form_open(struct window *window);
+/** Takes the answer: the file is written some frames later, so that the window can say so before. A file that is there
+ * is replaced only when this is called again for it. A name without .png, .exr, .svg or .pdf gets .png,
+ * but that of a picture of another kind is refused. */
+void figure_form_save(struct window *window);
+/** Draws what would be saved, small, some frames later. */
+void figure_form_preview(struct window *window);
+/** The preview, where all is as it was then; NULL = there is none. */
+const struct texture *figure_form_previewed(const struct window *window);
+/** Once in each frame, after it was drawn. */
+void figure_form_step(struct window *window);
+/** Puts the path of the newest figure on the clipboard, as text. */
+void figure_form_copy(struct window *window);
+
+enum { FIGURE_REASON = 512 };
+
+/** The options of conus render that the window's sheet and background mean. */
+void figure_of_window(struct figure_settings *out, const struct window *window);
+
+/** Draws @p pane (PANE_3D, or a plane) with the look, the cone and the place that it has now, and writes it. In 3-D a
+ * shape other than the pane's shows more or less to the left and right. False where that fails, and @p why says it. */
+bool figure_write(const struct window *window, size_t pane, const struct figure_settings *settings, const char *path,
+                  char why[FIGURE_REASON]);
+
+/* The names of what is under the mouse. */
+
+enum { HOVER_TEXT = 1024 };
+
+/** Name and, of a pathway, value of what is under the mouse; "" = nothing. Of several atlases "ATLAS: NAME" of each,
+ * and @p between in the gaps; where the mouse is nowhere, of what is at the crosshair. In an atlas that is not drawn it
+ * is what would be under the mouse if it were; in 3-D with how much deeper or nearer that is than in the drawn one. */
+void hover_text(char out[HOVER_TEXT], const struct window *window, const char *between);
+/** Shows hover_text() as the tip of the widget before, where the mouse is on it. */
+void hover_tip(const struct window *window);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cuts polygons and strips into triangles, and numbers objects. */
-#include "loaders/surfaces/foreign/mesh_build.h"
+#include "loaders/surfaces/foreign/parts.h"
 
 #include "base/geometry/math3.h"
 #include "base/order.h"

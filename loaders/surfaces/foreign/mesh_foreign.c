@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads mesh files of other programs: the format, its parser, the space, and the objects of an OBJ. */
-#include "loaders/surfaces/foreign/mesh_foreign.h"
+#include "loaders/surfaces/foreign/foreign.h"
 
 #include "base/memory.h"
 #include "loaders/refuse.h"
-#include "loaders/surfaces/foreign/foreign.h"
-#include "loaders/surfaces/foreign/mesh_build.h"
+#include "loaders/surfaces/foreign/parts.h"
 #include "sources/source.h"
 
 #include <string.h>

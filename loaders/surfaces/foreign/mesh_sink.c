@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Collects vertices, corners and arrays. */
-#include "loaders/surfaces/foreign/mesh_sink.h"
+#include "loaders/surfaces/foreign/foreign.h"
 
 #include <ctype.h>
 #include <strings.h>

@@ -2,7 +2,7 @@
 /* Parses Wavefront's OBJ: vertices first, then faces, so that a face may come before its vertices. */
 #include "loaders/surfaces/foreign/foreign.h"
 
-#include "loaders/surfaces/foreign/scan.h"
+#include "loaders/surfaces/foreign/parts.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 /* Parses Geomview's OFF as text. */
 #include "loaders/surfaces/foreign/foreign.h"
 
-#include "loaders/surfaces/foreign/scan.h"
+#include "loaders/surfaces/foreign/parts.h"
 
 /* The layout of a vertex. Colours, normals and texture coordinates are numbers behind its position, and are skipped. */
 struct off {

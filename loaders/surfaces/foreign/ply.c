@@ -2,7 +2,7 @@
 /* Parses PLY: a header that says what each element has, then the elements, as text or binary of either byte order. */
 #include "loaders/surfaces/foreign/foreign.h"
 
-#include "loaders/surfaces/foreign/scan.h"
+#include "loaders/surfaces/foreign/parts.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Takes words, numbers and bytes off a mesh file. */
-#include "loaders/surfaces/foreign/scan.h"
+#include "loaders/surfaces/foreign/parts.h"
 
 #include <math.h>
 

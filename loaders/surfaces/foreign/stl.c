@@ -2,8 +2,8 @@
 /* Parses STL, text and binary, and joins the corners that are at one place. */
 #include "loaders/surfaces/foreign/foreign.h"
 
-#include "atlas/surface/mesh_closed.h"
-#include "loaders/surfaces/foreign/scan.h"
+#include "atlas/surface/mesh.h"
+#include "loaders/surfaces/foreign/parts.h"
 
 enum { HEADER = 80, COUNT = 4, TRIANGLE = 50, NORMAL = 12 };
 

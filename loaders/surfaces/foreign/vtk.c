@@ -3,9 +3,9 @@
  * lines. */
 #include "loaders/surfaces/foreign/foreign.h"
 
-#include "base/formats/base64.h"
+#include "base/formats/encoding.h"
 #include "base/memory.h"
-#include "loaders/surfaces/foreign/scan.h"
+#include "loaders/surfaces/foreign/parts.h"
 
 #include <string.h>
 

@@ -4,10 +4,10 @@
 #include "loaders/surfaces/foreign/foreign.h"
 
 #include "base/byte_order.h"
-#include "base/formats/base64.h"
+#include "base/formats/encoding.h"
 #include "base/formats/xml.h"
 #include "base/memory.h"
-#include "loaders/surfaces/foreign/scan.h"
+#include "loaders/surfaces/foreign/parts.h"
 
 #include <libdeflate.h>
 #include <string.h>

@@ -2,7 +2,6 @@
 /* Reads and checks AFNI's headers, by a table of their attributes. */
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
-#include "loaders/volumes/text/header_text.h"
 #include "loaders/volumes/text/text_volume.h"
 
 #include <stdio.h>

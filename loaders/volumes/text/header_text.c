@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lines, keys and values of headers of text. */
-#include "loaders/volumes/text/header_text.h"
+#include "loaders/volumes/text/text_volume.h"
 
 #include "base/path.h"
-#include "loaders/volumes/text/text_volume.h"
 
 #include <stdio.h>
 #include <string.h>

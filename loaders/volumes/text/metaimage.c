@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads and checks MetaImage headers, by a table of their keys. */
 #include "base/geometry/math3.h"
-#include "loaders/volumes/text/header_text.h"
 #include "loaders/volumes/text/text_volume.h"
 
 #include <stdio.h>

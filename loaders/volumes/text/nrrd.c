@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads and checks NRRD headers: a table of their keys, the axes (which are space, which one is the list of volumes,
  * and where they lie), and 3D Slicer's segments (Segment0_Name:=..., _LabelValue, _Layer, _Color). */
-#include "atlas/frame.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/order.h"
-#include "loaders/volumes/text/header_text.h"
 #include "loaders/volumes/text/text_volume.h"
 
 #include <stdio.h>

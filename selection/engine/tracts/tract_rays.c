@@ -2,7 +2,7 @@
 /* Rays through streamlines. */
 #include "selection/engine/tracts/tract_rays.h"
 
-#include "atlas/tracts/capsule.h"
+#include "atlas/tracts/tractogram.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where a search for segments begins, and the choice of a kernel. */
-#include "selection/engine/tracts/tract_search.h"
+#include "selection/engine/tracts/tract_rays.h"
 
 #include "base/geometry/math3.h"
 #include "base/simd/processor.h"

@@ -2,7 +2,7 @@
 /** @file A kernel of the search: the including file says how many LANES there are, 4 or 8, and what the KERNEL is
  * called. */
 #include "base/simd/lanes.h"
-#include "selection/engine/tracts/tract_search.h"
+#include "selection/engine/tracts/tract_rays.h"
 
 /* The search's ray in all lanes. */
 struct ray {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The tracer with a tree of our own: over the objects, and over the triangles of each mesh. */
-#include "atlas/surface/bvh.h"
+#include "atlas/surface/mesh.h"
 #include "base/memory.h"
 #include "selection/engine/triangles/mesh_tracer.h"
 

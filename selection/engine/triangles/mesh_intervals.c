@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Pairs crossings of surfaces: sorts them per ray and object, and makes intervals of them. */
-#include "selection/engine/triangles/mesh_intervals.h"
+#include "selection/engine/triangles/mesh_rays.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"

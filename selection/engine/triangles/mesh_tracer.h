@@ -4,7 +4,7 @@
 #ifndef CONUS_SELECTION_ENGINE_TRIANGLES_MESH_TRACER_H
 #define CONUS_SELECTION_ENGINE_TRIANGLES_MESH_TRACER_H
 
-#include "base/geometry/box3.h"
+#include "base/geometry/math3.h"
 #include "selection/engine/triangles/mesh_rays.h"
 
 struct surface {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Makes a labelled map: moves the distances up, and writes the objects below them. */
-#include "selection/engine/voxels/labelled_map.h"
+#include "selection/engine/voxels/distance_map.h"
 
 #include "base/memory.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Colours objects one after the other, those with the most neighbours first. */
-#include "selection/engine/voxels/object_colours.h"
+#include "selection/engine/voxels/distance_map.h"
 
 #include "base/memory.h"
 #include "base/order.h"

@@ -10,7 +10,7 @@
 #define CONUS_SELECTION_ENGINE_VOXELS_TRAVERSE_H
 
 #include "selection/engine/voxels/distance_map.h"
-#include "selection/evidence/layers.h"
+#include "selection/evidence/evidence.h"
 
 #include <stdalign.h>
 

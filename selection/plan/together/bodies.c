@@ -2,10 +2,9 @@
 /* Measures pairs of candidates. A row of bits is made in plain arithmetic, without branches; what that leaves open,
  * near the limit or of lines that are nearly parallel, is measured by Eq. 21. So the bits are the same on all machines.
  */
-#include "selection/plan/together/bodies.h"
+#include "selection/plan/together/together.h"
 
 #include "base/geometry/math3.h"
-#include "base/geometry/needle.h"
 #include "base/memory.h"
 #include "base/status.h"
 

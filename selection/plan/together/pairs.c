@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The columns of pairs. */
-#include "selection/plan/together/pairs.h"
+#include "selection/plan/together/together.h"
 
 #include <stdio.h>
 

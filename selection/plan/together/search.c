@@ -2,7 +2,7 @@
 /* A domain is a bit set of a list's candidates, in its order: the first bit is its best. Where the first ones of all
  * needles go together they are the answer of a node. Else, of the needles among them that conflict, the one with the
  * fewest candidates left is placed. What the first ones add up to bounds all that is below a node. */
-#include "selection/plan/together/search.h"
+#include "selection/plan/together/together.h"
 
 #include "base/memory.h"
 #include "base/order.h"

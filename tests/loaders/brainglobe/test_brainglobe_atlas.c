@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* manifest.json of BrainGlobe's third release, and a whole atlas of it. Samples of another writer:
  * tests/oracles/compare_brainglobe.py. */
-#include "loaders/brainglobe/brainglobe_atlas.h"
+#include "loaders/brainglobe/brainglobe.h"
 
 #include "atlas/atlas.h"
 #include "base/memory.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* metadata.json, and the placement of a stack of each of the 48 orientations. */
-#include "loaders/brainglobe/brainglobe_metadata.h"
+#include "loaders/brainglobe/brainglobe.h"
 
 #include "test.h"
 

@@ -3,7 +3,7 @@
 #include "base/files/file.h"
 #include "base/memory.h"
 #include "builders/mesh_builder.h"
-#include "loaders/child/mesh_child.h"
+#include "loaders/child/parts.h"
 #include "test.h"
 
 #include <stdio.h>

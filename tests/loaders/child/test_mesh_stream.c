@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The stream of meshes from conus-mesh, whole and cut off. */
 #include "builders/mesh_builder.h"
-#include "loaders/child/mesh_stream.h"
+#include "loaders/child/parts.h"
 #include "test.h"
 
 #include <stdio.h>

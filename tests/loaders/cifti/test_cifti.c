@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* CIFTI files of labels: what their kind is called, damage inside the XML, limits. tests/corpus/cifti/ has files that
  * are read, and every contradiction. */
-#include "loaders/cifti/cifti_file.h"
+#include "loaders/cifti/cifti.h"
 
 #include "builders/cifti_builder.h"
 #include "builders/nifti_builder.h"
 #include "loaders/refuse.h"
-#include "loaders/surfaces/mesh_file.h"
-#include "loaders/volumes/nifti.h"
-#include "loaders/volumes/volume_file.h"
+#include "loaders/surfaces/surfaces.h"
+#include "loaders/volumes/volumes.h"
 #include "sources/source.h"
 #include "test.h"
 #include "tests/support/mesh_on_job.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The words of a file's name, by which a table with another name than its volume's is found. */
-#include "loaders/labels/label_words.h"
+#include "loaders/labels/labels.h"
 #include "test.h"
 
 #include <stdio.h>

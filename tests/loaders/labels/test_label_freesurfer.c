@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* FreeSurfer's volumes away from their colour table, and other volumes with such names. */
-#include "base/buffer.h"
+#include "base/memory.h"
 #include "builders/label_row.h"
 #include "builders/nifti_builder.h"
 #include "conus/own.h"

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Names in manifests that are written, of real atlases, and of tables that are too large; tests/corpus/search/ has
  * small volumes with the tables beside them. */
-#include "base/buffer.h"
+#include "base/memory.h"
 #include "builders/label_row.h"
 #include "builders/nifti_builder.h"
 #include "conus/own.h"
-#include "loaders/labels/label_cells.h"
+#include "loaders/labels/label_format.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Label tables by other programs; tests/corpus/labels/ has small ones of each format. */
 #include "base/files/file.h"
-#include "loaders/labels/fsl_atlas.h"
-#include "loaders/labels/label_file.h"
 #include "loaders/labels/label_format.h"
+#include "loaders/labels/labels.h"
 #include "test.h"
 
 /* Number of labels, first and last name of tables by other programs. */

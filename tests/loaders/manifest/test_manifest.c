@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The manifest's keys, and progress of a load. Faults and scenes: tests/corpus/manifest/ and scene/. */
 #include "conus/own.h"
-#include "loaders/manifest/scene.h"
+#include "loaders/manifest/manifest.h"
 #include "test.h"
 
 #include <math.h>

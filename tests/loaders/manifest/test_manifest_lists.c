@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Limits on the lists of a manifest. */
-#include "base/buffer.h"
-#include "loaders/manifest/scene.h"
+#include "base/memory.h"
+#include "loaders/manifest/manifest.h"
 #include "test.h"
 
 #include <stdio.h>

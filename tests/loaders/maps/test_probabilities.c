@@ -2,10 +2,10 @@
 /* Queries and pictures of areas of probabilities; tests/corpus/probabilities/ has the files. All expected numbers
  * follow from the three volumes of 4 x 1 x 1 voxels below. */
 #include "atlas/atlas.h"
-#include "atlas/roi.h"
+#include "atlas/volume.h"
 #include "builders/nifti_builder.h"
 #include "conus/own.h"
-#include "render/colour/pathways.h"
+#include "render/colour/colour.h"
 #include "selection/selection.h"
 #include "test.h"
 

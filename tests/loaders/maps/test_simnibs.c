@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Meshes of SimNIBS as conus-hdf5 gives them: volumes in closed form, and files with one wrong value each. */
-#include "loaders/maps/simnibs.h"
+#include "loaders/maps/maps.h"
 
-#include "atlas/roi.h"
+#include "atlas/volume.h"
 #include "base/memory.h"
 #include "builders/hdf5_builder.h"
 #include "conus/own.h"

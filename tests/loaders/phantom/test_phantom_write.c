@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Written phantoms: the same bytes each time, also as read by numpy and nibabel. */
 #include "atlas/phantom/phantom.h"
-#include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
+#include "base/memory.h"
 #include "conus/own.h"
-#include "loaders/volumes/nifti_write.h"
+#include "loaders/volumes/volumes.h"
 #include "made_atlas.h"
 #include "test.h"
 

@@ -2,8 +2,8 @@
 /* BrainGlobe folders with stacks: parcellation, context and manifest. tests/oracles/compare_brainglobe.py has all of
  * AAL in several orientations. */
 #include "atlas/atlas.h"
-#include "base/buffer.h"
 #include "base/files/file.h"
+#include "base/memory.h"
 #include "builders/tiff_builder.h"
 #include "conus/own.h"
 #include "test.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* First manifests of a folder with a .dlabel.nii (cifti_builder.h); tests/corpus/cifti/ has it as ATLAS. */
-#include "base/buffer.h"
+#include "base/memory.h"
 #include "builders/cifti_builder.h"
 #include "builders/gifti_builder.h"
 #include "conus/own.h"

@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "builders/label_row.h"
 #include "conus/own.h"
-#include "loaders/surfaces/mesh_format.h"
+#include "loaders/surfaces/surfaces.h"
 #include "mesh_scene.h"
 #include "test.h"
 

@@ -2,7 +2,7 @@
 /* A surface as ATLAS that changes while it is read; tests/corpus/gifti/ has others. */
 #include "builders/gifti_builder.h"
 #include "conus/own.h"
-#include "loaders/surfaces/mesh_file.h"
+#include "loaders/surfaces/surfaces.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -2,10 +2,10 @@
 /* Surfaces that a manifest names: their place, and the sums of their files. tests/corpus/scene/ has labels and names.
  */
 #include "atlas/atlas.h"
-#include "base/buffer.h"
 #include "base/files/file.h"
+#include "base/memory.h"
 #include "conus/own.h"
-#include "loaders/surfaces/mesh_format.h"
+#include "loaders/surfaces/surfaces.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* First manifests of folders with FreeSurfer's surfaces, which have no ending, and annotations beside them. */
-#include "base/buffer.h"
+#include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "conus/own.h"
 #include "test.h"

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_manifest_write(): the kinds that it finds, and loading the manifests that it writes. */
-#include "base/buffer.h"
 #include "base/files/file.h"
+#include "base/memory.h"
 #include "builders/gifti_builder.h"
 #include "conus/own.h"
-#include "loaders/manifest/manifest_scan.h"
-#include "loaders/volumes/nifti_write.h"
+#include "loaders/manifest/manifest.h"
+#include "loaders/volumes/volumes.h"
 #include "test.h"
 
 #include <stdio.h>

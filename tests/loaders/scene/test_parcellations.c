@@ -3,12 +3,12 @@
  * tests/corpus/scene/parcellations/. */
 #include "atlas/atlas.h"
 #include "atlas/space.h"
-#include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
+#include "base/memory.h"
 #include "conus/own.h"
-#include "loaders/volumes/nifti_write.h"
-#include "render/colour/pathways.h"
+#include "loaders/volumes/volumes.h"
+#include "render/colour/colour.h"
 #include "test.h"
 
 #include <math.h>

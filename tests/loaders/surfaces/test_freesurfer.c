@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where FreeSurfer's surfaces lie; tests/corpus/freesurfer/ and annot/ have the files. */
-#include "loaders/surfaces/freesurfer_surface.h"
+#include "loaders/surfaces/parts.h"
 
 #include "base/geometry/math3.h"
 #include "builders/nifti_builder.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* FreeSurfer's labels and annotations. tests/corpus/annot/ has the areas that they cut from a surface. */
-#include "loaders/surfaces/freesurfer_labels.h"
+#include "loaders/surfaces/parts.h"
 
 #include "builders/nifti_builder.h"
 #include "sources/source.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* GIFTI: every type, labels, external files. tests/corpus/gifti/ has every encoding, placement, and refused files. */
-#include "loaders/surfaces/gifti.h"
+#include "loaders/surfaces/parts.h"
 
 #include "base/files/file.h"
 #include "builders/gifti_builder.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Surfaces of any format: the content decides the format, and labels of vertices must fit. */
-#include "loaders/surfaces/mesh_file.h"
+#include "loaders/surfaces/surfaces.h"
 
 #include "base/memory.h"
 #include "builders/gifti_builder.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Numbers of vertices: written, read again, or refused. */
 #include "base/files/file.h"
-#include "loaders/surfaces/vertex_map.h"
+#include "loaders/surfaces/surfaces.h"
 #include "test.h"
 #include <conus/own.h>
 

@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "builders/tiff_builder.h"
-#include "loaders/volumes/volume_file.h"
+#include "loaders/volumes/volumes.h"
 #include "test.h"
 #include "volume_on_job.h"
 

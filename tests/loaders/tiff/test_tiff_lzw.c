@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* LZW of long strings; short and damaged ones are in test_tiff.c. */
-#include "loaders/tiff/tiff_lzw.h"
+#include "loaders/tiff/tiff.h"
 
 #include "base/memory.h"
 #include "test.h"

@@ -3,7 +3,7 @@
 #include "base/files/file.h"
 #include "builders/nifti_builder.h"
 #include "conus/own.h"
-#include "loaders/tracts/tract_file.h"
+#include "loaders/tracts/tracts.h"
 #include "test.h"
 #include "tract_scene.h"
 

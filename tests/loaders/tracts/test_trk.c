@@ -3,7 +3,7 @@
  * themselves. */
 #include "builders/nifti_builder.h"
 #include "builders/trk_builder.h"
-#include "loaders/tracts/tract_file.h"
+#include "loaders/tracts/tracts.h"
 #include "test.h"
 #include "tract_scene.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* TRX: archives, folders, groups, memory. tests/corpus/trx/ has every type, and contradictions. */
-#include "loaders/tracts/tract_file.h"
+#include "loaders/tracts/tracts.h"
 
 #include "base/memory.h"
 #include "builders/zip_builder.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* DSI Studio's tractograms: two streamlines in voxels, and a long one. tests/corpus/tract/ has wrong ones. */
 #include "builders/nifti_builder.h"
-#include "loaders/tracts/tract_file.h"
+#include "loaders/tracts/tracts.h"
 #include "test.h"
 #include "tract_scene.h"
 

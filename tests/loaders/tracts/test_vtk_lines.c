@@ -5,7 +5,7 @@
 
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
-#include "loaders/tracts/tract_file.h"
+#include "loaders/tracts/tracts.h"
 #include "sources/source.h"
 #include "test.h"
 #include "tract_scene.h"

@@ -4,8 +4,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "builders/hdf5_builder.h"
-#include "loaders/transform/transform_chain.h"
-#include "loaders/transform/transform_name.h"
+#include "loaders/transform/transform.h"
 #include "test.h"
 
 #include <math.h>

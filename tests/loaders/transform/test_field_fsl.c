@@ -2,7 +2,7 @@
 /* FSL's deformation fields and the images that they need. tests/cli/warp.bats moves atlases by them. */
 #include "atlas/deformation/deformation.h"
 #include "builders/nifti_builder.h"
-#include "loaders/transform/transform_file.h"
+#include "loaders/transform/transform.h"
 #include "test.h"
 
 #include <string.h>

@@ -2,14 +2,11 @@
 /* Turns and splines of ITK, images of FreeSurfer, and atlases that transforms move; tests/corpus/transform/ has the
  * formats of affines. tests/oracles/compare_transforms.py has random ones. */
 #include "atlas/atlas.h"
-#include "atlas/placement.h"
-#include "base/buffer.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "conus/own.h"
-#include "loaders/transform/transform_file.h"
-#include "loaders/transform/transform_name.h"
+#include "loaders/transform/transform.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "test.h"

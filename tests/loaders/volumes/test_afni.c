@@ -2,7 +2,7 @@
 /* The space of AFNI's data sets; tests/corpus/afni/ has all else. */
 #include "loaders/volumes/text/text_volume.h"
 
-#include "base/buffer.h"
+#include "base/memory.h"
 #include "test.h"
 
 #include <stdio.h>

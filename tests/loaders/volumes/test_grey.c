@@ -1,15 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Telling labels from grey values: volumes made here, whose right answer is known, and real ones, whole and with every
  * 2nd, 3rd and 4th voxel. */
-#include "loaders/volumes/grey.h"
+#include "loaders/volumes/volumes.h"
 
-#include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/memory.h"
 #include "conus/own.h"
 #include "label_list.h"
-#include "loaders/volumes/nifti_write.h"
-#include "loaders/volumes/volume_values.h"
 #include "test.h"
 #include "volume_on_job.h"
 
@@ -21,35 +18,35 @@
 
 static const struct grey_claims nothing;
 
-struct volume {
+struct voxels {
     size_t dim[3];
     uint32_t *labels;
 };
 
-static struct volume make(size_t ni, size_t nj, size_t nk)
+static struct voxels make(size_t ni, size_t nj, size_t nk)
 {
-    struct volume volume = {{ni, nj, nk}, calloc(ni * nj * nk, sizeof(uint32_t))};
+    struct voxels volume = {{ni, nj, nk}, calloc(ni * nj * nk, sizeof(uint32_t))};
     assert_non_null(volume.labels);
     return volume;
 }
 
-static size_t count_of(const struct volume *volume)
+static size_t count_of(const struct voxels *volume)
 {
     return volume->dim[0] * volume->dim[1] * volume->dim[2];
 }
 
 typedef uint32_t value_of(size_t i, size_t j, size_t k);
 
-static struct volume fill(size_t ni, size_t nj, size_t nk, value_of *value)
+static struct voxels fill(size_t ni, size_t nj, size_t nk, value_of *value)
 {
-    struct volume volume = make(ni, nj, nk);
+    struct voxels volume = make(ni, nj, nk);
     for (size_t n = 0; n < count_of(&volume); n++) {
         volume.labels[n] = value(n % ni, n / ni % nj, n / ni / nj);
     }
     return volume;
 }
 
-static struct grey_result judge(const struct volume *volume, const struct grey_claims *claims)
+static struct grey_result judge(const struct voxels *volume, const struct grey_claims *claims)
 {
     struct job job = {0};
     struct label_voxels labels = {0};
@@ -63,7 +60,7 @@ static struct grey_result judge(const struct volume *volume, const struct grey_c
 /* Judges a volume of n x n x n voxels and frees it. */
 static struct grey_result judge_cube(size_t n, value_of *value)
 {
-    struct volume volume = fill(n, n, n, value);
+    struct voxels volume = fill(n, n, n, value);
     struct grey_result verdict = judge(&volume, &nothing);
     free(volume.labels);
     return verdict;
@@ -159,7 +156,7 @@ static void small_volumes_are_labels(void **state)
 {
     (void)state;
     for (size_t n = 1; n <= 5; n++) {
-        struct volume volume = make(n, n, n);
+        struct voxels volume = make(n, n, n);
         for (size_t v = 0; v < count_of(&volume); v++) {
             volume.labels[v] = (uint32_t)v + 1;
         }
@@ -230,15 +227,15 @@ static void images_and_maps_are_grey(void **state)
 static void big_volumes_are_judged_by_some_of_their_planes(void **state)
 {
     (void)state;
-    struct volume image = fill(110, 110, 200, ramp);
+    struct voxels image = fill(110, 110, 200, ramp);
     assert_true(judge(&image, &nothing).grey);
     free(image.labels);
-    struct volume areas = fill(130, 130, 130, blocks_of_4);
+    struct voxels areas = fill(130, 130, 130, blocks_of_4);
     struct grey_result verdict = judge(&areas, &nothing);
     assert_false(verdict.grey);
     assert_true(verdict.equal > 0.7);
     free(areas.labels);
-    struct volume wide = fill(70000, 5, 1, ramp);
+    struct voxels wide = fill(70000, 5, 1, ramp);
     assert_true(judge(&wide, &nothing).grey);
     /* Along i nothing is equal, nor along j. */
     assert_near(judge(&wide, &nothing).equal, 0, 1e-12);
@@ -257,7 +254,7 @@ static struct label_table names_for(uint32_t first, uint32_t count)
     return table;
 }
 
-static bool is_grey_with(const struct volume *volume, uint32_t first, uint32_t count)
+static bool is_grey_with(const struct voxels *volume, uint32_t first, uint32_t count)
 {
     struct label_table table = names_for(first, count);
     struct grey_result verdict = judge(volume, &(struct grey_claims){.table = &table});
@@ -269,7 +266,7 @@ static bool is_grey_with(const struct volume *volume, uint32_t first, uint32_t c
 static void a_table_about_these_values_makes_half_doubtful_ones_labels(void **state)
 {
     (void)state;
-    struct volume volume = fill(32, 32, 32, doubled);
+    struct voxels volume = fill(32, 32, 32, doubled);
     uint32_t maximum = 0;
     uint32_t minimum = UINT32_MAX;
     for (size_t i = 0; i < count_of(&volume); i++) {
@@ -287,7 +284,7 @@ static void a_table_about_these_values_makes_half_doubtful_ones_labels(void **st
     assert_true(is_grey_with(&volume, maximum + 1000, count));   /* names none of them */
     assert_false(judge(&volume, &(struct grey_claims){.stated = true}).grey);
     free(volume.labels);
-    struct volume image = fill(32, 32, 32, percent); /* nothing makes labels of an image */
+    struct voxels image = fill(32, 32, 32, percent); /* nothing makes labels of an image */
     assert_true(is_grey_with(&image, 1, 100));
     assert_true(judge(&image, &(struct grey_claims){.stated = true}).grey);
     free(image.labels);
@@ -297,7 +294,7 @@ typedef struct bytes formatter(struct job *job, const conus_volume_info *info, c
 
 static const char *write_file(const char *name, value_of *value, formatter *format)
 {
-    struct volume volume = fill(32, 32, 32, value);
+    struct voxels volume = fill(32, 32, 32, value);
     conus_volume_info info = {.dim = {32, 32, 32}};
     struct job job = {0};
     const char *path = test_scratch(name);
@@ -410,9 +407,9 @@ static size_t thinned(size_t edge, size_t step)
     return (edge - step / 2 + step - 1) / step;
 }
 
-static struct volume thin_out(const uint32_t *labels, const size_t dim[3], size_t step)
+static struct voxels thin_out(const uint32_t *labels, const size_t dim[3], size_t step)
 {
-    struct volume out = make(thinned(dim[0], step), thinned(dim[1], step), thinned(dim[2], step));
+    struct voxels out = make(thinned(dim[0], step), thinned(dim[1], step), thinned(dim[2], step));
     for (size_t n = 0; n < count_of(&out); n++) {
         size_t i = n % out.dim[0] * step + step / 2;
         size_t j = n / out.dim[0] % out.dim[1] * step + step / 2;
@@ -431,7 +428,7 @@ static void check_real(const char *path, bool grey, size_t steps)
     assert_ok(volume_file_open(&file, path, 0, &notes));
     assert_ok(label_list_read(&labels, &file));
     for (size_t step = 1; step <= steps; step++) {
-        struct volume volume = thin_out(labels, file.info.dim, step);
+        struct voxels volume = thin_out(labels, file.info.dim, step);
         struct grey_result verdict = judge(&volume, &nothing);
         if (verdict.grey != grey) {
             fail_msg("%s, every %zu. voxel: %s (%g equal, %g needed)", path, step, grey ? "labels" : "grey",

@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "label_list.h"
-#include "loaders/volumes/volume_file.h"
+#include "loaders/volumes/volumes.h"
 #include "test.h"
 #include "volume_on_job.h"
 

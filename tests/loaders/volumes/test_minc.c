@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* MINC 2 as conus-hdf5 gives it, against the closed form of its placement and its scales, and files with one wrong
  * value each. */
-#include "loaders/volumes/minc.h"
+#include "loaders/volumes/parts.h"
 
 #include "base/memory.h"
 #include "builders/hdf5_builder.h"

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Volumes of 4-D files, one after the other, and real ones; tests/corpus/nifti/ has packing, pairs and choices. */
-#include "loaders/volumes/volume_file.h"
+#include "loaders/volumes/volumes.h"
 
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "label_list.h"
-#include "loaders/volumes/volume_values.h"
 #include "test.h"
 #include "volume_on_job.h"
 

@@ -3,9 +3,7 @@
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "label_list.h"
-#include "loaders/volumes/volume_file.h"
-#include "loaders/volumes/volume_header.h"
-#include "loaders/volumes/volume_values.h"
+#include "loaders/volumes/volumes.h"
 #include "test.h"
 #include "volume_on_job.h"
 

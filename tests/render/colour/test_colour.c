@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "conus/own.h"
 #include "picture_scene.h"
-#include "render/colour/renderer.h"
+#include "render/colour/colour.h"
 #include "test.h"
 #include "value_maps.h"
 

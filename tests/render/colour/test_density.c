@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Densities, gradients and ranges of volumes of all small sizes, against their definitions voxel by voxel. */
 #include "base/geometry/math3.h"
-#include "render/colour/field.h"
+#include "render/colour/colour.h"
 #include "tests/support/test.h"
 
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #include "golden_picture.h"
 #include "mesh_scene.h"
 #include "picture_scene.h"
-#include "render/colour/renderer.h"
+#include "render/colour/colour.h"
 #include "render/image/image.h"
 #include "test.h"
 #include "value_maps.h"

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Pictures by rays on the CPU against those by OpenGL, scene by scene, by any number of threads, and piece by piece.
  * What either must show by closed forms the other tests of this folder ask both (<subject>_by_rays). */
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "mesh_scene.h"
 #include "picture_scene.h"
-#include "render/colour/renderer.h"
+#include "render/colour/colour.h"
 #include "test.h"
 #include "test_gl.h"
 #include "value_maps.h"

@@ -5,8 +5,8 @@
 #include "conus/own.h"
 #include "mesh_scene.h"
 #include "picture_scene.h"
-#include "render/colour/renderer.h"
-#include "render/image/image_srgb.h"
+#include "render/colour/colour.h"
+#include "render/image/image.h"
 #include "test.h"
 
 #include <string.h>

@@ -2,8 +2,8 @@
 /* Transfer functions: values between points, files, presets and errors. */
 #include "base/memory.h"
 #include "conus/own.h"
-#include "render/colour/transfer.h"
-#include "render/image/image_srgb.h"
+#include "render/colour/colour.h"
+#include "render/image/image.h"
 #include "test.h"
 
 #include <math.h>

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Streamlines in pictures: each pixel against a march along its ray that uses distances to segments only, and their
  * colours. */
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/picture.h"
 #include "mesh_scene.h"
 #include "picture_scene.h"
-#include "render/id/mesh_layer.h"
-#include "render/id/surface_rays.h"
+#include "render/id/id_pass.h"
+#include "render/id/shapes.h"
 #include "test.h"
 #include "test_gl.h"
 #include "tract_scene.h"

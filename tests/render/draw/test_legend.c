@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lines, text and legends on pictures. */
-#include "render/draw/legend.h"
+#include "render/draw/draw.h"
 #include "render/image/image.h"
 #include "test.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Outlines of a cut: for every pattern of pixels the outline covers exactly the pixels that border on another
  * number. */
-#include "render/flat/cut_trace.h"
+#include "render/flat/cut.h"
 
 #include "test.h"
 

@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Contexts, programs, targets and textures, and their errors. */
 #include "base/memory.h"
-#include "render/gl/context.h"
-#include "render/gl/program.h"
+#include "render/gl/gl.h"
 #include "render/gl/shaders.h"
-#include "render/gl/target.h"
-#include "render/gl/volume_texture.h"
 #include "test.h"
 #include "test_gl.h"
 

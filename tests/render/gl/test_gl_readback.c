@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What is read of the device: whole, after one wait, or an error. */
 #include "gl_pair.h"
-#include "render/gl/readback.h"
+#include "render/gl/gl.h"
 #include "test.h"
 #include "test_gl.h"
 

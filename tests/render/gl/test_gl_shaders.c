@@ -5,7 +5,7 @@
 #include "mesh_scene.h"
 #include "picture_scene.h"
 #include "render/colour/colour_gl.h"
-#include "render/gl/program.h"
+#include "render/gl/gl.h"
 #include "render/gl/shaders.h"
 #include "scene.h"
 #include "shader_check.h"

@@ -3,7 +3,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "mesh_scene.h"
-#include "render/id/clusters.h"
+#include "render/id/id_pass.h"
 #include "test.h"
 
 enum { MESHES = 5 };

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lists that shaders append to: they grow, take turns or refuse. */
 #include "gl_pair.h"
-#include "render/gl/program.h"
-#include "render/gl/shader_list.h"
+#include "render/gl/gl.h"
 #include "render/gl/shaders.h"
-#include "render/gl/target.h"
 #include "test.h"
 #include "test_gl.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The ID pass by itself: identifiers, GL state, memory limits. */
 #include "base/geometry/math3.h"
-#include "render/colour/field.h"
+#include "render/colour/colour.h"
 #include "render/id/id_pass.h"
 #include "test.h"
 #include "test_gl.h"

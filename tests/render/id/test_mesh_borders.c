@@ -3,7 +3,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "mesh_scene.h"
-#include "render/id/mesh_list.h"
+#include "render/id/shapes.h"
 #include "test.h"
 
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The planes of Eq. 7. */
 #include "base/geometry/math3.h"
-#include "render/id/slices.h"
+#include "render/id/shapes.h"
 #include "test.h"
 
 /* Eq. 7: the paper's 256^3 volume has 362 planes, and 72 of them in the ID pass. */

@@ -4,7 +4,7 @@
  * noise, the rest being zero, grows byte by byte from nothing to all, and so passes through that size: 13 of the 2,425
  * flat pictures here have such a chunk. */
 #include "exr_oracle.h"
-#include "render/image/image_codecs.h"
+#include "render/image/image.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Images, OpenEXR and PNG files, sRGB and comparison. */
-#include "base/buffer.h"
 #include "base/memory.h"
 #include "conus/own.h"
-#include "render/image/image_codecs.h"
-#include "render/image/image_srgb.h"
+#include "render/image/image.h"
 #include "test.h"
 
 #include <math.h>

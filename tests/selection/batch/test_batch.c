@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Batches through the library: order, bytes that depend on the poses alone, errors, ends. */
-#include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
+#include "base/memory.h"
 #include "conus/own.h"
 #include "scene.h"
 #include "selection/report/report.h"

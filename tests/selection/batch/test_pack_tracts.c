@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tractograms in a packed atlas: they are unchanged and not copied, and no damage leads outside of the block. */
-#include "atlas/bundles.h"
-#include "atlas/placement.h"
+#include "atlas/atlas.h"
 #include "atlas/tracts/tract_node.h"
-#include "base/buffer.h"
 #include "base/memory.h"
 #include "conus/own.h"
-#include "pack/atlas_pack.h"
+#include "pack/pack.h"
 #include "packed_block.h"
 #include "test.h"
 #include "tract_scene.h"

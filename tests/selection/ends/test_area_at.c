@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Eq. 20: the area at a point or near it, in closed form, and against a search of every cell. */
-#include "selection/ends/area_at.h"
+#include "selection/ends/ends.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Eq. 20: the areas that bundles connect, for lines from area to area whose counts and lengths are known. */
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "atlas/labels/labels.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"

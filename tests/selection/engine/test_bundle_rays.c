@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Engines and bundles: streamlines among voxels and triangles, by both engines, against the atlas without them and a
  * loop over all capsules (Eq. 18). */
-#include "atlas/bundles.h"
-#include "atlas/tracts/capsule.h"
+#include "atlas/atlas.h"
+#include "atlas/tracts/tractogram.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Batches by the gl engine, which traces a block of cones at once: byte for byte those of the rays engine, whatever is
  * in a block. With meshes, at whose edges drivers differ, they are those of the gl engine one by one. */
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "atlas/space.h"
-#include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
+#include "base/memory.h"
 #include "conus/own.h"
 #include "gl_pair.h"
 #include "mesh_scene.h"
@@ -298,7 +298,7 @@ static void only_wanted_pixels_are_traced(void **state)
     conus_atlas_destroy(mixed);
 }
 
-struct attempt {
+struct trial {
     conus_selector *selector;
     const char *path;
     struct rows wanted;
@@ -306,7 +306,7 @@ struct attempt {
 
 static conus_status run_again(void *data)
 {
-    struct attempt *attempt = data;
+    struct trial *attempt = data;
     struct rows rows = {0};
     conus_status status = run_batch(&rows, attempt->selector, attempt->path, 40, 1);
     if (!status) {
@@ -323,7 +323,7 @@ static void every_failing_allocation_is_clean(void **state)
     (void)state;
     uint64_t random = 65;
     conus_atlas *atlas = mixed_atlas(&random);
-    struct attempt attempt = {.path = write_poses(9, atlas, false, true)};
+    struct trial attempt = {.path = write_poses(9, atlas, false, true)};
     conus_selector *another = gl_selector(atlas, (conus_selector_options){.resolution = 4});
     attempt.selector = gl_selector(atlas, (conus_selector_options){.resolution = 4});
     assert_ok(run_batch(&attempt.wanted, another, attempt.path, 40, 1));

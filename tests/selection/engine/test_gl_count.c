@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "gl_pair.h"
 #include "scene.h"
-#include "selection/measure/statistics.h"
+#include "selection/measure/measure.h"
 #include "test.h"
 #include "test_gl.h"
 

@@ -4,8 +4,7 @@
 #include "base/memory.h"
 #include "conus/selection.h"
 #include "gl_pair.h"
-#include "render/gl/context.h"
-#include "render/gl/functions.h"
+#include "render/gl/gl.h"
 #include "scene.h"
 #include "test.h"
 

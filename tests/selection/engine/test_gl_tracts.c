@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Streamlines of the gl engine: the evidence and the layers of the rays engine, bit by bit (Eq. 18), alone and in
  * blocks of cones. tests/selection/engine/test_bundle_rays.c has them among voxels and triangles. */
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "base/memory.h"
 #include "conus/own.h"
 #include "gl_pair.h"

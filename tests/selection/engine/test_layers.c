@@ -255,14 +255,14 @@ static void shapes_out_of_range_are_refused(void **state)
     conus_atlas_destroy(atlas);
 }
 
-struct attempt {
+struct trial {
     conus_atlas *atlas;
     struct cone cone;
 };
 
 static conus_status select_all(void *data)
 {
-    const struct attempt *attempt = data;
+    const struct trial *attempt = data;
     const conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .range = {1, 100}};
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
@@ -277,7 +277,7 @@ static void every_failing_allocation_is_survived(void **state)
 {
     (void)state;
     uint64_t random = 45;
-    struct attempt attempt = {.atlas = scene_atlas(&random, 8, 1)};
+    struct trial attempt = {.atlas = scene_atlas(&random, 8, 1)};
     attempt.cone = scene_cone(&random, attempt.atlas);
     test_every_allocation(select_all, &attempt);
     conus_atlas_destroy(attempt.atlas);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Balls: distances to cells and surfaces against other ways of finding them, volumes by Eq. 10. */
-#include "atlas/surface/mesh_near.h"
+#include "atlas/surface/mesh.h"
 #include "base/geometry/math3.h"
 #include "conus/image.h"
 #include "mesh_scene.h"

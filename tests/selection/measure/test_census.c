@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "report_scene.h"
 #include "scene.h"
-#include "selection/region/region_rows.h"
+#include "selection/region/region.h"
 #include "selection/selection.h"
 #include "test.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Formulas of scores (Eq. 12): their values, and every kind of mistake in one. */
-#include "selection/measure/formula.h"
+#include "selection/measure/score.h"
 #include "test.h"
 
 #include <math.h>

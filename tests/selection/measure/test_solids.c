@@ -2,7 +2,7 @@
 /* Volumes of closed surfaces in a region (Eq. 10) against closed forms, and against sums that they must give. */
 #include "base/geometry/math3.h"
 #include "mesh_scene.h"
-#include "selection/measure/solids.h"
+#include "selection/measure/measure.h"
 #include "selection/selection.h"
 #include "test.h"
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Streamlines in regions (Eq. 19): by the tree against every segment one by one, to the bit; the measures of bundles in
  * closed form; groups, hiding, directions; every failing allocation. */
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"
-#include "selection/measure/tract_census.h"
-#include "selection/region/region_segment.h"
+#include "selection/measure/measure.h"
+#include "selection/region/region.h"
 #include "test.h"
 #include "tract_scene.h"
 

@@ -5,7 +5,6 @@
 #include "base/memory.h"
 #include "picture_scene.h"
 #include "render/image/image.h"
-#include "render/image/image_srgb.h"
 
 #include "builders/area_rows.h"
 #include "conus/own.h"

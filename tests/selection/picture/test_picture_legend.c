@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The legend of a picture: its rows if there are too many, and its place beside or below the drawing. */
-#include "atlas/bundles.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/memory.h"
 #include "builders/area_rows.h"
 #include "conus/own.h"
 #include "picture_scene.h"
-#include "render/draw/legend.h"
+#include "render/draw/draw.h"
 #include "render/image/image.h"
 #include "selection/picture/picture.h"
 #include "test.h"

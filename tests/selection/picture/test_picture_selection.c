@@ -2,7 +2,7 @@
 /* Images of a selection: evidence, colours and attributes. */
 #include "base/geometry/math3.h"
 #include "conus/own.h"
-#include "render/image/image_srgb.h"
+#include "render/image/image.h"
 #include "scene.h"
 #include "test.h"
 

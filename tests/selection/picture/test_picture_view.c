@@ -6,7 +6,7 @@
 #include "golden_picture.h"
 #include "made_atlas.h"
 #include "picture_scene.h"
-#include "render/colour/renderer.h"
+#include "render/colour/colour.h"
 #include "render/image/image.h"
 #include "test.h"
 #include "test_gl.h"

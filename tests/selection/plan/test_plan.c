@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Eq. 22: feasible poses, their slacks, and the best of them. Boxes of voxels, whose measures follow by arithmetic; the
  * order against that found by comparing every two poses. */
-#include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/memory.h"
-#include "base/text_number.h"
+#include "base/text.h"
 #include "conus/own.h"
 #include "scene.h"
 #include "selection/plan/plan.h"

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Leeways (Eq. 22): against their definition, by points along the axis and distances from everything that is not the
  * structure, one by one; and against poses that deviate by less, none of which may break a constraint. */
-#include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sites: normals by closed forms; borders, spacing and depths by trying everything; and the sites that are kept. */
-#include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
+#include "base/memory.h"
 #include "conus/own.h"
 #include "test.h"
 

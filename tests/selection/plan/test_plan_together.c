@@ -2,7 +2,6 @@
 /* Eq. 25, Eq. 26, Eq. 27 and Eq. 28: several needles together, against all combinations, each measured by another way
  * to find the distance of two segments: the least of where their lines are nearest, if that is on both, and of each end
  * from the other segment. */
-#include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"

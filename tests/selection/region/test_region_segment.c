@@ -2,7 +2,7 @@
 /* Segments in a region (Eq. 19): chords in closed form, borders, and random segments and boxes against a search in long
  * double that only uses the distance of a point outside of the region. */
 #include "base/geometry/math3.h"
-#include "selection/region/region_segment.h"
+#include "selection/region/region.h"
 #include "test.h"
 
 #include <string.h>

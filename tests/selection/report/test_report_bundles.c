@@ -2,9 +2,9 @@
 /* Reports about bundles (Eq. 19): the columns that only bundles have. The numbers are those of the four lines of
  * tract_scene.h: a cylinder of 5 mm about the axis z holds 10 mm of the first and 8 mm (3-4-5) of the second. And the
  * points of streamlines in conus_report_voxels(): in closed form, and against a loop over all points. */
-#include "atlas/bundles.h"
-#include "base/buffer.h"
+#include "atlas/atlas.h"
 #include "base/geometry/math3.h"
+#include "base/memory.h"
 #include "conus/own.h"
 #include "selection/selection.h"
 #include "test.h"

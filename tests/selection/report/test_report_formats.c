@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reports in other programs' formats: the kinds of rows that they take, and failing allocations. */
-#include "base/buffer.h"
 #include "base/geometry/math3.h"
+#include "base/memory.h"
 #include "conus/own.h"
 #include "region_scene.h"
 #include "report_scene.h"

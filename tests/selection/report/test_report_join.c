@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Joined reports on several atlases: the rows of each report, put together with a column. */
-#include "base/buffer.h"
+#include "base/memory.h"
 #include "conus/own.h"
 #include "report_scene.h"
 #include "test.h"

@@ -2,14 +2,13 @@
 /* Eq. 21: the clearance of needles from objects. Cells, triangles and tubes in closed form, and against a search that
  * only uses the distance of a point from a cell, a triangle or a polyline. */
 #include "atlas/atlas.h"
-#include "atlas/bundles.h"
-#include "atlas/surface/mesh_near.h"
+#include "atlas/surface/mesh.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"
 #include "mesh_scene.h"
 #include "scene.h"
-#include "selection/selector.h"
+#include "selection/selection.h"
 #include "selection/study/study.h"
 #include "tables.h"
 #include "test.h"

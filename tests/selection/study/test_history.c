@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A track's history (Eq. 12): filters that are exact in time, and a window of entries and exits. */
 #include "base/geometry/math3.h"
-#include "selection/measure/history.h"
+#include "selection/measure/score.h"
 #include "test.h"
 
 /* The state after many tiny Euler steps. */

@@ -2,8 +2,8 @@
 /* Eq. 16: rows, peaks and surfaces in a region of interest, in closed form; and the crossings of lines that decide the
  * inside of surfaces. */
 #include "atlas/atlas.h"
-#include "atlas/roi.h"
-#include "atlas/surface/mesh_lines.h"
+#include "atlas/surface/mesh.h"
+#include "atlas/volume.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"

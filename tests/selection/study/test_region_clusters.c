@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Clusters of a region of interest in closed form: neighbours, order, centres, maxima; their parts sum to the overlap.
  */
-#include "atlas/roi.h"
+#include "atlas/volume.h"
 #include "base/memory.h"
 #include "conus/own.h"
 #include "mesh_scene.h"

@@ -5,7 +5,7 @@
 #include "conus/own.h"
 #include "mesh_scene.h"
 #include "scene.h"
-#include "selection/selector.h"
+#include "selection/selection.h"
 #include "selection/study/study.h"
 #include "tables.h"
 #include "test.h"

@@ -2,7 +2,7 @@
 /* Eq. 16: the volumes that voxels of two grids have in common, in closed form, as products of lengths, and against a
  * search of a lattice of points in every voxel. */
 #include "atlas/atlas.h"
-#include "atlas/roi.h"
+#include "atlas/volume.h"
 #include "base/geometry/math3.h"
 #include "conus/own.h"
 #include "region_scene.h"

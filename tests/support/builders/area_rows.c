@@ -2,7 +2,7 @@
 /* Small atlases with an area tree. */
 #include "builders/area_rows.h"
 
-#include "atlas/areas/sides.h"
+#include "atlas/areas/areas.h"
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"

@@ -3,7 +3,7 @@
 #include "builders/cifti_builder.h"
 
 #include "builders/nifti_builder.h"
-#include "loaders/volumes/volume_header.h"
+#include "loaders/volumes/volumes.h"
 #include "test.h"
 
 #include <string.h>

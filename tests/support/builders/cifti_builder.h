@@ -3,7 +3,7 @@
 #ifndef CONUS_TESTS_SUPPORT_BUILDERS_CIFTI_BUILDER_H
 #define CONUS_TESTS_SUPPORT_BUILDERS_CIFTI_BUILDER_H
 
-#include "base/buffer.h"
+#include "base/memory.h"
 
 enum { CIFTI_GRAYORDINATES = 9, CIFTI_MAPS = 2 };
 

@@ -3,7 +3,7 @@
 #ifndef CONUS_TESTS_SUPPORT_BUILDERS_GIFTI_BUILDER_H
 #define CONUS_TESTS_SUPPORT_BUILDERS_GIFTI_BUILDER_H
 
-#include "base/buffer.h"
+#include "base/memory.h"
 
 /** A DataArray; zero is the default of each. */
 struct array_spec {

@@ -3,8 +3,8 @@
 #ifndef CONUS_TESTS_SUPPORT_HDF5_BUILDER_H
 #define CONUS_TESTS_SUPPORT_HDF5_BUILDER_H
 
-#include "base/buffer.h"
 #include "base/child/hdf5_protocol.h"
+#include "base/memory.h"
 
 struct hdf5_builder {
     struct buffer bytes;

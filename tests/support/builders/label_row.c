@@ -2,8 +2,8 @@
 /* A row of labels as a volume, and its names in conus. */
 #include "builders/label_row.h"
 
-#include "base/buffer.h"
 #include "base/files/file.h"
+#include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "conus/own.h"
 #include "test.h"

@@ -4,7 +4,7 @@
 #ifndef CONUS_TESTS_SUPPORT_BUILDERS_MATLAB_BUILDER_H
 #define CONUS_TESTS_SUPPORT_BUILDERS_MATLAB_BUILDER_H
 
-#include "base/buffer.h"
+#include "base/memory.h"
 #include "base/text.h"
 
 /** Types of elements, and classes of arrays, by the numbers of that document. */

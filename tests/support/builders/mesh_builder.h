@@ -3,7 +3,7 @@
 #ifndef CONUS_TESTS_SUPPORT_BUILDERS_MESH_BUILDER_H
 #define CONUS_TESTS_SUPPORT_BUILDERS_MESH_BUILDER_H
 
-#include "base/buffer.h"
+#include "base/memory.h"
 #include "loaders/child/mesh_protocol.h"
 
 #include <stdint.h>

@@ -2,7 +2,7 @@
 /* Builds NIfTI files in memory. */
 #include "builders/nifti_builder.h"
 
-#include "loaders/volumes/volume_file.h"
+#include "loaders/volumes/volumes.h"
 #include "test.h"
 
 #include <stdio.h>

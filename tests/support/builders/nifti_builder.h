@@ -3,7 +3,7 @@
 #ifndef CONUS_TESTS_SUPPORT_BUILDERS_NIFTI_BUILDER_H
 #define CONUS_TESTS_SUPPORT_BUILDERS_NIFTI_BUILDER_H
 
-#include "base/buffer.h"
+#include "base/memory.h"
 #include "base/status.h"
 
 #include <stdint.h>

@@ -3,7 +3,7 @@
 #ifndef CONUS_TESTS_SUPPORT_BUILDERS_TRK_BUILDER_H
 #define CONUS_TESTS_SUPPORT_BUILDERS_TRK_BUILDER_H
 
-#include "base/buffer.h"
+#include "base/memory.h"
 
 /** Offsets of fields, as the format's description has them. */
 enum {

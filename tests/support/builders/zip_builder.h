@@ -3,7 +3,7 @@
 #ifndef CONUS_TESTS_SUPPORT_BUILDERS_ZIP_BUILDER_H
 #define CONUS_TESTS_SUPPORT_BUILDERS_ZIP_BUILDER_H
 
-#include "base/buffer.h"
+#include "base/memory.h"
 
 struct zip_builder {
     struct buffer bytes;     /**< The archive; end it with buffer_finish(). */

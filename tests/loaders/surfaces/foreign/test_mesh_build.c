@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Polygons become triangles; tests/corpus/foreign/ has strips, pieces, objects and spaces. */
-#include "base/buffer.h"
+#include "base/memory.h"
 #include "loaders/surfaces/foreign/foreign.h"
-#include "loaders/surfaces/foreign/mesh_build.h"
+#include "loaders/surfaces/foreign/parts.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Mesh files of other programs: several at once, and spaces that the caller knows. tests/corpus/foreign/ has each
  * format, and files that break other readers. */
-#include "base/buffer.h"
 #include "base/files/file.h"
+#include "base/memory.h"
 #include "conus/own.h"
-#include "loaders/surfaces/foreign/mesh_foreign.h"
-#include "loaders/surfaces/mesh_file.h"
-#include "loaders/surfaces/mesh_format.h"
+#include "loaders/surfaces/foreign/foreign.h"
+#include "loaders/surfaces/surfaces.h"
 #include "sources/source.h"
 #include "test.h"
 #include "tests/support/mesh_on_job.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Eq. 18: rays through streamlines, by the tree and by a loop over all capsules. */
-#include "atlas/tracts/capsule.h"
 #include "atlas/tracts/tract_node.h"
+#include "atlas/tracts/tractogram.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/engine/tracts/tract_rays.h"

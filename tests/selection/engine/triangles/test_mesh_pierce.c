@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* All layers of surfaces (Eq. 10): against every triangle tried in double, and against first hits. */
-#include "atlas/phantom/phantom_brain.h"
+#include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
 #include "mesh_scene.h"
 #include "selection/selection.h"

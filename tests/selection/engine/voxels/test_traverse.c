@@ -4,7 +4,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "oracle_traversal.h"
-#include "selection/engine/voxels/labelled_map.h"
+#include "selection/engine/voxels/distance_map.h"
 #include "selection/engine/voxels/traverse.h"
 #include "test.h"
 
