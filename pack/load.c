@@ -5,7 +5,6 @@
 #include "base/options.h"
 #include "conus/own.h"
 #include "loaders/maps/maps.h"
-#include "loaders/scene/parts.h"
 #include "loaders/scene/scene.h"
 #include "pack/pack.h"
 #include "sources/keys.h"

@@ -184,11 +184,6 @@ void manifest_load(struct load *load, const char *path, const struct bytes *file
  * where the names of its surfaces come from. NULL: it is one file that is ATLAS, which no message calls a manifest. */
 void scene_load(struct load *load, const struct scene *scene, const char *path, const char *names);
 
-/** Adds what @p item describes of the file @p path, and paths that it has, which are from here, to @p atlas, which is
- * unchanged on failure. Of @p options the log and max_memory count. */
-conus_status scene_add_item(conus_atlas *atlas, const char *path, const struct scene_item *item,
-                            const conus_load_options *options);
-
 /** Loads the volumes of @p path that @p maps names as areas of probabilities, if their values are some. */
 void named_maps_load(struct load *load, const char *path, const struct named_maps *maps);
 

@@ -7,6 +7,7 @@
 #include "atlas/labels/labels.h"
 #include "base/job/job.h"
 #include "conus/own.h"
+#include "loaders/manifest/manifest.h"
 #include "loaders/volumes/volumes.h"
 #include "sources/source.h"
 
@@ -14,6 +15,11 @@
 
 /** conus_atlas_load() of a path without template; @p options is not NULL, and of this version. */
 conus_status atlas_load_files(conus_atlas **out, const char *path, const conus_load_options *options);
+
+/** Adds what @p item describes of the file @p path, and paths that it has, which are from here, to @p atlas, which is
+ * unchanged on failure. Of @p options the log and max_memory count. */
+conus_status scene_add_item(conus_atlas *atlas, const char *path, const struct scene_item *item,
+                            const conus_load_options *options);
 
 /* A parcellation before it is an atlas: voxels with labels, and their table. */
 
