@@ -444,7 +444,7 @@ bool settings_check_shape(const struct aim_settings *settings, const struct engi
 {
     bool is_given = option_given(arguments, "angle");
     if (engine->radius > 0) {
-        option_warn_restated(arguments, "angle", "radius");
+        option_warn_restated(arguments, "angle", option_given(arguments, "radius") ? "radius" : "weight");
     }
     if (is_given && engine->radius > 0 && settings->angle != 0) {
         return refuse("--radius makes a cylinder, whose --angle is 0");

@@ -311,6 +311,7 @@ def test_a_published_error_is_its_tilt_and_cited(tmp_path):
     ("angle_deg,weight\n0,2\n5,1\n", ["--angle=4"], b"of the cone the weight is 80 % of its largest"),
     ("offset_mm,weight\n0,1\n4,2\n8,1\n", ["--radius=6"], b"of the cylinder the weight is 75 % of its largest, and beyond nothing counts; its table ends at 8 mm"),
     ("angle_deg,weight\n0,2\n5,0.08\n", [], b""),
+    ("offset_mm,weight\n0,1\n8,0\n", ["--angle=10"], b"--angle 10 is the default, and has no effect beside --weight"),
     ("angle_deg,weight\n5,0\n6,1\n", ["--angle=8"], b"warning: the weight is 0 everywhere in the cone"),
 ])
 def test_a_rim_and_a_weight_of_nothing_are_said(tmp_path, table, options, said):
