@@ -767,8 +767,9 @@ void space_words_hear_name(struct space_words *words, struct text name)
     const size_t extension = memchr(name.data, '.', name.size) != NULL;
     const size_t last = sentence.count > extension ? sentence.count - extension - 1 : 0;
     hear_sentence(words, name, false, false);
+    const bool is_somebody = last && token_is(&sentence, last - 1, "sub/ses/subject/patient"); /* "sub-ARI" */
     bool is_code = false;
-    for (size_t r = 0; last && r < sizeof rows / sizeof rows[0]; r++) {
+    for (size_t r = 0; last && !is_somebody && r < sizeof rows / sizeof rows[0]; r++) {
         bool counts = rows[r].weight == ALONE || (rows[r].weight == CAPITALS && is_upper(sentence.tokens[last]));
         is_code = is_code || (rows[r].why == why_code && counts && token_is(&sentence, last, rows[r].words) &&
                               !has_token(&sentence, "image/images"));
