@@ -620,7 +620,7 @@ static void keep_signs(struct space_words *words, const struct named_axes *named
     words->axes = is_turned ? SPACE_AXES_TURNED : words->axes;
 }
 
-/* The sentence from token `first` on to a comma or "and". */
+/* The sentence from token `first` on to a comma, "and", or an axis in brackets: "x (left positive)". */
 static struct sentence take_clause(const struct sentence *all, size_t first)
 {
     const struct text *before = first ? &all->tokens[first - 1] : NULL;
@@ -630,28 +630,33 @@ static struct sentence take_clause(const struct sentence *all, size_t first)
         const struct text token = all->tokens[i];
         const char *next = i + 1 < all->count ? all->tokens[i + 1].data : all->end;
         clause.tokens[clause.count++] = token;
-        is_end = memchr(token.data, ',', (size_t)(next - token.data)) || token_is(all, i + 1, "and");
+        const size_t gap = (size_t)(next - token.data);
+        is_end = memchr(token.data, ',', gap) || token_is(all, i + 1, "and") ||
+                 (i + 1 < all->count && memchr(token.data, '(', gap) && axis_named(all->tokens[i + 1]) < AXES);
         clause.end = next;
     }
     return clause;
 }
 
-/* "left is positive, right is negative": clauses that name one axis each, and some of them its sign. */
-static void hear_clauses(struct space_words *words, const struct sentence *sentence)
+/* "left is positive, right is negative": clauses that name one axis each at most, and some of them its sign. */
+static bool hear_clauses(struct space_words *words, const struct sentence *sentence)
 {
     struct space_words own = *words;
     bool all = true;
+    bool is_signed = false;
     for (size_t i = 0; i < sentence->count && all; i += token_is(sentence, i, "and")) {
         const struct sentence clause = take_clause(sentence, i);
         struct named_axes named;
-        const bool is_signed = find_axes(&named, &clause) && named.is_alone;
-        all = named.are_words && named.count == 1;
-        if (is_signed && all) {
+        const bool is_one = find_axes(&named, &clause) && named.is_alone;
+        all = named.are_words && named.count <= 1;
+        if (is_one && all) {
             keep_signs(&own, &named);
+            is_signed = true;
         }
         i += clause.count;
     }
     *words = all ? own : *words;
+    return all && is_signed;
 }
 
 static void keep_axes(struct space_words *words, const struct named_axes *named)
@@ -713,11 +718,11 @@ static void hear_sentence(struct space_words *words, struct text text, bool of_c
     sentence.is_whole = is_whole;
     struct named_axes named;
     sentence.is_of_axes = find_axes(&named, &sentence);
+    if (hear_clauses(words, &sentence) && named.is_negative) {
+        memset(named.side, 0, sizeof named.side); /* the clauses say of which side it is the sign */
+    }
     if (sentence.is_of_axes) {
         keep_axes(words, &named);
-    }
-    if (!sentence.is_of_axes || named.is_alone) {
-        hear_clauses(words, &sentence);
     }
     for (size_t i = 0; i < sentence.count; i++) {
         struct text token = sentence.tokens[i];
