@@ -253,7 +253,8 @@ conus_brain_gap conus_brain_compare(conus_brain_view a, conus_brain_view b)
     if (is_of_mouse(&a) != is_of_mouse(&b) || a.brain == CONUS_BRAIN_OWN || b.brain == CONUS_BRAIN_OWN) {
         return CONUS_BRAIN_GAP_OTHER;
     }
-    if (a.brain != b.brain && (is_of_animal(&a) || is_of_animal(&b))) {
+    bool is_named = !a.source[0] || !b.source[0]; /* no atlas, but a space that positions name: of people */
+    if ((a.brain != b.brain || is_named) && (is_of_animal(&a) || is_of_animal(&b))) {
         return CONUS_BRAIN_GAP_OTHER;
     }
     bool has_template = a.brain == CONUS_BRAIN_TEMPLATE || b.brain == CONUS_BRAIN_TEMPLATE;

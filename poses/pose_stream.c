@@ -283,7 +283,7 @@ static void find_format(struct job *job, conus_pose_stream *stream)
     conus_pose_format found = format_of(known, row);
     if (found == CONUS_POSE_FORMAT_ELECTRODES &&
         pose_electrodes_have_two(row)) { /* is it BIDS that says what they are? */
-        pose_coordsystem_find(job, &stream->list, stream->path ? stream->path : "", false);
+        pose_coordsystem_find(job, &stream->list, stream->path ? stream->path : "", false, false);
         found = stream->list.coordsystem ? found : CONUS_POSE_FORMAT_TABLE;
     }
     bool is_own_word = stream->words.at[0].size && !pose_brackets_are_rows(head); /* the user knows the columns */
@@ -304,7 +304,7 @@ static void begin_coordsystem(struct job *job, conus_pose_stream *stream)
 {
     conus_pose_list *list = &stream->list;
     if (stream->path) {
-        pose_coordsystem_find(job, list, stream->path, false);
+        pose_coordsystem_find(job, list, stream->path, false, false);
     }
     bool is_ras = list->space.brain != POSE_BRAIN_UNKNOWN && list->space.brain != POSE_BRAIN_OTHER;
     if (!list->coordsystem) {
@@ -569,7 +569,7 @@ static void read_whole(struct job *job, conus_pose_stream *stream)
     const bool pairs = stream->columns.pairs;
     bool is_bids = format == CONUS_POSE_FORMAT_ELECTRODES || format == CONUS_POSE_FORMAT_NIBS;
     if (stream->path && !pairs && (is_bids || format == CONUS_POSE_FORMAT_LIST)) {
-        pose_coordsystem_find(job, list, stream->path, is_bids);
+        pose_coordsystem_find(job, list, stream->path, is_bids, stream->words.unit > 0 || stream->options.unit > 0);
     }
     if (is_bids && !list->coordsystem) {
         columns_check_name(job, &stream->columns, stream->path, whole_lines(&stream->lines), &stream->options, false);

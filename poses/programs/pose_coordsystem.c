@@ -203,6 +203,11 @@ static const char *find_beside(struct job *job, const char *path)
     return beside;
 }
 
+static bool says_nothing(struct text value)
+{
+    return !value.size || text_equal_ignoring_case(value, "n/a");
+}
+
 bool pose_coordsystem_hear(struct job *job, conus_pose_list *list, const char *path, bool has_unit)
 {
     const char *beside = modalities_of(path) ? NULL : find_beside(job, path);
@@ -212,7 +217,7 @@ bool pose_coordsystem_hear(struct job *job, conus_pose_list *list, const char *p
     const struct attempt attempt = job_try(job);
     const struct bytes bytes = job_read(job, beside, FILE_LIMIT, "");
     const struct stated stated = read_stated(job, (struct text){(const char *)bytes.data, bytes.size}, "");
-    if (attempt_end(job, &attempt, ATTEMPT_TRY)) {
+    if (attempt_end(job, &attempt, ATTEMPT_TRY) || says_nothing(stated.system)) {
         job_warn(job,
                  "%s beside it does not say which space is the table's: positions are taken as being in the atlas's",
                  path_base(beside));
@@ -221,17 +226,17 @@ bool pose_coordsystem_hear(struct job *job, conus_pose_list *list, const char *p
     const size_t mark = job_in(job, beside, JOB_ALONE);
     list->space = find_space(job, stated.system);
     const double mm = space_unit_mm(stated.units);
-    if (mm != 0 && mm != 1 && !has_unit) {
-        job_bad(job,
-                "CoordinateUnits \"%.*s\", and nothing in the table beside it: ',unit=%.*s' or ',unit=mm' behind FILE",
-                POSE_QUOTE(stated.units), POSE_QUOTE(stated.units));
+    if (mm != 1 && !says_nothing(stated.units) && !has_unit) {
+        job_bad(job, "CoordinateUnits \"%.*s\", and nothing in the table beside it: %s%.*s%s',unit=mm' behind FILE",
+                POSE_QUOTE(stated.units), mm > 0 ? "',unit=" : "", mm > 0 ? (int)stated.units.size : 0,
+                stated.units.data, mm > 0 ? "' or " : "");
     }
     job_out(job, mark);
     job_note(job, "the space is that of %s beside it, \"%s\"", path_base(beside), list->space.name);
     return true;
 }
 
-void pose_coordsystem_find(struct job *job, conus_pose_list *list, const char *path, bool is_needed)
+void pose_coordsystem_find(struct job *job, conus_pose_list *list, const char *path, bool is_needed, bool has_unit)
 {
     const char *modalities = modalities_of(path);
     if (list->coordsystem) { /* it was found before */
@@ -253,7 +258,7 @@ void pose_coordsystem_find(struct job *job, conus_pose_list *list, const char *p
     } else if (is_needed) {
         pose_coordsystem_hear_name(job, list, path);
         bool is_named = list->space.name[0];
-        if (!is_named && pose_coordsystem_hear(job, list, path, false)) {
+        if (!is_named && pose_coordsystem_hear(job, list, path, has_unit)) {
             return;
         }
         job_put(job, is_named ? CONUS_SEVERITY_NOTE : CONUS_SEVERITY_WARNING,

@@ -32,8 +32,8 @@ bool pose_nibs_header(struct text line);
  * or else of its only one. It fails for a space that is no image's world, and for units that are no lengths. */
 struct pose_space pose_coordsystem_parse(struct job *job, struct text text, const char *modalities);
 /** Sets list->space from the *_coordsystem.json beside the table @p path, and list->coordsystem to its path; without
- * that file, if it @p is_needed, from the table's name, with a note. */
-void pose_coordsystem_find(struct job *job, conus_pose_list *list, const char *path, bool is_needed);
+ * that file, if it @p is_needed, from the table's name, with a note, or as pose_coordsystem_hear(). */
+void pose_coordsystem_find(struct job *job, conus_pose_list *list, const char *path, bool is_needed, bool has_unit);
 
 /** Sets list->space from such a file beside a table that is not called as those of BIDS, with a note, and says whether
  * there is one. It converts nothing: without a unit of the table (@p has_unit) another one than mm is refused. */

@@ -107,6 +107,30 @@ static void check_axes(const struct head *head, const struct space_words *said, 
     }
 }
 
+/* Whether a word is the name of contacts: "RAI1", "RAI-1", "RAI'1", "RAI,1". */
+static bool is_of_contacts(struct text head, const char *word)
+{
+    const size_t size = strlen(word);
+    bool found = false;
+    for (size_t i = 0; i + size + 1 < head.size && !found; i++) {
+        const char *end = head.data + i + size;
+        end += strchr(" -_'.,;\t", *end) != NULL;
+        found = strncmp(head.data + i, word, size) == 0 && *end >= '0' && *end <= '9';
+    }
+    return found;
+}
+
+/* Whether a line that is only a code of axes is the heading of the contacts below: "RAI", "RAI,,,". */
+static bool is_heading(const struct head *head, const struct space_words *said, struct text line)
+{
+    const size_t size = strlen(said->heard);
+    bool is_one = said->why && said->why != space_why_voxels && text_starts(line, said->heard);
+    for (size_t i = size; i < line.size && is_one; i++) {
+        is_one = strchr(" ,;\t", line.data[i]) != NULL;
+    }
+    return is_one && is_of_contacts(head->text, said->heard);
+}
+
 void columns_hear_words(struct head *head)
 {
     struct job *job = head->job;
@@ -123,7 +147,7 @@ void columns_hear_words(struct head *head)
         }
         space_words_hear(&own, inside);
         check_axes(head, &own, inside, number);
-        if (!head->options->any_space) {
+        if (!head->options->any_space && !is_heading(head, &own, text_trim(inside))) {
             space_words_hear(said, inside);
         }
     }
@@ -161,19 +185,6 @@ void columns_hear_words(struct head *head)
     if (out->moves) {
         space_note_move(job, &said->space);
     }
-}
-
-/* Whether a word is the name of contacts: "RAI1", "RAI-1". */
-static bool is_of_contacts(struct text head, const char *word)
-{
-    const size_t size = strlen(word);
-    bool found = false;
-    for (size_t i = 0; i + size + 1 < head.size && !found; i++) {
-        const char *end = head.data + i + size;
-        end += strchr(" -_", *end) != NULL;
-        found = strncmp(head.data + i, word, size) == 0 && *end >= '0' && *end <= '9';
-    }
-    return found;
 }
 
 void columns_check_name(struct job *job, const struct columns *columns, const char *path, struct text head,

@@ -42,8 +42,8 @@ static const struct row {
     {"radiological", STRONG, 0, NULL,
      "left and right may be exchanged; --space lps reads x to the left and y to the back"},
     {"mni/mni152/icbm/icbm152", STRONG, POSE_BRAIN_MNI152, "MNI 152", NULL},
-    {"mcp/earbar/earbars/ear/interaural/lambda/dura/pia/midcommissural/posterior commissure", ORIGIN, 0, NULL,
-     why_origin},
+    {"mcp/earbar/earbars/ear/ears/tragus/interaural/lambda/dura/pia/midcommissural/posterior commissure", ORIGIN, 0,
+     NULL, why_origin},
     {"ac/anterior commissure", FROM, 0, NULL, why_origin}, /* MNI's origin is often called so */
     {"nasion/inion/vertex/preauricular/pc/bregma/corner/first voxel/center/centre", AT, 0, NULL, why_origin},
     {"mcp/midcommissural/interaural", WEAK, 0, NULL, why_origin},
@@ -202,7 +202,8 @@ static bool is_context(const struct sentence *sentence, size_t index)
 /* Words beside which voxels, RAS and LPS, or RPI, are those of positions, */
 static const char of_voxels[] = "coord/coordsystem/coordinatesystem/coordsys/indices/index";
 static const char of_signs[] = "coord/coordsystem/coordinatesystem/coordsys/convention/axes";
-static const char of_codes[] = "coord/coordsystem/coordinatesystem/coordsys/convention/axes/orientation/orient/order";
+static const char of_codes[] =
+    "coord/coordsystem/coordinatesystem/coordsys/convention/axes/axis/axcodes/orientation/orient/order";
 
 /* but the last two not where the sentence says one of an image: "image axes: LPS" is how its voxels lie. */
 static const char of_images[] = "image/images/scan/scans/volume/volumes/voxel/voxels/grid/nifti/nii/mri/mr/ct/t1/t1w/"
@@ -267,21 +268,6 @@ static bool is_said_alone(const struct sentence *sentence, const struct text tok
     return is_one && is_alone(sentence, row->words);
 }
 
-/* Whether a word stands behind "from the", "to the"; *origin: or "origin at the", "relative to the". */
-static bool is_behind_from(bool *origin, const struct sentence *sentence, size_t index)
-{
-    static const char small[] = "the/a/from/to/surface/mid", others[] = "at/in/is/on/of/set/placed/left/right/the/a";
-    size_t before = index;
-    bool near = index && token_is(sentence, index - 1, "from/to");
-    while (before && token_is(sentence, before - 1, others)) {
-        before--;
-    }
-    *origin =
-        before && (token_is(sentence, before - 1, "origin") ||
-                   (before > 1 && token_is(sentence, before - 1, "to") && token_is(sentence, before - 2, "relative")));
-    return near || (index >= 2 && token_is(sentence, index - 1, small) && token_is(sentence, index - 2, "from/to"));
-}
-
 static bool has_token(const struct sentence *sentence, const char *words)
 {
     size_t i = 0;
@@ -289,6 +275,31 @@ static bool has_token(const struct sentence *sentence, const char *words)
         i++;
     }
     return i < sentence->count;
+}
+
+/* Whether so many words stand behind "from the", "to the"; *origin: or behind "origin at the", "relative to the", which
+ * is not of a signal, or before "is the origin". */
+static bool is_behind_from(bool *origin, const struct sentence *sentence, size_t index, size_t count)
+{
+    static const char small[] = "the/a/from/to/surface/mid",
+                      others[] = "at/in/is/was/as/lies/on/of/set/placed/located/defined/left/right/lower/upper/top/"
+                                 "bottom/image/volume/grid/0/the/a",
+                      behind[] = "is/was/as/the",
+                      of_signals[] = "signal/power/frequency/potential/potentials/latency/amplitude/phase/voltage";
+    size_t before = index;
+    size_t after = index + count;
+    bool near = index && token_is(sentence, index - 1, "from/to");
+    while (before && token_is(sentence, before - 1, others)) {
+        before--;
+    }
+    while (token_is(sentence, after, behind)) {
+        after++;
+    }
+    bool is_relative = before > 1 && token_is(sentence, before - 1, "to") && token_is(sentence, before - 2, "relative");
+    *origin = (before && token_is(sentence, before - 1, "origin")) ||
+              (is_relative && !has_token(sentence, of_signals)) ||
+              (after > index + count && token_is(sentence, after, "origin"));
+    return near || (index >= 2 && token_is(sentence, index - 1, small) && token_is(sentence, index - 2, "from/to"));
 }
 
 static bool is_heard(const struct sentence *sentence, size_t index, const struct row *row, bool of_coordinates)
@@ -310,7 +321,7 @@ static bool is_heard(const struct sentence *sentence, size_t index, const struct
     }
     if (row->weight >= FROM) {
         bool at_origin;
-        const bool near = is_behind_from(&at_origin, sentence, index);
+        const bool near = is_behind_from(&at_origin, sentence, index, count);
         return row->weight == AT ? at_origin : near || (row->weight == ORIGIN && has_token(sentence, "origin"));
     }
     if (row->weight == FRONT) { /* headers and cells have lists of their own */
@@ -450,6 +461,7 @@ struct named_axes {
     bool is_positive; /* "left is positive", "left +" */
     bool is_alone;    /* one axis or two: "x is left", or what turns some */
     bool has_other;   /* other_words, or what turns axes */
+    bool are_words;   /* of the closed list, all of them */
 };
 
 static bool has_all(const int values[NAMED], size_t count)
@@ -534,7 +546,8 @@ static void add_sign(struct named_axes *out, const struct sentence *sentence, si
     const size_t gap = (size_t)(end - token.data);
     out->is_turned = out->is_turned || turns(sentence, index);
     out->is_negative = out->is_negative || token_is(sentence, index, "negative") || memchr(token.data, '<', gap);
-    out->is_positive = out->is_positive || token_is(sentence, index, "positive") || memchr(token.data, '+', gap);
+    out->is_positive = out->is_positive || token_is(sentence, index, "positive") || memchr(token.data, '+', gap) ||
+                       memchr(token.data, '>', gap);
 }
 
 /* Adds a word that names no axis; false where it is not among those that stand beside these. */
@@ -585,8 +598,11 @@ static bool find_axes(struct named_axes *out, const struct sentence *sentence)
     const bool are_letters = out->letters == NAMED;
     bool are_named = has_all(out->axis, out->count) && (are_letters || !out->is_spelled || !out->has_other) &&
                      out->defined <= NAMED; /* more are a legend */
-    bool is_few = out->is_spelled && out->count && out->count < NAMED;
-    const bool has_sign = out->is_positive || out->is_negative;
+    const bool has_sign =
+        (out->is_positive || out->is_negative) && !has_token(sentence, "peak/max");     /* not of an effect */
+    bool is_side = out->axis[0] == 0 && has_sign && (out->letters || out->side[0] < 0); /* "L +", not "r < 0" */
+    bool is_few = (out->is_spelled || is_side) && out->count && out->count < NAMED;
+    out->are_words = all;
     out->is_alone = out->is_turned || (is_few && (out->letters == out->count || (out->count == 1 && has_sign)));
     return all && (out->is_alone || out->of_voxels || are_letters || are_named || out->units >= NAMED);
 }
@@ -602,6 +618,45 @@ static void keep_signs(struct space_words *words, const struct named_axes *named
         words->may_be_lps = words->may_be_lps || (side < 0 && named->axis[i] < 2);
     }
     words->axes = is_turned ? SPACE_AXES_TURNED : words->axes;
+}
+
+/* The sentence from token `first` on to a comma, "and", or an axis in brackets: "x (left positive)". */
+static struct sentence take_clause(const struct sentence *all, size_t first)
+{
+    const struct text *before = first ? &all->tokens[first - 1] : NULL;
+    struct sentence clause = {.begin = before ? before->data + before->size : all->begin, .end = all->end};
+    bool is_end = false;
+    for (size_t i = first; i < all->count && !is_end; i++) {
+        const struct text token = all->tokens[i];
+        const char *next = i + 1 < all->count ? all->tokens[i + 1].data : all->end;
+        clause.tokens[clause.count++] = token;
+        const size_t gap = (size_t)(next - token.data);
+        is_end = memchr(token.data, ',', gap) || token_is(all, i + 1, "and") ||
+                 (i + 1 < all->count && memchr(token.data, '(', gap) && axis_named(all->tokens[i + 1]) < AXES);
+        clause.end = next;
+    }
+    return clause;
+}
+
+/* "left is positive, right is negative": clauses that name one axis each at most, and some of them its sign. */
+static bool hear_clauses(struct space_words *words, const struct sentence *sentence)
+{
+    struct space_words own = *words;
+    bool all = true;
+    bool is_signed = false;
+    for (size_t i = 0; i < sentence->count && all; i += token_is(sentence, i, "and")) {
+        const struct sentence clause = take_clause(sentence, i);
+        struct named_axes named;
+        const bool is_one = find_axes(&named, &clause) && named.is_alone;
+        all = named.are_words && named.count <= 1;
+        if (is_one && all) {
+            keep_signs(&own, &named);
+            is_signed = true;
+        }
+        i += clause.count;
+    }
+    *words = all ? own : *words;
+    return all && is_signed;
 }
 
 static void keep_axes(struct space_words *words, const struct named_axes *named)
@@ -663,6 +718,9 @@ static void hear_sentence(struct space_words *words, struct text text, bool of_c
     sentence.is_whole = is_whole;
     struct named_axes named;
     sentence.is_of_axes = find_axes(&named, &sentence);
+    if (hear_clauses(words, &sentence) && named.is_negative) {
+        memset(named.side, 0, sizeof named.side); /* the clauses say of which side it is the sign */
+    }
     if (sentence.is_of_axes) {
         keep_axes(words, &named);
     }
@@ -714,8 +772,9 @@ void space_words_hear_name(struct space_words *words, struct text name)
     const size_t extension = memchr(name.data, '.', name.size) != NULL;
     const size_t last = sentence.count > extension ? sentence.count - extension - 1 : 0;
     hear_sentence(words, name, false, false);
+    const bool is_somebody = last && token_is(&sentence, last - 1, "sub/ses/subject/patient"); /* "sub-ARI" */
     bool is_code = false;
-    for (size_t r = 0; last && r < sizeof rows / sizeof rows[0]; r++) {
+    for (size_t r = 0; last && !is_somebody && r < sizeof rows / sizeof rows[0]; r++) {
         bool counts = rows[r].weight == ALONE || (rows[r].weight == CAPITALS && is_upper(sentence.tokens[last]));
         is_code = is_code || (rows[r].why == why_code && counts && token_is(&sentence, last, rows[r].words) &&
                               !has_token(&sentence, "image/images"));

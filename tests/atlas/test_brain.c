@@ -215,6 +215,8 @@ static void voxels_tell_an_animal_from_people(void **state)
     const conus_brain_view template = {.brain = CONUS_BRAIN_TEMPLATE, .edition = "", .source = "header"};
     const conus_brain_view mouse = {.brain = CONUS_BRAIN_TEMPLATE, .edition = "", .source = "CCF"};
     assert_int_equal(conus_brain_compare(ape, template), CONUS_BRAIN_GAP_SOME_MM);
+    const conus_brain_view named = {.brain = CONUS_BRAIN_TEMPLATE, .edition = "", .source = ""}; /* fsLR, UNCInfant */
+    assert_int_equal(conus_brain_compare(named, ape), CONUS_BRAIN_GAP_OTHER);
     assert_int_equal(conus_brain_compare(ape, mouse), CONUS_BRAIN_GAP_OTHER);
     conus_atlas_destroy(atlas);
 }
