@@ -8,6 +8,7 @@
 #include "loaders/volumes/volumes.h"
 #include "sources/source.h"
 
+#include <ctype.h>
 #include <string.h>
 
 #define SINGULAR "the matrix is singular, an invertible one is needed"
@@ -380,22 +381,19 @@ static size_t count_words(struct text text)
 
 #define IN_RAS "needed are 4 x 4 numbers in RAS: a b -c -d, e f -g -h, -i -j k l, 0 0 0 1 of its a to l"
 
-/* Refuses a matrix of which a comment says that it is in LPS. */
+/* Refuses a matrix of which a comment says that it is in LPS: "(LPS)", "space=lps". */
 static void check_comments(struct job *job, struct text text)
 {
+    enum { LETTERS = sizeof "LPS" - 1 };
     struct text line;
-    struct text word;
     while (job_ok(job) && text_line(&text, &line)) {
         const struct text all = text_trim(line);
+        const bool is_comment = text_starts(all, "#");
         bool says = false;
-        for (bool is = text_starts(all, "#") || text_starts(all, "%"); is && !says && text_word(&line, &word);) {
-            for (; word.size && strchr("#%([", word.data[0]); word.size--) {
-                word.data++;
-            }
-            while (word.size && strchr(":,;.+)]", word.data[word.size - 1])) {
-                word.size--;
-            }
-            says = text_equal(word, "LPS");
+        for (size_t i = 1; is_comment && !says && i + LETTERS <= all.size; i++) {
+            says = !isalnum((unsigned char)all.data[i - 1]) &&
+                   (i + LETTERS == all.size || !isalnum((unsigned char)all.data[i + LETTERS])) &&
+                   text_equal_ignoring_case((struct text){all.data + i, LETTERS}, "LPS");
         }
         if (says) {
             job_bad(job, "\"%.*s\" says LPS: " IN_RAS, TEXT_SHOW(all, 60));

@@ -119,19 +119,20 @@ static enum mesh_space space_behind(struct text text, size_t word)
                                                     : MESH_SPACE_UNSTATED;
 }
 
-enum mesh_space mesh_space_in(struct text text)
+void sink_space(struct mesh_sink *sink, struct text text)
 {
     static const char *const words[] = {"space", "system", "coordinates", "orientation"};
-    enum mesh_space space = MESH_SPACE_UNSTATED;
-    for (size_t i = 0; !space && i < text.size; i++) {
+    for (size_t i = 0; i < text.size; i++) {
         const struct text rest = {text.data + i, text.size - i};
         const bool begins = !i || !isalnum((unsigned char)text.data[i - 1]);
-        for (size_t k = 0; begins && !space && k < sizeof words / sizeof words[0]; k++) {
+        for (size_t k = 0; begins && k < sizeof words / sizeof words[0]; k++) {
             const size_t length = strlen(words[k]);
-            if (rest.size > length && strncasecmp(rest.data, words[k], length) == 0) {
-                space = space_behind(rest, length);
+            const bool is = rest.size > length && strncasecmp(rest.data, words[k], length) == 0;
+            const enum mesh_space space = is ? space_behind(rest, length) : MESH_SPACE_UNSTATED;
+            if (space && sink->space && space != sink->space) {
+                job_bad(sink->job, "\"%.*s\": RAS and LPS are both stated, one of them is needed", TEXT_SHOW(text, 60));
             }
+            sink->space = space ? space : sink->space;
         }
     }
-    return space;
 }

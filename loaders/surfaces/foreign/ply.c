@@ -155,7 +155,7 @@ static bool take_line(struct ply *ply, struct text line)
     struct text word = {0};
     (void)text_word(&rest, &word);
     if (text_equal(word, "comment")) {
-        ply->sink->space = ply->sink->space ? ply->sink->space : mesh_space_in(rest);
+        sink_space(ply->sink, rest);
     } else if (text_equal(word, "format")) {
         take_format(ply, rest, line);
     } else if (text_equal(word, "element")) {

@@ -525,7 +525,7 @@ static void read_header(struct vtk *vtk)
     }
     vtk->has_offsets = version >= 5;
     if (scan_line(&vtk->scan, &line)) {
-        vtk->sink->space = mesh_space_in(line);
+        sink_space(vtk->sink, line);
     }
     vtk->is_text = scan_take(&vtk->scan, "ASCII");
     if (!vtk->is_text) {
