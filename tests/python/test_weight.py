@@ -311,12 +311,15 @@ def test_a_published_error_is_its_tilt_and_cited(tmp_path):
     ("angle_deg,weight\n0,2\n5,1\n", ["--angle=4"], b"of the cone the weight is 80 % of its largest"),
     ("offset_mm,weight\n0,1\n4,2\n8,1\n", ["--radius=6"], b"of the cylinder the weight is 75 % of its largest, and beyond nothing counts; its table ends at 8 mm"),
     ("angle_deg,weight\n0,2\n5,0.08\n", [], b""),
-    ("angle_deg,weight\n5,0\n6,1\n", ["--angle=8"], b"warning: the weight is 0 everywhere in the cone"),
+    ("angle_deg,weight\n5,0\n6,1\n", ["--angle=8"], b"warning: the weight is 0 everywhere in a cone of 8 degrees: no"),
+    ("offset_mm,weight\n5,0\n6,1\n", ["--radius=4"], b"warning: the weight is 0 everywhere in a cylinder of 4 mm: no"),
+    ("angle_deg,weight\n5,0\n6,1\n", ["--angle=8", "--aperture=square"], b""),  # the corners are at 5.65 degrees
+    ("offset_mm,weight\n5,0\n6,1\n", ["--radius=4", "--aperture=square"], b""),  # and 5.66 mm
 ])
 def test_a_rim_and_a_weight_of_nothing_are_said(tmp_path, table, options, said):
     (tmp_path / "field.csv").write_text(table)
     done = call_conus("query", AAL, "--origin=-60,-150,40", "--toward=0,0,10", "--weight", tmp_path / "field.csv", *options)
-    assert not done.returncode and (said in done.stderr if said else b"of its largest" not in done.stderr)
+    assert not done.returncode and (said in done.stderr if said else b"the weight is" not in done.stderr)
 
 
 @needs_aal
