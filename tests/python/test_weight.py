@@ -209,7 +209,7 @@ def test_wrong_tables_are_data_errors(tmp_path, text, said):
     ({"weight": "beam"}, "\"beam\" is unknown, allowed are hard, gauss, or a file"), ({"weight": "coil=20:18"}, "unknown"),
     ({"weight": "gauss"}, "one number"), ({"weight": "gauss=vr-controler"}, "width of the target"),
     ({"weight": "gauss=vr-controller"}, "width of the target"), ({"weight": "gauss=tms-cap"}, "error of places, too"),
-    ({"weight": "gauss=seeg-robot"}, "error of places, too"), ({"weight": "gauss=dbs"}, "error of places, too"), ({"weight": "gauss=0"}, "0.01 to 20"), ({"weight": "gauss=inf"}, "0.01 to 20"),
+    ({"weight": "gauss=seeg-robot"}, "error of places, too"), ({"weight": "gauss=dbs"}, r"in one; jitter\(error=\) and plan\(jitter=\) take it"), ({"weight": "gauss=0"}, "0.01 to 20"), ({"weight": "gauss=inf"}, "0.01 to 20"),
     ({"weight": "gauss=1,above=2"}, "above"), ({"weight": "hard,bias=1:1"}, "bias"), ({"weight": ""}, "unknown"),
     ({"weight": "gauss=1,bias=1:2:3"}, "two numbers"), ({"weight": "gauss=1", "radius": 3}, "cylinder"), ({"prior": "size"}, "needs a weight"),
     ({"score": "posterior"}, "needs a weight"), ({"score": "dose", "weight": "gauss=1"}, "unknown"),
