@@ -504,7 +504,8 @@ void settings_say_weight(const struct aim_settings *aim, const struct engine_set
     const bool is_cone = settings->radius == 0;
     const double own = is_cone ? conus_weight_angle(settings->made) : conus_weight_radius(settings->made);
     const double side = is_cone ? angle / 2 : settings->radius;
-    const double largest = conus_weight_largest(settings->made, side);
+    const double corner = settings->aperture == CONUS_APERTURE_SQUARE ? sqrt(2) * side : side; /* or a bit less */
+    const double largest = conus_weight_largest(settings->made, corner);
     const double rim = isnan(own) ? 0 : conus_weight_at(settings->made, side) / largest;
     if (sigma > 0 && pixels < 2) {
         say_note(
@@ -514,8 +515,9 @@ void settings_say_weight(const struct aim_settings *aim, const struct engine_set
             pixels);
     }
     if (largest == 0) {
-        say_note(CONUS_SEVERITY_WARNING, common->quiet, "the weight is 0 everywhere in the %s: no object has one",
-                 is_cone ? "cone" : "cylinder");
+        say_note(CONUS_SEVERITY_WARNING, common->quiet,
+                 "the weight is 0 everywhere in a %s of %g %s: no object has one", is_cone ? "cone" : "cylinder",
+                 is_cone ? angle : side, is_cone ? "degrees" : "mm");
     } else if (rim > 0.05) {
         char fills[64];
         snprintf(fills, sizeof fills, sigma > 0 ? "it fills %g degrees" : "its table ends at %g %s",

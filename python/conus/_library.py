@@ -71,6 +71,7 @@ _RENAMED = {
     "--pathway": "pathways", "--pathway FILE,name=NAME": "pathways=[(map, {name: (low, high)})]",
     "--poses-format table": 'format="table"', "--poses-format": "format", "--probe-tip": "tip",
     "--sides exchanged": 'sides="exchanged"', "'conus overlap ATLAS MAP'": "atlas.overlap(map)", "as ATLAS": "as source", "is ATLAS": "is source",
+    "conus sweep --jitter and conus plan --jitter": "jitter(error=) and plan(jitter=)",
 }  # fmt: skip
 _OPTION = re.compile(rf"(?<![\w/.-])({'|'.join(sorted(_RENAMED, key=len, reverse=True))}|--[a-z][a-z-]*)(?![\w/-])(:?)")
 

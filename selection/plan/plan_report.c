@@ -73,7 +73,7 @@ static void say_constraint(struct buffer *out, const struct report_constraint *c
         buffer_format(out, "a length of %.9g to %.9g mm", asked->limit, asked->most);
         break;
     case CONUS_CONSTRAINT_LEAN:
-        buffer_format(out, "at most %.9g degrees between axis and direction (%.4g, %.4g, %.4g)", asked->limit,
+        buffer_format(out, "at most %.9g degrees between axis and RAS direction (%.4g, %.4g, %.4g)", asked->limit,
                       direction[0], direction[1], direction[2]);
         break;
     case CONUS_CONSTRAINT_APART:

@@ -20,10 +20,11 @@ FREE = {
     "GeneratedBy.CommandLine": lambda words: words.replace(" -q", "", 1),  # what is asked: the rest must follow from it
     "GeneratedBy.Version": lambda version: version + ".1",  # a note names it
     "Settings.engine": lambda engine: engine.split(",")[0] + ", scalar",  # the processor's instructions
-    "Outputs.bytes": lambda size: size + 1,  # of pictures, which have the command line in them
+    "Outputs.bytes": lambda size: size + 1,  # of pictures and rows in JSON, which have the command line in them
     "Outputs.sha256": lambda sum: "0" * 64,
 }
 PICTURES = ("image",)
+ROWS = ("segments", "connectivity")  # of the results
 
 
 class Real(str):
@@ -89,10 +90,14 @@ def first_and_last(paths, seen):
     return sorted({path for same in new.values() for path in (same[0], same[-1])}, key=paths.index)
 
 
+def has_command_line(output):
+    return output["option"] in PICTURES or (output["option"] in ROWS and output["path"].endswith(".json"))
+
+
 def freedom(path, root):
     """How this value may be changed without a difference; None where it may not."""
     name = ".".join(key for key in path if isinstance(key, str))
-    is_other = path[0] == "Outputs" and root["Outputs"][path[1]]["option"] not in PICTURES
+    is_other = path[0] == "Outputs" and not has_command_line(root["Outputs"][path[1]])
     is_device = name == "Settings.engine" and not root["Settings"]["engine"].startswith("rays")
     return None if is_other or is_device else FREE.get(name)
 

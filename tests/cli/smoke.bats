@@ -62,6 +62,11 @@ of_rows() {
         # shellcheck disable=SC2046,SC2086 # words
         CONUS_ATLAS_PATH=$PWD answers $command $(of_rows "$command") $more
     done <asked
+    for kind in sphere u-shape; do
+        answers phantom $kind -o $kind --size 24
+    done
+    answers info nested.nii.gz
+    answers info nested.nii.gz --format json
 }
 
 @test "query, with each region, and what is written beside it" {

@@ -209,7 +209,7 @@ def test_wrong_tables_are_data_errors(tmp_path, text, said):
     ({"weight": "beam"}, "\"beam\" is unknown, allowed are hard, gauss, or a file"), ({"weight": "coil=20:18"}, "unknown"),
     ({"weight": "gauss"}, "one number"), ({"weight": "gauss=vr-controler"}, "width of the target"),
     ({"weight": "gauss=vr-controller"}, "width of the target"), ({"weight": "gauss=tms-cap"}, "error of places, too"),
-    ({"weight": "gauss=seeg-robot"}, "error of places, too"), ({"weight": "gauss=dbs"}, "error of places, too"), ({"weight": "gauss=0"}, "0.01 to 20"), ({"weight": "gauss=inf"}, "0.01 to 20"),
+    ({"weight": "gauss=seeg-robot"}, "error of places, too"), ({"weight": "gauss=dbs"}, r"in one; jitter\(error=\) and plan\(jitter=\) take it"), ({"weight": "gauss=0"}, "0.01 to 20"), ({"weight": "gauss=inf"}, "0.01 to 20"),
     ({"weight": "gauss=1,above=2"}, "above"), ({"weight": "hard,bias=1:1"}, "bias"), ({"weight": ""}, "unknown"),
     ({"weight": "gauss=1,bias=1:2:3"}, "two numbers"), ({"weight": "gauss=1", "radius": 3}, "cylinder"), ({"prior": "size"}, "needs a weight"),
     ({"score": "posterior"}, "needs a weight"), ({"score": "dose", "weight": "gauss=1"}, "unknown"),
@@ -312,12 +312,15 @@ def test_a_published_error_is_its_tilt_and_cited(tmp_path):
     ("offset_mm,weight\n0,1\n4,2\n8,1\n", ["--radius=6"], b"of the cylinder the weight is 75 % of its largest, and beyond nothing counts; its table ends at 8 mm"),
     ("angle_deg,weight\n0,2\n5,0.08\n", [], b""),
     ("offset_mm,weight\n0,1\n8,0\n", ["--angle=10"], b"--angle 10 is the default, and has no effect beside --weight"),
-    ("angle_deg,weight\n5,0\n6,1\n", ["--angle=8"], b"warning: the weight is 0 everywhere in the cone"),
+    ("angle_deg,weight\n5,0\n6,1\n", ["--angle=8"], b"warning: the weight is 0 everywhere in a cone of 8 degrees: no"),
+    ("offset_mm,weight\n5,0\n6,1\n", ["--radius=4"], b"warning: the weight is 0 everywhere in a cylinder of 4 mm: no"),
+    ("angle_deg,weight\n5,0\n6,1\n", ["--angle=8", "--aperture=square"], b""),  # the corners are at 5.65 degrees
+    ("offset_mm,weight\n5,0\n6,1\n", ["--radius=4", "--aperture=square"], b""),  # and 5.66 mm
 ])
 def test_a_rim_and_a_weight_of_nothing_are_said(tmp_path, table, options, said):
     (tmp_path / "field.csv").write_text(table)
     done = call_conus("query", AAL, "--origin=-60,-150,40", "--toward=0,0,10", "--weight", tmp_path / "field.csv", *options)
-    assert not done.returncode and (said in done.stderr if said else b"of its largest" not in done.stderr)
+    assert not done.returncode and (said in done.stderr if said else b"the weight is" not in done.stderr)
 
 
 @needs_aal

@@ -166,8 +166,15 @@ static json_t *path_asked(const char *asked, const char *written)
     return text;
 }
 
-/* The files that were made again lie elsewhere: each path must be the one that was asked for. Pictures have the command
- * line in them, so that only the option and the path of one are known. */
+/* Whether a file has the command line and the paths of inputs in it, so that only its option and its path are known. */
+static bool has_provenance(const struct option *option, const char *path)
+{
+    conus_format format = CONUS_FORMAT_TABLE;
+    return option->flags & OPTION_IS_PICTURE ||
+           (option->role == OPTION_WRITES_ROWS && output_format(&format, path) && format == CONUS_FORMAT_JSON);
+}
+
+/* The files that were made again lie elsewhere: each path must be the one that was asked for. */
 static void compare_outputs(struct comparing *out, json_t *given, const json_t *again)
 {
     const struct arguments *arguments = &out->replay->arguments;
@@ -180,12 +187,12 @@ static void compare_outputs(struct comparing *out, json_t *given, const json_t *
         const char *name = json_string_value(json_object_get(output, "option"));
         const char *path = json_string_value(json_object_get(output, "path"));
         const struct option *option = name ? option_find(arguments->command, name) : NULL;
-        json_t *asked = option ? path_asked(option_text(arguments, name), path ? path : "") : NULL;
-        out->failed = !asked || json_object_set_new(output, "path", asked) || out->failed;
-        if (option && option->flags & OPTION_IS_PICTURE) {
+        if (option && path && has_provenance(option, path)) {
             json_object_set(output, "bytes", json_object_get(own, "bytes"));
             json_object_set(output, "sha256", json_object_get(own, "sha256"));
         }
+        json_t *asked = option ? path_asked(option_text(arguments, name), path ? path : "") : NULL;
+        out->failed = !asked || json_object_set_new(output, "path", asked) || out->failed;
     }
     compare_json(out, "Outputs", given, outputs, 0);
     json_decref(outputs);

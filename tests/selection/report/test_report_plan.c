@@ -131,7 +131,7 @@ static void constraints_are_worded(void **state)
     assert_int_equal(conus_table_rows(constraints), 3);
     assert_string_equal(asked[0], "at least 4 mm of the axis in area");
     assert_string_equal(asked[1], "more than 3 mm of clearance from area");
-    assert_string_equal(asked[2], "at most 114.591559 degrees between axis and direction (0, 0, 1)");
+    assert_string_equal(asked[2], "at most 114.591559 degrees between axis and RAS direction (0, 0, 1)");
     assert_string_equal(conus_table_texts(constraints, "kind")[2], "lean");
     assert_null(conus_table_texts(constraints, "name")[2]);
     assert_string_equal(conus_table_texts(constraints, "name")[0], "area");
