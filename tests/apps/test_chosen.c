@@ -277,7 +277,8 @@ static void no_cell_alone_is_lost(void **state)
     struct eye eye = {.frustum = {-0.75, 0.75, -0.5, 0.5}};
     (void)state;
     assert_ok(conus_pose_along(&eye.camera, (double[]){0, 100, 0}, (double[]){0, -1, 0}, NULL));
-    for (double edge = 2; edge < 25; edge += 0.125) {
+    for (int eighths = 16; eighths < 200; eighths++) {
+        const double edge = eighths / 8.0;
         const struct cells cells = {.middles = middles, .count = 2, .edge = edge};
         clear(away, PIXELS);
         const double square = cells_cast(away, WIDE, HIGH, &cells, &eye);
@@ -411,7 +412,7 @@ static void an_outline_is_dashed_where_it_is_hidden(void **state)
 static void a_hidden_line_has_gaps_in_all_directions(void **state)
 {
     enum { REACH = 9, STEPS = 3600 };
-    static const double least = 0.5, radius = 60;
+    static const double least = 0.5, radius = 60, middle = 0.5 * SIDE;
     static uint8_t mask[SIDE * SIDE], level[SIDE * SIDE], hidden[SIDE * SIDE], rgba[4 * SIDE * SIDE];
     const double step = radius * 6.283185307179586 / STEPS; /* pixels */
     struct outline_top top;
@@ -419,7 +420,8 @@ static void a_hidden_line_has_gaps_in_all_directions(void **state)
     bool was = false;
     (void)state;
     for (int pixel = 0; pixel < SIDE * SIDE; pixel++) {
-        mask[pixel] = hypot(pixel % SIDE + 0.5 - SIDE / 2, pixel / SIDE + 0.5 - SIDE / 2) < radius;
+        const int row = pixel / SIDE;
+        mask[pixel] = hypot(pixel % SIDE + 0.5 - middle, row + 0.5 - middle) < radius;
         hidden[pixel] = 1;
     }
     outline_smooth(mask, level, SIDE, SIDE, REACH);
@@ -428,7 +430,7 @@ static void a_hidden_line_has_gaps_in_all_directions(void **state)
     outline_soften(rgba, level, SIDE, SIDE, &outline_looks[OUTLINE_CHOSEN]);
     for (int n = 0; n < 2 * STEPS; n++) { /* twice around: the first dash, too, is whole then */
         const double angle = n * 6.283185307179586 / STEPS;
-        const double at[2] = {SIDE / 2.0 + (radius - 0.6) * cos(angle), SIDE / 2.0 + (radius - 0.6) * sin(angle)};
+        const double at[2] = {middle + (radius - 0.6) * cos(angle), middle + (radius - 0.6) * sin(angle)};
         const bool is = between(rgba + 3, 4, at[0], at[1]) > least * 255;
         run = is == was ? run + step : 0;
         was = is;
