@@ -914,6 +914,42 @@ static bool has_lines(const conus_view *view)
     return found;
 }
 
+/* How many points lie outside of the box around all that the atlas shows: devices, which have lines, may. */
+static size_t count_outside(const struct picture *picture, const conus_view *view)
+{
+    double low[3], high[3];
+    size_t count = 0;
+    const bool has_box = !conus_atlas_bounds(low, high, picture->atlas);
+    for (size_t i = 0; has_box && i < view->point_count; i++) {
+        const double *at = view->points[i].at;
+        bool is_out = false;
+        for (int a = 0; a < 3; a++) {
+            is_out = is_out || at[a] < low[a] || at[a] > high[a];
+        }
+        count += is_out && isnan(view->points[i].end[0]);
+    }
+    return count;
+}
+
+/* Of a file's rows, or one place of the options, what is drawn, what of it is far off, and what is not drawn. */
+static void describe_rows(FILE *out, const struct picture *picture, const conus_view *view)
+{
+    const size_t drawn = view->point_count + view->probe_count;
+    const size_t outside = count_outside(picture, view);
+    const char *file = picture->rows.file;
+    fprintf(out, ", with %zu %s%s%s", drawn,
+            view->probe_count ? "probes"
+            : has_lines(view) ? "poses"
+                              : "points",
+            file ? " of " : "", file ? path_name(file) : "");
+    if (outside) {
+        fprintf(out, ", %zu of them outside of the atlas", outside);
+    }
+    if (picture->rows.count > drawn) {
+        fprintf(out, "; %zu of %zu rows could not be drawn", picture->rows.count - drawn, picture->rows.count);
+    }
+}
+
 /* What the picture shows, in a sentence; NULL without memory. */
 static char *describe_picture(const struct picture *picture, const conus_view *view)
 {
@@ -939,12 +975,7 @@ static char *describe_picture(const struct picture *picture, const conus_view *v
                                               : "a cone from the device",
                 view->title ? " at " : "", view->title ? view->title : "");
     } else if (view->point_count || view->probe_count) {
-        fprintf(out, ", with %zu %s%s", view->point_count + view->probe_count,
-                view->probe_count ? "probes"
-                : has_lines(view) ? "poses"
-                                  : "points",
-                picture->rows.file ? " of " : "");
-        fprintf(out, "%s", picture->rows.file ? path_name(picture->rows.file) : "");
+        describe_rows(out, picture, view);
     }
     return system_text_close(&text);
 }

@@ -75,7 +75,7 @@ static void release(struct colour_texels *texels)
 static size_t look_size(const struct colour_pass *pass)
 {
     const size_t count = 1 + pass->object_count + pass->around_count;
-    return sizeof(struct colour_view_block) + sizeof(double) + count * 5 * sizeof(float);
+    return sizeof(struct colour_view_block) + sizeof(struct camera) + sizeof(double) + count * 5 * sizeof(float);
 }
 
 static void put_look(uint8_t *out, const struct colour_pass *pass, const struct colour_view *view)
@@ -87,8 +87,11 @@ static void put_look(uint8_t *out, const struct colour_pass *pass, const struct 
     block.counts[1] = colour_pass_has_layers(pass, view);
     colour_pass_look(pass, view);
     memcpy(out, &block, sizeof block);
-    memcpy(out + sizeof block, &draft, sizeof draft);
-    out += sizeof block + sizeof draft;
+    out += sizeof block;
+    memcpy(out, view->camera, sizeof *view->camera); /* the block says where it is only beside voxels, cone or marks */
+    out += sizeof *view->camera;
+    memcpy(out, &draft, sizeof draft);
+    out += sizeof draft;
     memcpy(out, pass->shown, 4 * count * sizeof *pass->shown);
     memcpy(out + 4 * count * sizeof *pass->shown, pass->opacity, count * sizeof *pass->opacity);
 }
@@ -324,6 +327,7 @@ static conus_status draw(float *rgba, struct colour_device *device, const struct
         need_program(layers ? &gl->layer_program : &gl->program, layers ? COLOUR_LAYERS : COLOUR_RAYS, pass);
     status = status ? status : resize_target(&gl->target, view);
     if (status) {
+        gl->is_plain = false;
         return status;
     }
     status = draw_plain(gl, pass, view);

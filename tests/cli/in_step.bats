@@ -20,3 +20,11 @@ random_changes() {
     [ -n "$CONUS_TEST_LONG" ] || skip "only with CONUS_TEST_LONG=1"
     random_changes 500 102
 }
+
+@test "a state that cannot be written ends the script" {
+    need_window
+    conus phantom slabs -o .
+    printf 'state no/where.json\nscreenshot late.png\n' >script
+    fails 3 'script:1: state FILE.json: the file cannot be written' view slabs.nii.gz --script script --quiet
+    [ ! -e late.png ]
+}

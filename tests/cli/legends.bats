@@ -92,6 +92,10 @@ nifti.write("many.nii", (60, 10, 10), "B", lambda i, j, k: i // 4 + 1)'
     printf 'name,x,y,z\nA1,0,0,0\nA2,5,0,0\n' >points.csv
     answers render slabs.nii.gz --pose points.csv --cuts axial -q -o points.png --caption points.txt
     [ "$(head -1 points.txt)" = 'Cuts of the atlas slabs.nii.gz: axial, with 2 points of points.csv.' ]
+    printf 'name,x,y,z\nA1,0,0,0\nA2,nan,0,0\nA3,5,400,0\n' >some.csv
+    fails 1 'some.csv:3: ' render slabs.nii.gz --pose some.csv --cuts axial -q -o some.png --caption some.txt
+    [ "$(head -1 some.txt)" = 'Cuts of the atlas slabs.nii.gz: axial, with 2 points of some.csv, 1 of them outside of the'\
+' atlas; 1 of 3 rows could not be drawn.' ]
     printf '%s\n' 'index	name' '1	A_R' '2	B_R' '3	C_R' '4	A_L' '5	B_L' '6	C_L' >wrong.tsv
     PYTHONPATH=$BATS_TEST_DIRNAME /usr/bin/python3 -B -c 'import nifti
 nifti.write("sides.nii", (12, 10, 10), "B", lambda i, j, k: i // 2 + 1)'

@@ -32,9 +32,10 @@ struct script {
     unsigned settled; /* frames that the pictures shall still be fine for */
     double until;     /* by clock_ms(): settled, or it fails; or the end of a pause */
     bool settling, pausing;
-    bool is_held;  /* the line was read, and is done once the pictures are fine */
-    char *awaited; /* a file that must be there before the next command; NULL = none */
-    char *state;   /* a file that gets what the window shows once it rests; NULL = none */
+    bool is_held;      /* the line was read, and is done once the pictures are fine */
+    char *awaited;     /* a file that must be there before the next command; NULL = none */
+    char *state;       /* a file that gets what the window shows once it rests; NULL = none */
+    bool is_unwritten; /* that file could not be */
 };
 
 /* A command that is being run. */
@@ -877,7 +878,8 @@ bool script_waits(struct script *script, const struct window *window)
         script->awaited = NULL;
     }
     if (script->state && (window_rests(window) || now >= script->until)) {
-        state_write(window, script->state);
+        script->is_unwritten =
+            !state_write(window, script->state) && !fail_line(script, "state FILE.json: the file cannot be written");
         free(script->state);
         script->state = NULL;
     }
@@ -909,6 +911,10 @@ bool script_step(struct script *script, struct window *window, int *code)
 {
     char *words[SCRIPT_WORDS];
     size_t count = 0;
+    if (script->is_unwritten) {
+        *code = EXIT_DATA;
+        return true;
+    }
     if (let_pass(script, window)) {
         return false;
     }

@@ -34,9 +34,16 @@ const char *outline_name(struct viewer *viewer, enum outline which)
     return which == OUTLINE_CHOSEN ? NULL : plans_name(viewer, kinds[which]);
 }
 
+uint32_t outline_reach(double square)
+{
+    const double least = floor(square); /* pixels, wherever it begins */
+    return (uint32_t)fmin(fmax((sqrt(2) * least - 1) / 2, 0), 48);
+}
+
 void outline_smooth(uint8_t *mask, uint8_t *level, uint32_t width, uint32_t height, uint32_t reach)
 {
     const size_t across = (size_t)width + 1;
+    const uint32_t wide = reach ? reach : 1;                              /* of the level: the line needs one */
     uint32_t *sums = calloc(across, ((size_t)height + 1) * sizeof *sums); /* of all pixels above and to the left */
     for (size_t y = 0; sums && y < height; y++) {
         for (size_t x = 0; x < width; x++) {
@@ -45,15 +52,17 @@ void outline_smooth(uint8_t *mask, uint8_t *level, uint32_t width, uint32_t heig
         }
     }
     for (uint32_t y = 0; sums && y < height; y++) {
-        const uint32_t *rows[2] = {sums + across * (y < reach ? 0 : y - reach),
-                                   sums + across * (y + reach < height ? y + reach + 1 : height)};
+        const uint32_t *rows[2] = {sums + across * (y < wide ? 0 : y - wide),
+                                   sums + across * (y + wide < height ? y + wide + 1 : height)};
         for (uint32_t x = 0; x < width; x++) {
-            const uint32_t left = x < reach ? 0 : x - reach;
-            const uint32_t right = x + reach < width ? x + reach + 1 : width;
+            const uint32_t left = x < wide ? 0 : x - wide;
+            const uint32_t right = x + wide < width ? x + wide + 1 : width;
             const size_t all = (size_t)(right - left) * (size_t)(rows[1] - rows[0]) / across;
             const size_t inside = rows[1][right] - rows[1][left] - rows[0][right] + rows[0][left];
-            mask[(size_t)y * width + x] = 2 * inside > all;
-            level[(size_t)y * width + x] = (uint8_t)((255 * inside + all / 2) / all);
+            const uint8_t part = (uint8_t)((255 * inside + all / 2) / all);
+            uint8_t *is = mask + (size_t)y * width + x;
+            *is = reach ? 2 * inside > all : *is;
+            level[(size_t)y * width + x] = (part >= 128) == *is ? part : 255 * *is; /* what is thin stays */
         }
     }
     free(sums);
@@ -108,16 +117,25 @@ void outline_draw(uint8_t *rgba, struct outline_top *top, const uint8_t *mask, u
     }
 }
 
-/* How far within the shape the middle of a pixel lies, pixels, near its edge, where the level is a half. */
-static double depth_at(const uint8_t *level, uint32_t width, uint32_t height, uint32_t x, uint32_t y)
+/* How the level changes from pixel to pixel, to the right and downwards. */
+static void slope_at(double slope[2], const uint8_t *level, uint32_t width, uint32_t height, uint32_t x, uint32_t y)
 {
     const uint8_t *pixel = level + (size_t)y * width + x;
     const double right = x + 1 < width ? pixel[1] : *pixel;
     const double left = x > 0 ? pixel[-1] : *pixel;
     const double below = y + 1 < height ? pixel[width] : *pixel;
     const double above = y > 0 ? *(pixel - width) : *pixel;
-    const double steep = hypot(right - left, below - above) / 2;
-    const double depth = *pixel - 127.5;
+    slope[0] = (right - left) / 2;
+    slope[1] = (below - above) / 2;
+}
+
+/* How far within the shape the middle of a pixel lies, pixels, near its edge, where the level is a half. */
+static double depth_at(const uint8_t *level, uint32_t width, uint32_t height, uint32_t x, uint32_t y)
+{
+    double slope[2];
+    slope_at(slope, level, width, height, x, y);
+    const double steep = hypot(slope[0], slope[1]);
+    const double depth = level[(size_t)y * width + x] - 127.5;
     return steep > 0 ? depth / steep : copysign(INFINITY, depth);
 }
 
@@ -166,13 +184,14 @@ void outline_soften(uint8_t *rgba, const uint8_t *level, uint32_t width, uint32_
     free(drawn);
 }
 
-void outline_dash(uint8_t *rgba, const uint8_t *mask, const uint8_t *hidden, uint32_t width, uint32_t height)
+void outline_dash(uint8_t *rgba, const uint8_t *level, const uint8_t *hidden, uint32_t width, uint32_t height)
 {
     for (uint32_t y = 0; y < height; y++) {
         for (uint32_t x = 0; x < width; x++) {
             size_t pixel = (size_t)y * width + x;
-            bool lies = (y > 0 && mask[pixel - width] != mask[pixel]) ||
-                        (y + 1 < height && mask[pixel + width] != mask[pixel]); /* and does not stand */
+            double slope[2];
+            slope_at(slope, level, width, height, x, y);
+            const bool lies = fabs(slope[1]) >= fabs(slope[0]); /* along all of a dash, as stairs do not */
             if (hidden[pixel] == 1 && rgba[4 * pixel + 3] == 255 && (lies ? x : y) / OUTLINE_DASH % 2) {
                 memset(rgba + 4 * pixel, 0, 4);
             }

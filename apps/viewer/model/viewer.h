@@ -681,9 +681,13 @@ bool *outline_wanted(struct viewer *viewer, enum outline which);
 /** The name of an object that has it; NULL: @p which is not of a plan. */
 const char *outline_name(struct viewer *viewer, enum outline which);
 
+/** How far outline_smooth() may reach, at most 48 pixels, so that no square so wide that stands alone is lost: in the
+ * middle it is more than half of what is within reach, 2 floor(square)^2 > (2 reach + 1)^2. */
+uint32_t outline_reach(double square);
+
 /** Takes the stairs off a shape, @p mask, [height width] of 0 and 1: each pixel becomes what most are that are up to
- * @p reach beside it. A square stays that is wider than 1.42 @p reach + 1. @p level gets how many they are, of 255: the
- * edge is at a half. Unchanged without memory. */
+ * @p reach beside it. @p level gets how many they are, of 255, of 1 beside it at least: the edge is at a half, but
+ * around what is too thin for that. Unchanged without memory. */
 void outline_smooth(uint8_t *mask, uint8_t *level, uint32_t width, uint32_t height, uint32_t reach);
 
 /** Draws a line inside the edge of @p mask, [height width] of 0 and 1, and a dark one outside; none at the picture's
@@ -691,8 +695,8 @@ void outline_smooth(uint8_t *mask, uint8_t *level, uint32_t width, uint32_t heig
 void outline_draw(uint8_t *rgba, struct outline_top *top, const uint8_t *mask, uint32_t width, uint32_t height,
                   const struct outline_look *look);
 
-/** Makes dashes of the outline of @p mask that was drawn, where @p hidden, [height width], is 1. */
-void outline_dash(uint8_t *rgba, const uint8_t *mask, const uint8_t *hidden, uint32_t width, uint32_t height);
+/** Makes dashes of the outline that was drawn of a mask of this @p level, where @p hidden, [height width], is 1. */
+void outline_dash(uint8_t *rgba, const uint8_t *level, const uint8_t *hidden, uint32_t width, uint32_t height);
 
 /** Takes the stairs off the lines that were drawn of a mask of this @p level, as far as dashes left them: pixels are
  * covered in part. Unchanged without memory. */

@@ -97,15 +97,15 @@ static void cast(struct window *window, enum outline which, uint32_t width, uint
         for (size_t pixel = 0; pixel < pixels; pixel++) {
             nearest[pixel] = INFINITY;
         }
-        const double edge = cells_cast(nearest, width, height, &shadow->cells, &shadow->eye);
-        const uint32_t reach = (uint32_t)fmin(edge, 48); /* cells are drawn larger */
+        const double square = cells_cast(nearest, width, height, &shadow->cells, &shadow->eye);
+        const uint32_t reach = outline_reach(square);
         for (size_t pixel = 0; pixel < pixels; pixel++) {
             mask[pixel] = isfinite(nearest[pixel]) != 0;
         }
         outline_smooth(mask, mask + 2 * pixels, width, height, reach);
         outline_draw(rgba, &shadow->top, mask, width, height, &outline_looks[which]);
         find_hidden(mask + pixels, window, shadow, own, rgba, nearest, reach + 1);
-        outline_dash(rgba, mask, mask + pixels, width, height);
+        outline_dash(rgba, mask + 2 * pixels, mask + pixels, width, height);
         outline_soften(rgba, mask + 2 * pixels, width, height, &outline_looks[which]);
         texture_set(&shadow->texture, rgba, width, height, true);
     }

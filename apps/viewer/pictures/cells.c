@@ -195,7 +195,7 @@ static uint32_t clamped(double pixel, uint32_t size)
 
 double cells_cast(float *nearest, uint32_t width, uint32_t height, const struct cells *cells, const struct eye *eye)
 {
-    double largest = 0;
+    double smallest = INFINITY;
     const double *m = eye->camera.world_from_device;
     const double size[2] = {width, height};
     double pixels = height / (eye->frustum[3] - eye->frustum[2]); /* of 1 mm at depth 1 mm */
@@ -213,7 +213,7 @@ double cells_cast(float *nearest, uint32_t width, uint32_t height, const struct 
         }
         double half =
             overlap * cells->edge / 2 * pixels / depth * (away / depth); /* off the middle it is seen larger */
-        largest = fmax(largest, 2 * half / overlap);
+        smallest = fmin(smallest, 2 * half);
         uint32_t left = clamped(floor(at[0] - half + 0.5), width);
         uint32_t right = clamped(floor(at[0] + half + 0.5), width);
         uint32_t bottom = clamped(floor(at[1] + half + 0.5), height);
@@ -224,5 +224,5 @@ double cells_cast(float *nearest, uint32_t width, uint32_t height, const struct 
             }
         }
     }
-    return largest;
+    return isfinite(smallest) ? smallest : 0;
 }

@@ -257,7 +257,8 @@ conus_status cells_find(struct cells *out, const conus_atlas *atlas, const bool 
 void cells_finish(struct cells *cells); /**< One that is all 0 is fine. */
 
 /** Sets how far from the eye the nearest of them is, mm, in @p nearest, [height width], top row first, where what
- * stands there is farther: INFINITY = nothing. Returns the edge of the nearest cell, pixels. */
+ * stands there is farther: INFINITY = nothing. Each is a square; returns how wide the smallest is, pixels; 0 = there is
+ * none. */
 double cells_cast(float *nearest, uint32_t width, uint32_t height, const struct cells *cells, const struct eye *eye);
 
 /* Edges of a picture of few pixels, which is to be enlarged: without steps as large as a pixel. */

@@ -9,6 +9,7 @@
 #include "picture_scene.h"
 #include "render/image/image.h"
 #include "test.h"
+#include "test_gl.h"
 #include "value_maps.h"
 
 #include <string.h>
@@ -304,11 +305,72 @@ static void every_failing_allocation_is_survived(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* A ball alone: no voxels say where the camera is. */
+static conus_atlas *mesh_ball(void)
+{
+    conus_atlas *atlas = mesh_scene_atlas();
+    struct mesh ball = mesh_scene_sphere((double[]){0, 0, 0}, 8, 24, 48);
+    mesh_scene_add(atlas, &ball);
+    return atlas;
+}
+
+/* A camera that is pushed aside, not turned, sees another picture: rough after rough, and smooth after rough. */
+static void a_pushed_camera_sees_another_picture(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_ball();
+    for (int smooth = 0; smooth < 2; smooth++) {
+        conus_renderer *renderer = picture_renderer(atlas, NULL);
+        conus_renderer *fresh = picture_renderer(atlas, NULL);
+        struct camera camera = picture_camera((double[]){0, -1, 0}, 100, 0.35);
+        float *before = picture_draw(renderer, &camera, NULL, false);
+        camera.world_from_camera[12] += 6;
+        float *pushed = picture_draw(renderer, &camera, NULL, smooth);
+        float *right = picture_draw(fresh, &camera, NULL, smooth);
+        assert_true(picture_difference(before, right) > 0.01);
+        assert_true(picture_difference(pushed, right) == 0);
+        memory_free(before);
+        memory_free(pushed);
+        memory_free(right);
+        conus_renderer_destroy(renderer);
+        conus_renderer_destroy(fresh);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+/* A picture that no driver draws, between a rough picture and the same smooth, leaves the latter as it is. */
+static void a_picture_that_failed_leaves_the_next_as_it_is(void **state)
+{
+    (void)state;
+    test_need_gl();
+    conus_atlas *atlas = mesh_ball();
+    conus_renderer *renderers[2] = {NULL};
+    float *images[2] = {NULL};
+    struct camera camera = picture_camera((double[]){0, -1, 0}, 100, 0.35);
+    for (int i = 0; i < 2; i++) {
+        assert_ok(conus_renderer_create(&renderers[i], atlas, &(conus_renderer_options){.engine = CONUS_ENGINE_GL}));
+        memory_free(picture_draw(renderers[i], &camera, NULL, false));
+    }
+    float none = 0;
+    const struct colour_view large = {.camera = &camera, .width = 1 << 24, .height = 1};
+    assert_int_equal(renderer_draw(&none, renderers[1], &large, false), CONUS_ERROR_GL);
+    for (int i = 0; i < 2; i++) {
+        images[i] = picture_draw(renderers[i], &camera, NULL, true);
+        conus_renderer_destroy(renderers[i]);
+    }
+    assert_true(picture_difference(images[0], images[1]) == 0);
+    memory_free(images[0]);
+    memory_free(images[1]);
+    conus_atlas_destroy(atlas);
+}
+
 TEST_GROUP(renderer_changes)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(hidden_areas_are_gone_until_shown),
         cmocka_unit_test(hidden_meshes_are_gone_until_shown),
+        cmocka_unit_test(a_pushed_camera_sees_another_picture),
+        cmocka_unit_test(a_picture_that_failed_leaves_the_next_as_it_is),
         cmocka_unit_test(a_faded_context_thins_out),
         cmocka_unit_test(the_same_transfer_function_is_the_same_picture),
         cmocka_unit_test(a_cylinder_is_drawn_to_scale),
