@@ -253,6 +253,7 @@ const struct command cmd_overlap = {
     .name = "overlap",
     .summary = "list the areas and pathways that a region of interest covers, with volumes and peaks",
     .operands = {"ATLAS", "ROI"},
+    .words = "lesion, mask, ROI, region, VTA",
     .holds = {HOLDS_ATLAS, HOLDS_VOLUME},
     .repeats = true,
     .description =

@@ -112,7 +112,7 @@ struct query_run {
     bool has_points, has_cones;  /* poses without a direction were asked, and with one */
     bool has_shanks;             /* answers along the axes of cones were asked */
     bool has_tracts;             /* pathways or bundles are in the answers */
-    bool has_needles;            /* an axis ends at the target that its file gives */
+    bool has_needles;            /* an axis ends at the target or at the depth that its file gives */
 };
 
 /* Whether the format of another program has a place for this answer. */
@@ -281,7 +281,7 @@ static int answer_row(void *user, const conus_pose_row *row)
         request_count_point(request, row->line, query.point, radius);
     } else {
         query.angle = request_angle(request, row);
-        run->has_needles = run->has_needles || (row->angle == 0 && row->range[1] == row->target_mm);
+        run->has_needles = run->has_needles || (row->angle == 0 && row->range[1] > 0);
         request_count_pose(request, row->line, &row->pose, query.angle);
     }
     int code = ask_atlases(run, &query, &fault);
@@ -654,11 +654,17 @@ static int answer_query(struct query_run *run)
     }
     char asked[256];
     settings_point_error(asked, &request->settings->engine, request->arguments);
-    if (run->has_needles && request->settings->engine.radius == 0 && !asked[0]) {
+    const struct engine_settings *engine = &request->settings->engine;
+    bool shows_all = engine->layers != CONUS_LAYERS_VISIBLE || axis->segments || axis->clearance || run->probe;
+    if (run->has_needles && engine->radius == 0 && !asked[0]) {
         say_note(CONUS_SEVERITY_NOTE, request->settings->common.quiet,
-                 "axes that end at a target are asked as cones of %g degrees: --radius MM asks a needle of that width, "
-                 "--segments FILE all that the axis passes",
-                 settings_angle(&request->settings->aim, &request->settings->engine));
+                 "axes that end at a target or a depth are asked as cones of %g degrees: --radius MM --layers all asks "
+                 "what a needle of that width passes, --segments FILE what the axis passes, in order",
+                 settings_angle(&request->settings->aim, engine));
+    } else if (run->has_needles && engine->radius > 0 && !shows_all) {
+        say_note(CONUS_SEVERITY_NOTE, request->settings->common.quiet,
+                 "needles are asked for what they meet first: --layers all asks what they pass, --segments FILE what "
+                 "the axis passes, in order");
     }
     return request_code(request, write_all(run));
 }

@@ -46,7 +46,8 @@ static const struct command *find_command(const char *name)
 
 static int unknown_command(const char *name)
 {
-    const char *near = closest_name(name, command_name, NULL);
+    const struct command *of = command_of_operand(commands, name);
+    const char *near = of ? of->name : closest_name(name, command_name, NULL);
     return near ? print_usage_error("unknown command \"%s\"; did you mean %s?", name, near)
                 : print_usage_error("unknown command \"%s\"; conus help lists them", name);
 }

@@ -52,6 +52,7 @@ struct question_row {
     struct arguments arguments;
     struct plan_settings settings;
     bool was_parsed, was_read;
+    bool is_given_alone; /* it has no candidates: its pose is among those of --given */
     struct constraints constraints;
     struct candidates candidates;
     struct request request; /* a view: only its answerer and its stream are its own */
@@ -148,7 +149,9 @@ static bool find_column(const struct option **out, char *name, const struct plan
     return near ? refuse("%s: column %s: did you mean %s?", path, name, near)
            : option_find(planner->arguments->command, name)
                ? refuse("%s: column %s: that is an option of all needles together", path, name)
-               : refuse("%s: column %s is neither needle nor a question's option", path, name);
+               : refuse("%s: column %s is neither needle nor a question's option; each row is a needle, its name in "
+                        "column needle, what it is to reach in column reach",
+                        path, name);
 }
 
 static bool is_empty(const char *cell)
@@ -177,6 +180,15 @@ static bool add_word(struct question_row *row, const struct option *option, cons
     return word;
 }
 
+static bool has_word(const struct question_row *row, const char *start)
+{
+    bool found = false;
+    for (int i = 0; i < row->word_count; i++) {
+        found = found || strncmp(row->words[i], start, strlen(start)) == 0;
+    }
+    return found;
+}
+
 /* Makes the command line of a row: its cells, and what is given for all needles and not by a cell that may stand once.
  */
 static int make_words(struct question_row *row, char *const *cells, const struct option *const *columns, size_t count)
@@ -186,7 +198,7 @@ static int make_words(struct question_row *row, char *const *cells, const struct
     const char *path = planner->settings->needles.file;
     size_t folder = path_folder_length(path);
     bool whole = true;
-    row->words = calloc(all->use_count + count + 1, sizeof *row->words);
+    row->words = calloc(all->use_count + count + 2, sizeof *row->words);
     if (!row->words) {
         return print_no_memory();
     }
@@ -204,6 +216,10 @@ static int make_words(struct question_row *row, char *const *cells, const struct
             whole = add_word(row, columns[k], path, is_beside_table(columns[k], cells[k]) ? folder : 0, cells[k]);
         }
     }
+    /* A needle whose pose is given needs no candidates: it is its own. */
+    const char *given = planner->settings->needles.given;
+    row->is_given_alone = given && !has_word(row, "--poses=") && !has_word(row, "--from=");
+    whole = whole && (!row->is_given_alone || add_word(row, option_find(all->command, "poses"), "", 0, given));
     return whole ? EXIT_DONE : print_no_memory();
 }
 
@@ -413,6 +429,24 @@ static void close_candidates(conus_pose_stream *stream, void *user)
     conus_pose_stream_destroy(stream);
 }
 
+static bool are_same(const char *a, const char *b)
+{
+    return a && b ? strcmp(a, b) == 0 : a == b;
+}
+
+/* Whether the notes of a row's candidates were said by a row before it, or are by --given. */
+static bool is_said(const struct question_row *row)
+{
+    const struct plan_settings *own = &row->settings;
+    bool found = row->is_given_alone;
+    for (const struct question_row *other = row->planner->rows; other < row && !found; other++) {
+        found = are_same(other->settings.request.aim.pose, own->request.aim.pose) &&
+                are_same(other->settings.candidates.from, own->candidates.from) &&
+                are_same(other->settings.candidates.toward, own->candidates.toward);
+    }
+    return found;
+}
+
 /* Prepares the question of a row: its selector, its constraints, its candidates. */
 static int open_row(struct question_row *row)
 {
@@ -431,6 +465,7 @@ static int open_row(struct question_row *row)
     if (code) {
         return code;
     }
+    row->settings.request.common.quiet = row->settings.request.common.quiet || is_said(row);
     conus_selector_options engine = plan_engine(settings, &row->constraints);
     engine.frame = &request->frame;
     conus_status status = conus_selector_create(&row->answerer.selector, request->atlases.items[0].atlas, &engine);
@@ -495,6 +530,15 @@ static int take_given(struct planner *planner, conus_needle *needles)
         if (needle && !code) {
             needle->given = row;
         }
+    }
+    for (size_t i = 0; i < planner->count && !code; i++) {
+        const struct question_row *row = &planner->rows[i];
+        code =
+            row->is_given_alone && !needles[i].given
+                ? print_usage_error("%s: line %zu: no candidates given for %s: --poses FILE, or --from FILE --toward "
+                                    "WHAT, or a pose of that name in %s",
+                                    planner->settings->needles.file, row->line, row->name, path)
+                : EXIT_DONE;
     }
     return code;
 }

@@ -255,6 +255,14 @@ static const char *command_with(const struct command *const *other, const char *
     return NULL;
 }
 
+const struct command *command_of_operand(const struct command *const *family, const char *word)
+{
+    while (*family && !is_among((*family)->words, word)) {
+        family++;
+    }
+    return *family;
+}
+
 static int print_unknown_option(const struct arguments *arguments, const char *word, const char *name)
 {
     const struct command *command = arguments->command;
@@ -264,17 +272,24 @@ static int print_unknown_option(const struct arguments *arguments, const char *w
                                  "that it has there",
                                  word, program, command->name, program, command->name, program, command->name);
     }
+    const struct command *of = arguments->family ? command_of_operand(arguments->family, name) : NULL;
+    if (of == command) {
+        return print_usage_error("unknown option %s; %s stands behind %s, without an option: %s %s %s %s", word,
+                                 of->operands[1], of->operands[0], program, of->name, of->operands[0], of->operands[1]);
+    }
     const struct option *meant = NULL; /* the option that people call by this name */
     const struct option *option;
     for (size_t i = 0; !meant && (option = option_at(command, i)); i++) {
         meant = is_among(option->words, name) ? option : NULL;
     }
-    const char *near = meant ? meant->name : closest_name(name, name_at, command);
-    const char *other = near ? NULL : command_with(arguments->family, name);
+    const char *near = meant ? meant->name : of ? NULL : closest_name(name, name_at, command);
+    const char *other = near ? NULL : of ? of->name : command_with(arguments->family, name);
     if (meant && meant->letter) {
         return print_usage_error("unknown option %s; did you mean -%c, --%s?", word, meant->letter, near);
     }
     return near    ? print_usage_error("unknown option %s; did you mean --%s?", word, near)
+           : of    ? print_usage_error("unknown option %s of %s %s; %s %s takes it as its %s", word, program,
+                                       command->name, program, other, of->operands[1])
            : other ? print_usage_error("unknown option %s of %s %s; %s %s has it", word, program, command->name,
                                        program, other)
                    : print_usage_error("unknown option %s; %s %s --help lists them", word, program, command->name);

@@ -203,6 +203,7 @@ struct command {
     const char *summary;                      /**< One line, no final period. */
     const char *operands[OPERAND_LIMIT];      /**< "ATLAS"; NULL where there are fewer. */
     enum option_content holds[OPERAND_LIMIT]; /**< Of the files that they name. */
+    const char *words;                        /**< Other names of the last one, "lesion, mask", for hints; or NULL. */
     bool optional;                            /**< The operands may be missing. */
     bool optional_last;                       /**< The last one may. */
     bool answers;                             /**< Its results can be verified: asked again by the command line. */
@@ -248,6 +249,9 @@ double option_key_number(const struct arguments *arguments, const char *name, do
 
 /** The option of this name; NULL if the command has none. */
 const struct option *option_find(const struct command *command, const char *name);
+
+/** The command of @p family, up to NULL, whose operand people call @p word; NULL if there is none. */
+const struct command *command_of_operand(const struct command *const *family, const char *word);
 
 /** The command's option at @p index; NULL past the last. */
 const struct option *option_at(const struct command *command, size_t index);

@@ -101,6 +101,10 @@ static int load_at(struct atlases *atlases, size_t index, const struct atlas_set
 {
     struct named_atlas *item = &atlases->items[index];
     struct atlas_settings own = *settings;
+    if (index && settings->sides && !settings->transforms.count) {
+        return print_usage_error("--sides exchanged mirrors ATLAS alone, and not %s: ask the two one after the other",
+                                 item->given);
+    }
     own.shelf = atlases->shares_streamlines ? &atlases->shelf : own.shelf;
     own.asks_bundles = atlases->shares_streamlines;
     if (index) {

@@ -239,7 +239,7 @@ const struct option shape_options[] = {
      OPTION_FROM_TO(0, 1e9), .flags = OPTION_OF_CONE | OPTION_TO_TARGET, .unit = "mm"},
     {OPTION_MM("radius", struct engine_settings, radius),
      .help = "radius of a cylinder that replaces the cone, mm, more than 0: a needle, a probe", OPTION_BETWEEN(0, 1e9),
-     .words = "cylinder, needle, sphere, ball"},
+     .words = "cylinder, needle, sphere, ball, within"},
     {0},
 };
 

@@ -216,6 +216,7 @@ struct census {
     double farthest, nearest_target, farthest_target;
     struct sides sides[1 + SIDE_COLUMNS]; /* by names, and by these columns: */
     size_t columns[SIDE_COLUMNS], column_count;
+    size_t first_wrong[1 + SIDE_COLUMNS]; /* The line of the first row on the other side; 0 = none. */
     size_t bad, rows;
 };
 
@@ -275,12 +276,16 @@ static void count_row(struct census *census, const struct head *head, const conu
         census->short_axes += row->target_mm < width / 20;
     }
     const double x = is_of_bregma ? p[1] : world[0];
-    sides_count(&census->sides[0], sides_of_name(name), name, x, width / 36);
+    bool is_wrong = sides_count(&census->sides[0], sides_of_name(name), name, x, width / 36);
+    size_t *first = &census->first_wrong[0];
+    *first = *first || !is_wrong ? *first : row->line;
     bool fits = census->column_count && table_split(&line, &head->out->table, text);
     for (size_t i = 0; fits && i < census->column_count; i++) {
         const size_t at = census->columns[i];
-        sides_count(&census->sides[1 + i], at < line.count ? sides_of_name(line.cells[at]) : 0, text_from(""), x,
-                    width / 36);
+        first = &census->first_wrong[1 + i];
+        is_wrong = sides_count(&census->sides[1 + i], at < line.count ? sides_of_name(line.cells[at]) : 0,
+                               text_from(""), x, width / 36);
+        *first = *first || !is_wrong ? *first : row->line;
     }
 }
 
@@ -300,10 +305,10 @@ static bool judge_sides(const struct census *c, const struct head *head)
         if (head->out->is_of_points) {
             sides_check(head->job, sides, why);
         }
-        if (wrong && i) {
-            job_warn(head->job, "%zu rows lie on the other side than column \"%.*s\" says", wrong, POSE_QUOTE(column));
-        } else if (wrong) {
-            job_warn(head->job, "%zu rows lie on the other side than their name says", wrong);
+        if (wrong) {
+            job_warn(head->job, "%zu row%s on the other side than %s%.*s%s (the first in line %zu)", wrong,
+                     wrong == 1 ? " lies" : "s lie", i ? "column \"" : "the name", POSE_QUOTE(column),
+                     i ? "\" says" : " says", c->first_wrong[i]);
         }
     }
     return are_right;
@@ -491,18 +496,20 @@ static void count_shaft(struct sides *sides, struct text name, double x, double 
     shaft->wrong += letters.data[0] == 'L' ? x > edge : x < -edge;
 }
 
-void sides_count(struct sides *sides, int side, struct text name, double x, double edge)
+bool sides_count(struct sides *sides, int side, struct text name, double x, double edge)
 {
+    bool is_wrong = side < 0 ? x > edge : side > 0 && x < -edge;
     size_t *wrong = side < 0 ? &sides->left_on_right : &sides->right_on_left;
     sides->points++;
     sides->beyond[0] += x < -edge;
     sides->beyond[1] += x > edge;
     if (side) {
         *(side < 0 ? &sides->left : &sides->right) += 1;
-        *wrong += side < 0 ? x > edge : x < -edge;
+        *wrong += is_wrong;
     } else {
         count_shaft(sides, name, x, edge);
     }
+    return is_wrong;
 }
 
 void sides_check(struct job *job, const struct sides *s, const char *why)

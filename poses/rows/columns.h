@@ -252,8 +252,8 @@ int sides_of_name(struct text name);
 int sides_of_file(const char *path);
 
 /** Counts a point that is called @p name, and so or by a column on @p side; @p x mm from the middle, and wrong where
- * that is more than @p edge on the other side. */
-void sides_count(struct sides *sides, int side, struct text name, double x, double edge);
+ * that is more than @p edge on the other side. Returns whether it is. */
+bool sides_count(struct sides *sides, int side, struct text name, double x, double edge);
 
 /** Fails where half of the points called left, or right, lie on the other side; @p why: what they may be. */
 void sides_check(struct job *job, const struct sides *sides, const char *why);

@@ -829,8 +829,14 @@ pipe_in() {
     run -0 --separate-stderr conus batch sphere.nii.gz --poses needles.csv --summary
     [[ "$stderr" == *'cones of 10 degrees (the default; --angle DEGREES or, for needles, --radius MM changes it); 64 x 64 rays' ]]
     run -0 --separate-stderr conus query sphere.nii.gz --pose needles.csv
-    [ "$stderr" = 'conus: note: axes that end at a target are asked as cones of 10 degrees: --radius MM asks a needle of that width, --segments FILE all that the axis passes' ]
-    for width in '--radius 1' '--angle 12' '--segments -' '-q'; do
+    [ "$stderr" = 'conus: note: axes that end at a target or a depth are asked as cones of 10 degrees: --radius MM --layers all asks what a needle of that width passes, --segments FILE what the axis passes, in order' ]
+    run -0 --separate-stderr conus query sphere.nii.gz --pose needles.csv --radius 1
+    [ "$stderr" = 'conus: note: needles are asked for what they meet first: --layers all asks what they pass, --segments FILE what the axis passes, in order' ]
+    # A depth is an end as a target is: the shank of a probe is no cone either.
+    printf 'name,x,y,z,dx,dy,dz,depth\nA,0,0,60,0,0,-1,40\n' >shank.csv
+    run -0 --separate-stderr conus query sphere.nii.gz --pose shank.csv
+    [[ "$stderr" == *'conus: note: axes that end at a target or a depth are asked as cones of 10 degrees: '* ]]
+    for width in '--radius 1 --layers all' '--angle 12' '--segments -' '-q'; do
         # shellcheck disable=SC2086 # words
         run -0 --separate-stderr conus query sphere.nii.gz --pose needles.csv $width
         [ -z "$stderr" ]

@@ -64,6 +64,21 @@ column() {
     done
 }
 
+# 4, 4 and 8 mm between the axes: the same distances as those of needles that are chosen.
+@test "needles that are all given need no candidates" {
+    needles
+    printf 'needle\tradius\nA\t1\nB\t0.5\nC\t\n' >alone.tsv
+    { cat a.tsv; sed -n 4p b.tsv; sed -n 3p c.tsv; } | sed '/^a-1/d; s/^a-0/A/; s/^b-4/B/; s/^c--4/C/' >given.tsv
+    run -0 --separate-stderr conus plan u-shape.nii.gz --needles alone.tsv --reach U,length=2 --between 1 \
+        --given given.tsv --format tsv --pairs pairs.tsv
+    [ "$(column query <<<"$output")" = "A B C" ]
+    [ "$(column distance_mm pairs.tsv)" = "2.5 3 7.5" ]
+    [ "$stderr" = "conus: note: a plan is a list to be checked; conus is no medical device" ]
+    sed -i '/^C/d' given.tsv
+    fails 2 'alone.tsv: line 4: no candidates given for C: --poses FILE, or --from FILE --toward WHAT, or a pose of that name in given.tsv' \
+        plan u-shape.nii.gz --needles alone.tsv --reach U,length=2 --given given.tsv
+}
+
 @test "answers do not depend on threads, and are verified" {
     needles
     for threads in 1 2 7; do

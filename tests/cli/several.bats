@@ -246,3 +246,10 @@ END
     [ "$(tail -n +2 <<<"$output" | cut -f 2 | uniq | tr '\n' ' ')" = \
         "my_ball slabs my_ball-2 my_ball-3 my_ball-4 my_ball-5 my_ball-6 my_ball-7 my_ball-8 my_ball-9 " ]
 }
+
+# --sides is about the first atlas: the answer would have left and right of one atlas only exchanged.
+@test "sides of one of several atlases are not exchanged" {
+    atlases
+    fails 2 '--sides exchanged mirrors ATLAS alone, and not slabs.nii.gz: ask the two one after the other' \
+        query ball.nii.gz --atlas slabs.nii.gz --sides exchanged --origin 0,0,90 --toward 0,0,0
+}

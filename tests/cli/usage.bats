@@ -84,6 +84,11 @@ END
         conus query --help | grep -qi -- "$word"
     done
     fails 2 'unknown option --save; did you mean -o, --output?' query a.nii --save
+    for word in lesion mask roi; do # an operand is not an option
+        fails 2 "unknown option --$word; ROI stands behind ATLAS, without an option: conus overlap ATLAS ROI" overlap a.nii --$word b.nii
+    done
+    fails 2 'unknown option --lesion of conus query; conus overlap takes it as its ROI' query a.nii --lesion b.nii
+    fails 2 'unknown command "lesion"; did you mean overlap?' lesion a.nii b.nii
 }
 
 @test "an option of another command, a file of poses without its option, and files that are no poses" {

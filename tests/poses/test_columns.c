@@ -236,7 +236,7 @@ static void numbers_are_judged(void **state)
         {"x,y,z\n-4.2,-2,5\n3.8,1.4,-.4\n-.8,-9.2,.2\n", "are they in centimetres?"},
         {"x,y,z\n66,53,61\n26,70,34\n49,17,37\n", "are they voxels, or positions in a frame?"},
         {"name,x,y,z\nleft a,-42,0,0\nright a,42,0,0\nleft b,-9,0,0\nb_L,-8,0,0\nleft c,20,0,0\n",
-         "1 rows lie on the other side than their name says"},
+         "1 row lies on the other side than the name says (the first in line 6)"},
         {"name,x,y,z\nleft a,-42,0,0\nright a,42,0,0\nleft b,-9,0,0\n", NULL},
         {"x (cm),y (cm),z (cm)\n-4.2,-2,5\n3.8,1.4,-.4\n-.8,-9.2,.2\n", NULL},
         {"x,y,z\n66,53,61\n26,70,34\n", NULL},
