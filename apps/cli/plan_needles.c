@@ -184,7 +184,7 @@ static bool has_word(const struct question_row *row, const char *start)
 {
     bool found = false;
     for (int i = 0; i < row->word_count; i++) {
-        found = found || strncmp(row->words[i], start, strlen(start)) == 0;
+        found = found || (row->words[i] && strncmp(row->words[i], start, strlen(start)) == 0);
     }
     return found;
 }
