@@ -38,7 +38,7 @@ nested() {
 @test "a prior is of areas that have rows" {
     nested
     printf 'name,prior\nShell,5\n' >prior.csv
-    fails 3 'prior.csv:2: Shell has no row of its own at this level' "${view[@]}" --weight hard --prior prior.csv
+    fails 3 'prior.csv: line 2: Shell has no row of its own at this level' "${view[@]}" --weight hard --prior prior.csv
     fails 3 'Shell has no row of its own at this level' "${view[@]}" --weight hard --prior prior.csv --level 1
     answers "${view[@]}" --weight hard --prior prior.csv --level 2
     [ "$(cell name 1)" = Shell ]

@@ -11,7 +11,7 @@ build_for_windows() {
     # a program that crashes on purpose would start wine's debugger, which has been seen to wait for ever
     export WINEDEBUG=-all WINEPREFIX=$BATS_FILE_TMPDIR/wine WINEDLLOVERRIDES=winedbg.exe=d
     cd "$BATS_TEST_TMPDIR" || return
-    "$compiler" -std=c17 -Wall -Wextra -Werror -D_GNU_SOURCE -D_FILE_OFFSET_BITS=64 -I"$root" -o windows.exe \
+    "$compiler" -std=c17 -Wall -Wextra -Werror -D_GNU_SOURCE -D_FILE_OFFSET_BITS=64 -I"$root" -I"$root/include" -o windows.exe \
         "${@/#/$root/}" "$root"/base/system/system_windows.c -lshell32 -ladvapi32
     mkdir empty
     cd empty || return

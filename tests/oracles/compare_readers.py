@@ -1700,12 +1700,7 @@ def readers_of_program():
     volumes = re.search(r"a labelled volume \(([^)]*)\)", run("info", "none").stderr)[1].split(", ")
     vertices = "GIFTI or CIFTI labels, or a FreeSurfer annotation or label"
     assert vertices in run("info", write("none.surf.gii", surf_gii(CORNERS, FACES)), "--labels", "none").stderr
-    tables = {
-        name
-        for file in sorted((SOURCES / "loaders/labels").glob("*.c"))
-        for name in re.findall(r"struct label_format \w+ = \{\s*(?:\.name = )?\"([^\"]+)\"",
-                               file.read_text(encoding="utf-8"))
-    }
+    tables = re.search(r"struct label_format formats\[\] = \{\n(.*?)\n\};", source("loaders/labels/label_bytes.c"), re.S)[1]
     formats = re.search(r"auto\s+\(default\), (.*?)\n +--",
                         run("query", "--help").stdout[run("query", "--help").stdout.index("--poses-format"):], re.S)[1]
     rows = re.findall(r"\((\w+), ([A-Z_ |]*ROLE_[A-Z_ |]*)", source("sources/rows.c"))
@@ -1714,7 +1709,7 @@ def readers_of_program():
     return {
         "volume": {name
                    for name in volumes},
-        "labels": tables,
+        "labels": set(re.findall(r'^    \{"([^"]+)",(?! LABEL_PALETTE)', tables, re.M)),
         "poses": {name.strip()
                   for name in formats.split(",")},
         "probe": {"ProbeInterface"},

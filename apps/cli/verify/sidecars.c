@@ -166,12 +166,13 @@ static json_t *path_asked(const char *asked, const char *written)
     return text;
 }
 
-/* Whether a file has the command line and the paths of inputs in it, so that only its option and its path are known. */
+/* Whether a file, of standard output NULL, has the command line and the paths of inputs in it, so that only its option
+ * and its path are known. */
 static bool has_provenance(const struct option *option, const char *path)
 {
     conus_format format = CONUS_FORMAT_TABLE;
     return option->flags & OPTION_IS_PICTURE ||
-           (option->role == OPTION_WRITES_ROWS && output_format(&format, path) && format == CONUS_FORMAT_JSON);
+           (path && option->role == OPTION_WRITES_ROWS && output_format(&format, path) && format == CONUS_FORMAT_JSON);
 }
 
 /* The files that were made again lie elsewhere: each path must be the one that was asked for. */
@@ -187,7 +188,7 @@ static void compare_outputs(struct comparing *out, json_t *given, const json_t *
         const char *name = json_string_value(json_object_get(output, "option"));
         const char *path = json_string_value(json_object_get(output, "path"));
         const struct option *option = name ? option_find(arguments->command, name) : NULL;
-        if (option && path && has_provenance(option, path)) {
+        if (option && has_provenance(option, path)) {
             json_object_set(output, "bytes", json_object_get(own, "bytes"));
             json_object_set(output, "sha256", json_object_get(own, "sha256"));
         }
