@@ -165,6 +165,8 @@ conus_status rows_files_refuse(struct rows_files *files, const char *id, size_t 
 /** Writes of each file the sidecar and then the rows. */
 int rows_files_write(const struct rows_files *files, const struct provenance *provenance);
 
+/* Options of the ends of streamlines. */
+
 struct ends_settings {
     const char *endpoints;
     const char *connectivity;
