@@ -187,15 +187,14 @@ static json_t *json_from_output(const struct provenance_output *output)
 {
     char sum[SHA256_TEXT] = "";
     size_t size = output->size;
+    json_t *path = output_is_stdout(output->path) ? json_null() : json_from_path(output->path);
     if (output->text) {
         provenance_hash(sum, output->text, size);
     } else if (!is_file(output->path, &size) || provenance_hash_file(sum, output->path)) {
-        return json_pack("{s: s, s: o, s: n}", "option", output->option, "path", json_from_path(output->path),
-                         "sha256");
+        return json_pack("{s: s, s: o, s: n}", "option", output->option, "path", path, "sha256");
     }
-    return json_pack("{s: s, s: o, s: I, s: s}", "option", output->option, "path",
-                     output->path ? json_from_path(output->path) : json_null(), "bytes", (json_int_t)size, "sha256",
-                     sum);
+    return json_pack("{s: s, s: o, s: I, s: s}", "option", output->option, "path", path, "bytes", (json_int_t)size,
+                     "sha256", sum);
 }
 
 bool provenance_put_input(json_t *root, const char *path)

@@ -80,6 +80,7 @@ setup_file() {
     make ephys query $S --pose probe.tsv --radius 2 --format open-ephys
     CONUS_ATLAS_PATH=own make name.tsv query ball-atlas $aim
     make depth.tsv query $N $aim --layers all --order depth --segments out/passed.tsv
+    make shown.tsv query $N $aim --segments - --clearance out/shown-near.csv >shown.txt
     make beside.tsv query $N $aim --layers all --segments out/beside-rows.json
     make pairs.tsv connect $N --streamlines lines.tck --connectivity out/matrix.json
     make shank query $N --origin=-100,0,0 --direction=1,0,0 --range 0,110 --format open-ephys --contacts 16,2,1,1

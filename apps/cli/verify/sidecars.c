@@ -155,8 +155,8 @@ static void compare_json(struct comparing *out, const char *name, json_t *a, jso
 static json_t *path_asked(const char *asked, const char *written)
 {
     char *path = NULL;
-    if (output_is_stdout(asked)) {
-        return json_null();
+    if (output_is_no_file(asked)) {
+        return output_is_stdout(asked) ? json_null() : json_string(asked);
     }
     if (asprintf(&path, "%.*s%s", (int)path_folder_length(asked), asked, path_base(written)) < 0) {
         return NULL;
@@ -191,6 +191,10 @@ static void compare_outputs(struct comparing *out, json_t *given, const json_t *
         if (option && has_provenance(option, path)) {
             json_object_set(output, "bytes", json_object_get(own, "bytes"));
             json_object_set(output, "sha256", json_object_get(own, "sha256"));
+        }
+        if (json_is_null(json_object_get(own, "sha256"))) { /* it went to no file */
+            json_object_del(output, "bytes");
+            json_object_set_new(output, "sha256", json_null());
         }
         json_t *asked = option ? path_asked(option_text(arguments, name), path ? path : "") : NULL;
         out->failed = !asked || json_object_set_new(output, "path", asked) || out->failed;
