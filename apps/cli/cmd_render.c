@@ -464,7 +464,8 @@ static const struct option row_options[] = {
      .words = "probe, electrode, needle, segments, trajectory, neuropixels", .needs = "poses|pose|origin",
      .excludes = "angle,radius,cuts,legend,legend-rows,legend-area,no-legend"},
     {OPTION_VALUED("colour-by", struct render_settings, colour_by, "COLUMN"),
-     .help = "balls of points have a colour for each text of this column of the table, with a row in the legend",
+     .help = "balls of points have a colour for each text of this column of the table, with a row in the legend; more "
+             "than six different numbers have a scale",
      .otherwise = "for each electrode, where names are those of contacts like LA1, LA2", .words = "color, group",
      .needs = "poses|pose", .excludes = "strips"},
     {0},
@@ -1015,6 +1016,7 @@ static int draw_picture(struct picture *picture, const conus_selection *selectio
                        .probe_count = picture->probe_count,
                        .points = picture->points,
                        .point_count = picture->point_count,
+                       .group_title = settings->colour_by,
                        .title = picture->title,
                        .no_covered_context =
                            !settings->transfer && !option_given(picture->arguments, "context-opacity"),

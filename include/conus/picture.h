@@ -154,7 +154,9 @@ typedef struct conus_drawn_probe {
 typedef struct conus_drawn_point {
     const char *name;  /**< UTF-8, beside the ball where it hides neither a ball nor another name; NULL = none. */
     const char *group; /**< Points of one group have one colour and a row in the legend: the first six groups have one
-                          each, all others one together. NULL = none. Not of marks. */
+                          each, all others one together. More than six that are numbers, or "n/a", have
+                          the colours of a scale where @ref conus_view.group_title says what they are. NULL = none.
+                          Not of marks. */
     double at[3];      /**< World mm. A mark is not drawn where one of its ends is behind the camera. */
     double end[3];     /**< Where the line ends, world mm; of points NaN = there is no line. Not in cuts. */
     double radius;     /**< Of the ball, mm, from 0 on; 0 = 1. Balls that would hardly be seen are drawn larger, and the
@@ -251,6 +253,8 @@ typedef struct conus_view {
                           NULL = nothing. */
     bool no_covered_context; /**< A context of which opaque areas cover all that could be seen is not drawn. */
     bool is_beam;            /**< The selection's cone is a beam from where it ends to its focus, at its apex. */
+    const char *group_title; /**< UTF-8: what the groups of points are; those that are numbers have a scale of this
+                                name. NULL = none has. */
 } conus_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

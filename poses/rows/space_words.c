@@ -26,6 +26,7 @@ enum { TOKENS = 64, SIGNS = 100, CELL_TOKENS = 4 };
 
 static const char why_origin[] =
     "counted from a point (MCP, AC, ear bars, nasion, lambda, dura) that the atlas does not know";
+static const char why_bregma[] = "counted from bregma, which --space bregma reads as AP, ML, DV where the atlas has it";
 static const char why_code[] = "a code of axes other than RAS and LPS, which is read in AFNI's own reports alone";
 const char space_why_voxels[] = "voxels, which only the image that they were counted in places; mm are needed";
 
@@ -45,7 +46,10 @@ static const struct row {
     {"mcp/earbar/earbars/ear/ears/tragus/interaural/lambda/dura/pia/midcommissural/posterior commissure", ORIGIN, 0,
      NULL, why_origin},
     {"ac/anterior commissure", FROM, 0, NULL, why_origin}, /* MNI's origin is often called so */
-    {"nasion/inion/vertex/preauricular/pc/bregma/corner/first voxel/center/centre", AT, 0, NULL, why_origin},
+    {"bregma", FROM, 0, NULL, why_bregma},
+    {"bregma", AT, 0, NULL, why_bregma},
+    {"bregma", ALONE, 0, NULL, why_bregma},
+    {"nasion/inion/vertex/preauricular/pc/corner/first voxel/center/centre", AT, 0, NULL, why_origin},
     {"mcp/midcommissural/interaural", WEAK, 0, NULL, why_origin},
     {"native/scanner/acpc/ac pc/leksell/crw/scs/ctf/dicom", ALONE, POSE_BRAIN_SUBJECT, NULL, NULL},
     {"individual/head/device", WEAK, POSE_BRAIN_SUBJECT, NULL, NULL},
@@ -344,7 +348,8 @@ static void hear_unit(struct space_words *words, const struct sentence *sentence
                       bool of_coordinates)
 {
     const struct text token = sentence->tokens[index];
-    bool is_said = index && token_is(sentence, index - 1, "in/unit/units");
+    bool is_or = index >= 2 && token_is(sentence, index - 1, "or") && space_unit_mm(sentence->tokens[index - 2]) != 0;
+    bool is_said = is_or || (index && token_is(sentence, index - 1, "in/unit/units"));
     const size_t before = index >= 3 && token_is(sentence, index - 2, "are/is") ? index - 3 : index - 2;
     bool of_all = index >= 2 && token_is(sentence, before, "all/values/numbers/everything"); /* "all values in cm" */
     bool is_small = token_is(sentence, index, "in") && !in_brackets && !(of_coordinates && sentence->count == 1);
@@ -353,7 +358,7 @@ static void hear_unit(struct space_words *words, const struct sentence *sentence
         bool fits = text_is_one_of(token, units[i].names, false) &&
                     (of_coordinates || sentence->is_of_axes || is_all ||
                      ((is_said || in_brackets || !units[i].is_short) &&
-                      (has_context(sentence, index, 1, "") || (is_said && of_all) ||
+                      (is_or || has_context(sentence, index, 1, "") || (is_said && of_all) ||
                        token_is(sentence, index - !!index, "unit/units"))));
         if (fits && units[i].mm == SPACE_UNIT_REFUSED) {
             words->why = space_why_unit;
@@ -452,8 +457,8 @@ struct named_axes {
     int axis[NAMED], side[NAMED]; /* in its order; two names of one axis beside each other are of no side */
     int letter[NAMED];            /* 0: x */
     size_t count, letters;        /* count may be more */
-    size_t units;
-    size_t defined; /* letters: "L, left; R, right; A, anterior; P, posterior" */
+    size_t units, minuses;        /* minuses: letters behind one */
+    size_t defined;               /* letters: "L, left; R, right; A, anterior; P, posterior" */
     bool of_voxels;
     bool is_spelled;
     bool is_turned;   /* "x flipped" */
@@ -572,7 +577,9 @@ static bool add_word(struct named_axes *out, const struct sentence *sentence, si
         out->defined += is_definition(last, k);
         add_axis(out, axes[k].axis, axes[k].side, axes[k].is_spelled, index && token_is(sentence, index - 1, "to"));
     } else if (text_is_one_of(token, "x/y/z", false) || is_letters(token)) {
-        out->is_negative = out->is_negative || (token.size == 1 && has_minus(sentence, index));
+        const bool is_minus = token.size == 1 && has_minus(sentence, index);
+        out->is_negative = out->is_negative || is_minus;
+        out->minuses += is_minus;
         for (size_t j = 0; j < token.size; j++) {
             add_letter(out, (token.data[j] | 0x20) - 'x');
         }
@@ -596,6 +603,7 @@ static bool find_axes(struct named_axes *out, const struct sentence *sentence)
     /* "all points mirrored to the left hemisphere" lie there */
     out->is_turned = out->is_turned && !(out->count == 1 && !out->letters && has_token(sentence, "to/onto"));
     const bool are_letters = out->letters == NAMED;
+    out->is_turned = out->is_turned || (are_letters && !out->count && out->minuses); /* "-x, -y, z" */
     bool are_named = has_all(out->axis, out->count) && (are_letters || !out->is_spelled || !out->has_other) &&
                      out->defined <= NAMED; /* more are a legend */
     const bool has_sign =
@@ -631,8 +639,11 @@ static struct sentence take_clause(const struct sentence *all, size_t first)
         const char *next = i + 1 < all->count ? all->tokens[i + 1].data : all->end;
         clause.tokens[clause.count++] = token;
         const size_t gap = (size_t)(next - token.data);
-        is_end = memchr(token.data, ',', gap) || token_is(all, i + 1, "and") ||
-                 (i + 1 < all->count && memchr(token.data, '(', gap) && axis_named(all->tokens[i + 1]) < AXES);
+        const bool is_sign = i > first && token_is(all, i, "positive/negative") &&
+                             (axis_named(all->tokens[i - 1]) < AXES || token_is(all, i - 1, "is/are"));
+        const bool before_axis = i + 1 < all->count && axis_named(all->tokens[i + 1]) < AXES;
+        is_end = memchr(token.data, ',', gap) || token_is(all, i + 1, "and") || (is_sign && before_axis) ||
+                 (before_axis && memchr(token.data, '(', gap));
         clause.end = next;
     }
     return clause;

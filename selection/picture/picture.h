@@ -90,10 +90,13 @@ struct picture {
     struct picture_probes *probes; /**< Strips; NULL = none. */
     struct picture_group *groups;  /**< [group_count] Of points, in the order of the first of each. */
     size_t group_count;
-    uint32_t *group_of; /**< [options.point_count] */
-    double em, line;    /**< Size of letters, and the thinnest line (half a point), pixels. */
-    float ink[4];       /**< Colour of letters, in the form of draw.h. */
-    float dim;          /**< Opacity of letters that say less.                              */
+    uint32_t *group_of;     /**< [options.point_count] */
+    bool has_group_scale;   /**< Groups are numbers, with colours of a scale over their range. */
+    bool has_unknown_group; /**< One that has no number is beside these. */
+    double group_range[2];
+    double em, line; /**< Size of letters, and the thinnest line (half a point), pixels. */
+    float ink[4];    /**< Colour of letters, in the form of draw.h. */
+    float dim;       /**< Opacity of letters that say less.                              */
     struct camera camera;
     struct camera_frame frame;
     double forward[3];        /**< Where a camera looks that is not given. */

@@ -704,7 +704,7 @@ static void add_listed(struct picture_legend *out, const struct picture *picture
 /* Adds the groups of points; of many the last in one row. */
 static void add_groups(struct picture_legend *out, const struct picture *picture)
 {
-    const size_t count = picture_has_groups(picture) ? picture->group_count : 0;
+    const size_t count = picture_has_groups(picture) && !picture->has_group_scale ? picture->group_count : 0;
     const size_t shown = count > GROUP_ROWS ? GROUP_ROWS - 1 : count;
     if (count && out->legend.count) {
         add_row(out, "Points")->heading = true;
@@ -717,6 +717,22 @@ static void add_groups(struct picture_legend *out, const struct picture *picture
     }
     if (shown < count) {
         add_row(out, say(out, "and %zu other groups", count - shown))->plain = true;
+    }
+}
+
+/* Explains the colours of points on a scale of numbers. */
+static void add_point_scale(struct picture_legend *out, const struct picture *picture)
+{
+    const double *range = picture->group_range;
+    if (!picture->has_group_scale) {
+        return;
+    }
+    char words[TEXT_SIZE];
+    describe_map(words, picture->options.group_title);
+    add_row(out, say(out, "%s", words))->heading = true;
+    add_bar(out, range[0], range[1], NULL);
+    if (picture->has_unknown_group) {
+        tube_scalar_colour(add_row(out, "not known")->rgb, NAN);
     }
 }
 
@@ -815,6 +831,7 @@ static conus_status fill_rows(struct picture_legend *out, const struct picture *
     add_map(out, picture); /* the bars of streamlines and of a map are of the same colours, with their own numbers */
     add_haze(out, picture);
     add_streamlines(out, picture);
+    add_point_scale(out, picture);
     out->legend.rows = out->rows;
     out->legend.tail = out->legend.count - count;
     if (selection) {

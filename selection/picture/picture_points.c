@@ -4,6 +4,8 @@
 #include "base/look.h"
 #include "base/memory.h"
 #include "base/order.h"
+#include "base/text.h"
+#include "render/colour/colour.h"
 #include "selection/picture/picture.h"
 
 #include <stdio.h>
@@ -59,6 +61,35 @@ static void colour_group(uint8_t rgb[3], size_t group)
     look_ranked(rgb, group + 1, 1, LOOK_RANK_MORE);
 }
 
+/* The number that a group's name is; NaN of "n/a" and of none. False where it is another text. */
+static bool number_of(double *out, const struct picture_group *group)
+{
+    const struct text name = text_trim(text_from(group->name ? group->name : "n/a"));
+    *out = NAN;
+    return !name.size || text_equal_ignoring_case(name, "n/a") || text_equal_ignoring_case(name, "nan") ||
+           (text_to_double(name, out) && isfinite(*out));
+}
+
+/* Gives groups that are numbers, more than have a colour each, those of a scale. */
+static void colour_numbers(struct picture *picture)
+{
+    double range[2] = {NAN, NAN};
+    double value;
+    bool all = picture->group_count > PICTURE_RANKS;
+    for (size_t g = 0; g < picture->group_count && all; g++) {
+        all = number_of(&value, &picture->groups[g]);
+        range[0] = fmin(range[0], value); /* not of NaN */
+        range[1] = fmax(range[1], value);
+    }
+    for (size_t g = 0; g < picture->group_count && all && range[0] < range[1]; g++) {
+        (void)number_of(&value, &picture->groups[g]);
+        tube_scalar_colour(picture->groups[g].rgb, (value - range[0]) / (range[1] - range[0]));
+        picture->has_unknown_group = picture->has_unknown_group || isnan(value);
+    }
+    picture->has_group_scale = all && range[0] < range[1];
+    memcpy(picture->group_range, range, sizeof range);
+}
+
 conus_status picture_points_init(struct picture *picture)
 {
     const size_t count = picture->options.point_count;
@@ -90,6 +121,9 @@ conus_status picture_points_init(struct picture *picture)
         picture->group_of[i] = (uint32_t)group;
     }
     name_set_finish(&names);
+    if (!status && !is_ranked && picture->options.group_title) {
+        colour_numbers(picture);
+    }
     return status;
 }
 
@@ -185,7 +219,7 @@ static void draw_ball(struct draw_list *list, const struct picture *picture, con
     const double line = fmax(1.5, LINE * picture->em);
     float colour[4], casing[4];
     draw_colour(colour, picture->groups[picture->group_of[ball->index]].rgb, 1);
-    blend(colour, colour, picture, ball->pale);
+    blend(colour, colour, picture, picture->has_group_scale ? 0 : ball->pale); /* a scale's colours say numbers */
     blend(casing, PICTURE_CASING, picture, ball->pale);
     if (is_inside(limit, ball->end)) { /* NaN is not */
         draw_line(list, ball->at, ball->end, line + 2 * edge, casing);

@@ -66,6 +66,21 @@ END
     [ "$(discs lab.svg | awk 'NR % 2 == 0 {print $4}' | sort -u | wc -l)" -eq 3 ]
 }
 
+@test "more than six numbers of --colour-by have a scale, six or fewer are groups" {
+    sphere --size 32
+    # The ends and the middle of the scale of docs/commands.md, dark blue over green to yellow; grey where there is no number.
+    { echo x,y,z,uV && for n in 0 1 2 3 4 5 6 7 8; do echo "$((n * 3 - 12)),0,0,$((n * 5 - 20))"; done && echo 0,8,0,n/a; } >scale.csv
+    gl render sphere.nii.gz --pose scale.csv --colour-by uV --size 400x300 --opacity 0 --view top -q -o scale.svg --caption scale.txt
+    discs scale.svg | awk 'NR % 2 == 0 {print $4}' | sort >found.txt
+    [ "$(sort -u found.txt | wc -l)" -eq 10 ]
+    for colour in '#222e6e' '#289c80' '#fae650' '#808080'; do grep -qix -- "$colour" found.txt; done
+    grep -q '>uV<' scale.svg && grep -q '>not known<' scale.svg && ! grep -q 'other groups' scale.svg
+    grep -q '^uV$' scale.txt
+    sed -i '8,$d' scale.csv
+    gl render sphere.nii.gz --pose scale.csv --colour-by uV --size 400x300 --opacity 0 --view top -q -o six.svg
+    ! grep -q '>uV<' six.svg && [ "$(grep -oE '>-?[0-9]+<' six.svg | grep -c 1)" -ge 6 ]
+}
+
 @test "names neither overlap nor hide a ball, and the others are counted" {
     sphere --size 32
     { echo name,x,y,z && for n in {1..60}; do echo "Contact $n,$((n % 10 * 4 - 18)),$((n / 10 * 5 - 12)),0"; done; } >many.csv

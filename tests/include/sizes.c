@@ -25,7 +25,7 @@ SIZE(conus_batch_options, 200);
 SIZE(conus_pose_array, 72);
 SIZE(conus_many_options, 32);
 SIZE(conus_renderer_options, 72);
-SIZE(conus_view, 256);
+SIZE(conus_view, 264);
 SIZE(conus_cut_view, 160);
 SIZE(conus_mesh_options, 80);
 SIZE(conus_phantom_options, 56);
