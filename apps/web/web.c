@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The functions that the web page calls: an atlas, one question at a time, cuts and a view of it. Strings that are
- * returned are JSON or a report's text, valid until the next call; {"error": "..."} is conus's own message. Pixels are
- * rows of RGBA, top row first. All lengths are mm, all angles degrees, all positions RAS mm.
+ * The functions that the web page calls: an atlas, one question at a time, cuts, a view and surfaces of it. Strings
+ * that are returned are JSON or a report's text, valid until the next call; {"error": "..."} is conus's own message.
+ * Pixels are rows of RGBA, top row first. All lengths are mm, all angles degrees, all positions RAS mm.
  */
+#include "atlas/nets/nets.h"
 #include "base/look.h"
 
 #include <conus/own.h>
@@ -49,6 +50,7 @@ static struct {
     float light[SIDE_LIMIT * SIDE_LIMIT]; /* by which a surface's colour is multiplied; the sides of both are seen */
     double eye[7];                        /* as look() says */
     uint32_t seen;                        /* pixels a side from there; 0 = none */
+    struct nets nets;                     /* until the page has them */
 } page;
 
 #ifdef __EMSCRIPTEN__ /* elsewhere memset() would call itself */
@@ -177,7 +179,21 @@ static void write_identity(FILE *out)
     }
 }
 
-/* name, sha256, source of the names, number of objects, box, grey window, identity, notes and warnings. */
+/* Whether an area has voxels of labels, or a surface. */
+static bool is_solid(void)
+{
+    const size_t count = conus_atlas_object_count(page.atlas);
+    bool is = false;
+    for (size_t i = 1; i <= count && !is; i++) {
+        const conus_object *object = conus_atlas_object(page.atlas, i);
+        is = object->triangles > 0 ||
+             (object->voxels > 0 && conus_atlas_volume(page.atlas, object->volume)->role == CONUS_ROLE_PARCELLATION);
+    }
+    return is;
+}
+
+/* name, sha256, source of the names, number of objects, box, whether there are surfaces for a headset, grey window,
+ * identity, notes and warnings. */
 static const char *describe_atlas(void)
 {
     double low[3] = {0};
@@ -200,8 +216,11 @@ static const char *describe_atlas(void)
     fputs(", \"source\": ", out);
     const char *source = conus_atlas_label_source(page.atlas);
     write_string(out, source ? source : "");
-    fprintf(out, ", \"objects\": %zu, \"low\": [%.9g, %.9g, %.9g], \"high\": [%.9g, %.9g, %.9g], \"version\": \"%s\"",
-            conus_atlas_object_count(page.atlas), low[0], low[1], low[2], high[0], high[1], high[2], conus_version());
+    fprintf(out,
+            ", \"objects\": %zu, \"low\": [%.9g, %.9g, %.9g], \"high\": [%.9g, %.9g, %.9g], \"solid\": %d, "
+            "\"version\": \"%s\"",
+            conus_atlas_object_count(page.atlas), low[0], low[1], low[2], high[0], high[1], high[2], is_solid(),
+            conus_version());
     for (size_t i = 0; i < conus_atlas_volume_count(page.atlas); i++) {
         double window[2];
         if (conus_atlas_volume(page.atlas, i)->role == CONUS_ROLE_CONTEXT &&
@@ -608,6 +627,34 @@ EMSCRIPTEN_KEEPALIVE const uint32_t *web_view_objects(void)
 EMSCRIPTEN_KEEPALIVE const float *web_view_distances(void)
 {
     return page.distances;
+}
+
+/* Makes the surfaces of all areas, for a headset. {"sizes": bytes of each of web_mesh_part(0) to (5), "closed": whether
+ * each surface is}, or {"error": ...}. web_mesh_end() frees them. */
+EMSCRIPTEN_KEEPALIVE const char *web_mesh(uint32_t cells)
+{
+    const struct nets *nets = &page.nets;
+    const conus_status status = nets_make(&page.nets, page.atlas, cells);
+    FILE *out = status ? NULL : begin_text();
+    if (out) {
+        fprintf(out, "{\"sizes\": [%zu, %zu, %zu, %zu, %zu, %zu], \"closed\": %d}", 12 * nets->vertex_count,
+                4 * nets->vertex_count, 2 * nets->vertex_count, 4 * nets->corner_count, 4 * nets->outer_count,
+                4 * (conus_atlas_object_count(page.atlas) + 2), nets->is_closed);
+    }
+    return status ? say_error() : end_text(out);
+}
+
+/* Positions, normals, objects, corners, outer, first, as struct nets says. */
+EMSCRIPTEN_KEEPALIVE const void *web_mesh_part(int part)
+{
+    const struct nets *nets = &page.nets;
+    return (const void *[]){
+        nets->positions, nets->normals, nets->objects, nets->corners, nets->outer, nets->first}[part];
+}
+
+EMSCRIPTEN_KEEPALIVE void web_mesh_end(void)
+{
+    nets_finish(&page.nets);
 }
 
 EMSCRIPTEN_KEEPALIVE const char *web_error(void)

@@ -38,7 +38,7 @@ APPS = {
     "apps/cli": "apps/link apps/options apps/settings apps/figures apps/pages apps/cli/batch apps/cli/answers"
     " apps/cli/verify apps/cli/cite",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: the messages between conus and conus-mesh
-    "apps/web": "",
+    "apps/web": "atlas/nets",  # surfaces for a headset, which no other program asks for
     "apps/hdf5": "base base/child",  # hdf5_protocol.h: the messages between conus and conus-hdf5
     "apps/viewer/pictures": "apps/link apps/options",
     "apps/viewer/devices": "apps/link",
@@ -74,6 +74,7 @@ LIBRARY = {
     "atlas/areas": "base base/files base/geometry atlas/labels atlas",
     "atlas/warp": "base base/geometry atlas/deformation atlas",
     "atlas/fit": "base base/geometry atlas/surface atlas",
+    "atlas/nets": "base atlas atlas/fit",
     "atlas/phantom": "base base/geometry atlas/labels atlas/surface atlas",
     "poses/rows": "base base/files base/formats base/geometry base/job base/system sources",
     "poses/programs": "base base/files base/child base/geometry base/formats poses/rows",

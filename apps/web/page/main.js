@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page: joins files, fields, pictures and table; the worker owns conus.
-import { LIMITS, START, digits, fromFragment, inPage, readWithin, toCommand, toFragment, toMethods } from "./state.js";
+import { LIMITS, START, digits, fromFragment, inPage, quoted, readWithin, toCommand, toFragment, toMethods } from "./state.js";
 import { CUTS, Cut, ENDLESS, View } from "./panes.js";
+import { Stage } from "./stage.js";
+import { Headset } from "./vr.js";
 import { candidates, chosen as chosenFiles, dropped, inside, read, unpacked } from "./files.js";
 
 /** @typedef {import("./state.js").Question} Question */
@@ -158,8 +160,8 @@ const byRank = () => $("#colours").value !== "1";
 /** mm from the start, of what no ray hits first to where the first enters it. @param {any} row */
 const nearestOf = (row) => row.distance_mm ?? row.entry_mm;
 
-/** The answer as one sentence, with the window's words. */
-function sentence() {
+/** An answer as one sentence, with the window's words. @param {any[]} rows @param {number[]} hits */
+function sentence(rows, hits) {
   const best = rows.find((row) => row.kind !== "unassigned");
   if (!best) return "Nothing is hit — no area lies in the cone";
   const [title, , , , side] = objects[hits[0] - 1];
@@ -171,7 +173,7 @@ function sentence() {
 
 let speaking = 0;
 function describeAnswer() {
-  const words = unanswered ? "" : sentence();
+  const words = unanswered ? "" : sentence(rows, hits);
   $("#equal").hidden = true; // compare() may show it
   if ($("#said").textContent !== words) $("#said").textContent = words;
   clearTimeout(speaking);
@@ -331,13 +333,16 @@ async function answer() {
   }
 }
 
+/** @param {string} text @returns {any[]} */
+const readRows = (text) => text.trim().split("\n").filter(Boolean).map((row) => JSON.parse(row));
+
 /** Shows rows, and what follows from them; none of a question that is refused. @param {string} text */
 function fillRows(text) {
   const key = JSON.stringify([text, edition, chosen]);
   if (key !== rowsKey) {
     rowsKey = key;
     rowsText = text;
-    rows = text.trim().split("\n").filter(Boolean).map((row) => JSON.parse(row));
+    rows = readRows(text);
     fillTable();
   }
   describeAnswer();
@@ -568,6 +573,7 @@ async function open(name, image) {
   if (isFirst && toFragment(question, "") === toFragment(START, "")) aimAt(atlas.low, atlas.high);
   layOut();
   describeAtlas();
+  showWays();
   $("#choose-t1").disabled = false;
   checkLink();
 }
@@ -718,6 +724,7 @@ const save = (kind) => attempt(async () => {
   if (kind === "link") await copy(`${location.href.replace(/#.*/s, "")}#${toFragment(question, identity())}`);
   else if (kind === "command") await copy(toCommand(question, atlasFile));
   else if (kind === "png") download(`${name}.png`, await picture());
+  else if (kind === "poses") savePoses();
   else if (kind === "page") download(`${name}.html`, new Blob([wholePage()], { type: "text/html" }));
   else {
     const format = FORMATS[/** @type {"tsv"} */ (kind)];
@@ -740,6 +747,101 @@ addEventListener("beforeprint", () => setPaper(true));
 addEventListener("afterprint", () => setPaper(false));
 matchMedia("(prefers-color-scheme: dark)").onchange = annotate;
 $("#print").onclick = () => print();
+
+// In a headset
+
+const CELLS = 90; // of surfaces, along the atlas's longest side
+const SOLID = 32; // areas that are drawn whole, at most; what lies behind others only where it has a colour of its own
+const RANKED = 6;
+const buttons = /** @type {NodeListOf<HTMLButtonElement>} */ (document.querySelectorAll("[data-enter]"));
+const ways = new Set(); // that this browser has
+/** @type {Stage | null} */
+let stage = null;
+/** @type {Headset | null} */
+let headset = null; // the last that was entered
+let surfaces = -1; // the edition of the atlas whose surfaces the stage has
+
+/** What a headset shows of an answer. @param {any} drawn @returns {import("./vr.js").Answer} */
+function describeFor({ refused = "", depth, rows: text, hits, ranks, colours }) {
+  const rows = readRows(text);
+  const found = rows.filter((row) => row.kind !== "unassigned").map((row, i) => {
+    const [name, ...own] = objects[hits[i] - 1];
+    const rgb = byRank() ? [1, 3, 5].map((at) => parseInt(colours[i].slice(at, at + 2), 16)) : own.slice(0, 3);
+    return { number: hits[i], name, rgb: /** @type {number[]} */ (rgb), behind: !row.pixels, isDrawn: ranks[i] && (row.pixels || ranks[i] <= RANKED), share: row.pixels ? `${(100 * row.share).toFixed(1)} %` : "behind" };
+  });
+  return { refused: inPage(refused), depth, best: hits[0] ?? 0, hits: found.filter(({ isDrawn }) => isDrawn).slice(0, SOLID),
+    said: { sentence: refused ? "" : sentence(rows, hits), rows: found.slice(0, RANKED), more: Math.max(0, found.length - RANKED) } };
+}
+
+/** @param {"immersive-vr" | "immersive-ar"} mode */
+const enter = (mode) => attempt(async () => {
+  const here = stage ??= new Stage(() => { // its context is lost
+    stage = null;
+    surfaces = -1;
+    headset?.session?.end();
+  });
+  const { low, high } = atlas;
+  const entered = headset = new Headset(here, {
+    question: { ...question }, low, high,
+    ask: async (asked) => describeFor(await ask("draw", { question: asked, cuts: [], view: null, chosen: 0, given: [] })),
+    hold: (held) => {
+      mend("");
+      question = held;
+    },
+    ended: () => {
+      showWays();
+      redraw();
+    },
+  });
+  const begun = entered.start(mode); // while the press of the button counts
+  for (const button of buttons) button.disabled = true;
+  try {
+    if (surfaces !== edition) {
+      const now = edition;
+      const { parts, closed } = await ask("mesh", { cells: CELLS });
+      here.take(parts, Boolean(closed));
+      surfaces = now;
+    }
+    await begun;
+    entered.repaint();
+  } catch (error) {
+    await begun.then(() => entered.session?.end(), () => {});
+    showWays();
+    throw error;
+  }
+});
+
+/** Buttons are there where the browser has a headset, and the atlas surfaces. */
+function showWays() {
+  for (const button of buttons) {
+    button.hidden = !ways.has(button.dataset.enter) || !atlas?.solid;
+    button.disabled = Boolean(headset?.session);
+  }
+  $('[data-save="poses"]').hidden = !headset?.record.size;
+}
+
+const { xr } = /** @type {any} */ (navigator);
+const findWays = async () => {
+  for (const { dataset: { enter: mode } } of buttons) {
+    if (await xr.isSessionSupported(mode).catch(() => false)) ways.add(mode);
+    else ways.delete(mode);
+  }
+  showWays();
+};
+if (xr) findWays();
+xr?.addEventListener("devicechange", findWays);
+for (const button of buttons) button.onclick = () => enter(/** @type {any} */ (button.dataset.enter));
+
+/** What was asked in the headset, as tables that the commands in their first lines answer: one for each kind of question. */
+function savePoses() {
+  const name = atlas.name.replace(/\..*/, "");
+  for (const [kind, lines] of headset?.record ?? []) {
+    const [layers, resolution] = kind.split("-");
+    const file = `conus-${name}-${kind}.tsv`;
+    const head = `# conus batch ${quoted(atlasFile)} --poses ${file} --layers ${layers} --resolution ${resolution} -o rows.tsv\n${["name", "time_s", "x", "y", "z", "tx", "ty", "tz", "angle", "trigger"].join("\t")}\n`;
+    download(file, new Blob([head, lines.join("\n"), "\n"]));
+  }
+}
 
 // Start
 

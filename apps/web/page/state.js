@@ -90,9 +90,11 @@ export function toMethods(q, atlas) {
     "The cone is a geometric model: no field, heat or sound was computed.";
 }
 
+/** A file's name as a shell reads it. @param {string} name */
+export const quoted = (name) => (/^[\w./-]+$/.test(name) ? name : `'${name.replaceAll("'", "'\\''")}'`);
+
 /** The command that gives the same rows. @param {Question} q @param {string} name */
 export function toCommand(q, name) {
-  const file = /^[\w./-]+$/.test(name) ? name : `'${name.replaceAll("'", "'\\''")}'`;
-  return `conus query ${file} --origin ${join(q.origin)} --toward ${join(q.toward)} --angle ${digits(q.angle)}` +
+  return `conus query ${quoted(name)} --origin ${join(q.origin)} --toward ${join(q.toward)} --angle ${digits(q.angle)}` +
     (q.layers === "all" ? " --layers all" : "") + (q.resolution !== START.resolution ? ` --resolution ${q.resolution}` : "");
 }

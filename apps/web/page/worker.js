@@ -9,6 +9,7 @@ const SIGNATURES = {
   ask: ["string", Array(9).fill("number")], rows: ["string", ["number"]], sidecar: ["string", []], error: ["string", []],
   cut: ["number", Array(11).fill("number")], cut_objects: ["number", []],
   view: ["number", Array(9).fill("number")], view_objects: ["number", []], view_distances: ["number", []],
+  mesh: ["string", ["number"]], mesh_part: ["number", ["number"]], mesh_end: [null, []],
 };
 const NDJSON = 4;
 let module, conus;
@@ -93,6 +94,13 @@ const CALLS = {
     }
     return out;
   },
+  /** Surfaces of all areas: positions, normals, objects, corners, outer, first, as struct nets says. */
+  mesh({ cells }) {
+    const { sizes, closed } = parse(conus.mesh(cells));
+    const parts = sizes.map((bytes, part) => pixels(conus.mesh_part(part), bytes));
+    conus.mesh_end();
+    return { parts, closed };
+  },
   /** The answer as text: by a number of enum conus_format, or the sidecar. */
   text: ({ format }) => ({ text: format ? conus.rows(format) : conus.sidecar() }),
 };
@@ -101,7 +109,7 @@ let last = Promise.resolve();
 const answer = async ({ data }) => {
   try {
     const out = await CALLS[data.call](data);
-    const give = [...(out.cuts ?? []), ...(out.view ? [out.view] : [])].flatMap((picture) => Object.values(picture));
+    const give = out.parts ?? [...(out.cuts ?? []), ...(out.view ? [out.view] : [])].flatMap((picture) => Object.values(picture));
     self.postMessage({ id: data.id, ...out }, give);
   } catch (error) {
     const words = error instanceof WebAssembly.RuntimeError ? "conus has stopped: this file needs more than a page has; the program can open it"

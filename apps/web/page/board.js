@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The panel beside the brain in a headset: the answer in words, and buttons for a hand that has none of its own.
+
+const WIDTH = 1024, HEIGHT = 640; // pixels
+const EVERY = 100; // ms between two writings
+const LINES = 6;
+const BUTTONS = [{ name: "layers", left: 596, right: 816 }, { name: "home", left: 832, right: 992 }];
+const TOP = 556, BOTTOM = 628; // of the buttons
+
+/** m. A capital letter of the least type, 40 pixels, is 11 mm high: 0.54 degrees at 1.2 m. */
+export const SIZE = [0.4, 0.4 * HEIGHT / WIDTH];
+
+/** What a panel says. @typedef {{sentence: string, rows: {name: string, rgb: number[], share: string}[], more: number, state: string, layers: string}} Said */
+
+export class Board {
+  constructor() {
+    this.canvas = Object.assign(document.createElement("canvas"), { width: WIDTH, height: HEIGHT });
+    this.isNew = false; // since it was last drawn
+    this.wrote = -Infinity;
+    /** @type {Said | null} */
+    this.next = null;
+  }
+
+  /** Says something, now or in the next frames. @param {Said} said */
+  say(said) { this.next = said; }
+
+  /** Once in a frame: writes what is to be said. Returns whether the picture is another. @param {number} time ms */
+  step(time) {
+    if (!this.next || time - this.wrote < EVERY) return false;
+    this.wrote = time;
+    this.write(this.next);
+    this.next = null;
+    return true;
+  }
+
+  /** @param {Said} said */
+  write({ sentence, rows, more, state, layers }) {
+    const c = /** @type {CanvasRenderingContext2D} */ (this.canvas.getContext("2d"));
+    const words = (/** @type {string} */ font, /** @type {string} */ text, /** @type {number} */ x, /** @type {number} */ y, /** @type {number} */ room) => {
+      c.font = `${font} system-ui, sans-serif`;
+      c.fillText(text, x, y, room);
+    };
+    const box = (/** @type {string} */ colour, /** @type {number} */ x, /** @type {number} */ y, /** @type {number} */ width, /** @type {number} */ height, /** @type {number} */ round) => {
+      c.fillStyle = colour;
+      c.beginPath();
+      c.roundRect(x, y, width, height, round);
+      c.fill();
+      c.fillStyle = "LOOK_OVER";
+    };
+    c.clearRect(0, 0, WIDTH, HEIGHT);
+    box("LOOK_PANE_DARK", 0, 0, WIDTH, HEIGHT, 32);
+    c.textAlign = "left";
+    c.font = "600 44px system-ui, sans-serif";
+    const lines = [""];
+    for (const word of sentence.split(" ")) {
+      const line = `${lines[lines.length - 1]} ${word}`.trim();
+      if (c.measureText(line).width <= WIDTH - 80) lines[lines.length - 1] = line;
+      else lines.push(word);
+    }
+    const second = lines.slice(1).join(" ");
+    words("600 44px", lines[0], 40, 68, WIDTH - 80);
+    words("600 44px", second, 40, 122, WIDTH - 80);
+    rows.slice(0, LINES).forEach(({ name, rgb, share }, i) => {
+      const y = 190 + 56 * i;
+      box(`rgb(${rgb})`, 40, y - 34, 38, 38, 4);
+      words("44px", name, 100, y, WIDTH - 340);
+      c.textAlign = "right";
+      words("44px", share, WIDTH - 40, y, 180);
+      c.textAlign = "left";
+    });
+    const rest = rows.length + more - Math.min(rows.length, LINES);
+    words("40px", rest ? `and ${rest} more` : "", 40, 526, WIDTH - 80);
+    words("40px", state, 40, 606, BUTTONS[0].left - 60);
+    c.textAlign = "center";
+    const texts = [layers === "all" ? "first hits" : "all layers", "home"];
+    BUTTONS.forEach(({ left, right }, i) => {
+      box("LOOK_DARK_BUTTON", left, TOP, right - left, BOTTOM - TOP, 12);
+      words("40px", texts[i], (left + right) / 2, 606, right - left - 16);
+    });
+  }
+
+  /** The button at a place, 0 to 1 from the left and the top; "" where there is none. @param {number} u @param {number} v */
+  button(u, v) {
+    const x = u * WIDTH, y = v * HEIGHT;
+    return y >= TOP && y <= BOTTOM ? BUTTONS.find(({ left, right }) => x >= left && x <= right)?.name ?? "" : "";
+  }
+}
