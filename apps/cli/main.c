@@ -58,7 +58,7 @@ static int list_commands(FILE *out)
     for (size_t i = 0; commands[i]; i++) {
         fprintf(out, "  %-8s  %s\n", commands[i]->name, commands[i]->summary);
     }
-    fprintf(out, "  %-8s  %s\n\nExit codes:", "help", "explain a command: conus help COMMAND");
+    fprintf(out, "  %-8s  %s\n\nExit codes:", "help", "explain a command: conus help COMMAND [--long]");
     const char *meaning;
     for (size_t code = 0; (meaning = help_exit_code(code)); code++) {
         fprintf(out, "%s %zu %s", code ? "," : "", code, meaning);
@@ -76,15 +76,16 @@ static int help(int count, char **words)
     if (!command) {
         return unknown_command(words[0]);
     }
-    if (count > 1) {
-        return print_usage_error("unexpected argument \"%s\"", words[1]);
+    bool is_long = count > 1 && strcmp(words[1], "--long") == 0;
+    if (count > 1 + is_long) {
+        return print_usage_error("unexpected argument \"%s\"", words[1 + is_long]);
     }
-    char *ask[] = {words[0], (char[]){"--help"}, NULL};
+    char *ask[] = {words[0], is_long ? (char[]){"--help"} : (char[]){"-h"}, NULL};
     int code = command->hand_over ? command->hand_over(ask) : -1;
     if (code >= 0) {
         return code;
     }
-    help_command(stdout, command);
+    (is_long ? help_command : help_brief)(stdout, command);
     return EXIT_DONE;
 }
 

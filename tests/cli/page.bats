@@ -236,7 +236,7 @@ view() {
     alone/conus view --help | sed -n '/^Options/,$s/^.* --\([a-z]*\).*/\1/p' >options
     alone/conus page --help | sed -n '/^Options/,$s/^.* --\([a-z]*\).*/\1/p' | grep -vxE 'output|force' >wanted
     diff wanted options
-    alone/conus help view | diff - <(alone/conus view --help)
+    alone/conus help view --long | diff - <(alone/conus view --help)
 }
 
 @test "any name of an atlas gives the page a name that no program misreads" {

@@ -26,10 +26,16 @@ load helpers
         answers $command --help
         has "usage: conus $command "
         local explained=$output
+        answers help $command --long
+        [ "$output" = "$explained" ]
+        answers $command -h
+        explained=$output
         answers help $command
         [ "$output" = "$explained" ]
         answers --help
     done
+    run -2 "$CONUS" help query --long more
+    [ "$output" = 'conus: unexpected argument "more"' ]
 }
 
 @test "-h of every command is at most 20 lines of 100 columns, with the commonest options and two examples" {

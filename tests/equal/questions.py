@@ -623,7 +623,8 @@ def help_texts(ask):
         for words in (f"{command} -h", f"{command} --help", command, f"{command} --nonsense",
                       f"{command} a b c d e f g --nothing"):
             ask(words)
-    for words in ("-h", "--help", "--version", "", "nonsense", "help", "help query", "help nonsense", "--nonsense"):
+    for words in ("-h", "--help", "--version", "", "nonsense", "help", "help query", "help query --long",
+                  "help nonsense", "--nonsense"):
         ask(words)
     for program in ("conus-view", "conus-mesh"):
         for words in ("-h", "--help", "--version", "--nonsense", "nonsense"):
