@@ -49,14 +49,10 @@ static void measure_box(struct score_view *view, const double box[2][3], const d
 static void mark_border(bool *on_border, const conus_selection *selection)
 {
     const uint32_t n = selection->cone.resolution;
-    for (uint32_t pixel = 0; pixel < n * n && !selection->is_counted; pixel++) {
+    for (uint32_t pixel = 0; pixel < n * n; pixel++) {
         if (aperture_is_border(selection->in_cone, n, pixel)) {
             on_border[selection->evidence.object[pixel]] = true;
         }
-    }
-    for (size_t i = 0; i < selection->counts.count; i++) {
-        const struct hit_count *row = &selection->counts.rows[i];
-        on_border[row->object] = on_border[row->object] || row->is_at_border;
     }
 }
 

@@ -216,68 +216,11 @@ static conus_status trace_by(enum first_hits way, conus_selection *selection, st
                                   : list_layers(selection, engine, way == TRACED_AND_LISTED);
 }
 
-/* Whether the engine may count what this one hits. */
-static bool may_be_counted(const conus_selection *selection, const conus_selector *selector)
-{
-    return selector->rows_only && !selector->options.weight && selector->engine->functions->count_many &&
-           !selection->has_layers && !cone_has_range(&selection->cone);
-}
-
-/* Whether it can count all of them at once: as cones with the same pixels. */
-static bool can_be_counted(conus_selection *const *selections, size_t count, const conus_selector *selector)
-{
-    for (size_t i = 0; i < count; i++) {
-        if (selections[i] && (!may_be_counted(selections[i], selector) ||
-                              !aperture_has_pixels(&selector->aperture, &selections[i]->cone))) {
-            return false;
-        }
-    }
-    return true;
-}
-
-static conus_status count_together(bool *is_counted, conus_selection *const *selections, size_t count,
-                                   conus_selector *selector)
-{
-    struct hit_counts **counts = memory_raw(count, sizeof(void *));
-    const struct cone **cones = memory_raw(count, sizeof(void *));
-    conus_status status = counts && cones ? CONUS_OK : CONUS_ERROR_MEMORY;
-    size_t given = 0;
-    for (size_t i = 0; i < count && !status; i++) {
-        if (selections[i]) {
-            counts[given] = &selections[i]->counts;
-            cones[given++] = &selections[i]->cone;
-        }
-    }
-    status = !status && given
-                 ? selector->engine->functions->count_many(selector->engine, is_counted, counts, cones, given,
-                                                           &selector->aperture, level_group(selector->level))
-                 : status;
-    for (size_t i = 0; i < count && !status; i++) {
-        if (selections[i]) {
-            selections[i]->is_counted = *is_counted;
-        }
-    }
-    memory_free(counts);
-    memory_free(cones);
-    return status;
-}
-
 conus_status selections_trace(conus_selection *const *selections, size_t count, conus_selector *selector)
 {
-    bool is_counted = false;
-    conus_status status = can_be_counted(selections, count, selector)
-                              ? count_together(&is_counted, selections, count, selector)
-                              : CONUS_OK;
-    if (status || is_counted) {
-        return status;
-    }
+    conus_status status = CONUS_OK;
     struct engine *engine = selector->engine;
     bool together = count > 1 && engine->functions->trace_many;
-    for (size_t i = 0; i < count && !status; i++) {
-        if (selections[i] && !selections[i]->evidence.distance) { /* it might have been counted */
-            status = evidence_init(&selections[i]->evidence, selections[i]->cone.resolution);
-        }
-    }
     /* The rays of a selector's pixels are those of the last cone that it was made ready for. */
     for (size_t i = 0; i < count; i++) {
         if (selections[i] && (selector->inside_only || cone_is_wide(&selections[i]->cone))) {
@@ -288,7 +231,7 @@ conus_status selections_trace(conus_selection *const *selections, size_t count, 
             selections[i]->cone.tracing.per_depth = selector->aperture.per_depth;
         }
     }
-    status = !status && together ? trace_together(selections, count, engine) : status;
+    status = together ? trace_together(selections, count, engine) : status;
     for (size_t i = 0; i < count && !status; i++) {
         conus_selection *selection = selections[i];
         status = selection ? trace_by(find_way(selection, selector, together), selection, engine, together) : CONUS_OK;
@@ -308,7 +251,7 @@ conus_status selection_regroup(conus_selection *selection, const struct level *l
 {
     size_t object_count = selection->atlas->object_count;
     size_t pixels = (size_t)selection->cone.resolution * selection->cone.resolution;
-    if (level_is_identity(level) || selection->is_counted) {
+    if (level_is_identity(level)) {
         return CONUS_OK;
     }
     selection->group = memory_copy(level_group(level), object_count + 1, sizeof *selection->group);
@@ -354,7 +297,7 @@ conus_status selection_begin(conus_selection **out, conus_selector *selector, co
     region_from_cone(&selection->region, &cone);
     memcpy(selection->engine, selector->engine->name, sizeof selection->engine);
     size_t pixels = (size_t)cone.resolution * cone.resolution;
-    status = may_be_counted(selection, selector) ? CONUS_OK : evidence_init(&selection->evidence, cone.resolution);
+    status = evidence_init(&selection->evidence, cone.resolution);
     status = status ? status : aperture_prepare(&selector->aperture, &selection->cone);
     if (!status) {
         selection->in_cone = memory_copy(selector->aperture.in_cone, pixels, sizeof *selection->in_cone);
@@ -389,7 +332,6 @@ conus_status selection_complete(conus_selection *selection, conus_selector *sele
             .cone = &selection->cone,
             .aperture = &selector->aperture,
             .evidence = &selection->evidence,
-            .counts = selection->is_counted ? &selection->counts : NULL,
             .soft = weight ? &selector->soft : NULL,
             .layers = selection->has_layers ? &selection->layers : NULL,
             .census = selection->has_layers ? &selector->census : NULL,
@@ -444,7 +386,6 @@ void conus_selection_destroy(conus_selection *selection)
 {
     if (selection) {
         evidence_finish(&selection->evidence);
-        memory_free(selection->counts.rows);
         layers_finish(&selection->layers);
         memory_free(selection->own);
         memory_free(selection->group);

@@ -24,11 +24,9 @@ struct conus_selection {
     struct region region;     /**< Where voxels are counted: the cone, or a ball. Of a ball, the cone is nothing but
                                    its centre and has no pixels. */
     bool is_point;            /**< The ball stands for its centre: the results are of what is there or nearest. */
-    struct evidence evidence; /**< Objects as they are reported. None where `is_counted`. */
-    struct hit_counts counts; /**< In its place. */
-    bool is_counted;
-    uint32_t *own;   /**< [n*n] The objects hit, before --level; NULL where each is reported as itself. */
-    uint32_t *group; /**< [object_count + 1] The object as which each one is reported; NULL likewise. */
+    struct evidence evidence; /**< Objects as they are reported. */
+    uint32_t *own;            /**< [n*n] The objects hit, before --level; NULL where each is reported as itself. */
+    uint32_t *group;          /**< [object_count + 1] The object as which each one is reported; NULL likewise. */
     bool has_layers;
     struct layers layers; /**< Sorted, if has_layers; objects as they are reported. */
     bool *in_cone;        /**< [n*n] */
@@ -98,7 +96,6 @@ struct conus_selector {
     double *whole;                           /**< [object_count + 1] Volumes of what is reported, mm^3. */
     conus_table *areas;                      /**< Those of its last connections; NULL = none yet. */
     bool inside_only;                        /**< Only the pixels in the cone will be traced in its selections. */
-    bool rows_only;                          /**< And nobody asks its selections for pixels, if there is a choice. */
     bool is_shared;                          /**< Engine, level and volumes are another selector's. */
 };
 

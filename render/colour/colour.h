@@ -442,8 +442,8 @@ struct slices colour_pass_slices(const struct colour_pass *pass, const struct ca
 /** Fills a zeroed @p block, but for what counts meshes and tiles. */
 void colour_view_pack(struct colour_view_block *block, const struct colour_pass *pass, const struct colour_view *view);
 
-/* Smooths the edges of a picture on the CPU: width * height pixels of four floats, of the squares of COLOUR_TILE
- * pixels that a colour_edges is about. edges.comp.glsl does the same on the device, to the bit. */
+/* Smooths the edges of a picture: width * height pixels of four floats, of the squares of COLOUR_TILE pixels that a
+ * colour_edges is about. */
 
 /** Squares along so many pixels. */
 static inline size_t edges_across(uint32_t pixels)
@@ -451,13 +451,15 @@ static inline size_t edges_across(uint32_t pixels)
     return (pixels + COLOUR_TILE - 1) / COLOUR_TILE;
 }
 
-/** Sets in @p tiles [edges_across(width) * edges_across(height)], row by row, which squares have a pixel that differs
- * from its right or upper neighbour, which may lie in the next one. Returns whether any has. */
-bool edges_find(uint32_t *tiles, const float *rgba, uint32_t width, uint32_t height);
+/** Adds to the zeroed pixels @p drawn the mean of the rays that @p edges shifts, of the squares that are not 0 in
+ * @p tiles [edges_across(width) * edges_across(height)], row by row. */
+typedef conus_status (*edges_draw)(void *user, float *drawn, const uint32_t *tiles, const struct colour_view *view,
+                                   const struct colour_edges *edges);
 
-/** Mixes what was @p drawn of these squares, the mean of the rays of each pixel, into @p rgba. */
-void edges_mix(float *rgba, const float *drawn, const uint32_t *tiles, const struct colour_view *view,
-               const struct colour_edges *edges);
+/** Mixes into @p rgba what @p draw draws of the squares with a pixel that differs from its right or upper neighbour,
+ * which may lie in the next one. Draws nothing where there is none. */
+conus_status edges_smooth(float *rgba, const struct colour_view *view, const struct colour_edges *edges,
+                          edges_draw draw, void *user);
 
 /* The renderer's struct: the colour pass of one atlas. */
 

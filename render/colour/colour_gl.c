@@ -11,11 +11,7 @@
 
 #include <string.h>
 
-enum {
-    TILE_BUFFER = 1, /* where all shaders have it */
-    EDGE_GROUP = 8
-};
-enum edge_work { FIND_EDGES, TAKE_MEANS, MIX_CORNERS };
+enum { TILE_BUFFER = 1 }; /* where all shaders have it */
 
 /* Everything but the context is of it. */
 struct colour_gl {
@@ -25,14 +21,11 @@ struct colour_gl {
     GLuint program;             /* Over one triangle on the screen. */
     GLuint layer_program;       /* The same for translucent pictures; 0 until one is drawn. */
     GLuint view, palette, opacities, vertices;
-    GLuint edge_program;       /* 0 until a picture is smooth. */
-    GLuint tiles;              /* Of the last smooth picture. */
-    bool is_tiled;             /* What is drawn: only they. */
+    GLuint tiles;              /* All that is drawn now; 0 = all of the picture. */
     struct mesh_layer *meshes; /* NULL if there are none. */
     struct target target;      /* of the last picture */
-    struct target drawn;       /* of what is drawn again to smooth it; empty in between */
     uint8_t *looks[2];         /* put_look() of the newest picture, and room for that of the next */
-    bool is_plain;             /* `target` has the newest picture with one ray a pixel, as smoothing begins with */
+    bool is_plain;             /* `target` has the newest picture, with one ray a pixel */
 };
 
 static struct colour_gl *gl_of(const struct colour_pass *pass)
@@ -170,7 +163,7 @@ void colour_gl_prepare(const struct colour_pass *pass, const struct colour_view 
     colour_view_pack(&block, pass, view);
     block.counts[1] = meshes ? 1 : 0;
     block.counts[2] = (int32_t)peels.count;
-    block.counts[3] = gl->is_tiled ? 1 : 0;
+    block.counts[3] = gl->tiles ? 1 : 0;
     colour_pass_look(pass, view);
     glNamedBufferSubData(gl->view, 0, sizeof block, &block);
     glNamedBufferSubData(gl->palette, 0, count * 4 * (GLsizeiptr)sizeof *pass->shown, pass->shown);
@@ -191,7 +184,7 @@ void colour_gl_prepare(const struct colour_pass *pass, const struct colour_view 
     glBindTextures(0, sizeof textures / sizeof *textures, textures);
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, gl->view);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, gl->palette);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, TILE_BUFFER, gl->is_tiled ? gl->tiles : gl->palette); /* any, not read */
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, TILE_BUFFER, gl->tiles ? gl->tiles : gl->palette); /* any, not read */
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, gl->opacities);
     glBindVertexArray(gl->vertices);
     glUseProgram(layers ? gl->layer_program : gl->program);
@@ -228,7 +221,7 @@ static conus_status draw_rays(struct colour_gl *gl, const struct target *target,
         return status;
     }
     target_bind(target);
-    if (gl->is_tiled) {
+    if (gl->tiles) {
         glEnable(GL_BLEND);
         glBlendColor(0, 0, 0, part);
         glBlendFunc(GL_CONSTANT_ALPHA, GL_ONE);
@@ -248,62 +241,31 @@ static conus_status resize_target(struct target *target, const struct colour_vie
     return target_init(target, view->width, view->height, &colour, 1);
 }
 
-static conus_status need_edge_program(struct colour_gl *gl)
+static conus_status draw_tiles(void *user, float *drawn, const uint32_t *tiles, const struct colour_view *view,
+                               const struct colour_edges *edges)
 {
-    const struct program_define defines[] = {{"TILE", COLOUR_TILE},
-                                             {"GROUP", EDGE_GROUP},
-                                             {"TILE_BUFFER", TILE_BUFFER},
-                                             {"FIND_EDGES", FIND_EDGES},
-                                             {"MIX_CORNERS", MIX_CORNERS}};
-    const struct program_source source = {.compute = {"edges.comp.glsl", shader_edges_comp},
-                                          .defines = defines,
-                                          .define_count = sizeof defines / sizeof *defines};
-    return gl->edge_program ? CONUS_OK : program_create(&gl->edge_program, &source);
-}
-
-/* Marks tiles, each by an invocation, or mixes what was drawn into the target, pixel by pixel. */
-static void work_on_edges(const struct colour_gl *gl, enum edge_work work, size_t across, size_t upward)
-{
-    glBindImageTexture(0, target_texture(&gl->target, "colour"), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-    glBindImageTexture(1, target_texture(&gl->drawn, "colour"), 0, GL_FALSE, 0, GL_READ_ONLY, GL_RGBA32F);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, TILE_BUFFER, gl->tiles);
-    glUseProgram(gl->edge_program);
-    glUniform1i(0, work);
-    glUniform1f(1, COLOUR_EDGE);
-    glDispatchCompute((GLuint)((across + EDGE_GROUP - 1) / EDGE_GROUP),
-                      (GLuint)((upward + EDGE_GROUP - 1) / EDGE_GROUP), 1);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
-}
-
-/* Draws the tiles with edges again; the picture stays on the device. */
-static conus_status smooth(struct colour_gl *gl, const struct colour_pass *pass, const struct colour_view *view,
-                           const struct colour_edges *edges)
-{
-    const size_t across = edges_across(view->width);
-    const size_t upward = edges_across(view->height);
-    conus_status status = need_edge_program(gl);
-    status = status ? status : resize_target(&gl->drawn, view);
+    const struct colour_pass *pass = user;
+    struct colour_gl *gl = gl_of(pass);
+    struct target target = {0};
+    conus_status status = resize_target(&target, view);
     if (status) {
         return status;
     }
-    glDeleteBuffers(1, &gl->tiles);
     glCreateBuffers(1, &gl->tiles);
-    glNamedBufferData(gl->tiles, (GLsizeiptr)(across * upward * sizeof(uint32_t)), NULL, GL_DYNAMIC_COPY);
-    work_on_edges(gl, FIND_EDGES, across, upward);
-    target_clear(&gl->drawn);
-    gl->is_tiled = true;
+    glNamedBufferData(gl->tiles, (GLsizeiptr)(edges_across(view->width) * edges_across(view->height) * sizeof *tiles),
+                      tiles, GL_STREAM_DRAW);
+    target_clear(&target);
     for (size_t n = 0; n < edges->count && !status; n++) {
         struct colour_view shifted = *view;
         memcpy(shifted.shift, edges->shifts[n], sizeof shifted.shift);
         status = gl_tell(&view->listener, n, edges->count);
-        status = status ? status : draw_rays(gl, &gl->drawn, pass, &shifted, 1.0F / (float)edges->count);
+        status = status ? status : draw_rays(gl, &target, pass, &shifted, 1.0F / (float)edges->count);
     }
-    gl->is_tiled = false;
-    if (!status) {
-        work_on_edges(gl, edges->is_corner ? MIX_CORNERS : TAKE_MEANS, view->width, view->height);
-    }
-    target_finish(&gl->drawn); /* as large as the picture */
-    return status ? status : gl_check("smooth edges");
+    glDeleteBuffers(1, &gl->tiles);
+    gl->tiles = 0;
+    status = status ? status : target_read(&target, "colour", drawn);
+    target_finish(&target);
+    return status;
 }
 
 /* Draws one ray a pixel, unless that is what the target has: a picture that becomes smooth was drawn plain before. */
@@ -331,9 +293,9 @@ static conus_status draw(float *rgba, struct colour_device *device, const struct
         return status;
     }
     status = draw_plain(gl, pass, view);
-    gl->is_plain = !status && !edges;
-    status = status || !edges ? status : smooth(gl, pass, view, edges);
-    return status ? status : target_read(&gl->target, "colour", rgba);
+    gl->is_plain = !status;
+    status = status ? status : target_read(&gl->target, "colour", rgba);
+    return status || !edges ? status : edges_smooth(rgba, view, edges, draw_tiles, (void *)pass);
 }
 
 static const char *name(const struct colour_device *device)
@@ -345,14 +307,13 @@ static void destroy(struct colour_device *device)
 {
     struct colour_gl *gl = (struct colour_gl *)device;
     if (gl->program && !enter(device)) { /* otherwise there may be no GL at all */
-        const GLuint buffers[] = {gl->view, gl->palette, gl->opacities, gl->tiles};
+        const GLuint buffers[] = {gl->view, gl->palette, gl->opacities};
         mesh_layer_destroy(gl->meshes);
         target_finish(&gl->target);
         glDeleteBuffers(sizeof buffers / sizeof *buffers, buffers);
         glDeleteVertexArrays(1, &gl->vertices);
         glDeleteProgram(gl->program);
         glDeleteProgram(gl->layer_program);
-        glDeleteProgram(gl->edge_program);
         leave(device);
     }
     gl_context_destroy(gl->context);

@@ -1312,26 +1312,18 @@ static conus_status cast(struct scene *scene, const double shift[2])
     return scene->status;
 }
 
-static conus_status smooth(struct scene *scene, const struct colour_view *view, const struct colour_edges *edges)
+static conus_status draw_tiles(void *user, float *drawn, const uint32_t *tiles, const struct colour_view *view,
+                               const struct colour_edges *edges)
 {
-    const size_t pixels = (size_t)view->width * view->height;
-    float *rgba = scene->rgba;
-    float *drawn = memory_zeroed(pixels, 4 * sizeof *drawn);
-    uint32_t *tiles = memory_raw(edges_across(view->width) * edges_across(view->height), sizeof *tiles);
-    conus_status status = drawn && tiles ? CONUS_OK : CONUS_ERROR_MEMORY;
-    if (!status && edges_find(tiles, rgba, view->width, view->height)) {
-        scene->rgba = drawn;
-        scene->tiles = tiles;
-        scene->part = 1.0F / (float)edges->count;
-        for (size_t n = 0; n < edges->count && !status; n++) {
-            status = cast(scene, edges->shifts[n]);
-        }
+    struct scene *scene = user;
+    conus_status status = CONUS_OK;
+    (void)view;
+    scene->rgba = drawn;
+    scene->tiles = tiles;
+    scene->part = 1.0F / (float)edges->count;
+    for (size_t n = 0; n < edges->count && !status; n++) {
+        status = cast(scene, edges->shifts[n]);
     }
-    if (!status && scene->tiles) {
-        edges_mix(rgba, drawn, tiles, view, edges);
-    }
-    memory_free(drawn);
-    memory_free(tiles);
     return status;
 }
 
@@ -1361,7 +1353,7 @@ static conus_status draw(float *rgba, struct colour_device *device, const struct
         scene->alike = &own->alike;
     }
     status = status ? status : cast(scene, view->shift);
-    status = status || !edges ? status : smooth(scene, view, edges);
+    status = status || !edges ? status : edges_smooth(rgba, view, edges, draw_tiles, scene);
     for (size_t i = 0; scene->bands && i < scene->threads; i++) {
         surface_band_finish(&scene->bands[i]);
     }

@@ -2,6 +2,8 @@
 /* Finds the squares that are drawn again, and mixes what was drawn. */
 #include "render/colour/colour.h"
 
+#include "base/memory.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -20,7 +22,7 @@ static bool differ(const float *a, const float *b)
     return most > COLOUR_EDGE;
 }
 
-bool edges_find(uint32_t *tiles, const float *rgba, uint32_t width, uint32_t height)
+static bool find_edges(uint32_t *tiles, const float *rgba, uint32_t width, uint32_t height)
 {
     bool found = false;
     memset(tiles, 0, edges_across(width) * edges_across(height) * sizeof *tiles);
@@ -61,8 +63,8 @@ static void mix_corners(float *rgba, const float *drawn, const uint32_t *tiles, 
     }
 }
 
-void edges_mix(float *rgba, const float *drawn, const uint32_t *tiles, const struct colour_view *view,
-               const struct colour_edges *edges)
+static void mix(float *rgba, const float *drawn, const uint32_t *tiles, const struct colour_view *view,
+                const struct colour_edges *edges)
 {
     for (size_t y = 0; y < view->height; y++) {
         for (size_t x = 0; x < view->width; x++) {
@@ -77,4 +79,21 @@ void edges_mix(float *rgba, const float *drawn, const uint32_t *tiles, const str
             }
         }
     }
+}
+
+conus_status edges_smooth(float *rgba, const struct colour_view *view, const struct colour_edges *edges,
+                          edges_draw draw, void *user)
+{
+    float *drawn = memory_zeroed((size_t)view->width * view->height, 4 * sizeof *drawn);
+    uint32_t *tiles = memory_raw(edges_across(view->width) * edges_across(view->height), sizeof *tiles);
+    conus_status status = drawn && tiles ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status && find_edges(tiles, rgba, view->width, view->height)) {
+        status = draw(user, drawn, tiles, view, edges);
+        if (!status) {
+            mix(rgba, drawn, tiles, view, edges);
+        }
+    }
+    memory_free(drawn);
+    memory_free(tiles);
+    return status;
 }

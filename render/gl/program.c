@@ -92,9 +92,7 @@ conus_status program_create(GLuint *out, const struct program_source *source)
     const struct {
         GLenum stage;
         const struct program_shader *shader;
-    } stages[] = {{GL_VERTEX_SHADER, &source->vertex},
-                  {GL_FRAGMENT_SHADER, &source->fragment},
-                  {GL_COMPUTE_SHADER, &source->compute}};
+    } stages[] = {{GL_VERTEX_SHADER, &source->vertex}, {GL_FRAGMENT_SHADER, &source->fragment}};
     GLuint program = glCreateProgram();
     const char *last = "";
     conus_status status = program ? CONUS_OK : fail(CONUS_ERROR_GL, "OpenGL makes no program");

@@ -269,6 +269,7 @@ conus_status clusters_init(struct clusters *out, const struct mesh *const *meshe
 void clusters_finish(struct clusters *clusters)
 {
     memory_free(clusters->cluster);
+    memory_free(clusters->balls);
     memory_free(clusters->range_balls);
     memory_free(clusters->triangle);
     clusters_drop_triangles(clusters);
@@ -277,10 +278,8 @@ void clusters_finish(struct clusters *clusters)
 
 void clusters_drop_triangles(struct clusters *clusters)
 {
-    memory_free(clusters->balls);
     memory_free(clusters->positions);
     memory_free(clusters->corners);
-    clusters->balls = NULL;
     clusters->positions = NULL;
     clusters->corners = NULL;
 }

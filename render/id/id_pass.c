@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Uploads volumes for the ID pass, runs its compute shader and reads the results. */
+/* Uploads volumes for the ID pass, draws its rays and reads the results. */
 #include "render/id/id_pass.h"
 
 #include "base/memory.h"
@@ -9,10 +9,11 @@
 #include <assert.h>
 #include <string.h>
 
-enum { RAY_UNIT = ID_IDENTIFIER_UNIT + 1 };
+enum { OBJECTS_UNIT, DISTANCE_UNIT, IDENTIFIER_UNIT, RAY_UNIT };
 enum { OUT_BUFFER };
 enum { BOX, RANGE = BOX + 2 }; /* locations of uniforms */
-enum { GROUP = 64, FIRST_INTERVALS = 1024, RAY_TEXELS = sizeof(struct id_ray) / 16 };
+enum { FIRST_INTERVALS = 1024, RAY_TEXELS = sizeof(struct id_ray) / 16 };
+enum { TILE_WIDTH = 4, TILE_HEIGHT = 2, LONGEST_ROW = 64 }; /* fragments */
 
 enum { IDENTIFIERS, RAYS, HITS, BUFFER_COUNT };
 
@@ -23,7 +24,6 @@ struct id_volume {
     GLuint objects, distances; /* none with slices */
     int box[2][3];
     size_t dim[3];
-    double index_from_world[16];
 };
 
 struct id_pass {
@@ -36,8 +36,9 @@ struct id_pass {
     size_t volume_count;
     size_t volumes_traced; /* since id_pass_begin() */
     uint32_t ray_count;
-    uint32_t capacity; /* rays */
-    bool has_device_rays;
+    uint32_t capacity;        /* rays */
+    struct target target;     /* without pixels: results go to the buffer */
+    GLuint vertices;          /* none */
     struct id_ray *rays;      /* NULL until they are asked for */
     struct readback readback; /* of hits */
 };
@@ -47,14 +48,13 @@ static conus_status need_program(struct id_pass *pass, enum id_kind kind)
 {
     const struct program_define defines[] = {{"SLICES", pass->sampling == CONUS_SAMPLING_SLICES},
                                              {"PIERCE", kind == PIERCE},
-                                             {"CONES", 0},
-                                             {"GROUP", GROUP},
-                                             {"ID_OBJECTS_UNIT", ID_OBJECTS_UNIT},
-                                             {"ID_DISTANCE_UNIT", ID_DISTANCE_UNIT},
-                                             {"ID_IDENTIFIER_UNIT", ID_IDENTIFIER_UNIT},
+                                             {"OBJECTS_UNIT", OBJECTS_UNIT},
+                                             {"DISTANCE_UNIT", DISTANCE_UNIT},
+                                             {"IDENTIFIER_UNIT", IDENTIFIER_UNIT},
                                              {"RAY_UNIT", RAY_UNIT},
                                              {"OUT_BUFFER", OUT_BUFFER}};
-    const struct program_source source = {.compute = {"id.comp.glsl", shader_id_comp},
+    const struct program_source source = {.vertex = {"screen.vert.glsl", shader_screen_vert},
+                                          .fragment = {"id.frag.glsl", shader_id_frag},
                                           .defines = defines,
                                           .define_count = sizeof defines / sizeof defines[0]};
     return pass->programs[kind] ? CONUS_OK : program_create(&pass->programs[kind], &source);
@@ -77,6 +77,7 @@ conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const
         glCreateTextures(GL_TEXTURE_BUFFER, 1, &pass->identifiers);
         glTextureBuffer(pass->identifiers, GL_R32UI, pass->buffers[IDENTIFIERS]);
         glCreateTextures(GL_TEXTURE_BUFFER, 1, &pass->ray_texels);
+        glCreateVertexArrays(1, &pass->vertices);
         status = gl_check("identifiers");
     }
     if (status) {
@@ -101,6 +102,8 @@ void id_pass_destroy(struct id_pass *pass)
     glDeleteTextures(1, &pass->identifiers);
     glDeleteTextures(1, &pass->ray_texels);
     glDeleteBuffers(BUFFER_COUNT, pass->buffers);
+    glDeleteVertexArrays(1, &pass->vertices);
+    target_finish(&pass->target);
     for (int kind = 0; kind < KIND_COUNT; kind++) {
         glDeleteProgram(pass->programs[kind]);
     }
@@ -131,7 +134,6 @@ conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volum
         return status;
     }
     memcpy(made.dim, dim, sizeof made.dim);
-    memcpy(made.index_from_world, volume->voxel_from_world, sizeof made.index_from_world);
     volumes[pass->volume_count++] = made;
     return CONUS_OK;
 }
@@ -158,7 +160,6 @@ conus_status id_pass_begin(struct id_pass *pass, uint32_t rays)
     conus_status status = rays > pass->capacity ? reserve_rays(pass, rays) : CONUS_OK;
     pass->ray_count = status ? 0 : rays;
     pass->volumes_traced = 0;
-    pass->has_device_rays = false;
     return status;
 }
 
@@ -168,49 +169,44 @@ struct id_ray *id_pass_rays(struct id_pass *pass)
     return pass->rays;
 }
 
-size_t id_pass_volume_count(const struct id_pass *pass)
-{
-    return pass->volume_count;
-}
-
-const double *id_pass_index_from_world(const struct id_pass *pass, size_t volume)
-{
-    return pass->volumes[volume].index_from_world;
-}
-
-GLuint id_pass_device_rays(struct id_pass *pass)
-{
-    pass->has_device_rays = true;
-    return pass->buffers[RAYS];
-}
-
 static void upload_rays(const struct id_pass *pass)
 {
-    if (!pass->has_device_rays) {
-        glNamedBufferSubData(pass->buffers[RAYS], 0, (GLsizeiptr)(pass->ray_count * sizeof *pass->rays), pass->rays);
-    }
+    glNamedBufferSubData(pass->buffers[RAYS], 0, (GLsizeiptr)(pass->ray_count * sizeof *pass->rays), pass->rays);
 }
 
-void id_pass_bind(const struct id_pass *pass, size_t volume)
+/* A target with a fragment for each of so many rays, in as few rows as there may be: a driver's threads share rows. */
+static conus_status need_target(struct id_pass *pass, uint32_t rays)
 {
-    const struct id_volume *bound = &pass->volumes[volume];
-    assert(volume < pass->volume_count);
-    glBindTextureUnit(ID_OBJECTS_UNIT, bound->objects);
-    glBindTextureUnit(ID_DISTANCE_UNIT, bound->distances);
-    glBindTextureUnit(ID_IDENTIFIER_UNIT, pass->identifiers);
-    if (pass->sampling == CONUS_SAMPLING_EXACT) {
-        glUniform3iv(BOX, 2, bound->box[0]);
+    const uint32_t tiles = (rays - 1) / (TILE_WIDTH * TILE_HEIGHT) + 1;
+    const uint32_t across = tiles < LONGEST_ROW / TILE_WIDTH ? tiles : LONGEST_ROW / TILE_WIDTH;
+    const uint32_t width = across * TILE_WIDTH;
+    const uint32_t height = ((tiles - 1) / across + 1) * TILE_HEIGHT;
+    if (pass->target.width == width && pass->target.height == height) {
+        return CONUS_OK;
     }
+    target_finish(&pass->target);
+    return target_init(&pass->target, width, height, NULL, 0);
 }
 
 /* Walks rays number `first` to `end` - 1 through a volume. */
-static void dispatch(const struct id_pass *pass, enum id_kind kind, size_t volume, uint32_t first, uint32_t end)
+static conus_status draw(struct id_pass *pass, enum id_kind kind, size_t volume, uint32_t first, uint32_t end)
 {
+    const struct id_volume *drawn = &pass->volumes[volume];
+    const GLuint textures[] = {drawn->objects, drawn->distances, pass->identifiers, pass->ray_texels};
+    conus_status status = need_target(pass, end - first);
+    if (status) {
+        return status;
+    }
+    target_bind(&pass->target);
+    glBindVertexArray(pass->vertices);
     glUseProgram(pass->programs[kind]);
-    id_pass_bind(pass, volume);
-    glBindTextureUnit(RAY_UNIT, pass->ray_texels);
-    glUniform3i(RANGE, (GLint)first, (GLint)end, pass->volumes_traced > 0);
-    glDispatchCompute((end - first + GROUP - 1) / GROUP, 1, 1);
+    glBindTextures(0, RAY_UNIT + 1, textures);
+    if (pass->sampling == CONUS_SAMPLING_EXACT) {
+        glUniform3iv(BOX, 2, drawn->box[0]);
+    }
+    glUniform4i(RANGE, (GLint)first, (GLint)end, pass->volumes_traced > 0, (GLint)pass->target.width);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    return gl_check("ID pass");
 }
 
 conus_status id_pass_trace(struct id_pass *pass, size_t volume)
@@ -221,9 +217,9 @@ conus_status id_pass_trace(struct id_pass *pass, size_t volume)
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT); /* earlier hits are read now */
     }
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, OUT_BUFFER, pass->buffers[HITS]);
-    dispatch(pass, FIRST, volume, 0, pass->ray_count);
+    conus_status status = draw(pass, FIRST, volume, 0, pass->ray_count);
     pass->volumes_traced++;
-    return gl_check("ID pass");
+    return status;
 }
 
 conus_status id_pass_read(struct id_pass *pass, const struct id_hit **out)
@@ -255,8 +251,8 @@ conus_status id_pass_pierce(struct id_pass *pass, size_t volume, id_pass_take ta
     while (!status && shader_list_next(list, OUT_BUFFER)) {
         const void *records = NULL;
         uint32_t count = 0;
-        dispatch(pass, PIERCE, volume, list->first, list->end);
-        status = shader_list_read(list, &records, &count);
+        status = draw(pass, PIERCE, volume, list->first, list->end);
+        status = status ? status : shader_list_read(list, &records, &count);
         status = status ? status : take(user, records, count);
     }
     return status;

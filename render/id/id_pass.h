@@ -13,7 +13,7 @@
 #include "render/id/shapes.h"
 
 /* The ID pass: which object each of many rays hits first. The rays are those of the pixels of as many cones as one
- * likes, so a block of cones is one dispatch per volume and one wait. Needs a current context throughout. One trace
+ * likes, so a block of cones is one draw per volume and one wait. Needs a current context throughout. One trace
  * is: id_pass_begin(); for each volume fill id_pass_rays() and id_pass_trace(); id_pass_read(). For all layers:
  * id_pass_begin(); for each volume fill id_pass_rays() and id_pass_pierce(). */
 
@@ -61,32 +61,16 @@ struct id_distances {
     int box[2][3];        /**< The first and the last voxel with objects; last below first where there are none. */
 };
 
-/** Binds the textures of volume number @p volume and the table of identifiers for the program in use, which begins with
- * id.comp.glsl, and sets its uniform box. */
-void id_pass_bind(const struct id_pass *pass, size_t volume);
-
-/** The units of id_pass_bind()'s textures. */
-enum { ID_OBJECTS_UNIT, ID_DISTANCE_UNIT, ID_IDENTIFIER_UNIT };
-
 /** Uploads the objects of @p volume, which is number 0, 1, ... by the order of these calls; takes the textures' size
  * off @p memory_left. */
 conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volume, const struct id_distances *distances,
                                 uint64_t *memory_left);
-
-size_t id_pass_volume_count(const struct id_pass *pass);
-
-/** The matrix [16] of volume number @p volume. */
-const double *id_pass_index_from_world(const struct id_pass *pass, size_t volume);
 
 /** Reserves memory for @p rays rays, at least 1. */
 conus_status id_pass_begin(struct id_pass *pass, uint32_t rays);
 
 /** The rays, to be filled in before each volume; NULL = no memory. */
 struct id_ray *id_pass_rays(struct id_pass *pass);
-
-/** A buffer of struct id_ray, which the device is to fill before each volume instead, until the next
- * id_pass_begin(). */
-GLuint id_pass_device_rays(struct id_pass *pass);
 
 /** Traces the rays through volume number @p volume: its cells (Eq. 5) or, with CONUS_SAMPLING_SLICES, the rays' planes
  * (Eq. 7). Nearer hits found before stay; of equally near objects the lower identifier wins. */
@@ -101,82 +85,6 @@ typedef conus_status (*id_pass_take)(void *user, const struct id_interval *inter
 /** Hands to @p take, in portions, all intervals of the rays in volume number @p volume, whatever hides them. Not for
  * CONUS_SAMPLING_SLICES. */
 conus_status id_pass_pierce(struct id_pass *pass, size_t volume, id_pass_take take, void *user);
-
-/* Cones whose rays the device makes: a cone goes up as its place. Either it adds up, per object, what they hit first
- * in volumes (Eq. 4, Eq. 11), and rows come down; or the ID pass walks them, and pixels or intervals do. With the
- * bits of the rays engine and its statistics. Needs a current context throughout. */
-
-/** Where a cone is: the columns of world_from_device, right, up, back and apex; the radius of a cylinder, else 0. And
- * which shape it has. */
-struct cone_place {
-    double columns[4][3], radius;
-    uint32_t shape, unused;
-};
-
-/** A ray of a shape. */
-struct cone_aim {
-    double right, up, forward; /**< Unit direction in the device's frame. */
-    double u, v;               /**< In the buffer (Eq. 3).                */
-    uint32_t rank, unused;     /**< Of its pixel among those of its part, to count. */
-};
-
-enum { CONE_PART = 256 };
-
-/** Beside the number of a pixel. */
-#define CONE_BORDER 0x80000000U
-
-/** A pixel of the shape; those of a part by ascending number, as many as the part has rays. */
-struct cone_spot {
-    double weight;          /**< Sums of them must be exact where there are several parts.           */
-    uint32_t pixel, square; /**< Row-major, with CONE_BORDER if a neighbour is in no cone; n^2 r^2. */
-};
-
-/** What the pixels of a part hit first of one object. */
-struct cone_row {
-    double nearest, contact;       /**< mm along the rays, INFINITY for object 0. */
-    double weight;                 /**< Sum.                                      */
-    uint32_t object, own;          /**< As reported, and as its contact hit it.   */
-    uint32_t pixels, pixel, voxel; /**< How many; the contact's two.                      */
-    uint32_t border;               /**< CONE_BORDER if one of them has it; else 0.        */
-};
-
-/** The rows of a part of a cone. */
-struct cone_head {
-    uint32_t first, count;
-};
-
-/** After a failure all but its end is lost. */
-struct cone_pass;
-
-/** @p out is NULL on a driver that does not round each `precise` operation, which some thousand numbers show: such rays
- * would be others than the CPU's. The volumes of @p id_pass, which must outlive it, are searched. */
-conus_status cone_pass_create(struct cone_pass **out, struct id_pass *id_pass);
-/** NULL is fine. */
-void cone_pass_destroy(struct cone_pass *pass);
-
-/** Sets as what each object is counted: @p groups[k] for object k. */
-conus_status cone_pass_set_groups(struct cone_pass *pass, const uint32_t *groups, size_t group_count);
-
-/** Adds a shape of @p rays rays, as number @p known: the device has as many of that many rays, to count with, which
- * need
- * @p spots, or to list, where it is NULL. After a failure it has none. */
-conus_status cone_pass_add_shape(struct cone_pass *pass, const struct cone_aim *aims, const struct cone_spot *spots,
-                                 size_t rays, size_t known);
-
-/** Counts for @p cones cones, whose rays are walked CONE_PART by CONE_PART: those of a part should be neighbours. Part
- * p of cone c has (*heads)[c * parts + p], parts = rays / CONE_PART rounded up. Both are borrowed until the next call.
- * Volumes have at most 2^32 - 1 voxels each. */
-conus_status cone_pass_count(struct cone_pass *pass, const struct cone_place *places, uint32_t cones, uint32_t rays,
-                             const struct cone_head **heads, const struct cone_row **rows);
-
-/** Lists the next rays that are made: ray k is ray @p list[k] % rays of cone list[k] / rays; @p count of them, of which
- * the device has the first @p known. */
-conus_status cone_pass_list(struct cone_pass *pass, const struct cone_place *places, uint32_t cones, uint32_t rays,
-                            const uint32_t *list, size_t known, uint32_t count);
-
-/** Makes the listed rays in volume number @p volume, for the next id_pass_trace() or id_pass_pierce(); after
- * id_pass_begin() for as many. */
-conus_status cone_pass_make_rays(struct cone_pass *pass, size_t volume);
 
 /* Meshes cut into clusters of neighbouring triangles, so that one test can leave out what a view cannot show. They
  * are laid out for drawing without a draw call, an attribute or a query per triangle: a triangle's last corner is a
@@ -197,7 +105,7 @@ struct clusters {
     struct cluster *cluster; /**< [cluster_count] sorted by `first`.                                          */
     size_t group_count;
     float *balls; /**< [cluster_count + group_count][4] centre and radius, mm, of a ball around each cluster and each
-                       group; NULL once dropped. */
+                       group. */
     size_t range_count;
     float *range_balls; /**< [range_count][4] likewise; stays.                                                */
     size_t triangle_count;
@@ -211,7 +119,7 @@ struct clusters {
 conus_status clusters_init(struct clusters *out, const struct mesh *const *meshes, size_t count);
 void clusters_finish(struct clusters *clusters);
 
-/** Frees balls, positions and corners once a driver has a copy. */
+/** Frees positions and corners once a driver has a copy. */
 void clusters_drop_triangles(struct clusters *clusters);
 
 /** The cluster of the triangle that is drawn as number @p triangle. */

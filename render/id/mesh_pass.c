@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Lets the device draw the clusters that a view can show, reads the proposed triangles and decides which is nearest. */
+/* Draws the clusters that a view can show, reads the proposed triangles and decides which is nearest. */
 #include "render/id/id_pass.h"
 
 #include "base/geometry/math3.h"
@@ -10,37 +10,31 @@
 
 #include <string.h>
 
-enum kind { CULL, FIRST, ALL, KIND_COUNT }; /* of programs; ALL: made when first needed */
+enum kind { FIRST, ALL, KIND_COUNT }; /* of programs; ALL: made when first needed */
 
-/* Buffers that shaders see as textures, of the units of the same numbers; and others, which they see as blocks of these
- * numbers, of which OpenGL promises 8. The list of hits has the first. */
-enum {
-    POSITIONS,
-    CORNERS,
-    BALLS,
-    CLUSTERS,
-    TEXTURE_COUNT,
-    PIXELS = TEXTURE_COUNT,
-    INDICES, /* what is drawn now */
-    SHOWN,   /* ranges, and */
-    DRAWS,   /* draws, as below */
-    BUFFER_COUNT
-};
+/* Buffers that shaders see as textures, of the units of the same numbers; and one that they see as a block of that
+ * number. The list of hits has the first. */
+enum { POSITIONS, CORNERS, TEXTURE_COUNT, PIXELS = TEXTURE_COUNT, BUFFER_COUNT };
 enum { HITS };
 
-/* Locations of uniforms: of all programs, of CULL, of FIRST, and of ALL. */
+/* Locations of uniforms: of all programs, of FIRST, and of ALL. */
 enum { APEX, DEVICE_FROM_WORLD, PARALLEL, RESOLUTION, OWN };
-enum { SHAPE = OWN, KNOWN, CULLED, CLUSTER_COUNT };
-enum { DIRECTION_FROM_PLACE = OWN, ORIGIN_FROM_PLACE, FIRST_PIXEL, NOTES };
+enum { DIRECTION_FROM_PLACE = OWN, ORIGIN_FROM_PLACE, FIRST_PIXEL };
 enum { DRAWN_PIXELS = OWN };
 enum { FIRST_CAPACITY = 6, CAPACITY_STEP = 8, FIRST_HITS = 1024 };
 
-/* Ranges of clusters that are culled and drawn at once, at most. */
-enum { BATCH = 512 };
+/* Pixels that a driver's grid of vertices may move an edge by, and a margin; relative error of distances that
+ * comparisons allow for; pixels of a ball that are not asked one by one. */
+#define MARGIN 0.02
+#define ROUNDING 1e-9
+enum { MANY_PIXELS = 64 };
 
-/* Of a query, batches of 1, 2, 4, ... BATCH ranges, nearest first, so that those behind are culled by what is known by
- * then; and one for the notes. Each BATCH more ranges make one more of both. */
-enum { BATCHES_OF_QUERY = 10 + 1 + 1 };
+/* Clusters that are drawn at once: Mesa's llvmpipe keeps triangles until it draws them, and of thousands each costs two
+ * to three times as much as of hundreds. */
+enum { PORTION = 64 };
+
+/* Ranges of clusters of which all hits are listed at once. */
+enum { BATCH = 16 };
 
 /* Queries are drawn and read at once while their pixels take at most so many bytes. */
 enum { PIXEL_MEMORY = 1 << 24 };
@@ -49,11 +43,6 @@ enum { PIXEL_MEMORY = 1 << 24 };
 struct shown {
     double nearest; /* mm: a lower bound of its distance from the apex */
     uint32_t range;
-};
-
-/* A command of glDrawElementsIndirect(). */
-struct draw {
-    uint32_t count, instances, first, base, base_instance;
 };
 
 struct mesh_pass {
@@ -67,11 +56,13 @@ struct mesh_pass {
     struct readback readback;
     size_t pixel_slots;  /* queries that are drawn and read at once */
     uint32_t capacity;   /* triangles that a pixel can note */
-    struct shown *shown; /* [range_count] of one query, nearest first */
-    uint32_t *ranges;    /* those of all queries that are drawn at once, query after query */
+    struct shown *shown; /* ranges of all queries that are drawn at once, query after query, nearest first */
     size_t *ends;        /* of each query */
-    struct draw *draws;  /* of each batch of them */
-    size_t range_capacity, end_capacity, draw_capacity;
+    size_t shown_capacity, end_capacity;
+    GLsizei *counts;      /* [cluster_count] of corners, of the clusters that are drawn now, */
+    const void **offsets; /* and where their corners are */
+    size_t drawn_count;
+    uint32_t triangles;      /* of them */
     struct shader_list hits; /* of pixel and triangle */
 };
 
@@ -79,23 +70,15 @@ struct mesh_pass {
 static conus_status create_program(struct mesh_pass *pass, enum kind kind, uint32_t capacity)
 {
     static const struct program_source shaders[KIND_COUNT] = {
-        [CULL] = {.compute = {"mesh_cull.comp.glsl", shader_mesh_cull_comp}},
         [FIRST] = {.vertex = {"mesh_id.vert.glsl", shader_mesh_id_vert},
                    .fragment = {"mesh_id.frag.glsl", shader_mesh_id_frag}},
         [ALL] = {.vertex = {"mesh_id.vert.glsl", shader_mesh_id_vert},
                  .fragment = {"mesh_hits.frag.glsl", shader_mesh_hits_frag}}};
     const struct program_define defines[] = {{"CAPACITY", capacity},
-                                             {"CLUSTER_RANGE", CLUSTER_RANGE},
-                                             {"CLUSTER_GROUP", CLUSTER_GROUP},
                                              {"PIXEL_BUFFER", PIXELS},
                                              {"HIT_BUFFER", HITS},
-                                             {"INDEX_BUFFER", INDICES},
-                                             {"SHOWN_BUFFER", SHOWN},
-                                             {"DRAW_BUFFER", DRAWS},
                                              {"POSITION_UNIT", POSITIONS},
-                                             {"CORNER_UNIT", CORNERS},
-                                             {"BALL_UNIT", BALLS},
-                                             {"CLUSTER_UNIT", CLUSTERS}};
+                                             {"CORNER_UNIT", CORNERS}};
     struct program_source source = shaders[kind];
     source.defines = defines;
     source.define_count = sizeof defines / sizeof defines[0];
@@ -115,19 +98,14 @@ static conus_status upload_triangles(struct mesh_pass *pass, uint64_t *memory_le
     struct clusters *clusters = &pass->clusters;
     GLint limit = 0;
     glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
-    const size_t listed = clusters->range_count < BATCH ? clusters->range_count : BATCH;
-    const size_t index_size = listed * CLUSTER_RANGE * CLUSTER_TRIANGLES * 3 * sizeof(uint32_t);
     const struct {
         GLenum format;
         const void *data;
         size_t size;
     } parts[TEXTURE_COUNT] = {
         [POSITIONS] = {GL_RGB32F, clusters->positions, clusters->vertex_count * 3 * sizeof *clusters->positions},
-        [CORNERS] = {GL_RGB32UI, clusters->corners, clusters->triangle_count * 3 * sizeof *clusters->corners},
-        [BALLS] = {GL_RGBA32F, clusters->balls,
-                   (clusters->cluster_count + clusters->group_count) * 4 * sizeof *clusters->balls},
-        [CLUSTERS] = {GL_RGB32UI, clusters->cluster, clusters->cluster_count * sizeof *clusters->cluster}};
-    uint64_t size = index_size;
+        [CORNERS] = {GL_RGB32UI, clusters->corners, clusters->triangle_count * 3 * sizeof *clusters->corners}};
+    uint64_t size = 0;
     for (int i = 0; i < TEXTURE_COUNT; i++) {
         size += parts[i].size;
     }
@@ -146,10 +124,9 @@ static conus_status upload_triangles(struct mesh_pass *pass, uint64_t *memory_le
         glNamedBufferStorage(pass->buffers[i], (GLsizeiptr)parts[i].size, parts[i].data, 0);
         glTextureBuffer(pass->textures[i], parts[i].format, pass->buffers[i]);
     }
-    glNamedBufferStorage(pass->buffers[INDICES], (GLsizeiptr)index_size, NULL, 0);
     glCreateVertexArrays(1, &pass->vertices);
     glVertexArrayVertexBuffer(pass->vertices, 0, pass->buffers[POSITIONS], 0, 3 * sizeof *clusters->positions);
-    glVertexArrayElementBuffer(pass->vertices, pass->buffers[INDICES]);
+    glVertexArrayElementBuffer(pass->vertices, pass->buffers[CORNERS]);
     glVertexArrayAttribFormat(pass->vertices, 0, 3, GL_FLOAT, GL_FALSE, 0);
     glVertexArrayAttribBinding(pass->vertices, 0, 0);
     glEnableVertexArrayAttrib(pass->vertices, 0);
@@ -167,10 +144,10 @@ conus_status mesh_pass_create(struct mesh_pass **out, const struct mesh *const *
     pass->meshes = memory_copy(meshes, count, sizeof(void *));
     conus_status status = pass->meshes ? clusters_init(&pass->clusters, meshes, count) : CONUS_ERROR_MEMORY;
     if (!status) {
-        pass->shown = memory_raw(pass->clusters.range_count, sizeof *pass->shown);
-        status = pass->shown ? create_program(pass, CULL, 0) : CONUS_ERROR_MEMORY;
+        pass->counts = memory_raw(pass->clusters.cluster_count, sizeof *pass->counts);
+        pass->offsets = memory_raw(pass->clusters.cluster_count, sizeof *pass->offsets);
+        status = pass->counts && pass->offsets ? create_program(pass, FIRST, FIRST_CAPACITY) : CONUS_ERROR_MEMORY;
     }
-    status = status ? status : create_program(pass, FIRST, FIRST_CAPACITY);
     status = status ? status : shader_list_init(&pass->hits, 2 * sizeof(uint32_t), FIRST_HITS);
     status = status ? status : upload_triangles(pass, memory_left);
     if (status) {
@@ -199,9 +176,9 @@ void mesh_pass_destroy(struct mesh_pass *pass)
     memory_free((void *)pass->meshes);
     memory_free(pass->pixels);
     memory_free(pass->shown);
-    memory_free(pass->ranges);
     memory_free(pass->ends);
-    memory_free(pass->draws);
+    memory_free(pass->counts);
+    memory_free((void *)pass->offsets);
     memory_free(pass);
 }
 
@@ -287,17 +264,6 @@ static void set_view(GLuint program, const struct mesh_view *view)
     glUniform1i(RESOLUTION, (GLint)view->resolution);
 }
 
-/* What CULL leaves out: `known` is the first pixel of the query, and the words of each; 0 where nothing is known. */
-static void set_culling(const struct mesh_pass *pass, const struct mesh_view *view, GLint first_pixel, GLint stride)
-{
-    const double cosine = 1 / sqrt(1 + view->slope * view->slope);
-    const double shape[3] = {view->radius > 0 ? view->radius : view->slope, cosine, view->slope * cosine};
-    set_view(pass->programs[CULL], view);
-    glUniform3dv(SHAPE, 1, shape);
-    glUniform2i(KNOWN, first_pixel, stride);
-    glUniform1i(CLUSTER_COUNT, (GLint)pass->clusters.cluster_count);
-}
-
 /* The rays of FIRST. */
 static void set_first(const struct mesh_pass *pass, const struct mesh_view *view, GLint first_pixel)
 {
@@ -316,90 +282,172 @@ static void set_first(const struct mesh_pass *pass, const struct mesh_view *view
     glUniform1i(FIRST_PIXEL, first_pixel);
 }
 
+/* A ball in the device's frame: to its right, up and forward. */
+struct seen {
+    double at[3], radius;
+};
+
+static struct seen see(const struct mesh_view *view, const float ball[4])
+{
+    const double *m = view->world_from_device;
+    const double at[3] = {(double)ball[0] - m[12], (double)ball[1] - m[13], (double)ball[2] - m[14]};
+    return (struct seen){{vec3_dot(at, m), vec3_dot(at, m + 4), -vec3_dot(at, m + 8)}, (double)ball[3]};
+}
+
+/* Whether the ball is in the buffer's pyramid, the square one around the cone, or a cylinder's prism. */
+static bool is_in_view(const struct mesh_view *view, const struct seen *ball)
+{
+    const double cosine = 1 / sqrt(1 + view->slope * view->slope);
+    const double outside = fmax(fabs(ball->at[0]), fabs(ball->at[1])) - view->radius;
+    return ball->at[2] > -ball->radius && (outside - ball->at[2] * view->slope) * cosine < ball->radius;
+}
+
+/* A lower bound of its distance along any ray: those of a cylinder go to both sides, or only ahead. */
+static double nearest_of(const struct mesh_view *view, const struct seen *ball)
+{
+    const double away = view->radius > 0 ? fabs(ball->at[2]) : vec3_length(ball->at);
+    return away * (1 - ROUNDING) - ball->radius * (1 + ROUNDING);
+}
+
+/* The first and the last pixel whose centre the ball may cover along one axis; the last is before the first if none. */
+static void find_pixels(int out[2], const struct mesh_view *view, double offset, const struct seen *ball)
+{
+    const double n = view->resolution;
+    const double near = view->radius + view->slope * (ball->at[2] - ball->radius); /* half the buffer's edge there */
+    const double far = view->radius + view->slope * (ball->at[2] + ball->radius);
+    const double low = offset - ball->radius;
+    const double high = offset + ball->radius;
+    out[0] = 0;
+    out[1] = (int)view->resolution - 1;
+    if (near > 0) {
+        out[0] = (int)fmin(fmax(ceil(((low / (low < 0 ? near : far) + 1) * n - 1) / 2 - MARGIN), 0), n);
+        out[1] = (int)fmin(fmax(floor(((high / (high > 0 ? near : far) + 1) * n - 1) / 2 + MARGIN), -1), n - 1);
+    }
+}
+
+/* Whether the ray of a pixel passes the ball, or so near that a driver may think so. */
+static bool passes(const struct mesh_view *view, const struct seen *ball, int i, int j)
+{
+    const double edge = view->radius > 0 ? view->radius : view->slope;
+    const double right = ((2 * i + 1) / (double)view->resolution - 1) * edge;
+    const double up = ((2 * j + 1) / (double)view->resolution - 1) * edge;
+    const double far = ball->at[2] + ball->radius;
+    const double pixel = 2 * (view->radius + view->slope * far) / view->resolution;
+    const double reach = ball->radius + 2 * MARGIN * pixel + ROUNDING * fabs(far);
+    double off[3] = {ball->at[0] - right, ball->at[1] - up, 0};
+    double square = 1;
+    if (view->radius <= 0) { /* the cross product, in which nothing cancels */
+        off[0] = ball->at[1] - ball->at[2] * up;
+        off[1] = ball->at[2] * right - ball->at[0];
+        off[2] = up * ball->at[0] - right * ball->at[1];
+        square += right * right + up * up;
+    }
+    return vec3_dot(off, off) <= reach * reach * square;
+}
+
+/* Whether a ball may show before what each pixel has hit; before nothing, where `distances` is NULL. */
+static bool is_visible(const struct mesh_view *view, const double *distances, const float ball[4])
+{
+    const struct seen seen = see(view, ball);
+    int across[2];
+    int up[2];
+    if (!is_in_view(view, &seen)) {
+        return false;
+    }
+    find_pixels(across, view, seen.at[0], &seen);
+    find_pixels(up, view, seen.at[1], &seen);
+    const bool is_large = (across[1] - across[0] + 1) * (up[1] - up[0] + 1) > MANY_PIXELS;
+    const double nearest = nearest_of(view, &seen);
+    bool visible = false;
+    for (int j = up[0]; j <= up[1] && !visible; j++) {
+        for (int i = across[0]; i <= across[1] && !visible; i++) {
+            visible = (!distances || distances[(size_t)j * view->resolution + (size_t)i] >= nearest) &&
+                      (is_large || seen.at[2] <= seen.radius || passes(view, &seen, i, j));
+        }
+    }
+    return visible;
+}
+
 static int nearest_first(const void *a, const void *b)
 {
     return compare_double(((const struct shown *)a)->nearest, ((const struct shown *)b)->nearest);
 }
 
-/* Lists the ranges that a view can show as pass->shown. Returns how many there are. */
-static size_t list_shown(const struct mesh_pass *pass, const struct mesh_view *view)
-{
-    const double *m = view->world_from_device;
-    const double cosine = 1 / sqrt(1 + view->slope * view->slope);
-    size_t count = 0;
-    for (size_t range = 0; range < pass->clusters.range_count; range++) {
-        const float *ball = &pass->clusters.range_balls[4 * range];
-        const double radius = (double)ball[3];
-        const double at[3] = {(double)ball[0] - m[12], (double)ball[1] - m[13], (double)ball[2] - m[14]};
-        const double depth = -vec3_dot(at, m + 8);
-        const double outside = fmax(fabs(vec3_dot(at, m)), fabs(vec3_dot(at, m + 4))) - view->radius;
-        if (depth > -radius && outside * cosine - depth * view->slope * cosine < radius) {
-            pass->shown[count++] = (struct shown){vec3_length(at) - radius, (uint32_t)range};
-        }
-    }
-    order_sort(pass->shown, count, sizeof *pass->shown, nearest_first);
-    return count;
-}
-
-/* Sends the ranges of queries to the device, and empty draws for as many batches as they can make. */
-static conus_status upload_ranges(struct mesh_pass *pass, const struct mesh_query *queries, size_t count)
+/* Lists the ranges that queries can show. */
+static conus_status list_shown(struct mesh_pass *pass, const struct mesh_query *queries, size_t count)
 {
     size_t end = 0;
     if (!memory_reserve(&pass->ends, &pass->end_capacity, count, sizeof *pass->ends)) {
         return CONUS_ERROR_MEMORY;
     }
     for (size_t i = 0; i < count; i++) {
-        const size_t added = list_shown(pass, &queries[i].view);
-        if (!memory_reserve(&pass->ranges, &pass->range_capacity, end + added, sizeof *pass->ranges)) {
+        const size_t first = end;
+        if (!memory_reserve(&pass->shown, &pass->shown_capacity, end + pass->clusters.range_count,
+                            sizeof *pass->shown)) {
             return CONUS_ERROR_MEMORY;
         }
-        for (size_t k = 0; k < added; k++) {
-            pass->ranges[end++] = pass->shown[k].range;
+        for (size_t range = 0; range < pass->clusters.range_count; range++) {
+            const struct seen seen = see(&queries[i].view, &pass->clusters.range_balls[4 * range]);
+            if (is_in_view(&queries[i].view, &seen)) {
+                pass->shown[end++] = (struct shown){nearest_of(&queries[i].view, &seen), (uint32_t)range};
+            }
         }
+        order_sort(pass->shown + first, end - first, sizeof *pass->shown, nearest_first);
         pass->ends[i] = end;
     }
-    const size_t draws = count * BATCHES_OF_QUERY + 2 * (end / BATCH);
-    if (!memory_reserve(&pass->draws, &pass->draw_capacity, draws, sizeof *pass->draws)) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t i = 0; i < draws; i++) {
-        pass->draws[i] = (struct draw){.instances = 1};
-    }
-    glNamedBufferData(pass->buffers[SHOWN], (GLsizeiptr)(end * sizeof *pass->ranges), pass->ranges, GL_DYNAMIC_COPY);
-    glNamedBufferData(pass->buffers[DRAWS], (GLsizeiptr)(draws * sizeof *pass->draws), pass->draws, GL_DYNAMIC_COPY);
-    return gl_check("ranges of triangles");
+    return CONUS_OK;
 }
 
-/* What culling and drawing read and write. */
+/* Appends the clusters of a range that may be visible to those that are drawn. */
+static void add_range(struct mesh_pass *pass, const struct mesh_view *view, const double *distances, uint32_t range)
+{
+    const struct clusters *clusters = &pass->clusters;
+    const float *groups = clusters->balls + 4 * clusters->cluster_count;
+    const size_t first = (size_t)range * CLUSTER_RANGE;
+    const size_t end =
+        clusters->cluster_count - first < CLUSTER_RANGE ? clusters->cluster_count : first + CLUSTER_RANGE;
+    for (size_t k = first; k < end; k++) {
+        if (k % CLUSTER_GROUP == 0 && !is_visible(view, distances, groups + k / CLUSTER_GROUP * 4)) {
+            k += CLUSTER_GROUP - 1;
+        } else if (is_visible(view, distances, clusters->balls + 4 * k)) {
+            pass->counts[pass->drawn_count] = (GLsizei)(3 * clusters->cluster[k].count);
+            pass->offsets[pass->drawn_count++] =
+                (const void *)((uintptr_t)clusters->cluster[k].first * 3 * sizeof(uint32_t));
+            pass->triangles += clusters->cluster[k].count;
+        }
+    }
+}
+
+/* Lists the clusters of ranges number `first` to `end` - 1 that may be visible, to be drawn. */
+static void list_clusters(struct mesh_pass *pass, const struct mesh_view *view, const double *distances, size_t first,
+                          size_t end)
+{
+    pass->drawn_count = 0;
+    pass->triangles = 0;
+    for (size_t k = first; k < end; k++) {
+        add_range(pass, view, distances, pass->shown[k].range);
+    }
+}
+
+/* What drawing reads and writes. */
 static void bind_all(const struct mesh_pass *pass)
 {
     target_bind(&pass->target);
     glProvokingVertex(GL_LAST_VERTEX_CONVENTION);
     glBindVertexArray(pass->vertices);
-    for (GLuint i = 0; i < TEXTURE_COUNT; i++) {
-        glBindTextureUnit(i, pass->textures[i]);
-    }
-    for (GLuint i = TEXTURE_COUNT; i < BUFFER_COUNT; i++) {
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, i, pass->buffers[i]);
-    }
-    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, pass->buffers[DRAWS]);
+    glBindTextures(0, TEXTURE_COUNT, pass->textures);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PIXELS, pass->buffers[PIXELS]);
 }
 
-/* Lists for a draw what the view set shows of ranges. */
-static void cull_batch(const struct mesh_pass *pass, size_t first, size_t count, size_t draw)
+/* Draws what was listed with the program in use. */
+static void draw_clusters(const struct mesh_pass *pass)
 {
-    glUseProgram(pass->programs[CULL]);
-    glUniform2i(CULLED, (GLint)first, (GLint)(draw * sizeof(struct draw) / sizeof(uint32_t)));
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    glDispatchCompute((GLuint)count, 1, 1);
-    glMemoryBarrier(GL_ELEMENT_ARRAY_BARRIER_BIT | GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
-}
-
-/* Draws what was listed with a program. */
-static void draw_batch(GLuint program, size_t draw)
-{
-    glUseProgram(program);
-    glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, (const void *)(uintptr_t)(draw * sizeof(struct draw)));
+    for (size_t k = 0; k < pass->drawn_count; k += PORTION) {
+        const size_t left = pass->drawn_count - k;
+        glMultiDrawElements(GL_TRIANGLES, pass->counts + k, GL_UNSIGNED_INT, pass->offsets + k,
+                            (GLsizei)(left < PORTION ? left : PORTION));
+        glFlush();
+    }
 }
 
 /* Sends the pixels of queries to the device, with what is known of their distances. */
@@ -416,35 +464,24 @@ static void upload_pixels(struct mesh_pass *pass, const struct mesh_query *queri
     glNamedBufferSubData(pass->buffers[PIXELS], 0, (GLsizeiptr)pixels_size(pass, count), pass->pixels);
 }
 
-/* Draws queries and reads their pixels. Each is drawn twice: for the distances, and to note who is that near. */
-static conus_status draw_queries(struct mesh_pass *pass, const struct mesh_query *queries, size_t count)
+/* Draws `some` ranges of each query, behind `first` of them that were drawn, and reads their pixels. Returns in
+ * `is_last` whether those are all. */
+static conus_status draw_queries(bool *is_last, struct mesh_pass *pass, const struct mesh_query *queries, size_t count,
+                                 size_t first, size_t some)
 {
-    conus_status status = upload_ranges(pass, queries, count);
-    if (status) {
-        return status;
-    }
     upload_pixels(pass, queries, count);
     bind_all(pass);
-    size_t draw = 0;
+    *is_last = true;
     for (size_t i = 0; i < count; i++) {
-        const size_t first_pixel = i * pixel_count(pass);
-        const GLint stride = 2 + (GLint)pass->capacity;
-        set_culling(pass, &queries[i].view, (GLint)first_pixel * stride, stride);
-        set_first(pass, &queries[i].view, (GLint)first_pixel);
-        for (int notes = 0; notes < 2; notes++) {
-            size_t size = notes ? BATCH : 1;
-            glUseProgram(pass->programs[FIRST]);
-            glUniform1i(NOTES, notes);
-            for (size_t k = i ? pass->ends[i - 1] : 0, batch; k < pass->ends[i]; k += batch, draw++) {
-                batch = size < pass->ends[i] - k ? size : pass->ends[i] - k;
-                cull_batch(pass, k, batch, draw);
-                draw_batch(pass->programs[FIRST], draw);
-                size = 2 * size < BATCH ? 2 * size : BATCH;
-            }
-        }
+        const size_t begin = (i ? pass->ends[i - 1] : 0) + first;
+        const size_t end = begin + some < pass->ends[i] ? begin + some : pass->ends[i];
+        list_clusters(pass, &queries[i].view, queries[i].pixels.distances, begin, end);
+        set_first(pass, &queries[i].view, (GLint)(i * pixel_count(pass)));
+        draw_clusters(pass);
+        *is_last = *is_last && end >= pass->ends[i];
     }
     struct readback_part part = {pass->buffers[PIXELS], pixels_size(pass, count), NULL};
-    status = readback_wait(&pass->readback, &part, 1, "mesh ID pass");
+    conus_status status = readback_wait(&pass->readback, &part, 1, "mesh ID pass");
     pass->drawn = part.data;
     return status;
 }
@@ -465,37 +502,46 @@ static uint32_t settle_queries(struct mesh_pass *pass, const struct mesh_query *
     return most;
 }
 
-conus_status mesh_pass_render(struct mesh_pass *pass, const struct mesh_query *queries, size_t count)
+/* Draws queries until all their ranges are drawn: 1 of each, then the next 2, 4, 8 and so on, so that those behind are
+ * left out by what is known by then. Where a pixel has too little room, it grows, and there are no pixels any more. */
+static conus_status render_together(struct mesh_pass *pass, const struct mesh_query *queries, size_t count)
 {
-    conus_status status = count ? set_resolution(pass, queries->view.resolution) : CONUS_OK;
-    for (size_t first = 0, together; first < count && !status; first += together) {
-        uint32_t most = 0;
-        status = pass->pixel_slots < count - first ? make_pixels(pass, count - first) : CONUS_OK;
-        together = pass->pixel_slots < count - first ? pass->pixel_slots : count - first;
-        status = status ? status : draw_queries(pass, queries + first, together);
-        most = status ? 0 : settle_queries(pass, queries + first, together);
-        if (most > pass->capacity) { /* they are drawn again */
-            status = create_program(pass, FIRST, (most + 2 + CAPACITY_STEP - 1) / CAPACITY_STEP * CAPACITY_STEP - 2);
-            pass->pixel_slots = 0; /* those are too small */
-            together = 0;
+    bool is_last = false;
+    conus_status status = list_shown(pass, queries, count);
+    for (size_t first = 0, some = 1; !is_last && !status; first += some, some *= 2) {
+        status = draw_queries(&is_last, pass, queries, count, first, some);
+        const uint32_t most = status ? 0 : settle_queries(pass, queries, count);
+        if (most > pass->capacity) {
+            pass->pixel_slots = 0;
+            return create_program(pass, FIRST, (most + 2 + CAPACITY_STEP - 1) / CAPACITY_STEP * CAPACITY_STEP - 2);
         }
     }
     return status;
 }
 
-/* Draws what was listed, of which a pixel may have `triangles`, until all hits are taken. */
-static conus_status take_hits(struct mesh_pass *pass, const struct mesh_view *view, size_t draw, uint32_t triangles,
-                              mesh_pass_take take, void *user)
+conus_status mesh_pass_render(struct mesh_pass *pass, const struct mesh_query *queries, size_t count)
+{
+    conus_status status = count ? set_resolution(pass, queries->view.resolution) : CONUS_OK;
+    for (size_t first = 0, together; first < count && !status; first += pass->pixel_slots ? together : 0) {
+        status = pass->pixel_slots < count - first ? make_pixels(pass, count - first) : CONUS_OK;
+        together = pass->pixel_slots < count - first ? pass->pixel_slots : count - first;
+        status = status ? status : render_together(pass, queries + first, together);
+    }
+    return status;
+}
+
+/* Draws what was listed until all hits are taken. */
+static conus_status take_hits(struct mesh_pass *pass, const struct mesh_view *view, mesh_pass_take take, void *user)
 {
     struct shader_list *list = &pass->hits;
     conus_status status = CONUS_OK;
-    shader_list_begin(list, view->resolution * view->resolution, triangles);
+    shader_list_begin(list, view->resolution * view->resolution, pass->triangles);
     while (!status && shader_list_next(list, HITS)) {
         const void *records = NULL;
         uint32_t count = 0;
         glUseProgram(pass->programs[ALL]);
         glUniform2i(DRAWN_PIXELS, (GLint)list->first, (GLint)list->end);
-        draw_batch(pass->programs[ALL], draw);
+        draw_clusters(pass);
         status = shader_list_read(list, &records, &count);
         for (uint32_t i = 0; i < count && !status; i++) {
             const uint32_t *record = (const uint32_t *)records + 2 * (size_t)i;
@@ -512,20 +558,15 @@ conus_status mesh_pass_pierce(struct mesh_pass *pass, const struct mesh_view *vi
     const struct mesh_query query = {.view = *view};
     conus_status status = pass->programs[ALL] ? CONUS_OK : create_program(pass, ALL, 0);
     status = status ? status : set_resolution(pass, view->resolution);
-    status = status ? status : upload_ranges(pass, &query, 1);
+    status = status ? status : list_shown(pass, &query, 1);
     if (status) {
         return status;
     }
     bind_all(pass);
-    set_culling(pass, view, 0, 0);
     set_view(pass->programs[ALL], view);
-    for (size_t k = 0, draw = 0, batch; k < pass->ends[0] && !status; k += batch, draw++) {
-        struct readback_part part = {pass->buffers[DRAWS], (draw + 1) * sizeof *pass->draws, NULL};
-        batch = BATCH < pass->ends[0] - k ? BATCH : pass->ends[0] - k;
-        cull_batch(pass, k, batch, draw);
-        status = readback_wait(&pass->readback, &part, 1, "culling");
-        status =
-            status ? status : take_hits(pass, view, draw, ((const struct draw *)part.data)[draw].count / 3, take, user);
+    for (size_t k = 0; k < pass->ends[0] && !status; k += BATCH) {
+        list_clusters(pass, view, NULL, k, k + BATCH < pass->ends[0] ? k + BATCH : pass->ends[0]);
+        status = take_hits(pass, view, take, user);
     }
     return status;
 }

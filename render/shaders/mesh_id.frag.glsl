@@ -1,5 +1,5 @@
-// The mesh ID pass (Eq. 9), drawn twice: first each pixel's least distance is found, then the triangles are noted that
-// cover its centre and are as near within rounding. What it notes is settled on the CPU in double precision.
+// The mesh ID pass (Eq. 9): notes which triangle covers the pixel's centre, unless one is known that is nearer by more
+// than rounding. What it notes is settled on the CPU in double precision.
 flat in uint triangle;
 
 struct Pixel {
@@ -19,7 +19,6 @@ layout(binding = CORNER_UNIT) uniform usamplerBuffer corners;
 layout(location = 0) uniform dvec3 apex;
 layout(location = 3) uniform int resolution;
 layout(location = 6) uniform int first_pixel;
-layout(location = 7) uniform bool notes; // the second time
 // columns: right and up, times the tangent of half the angle; forward
 layout(location = 4) uniform dmat3 direction_from_place;
 layout(location = 5) uniform dmat2x3 origin_from_place; // columns: right and up, times a cylinder's radius
@@ -58,10 +57,9 @@ void main()
     }
     int pixel = first_pixel + at.y * resolution + at.x;
     float t = float(max(reached, 0.0));
-    if (!notes) {
-        // what may lie behind the ray's start hides nothing
-        atomicMin(pixels[pixel].nearest, reached < 0.0 ? 0xffffffffu : floatBitsToUint(t));
-    } else if (t <= uintBitsToFloat(pixels[pixel].nearest) * SLACK) {
+    // what may lie behind the ray's start hides nothing
+    uint before = atomicMin(pixels[pixel].nearest, reached < 0.0 ? 0xffffffffu : floatBitsToUint(t));
+    if (t <= uintBitsToFloat(before) * SLACK) {
         uint slot = atomicAdd(pixels[pixel].count, 1u);
         if (slot < uint(CAPACITY)) {
             pixels[pixel].triangles[slot] = triangle;

@@ -47,7 +47,6 @@ conus_status batch_worker_init(struct batch_worker *out, conus_selector *selecto
         return status ? status : CONUS_ERROR_MEMORY;
     }
     out->selector->inside_only = true;
-    out->selector->rows_only = true;
     pose_check_init(&out->aims, out->selector);
     return CONUS_OK;
 }

@@ -128,7 +128,8 @@ bool aperture_is_border(const bool *in_cone, uint32_t n, uint32_t pixel)
            !(is_within && in_cone[pixel - 1] && in_cone[pixel + 1] && in_cone[pixel - n] && in_cone[pixel + n]);
 }
 
-bool aperture_has_pixels(const struct aperture *aperture, const struct cone *cone)
+/* Whether the cone has these pixels: if so, another angle changes only their rays and weights. */
+static bool has_pixels(const struct aperture *aperture, const struct cone *cone)
 {
     bool other = aperture->angle != cone->angle && (aperture->is_wide_square || is_wide_square(cone));
     return !other && aperture->resolution == cone->resolution && aperture->shape == cone->aperture;
@@ -136,7 +137,7 @@ bool aperture_has_pixels(const struct aperture *aperture, const struct cone *con
 
 conus_status aperture_prepare(struct aperture *aperture, const struct cone *cone)
 {
-    if (!aperture_has_pixels(aperture, cone)) {
+    if (!has_pixels(aperture, cone)) {
         conus_status status = make_pixels(aperture, cone);
         if (status) {
             return status;

@@ -150,9 +150,6 @@ struct aperture {
     double total_weight;     /**< Sum over the pixels in the cone, in the pixels' order. */
 };
 
-/** Whether @p cone has these pixels: if so, another angle changes only their rays and weights. */
-bool aperture_has_pixels(const struct aperture *aperture, const struct cone *cone);
-
 /** Whether a pixel in the cone has a neighbour beside, above or below that is not. @p in_cone [n*n]. */
 bool aperture_is_border(const bool *in_cone, uint32_t n, uint32_t pixel);
 

@@ -19,13 +19,6 @@ struct engine_functions {
     /** trace() for @p count cones of one resolution at once; NULL where that is no faster. */
     conus_status (*trace_many)(struct engine *engine, struct evidence *const *out, const struct cone *const *cones,
                                size_t count);
-    /** Appends to each of @p count @p out, and sets *is_counted, what the pixels in its cone hit first, as trace()
-     * would find it, without what blocks. The cones have the pixels of @p aperture, which is prepared for each of their
-     * angles, and no range. Objects are reported as @p group says, which is the same in all calls. NULL where the
-     * engine or the atlas needs the pixels; *is_counted is false, and nothing is appended, where the driver does. */
-    conus_status (*count_many)(struct engine *engine, bool *is_counted, struct hit_counts *const *out,
-                               const struct cone *const *cones, size_t count, struct aperture *aperture,
-                               const uint32_t *group);
     /** Appends every interval of every pixel's ray inside an object to @p out, whatever hides it (Eq. 10), and inside
      * what blocks, as VOLUME_BLOCKER. Exact sampling only. The range of the cone does not matter, except that intervals
      * beyond its far end may be missing, and one that crosses it may end anywhere beyond. */

@@ -7,7 +7,6 @@
 #include "base/memory.h"
 #include "render/gl/gl.h"
 #include "render/id/id_pass.h"
-#include "selection/engine/device_cones.h"
 #include "selection/engine/engine_rays.h"
 #include "selection/engine/triangles/mesh_rays.h"
 #include "selection/engine/voxels/traverse.h"
@@ -17,7 +16,7 @@
 #include <string.h>
 
 /* Rays that are traced in step lie in such a part of the buffer. */
-enum { TILE_WIDTH = 4, TILE_HEIGHT = 2 };
+enum { TILE_WIDTH = 4, TILE_HEIGHT = 2, RAYS_AT_ONCE = 64 };
 
 struct gl_engine {
     struct engine base;
@@ -28,7 +27,7 @@ struct gl_engine {
     struct mesh_pass *mesh_pass; /* NULL where there are no meshes                 */
     struct engine *wide;         /* what finds meshes in wide cones; NULL before the first one */
     struct engine *bundles;      /* what finds streamlines; NULL where there are none */
-    struct mesh_ray *rays;       /* of all pixels of all cones in view, where the CPU needs them */
+    struct mesh_ray *rays;       /* of all pixels of all cones in view */
     uint32_t *traced;            /* [ray_count] pixels whose rays are traced through volumes, neighbours together */
     struct mesh_query *queries;
     size_t ray_capacity, traced_capacity, query_capacity;
@@ -37,10 +36,6 @@ struct gl_engine {
     struct engine_options options;
     size_t *volumes; /* [volume_count] of the atlas, in the order in which the pass has them */
     size_t volume_count;
-    struct device_cones *cones; /* whose rays the device makes; NULL before the first one, and where the driver */
-    bool cannot_make;           /* does not round as it must, which is to be said                               */
-    bool shall_say;
-    bool makes_rays; /* those that are traced now */
 };
 
 static void destroy(struct engine *engine)
@@ -48,7 +43,6 @@ static void destroy(struct engine *engine)
     struct gl_engine *gl = (struct gl_engine *)engine;
     struct gl_current previous = {0};
     if (gl->context && !gl_context_use(gl->context, &previous)) {
-        device_cones_destroy(gl->cones);
         id_pass_destroy(gl->pass);
         mesh_pass_destroy(gl->mesh_pass);
         gl_current_restore(&previous);
@@ -77,39 +71,10 @@ static conus_status enter(struct gl_engine *gl, struct gl_current *previous)
     return status;
 }
 
-/* The application's context is its own again when it is told something. */
 static void leave(struct gl_engine *gl, const struct gl_current *previous)
 {
     gl_current_restore(previous);
-    if (gl->shall_say && gl->options.log) {
-        const conus_note note = {.severity = CONUS_SEVERITY_WARNING,
-                                 .line = "OpenGL: this driver does not round double numbers as GLSL says; conus makes "
-                                         "rays and adds hits up without it"};
-        gl->options.log(gl->options.log_user, &note);
-    }
-    gl->shall_say = false;
     pthread_mutex_unlock(&gl->lock);
-}
-
-/* Makes gl->cones, unless the driver cannot. */
-static conus_status need_cones(struct gl_engine *gl)
-{
-    if (gl->cones || gl->cannot_make) {
-        return CONUS_OK;
-    }
-    conus_status status = device_cones_create(&gl->cones, gl->atlas, gl->pass);
-    gl->cannot_make = gl->shall_say = !status && !gl->cones;
-    return status;
-}
-
-/* After a failure they are made anew: who knows which buffers the driver has. */
-static conus_status check_cones(struct gl_engine *gl, conus_status status)
-{
-    if (status) {
-        device_cones_destroy(gl->cones);
-        gl->cones = NULL;
-    }
-    return status;
 }
 
 /* The cones of one trace, all of one resolution, and where their answers go (NULL when it is layers). */
@@ -156,31 +121,30 @@ static conus_status make_rays(struct gl_engine *gl, const struct view *view)
         return CONUS_ERROR_MEMORY;
     }
     struct mesh_ray *ray = gl->rays;
-    for (size_t c = 0; c < view->count; c++) {
-        for (uint32_t pixel = 0; pixel < view->pixels; pixel++, ray++) {
-            cone_origin(ray->origin, view->cones[c], pixel % n, pixel / n);
-            cone_ray(ray->direction, view->cones[c], pixel % n, pixel / n);
+    for (size_t first = 0, count; first < view->count * view->pixels; first += count) {
+        const struct cone *cone = view->cones[first / view->pixels];
+        const uint32_t pixel = (uint32_t)(first % view->pixels);
+        double u[RAYS_AT_ONCE], v[RAYS_AT_ONCE], x[RAYS_AT_ONCE], y[RAYS_AT_ONCE], z[RAYS_AT_ONCE];
+        count = view->pixels - pixel < RAYS_AT_ONCE ? view->pixels - pixel : RAYS_AT_ONCE;
+        for (uint32_t k = 0; k < count; k++) {
+            u[k] = cone_coordinate((pixel + k) % n, n);
+            v[k] = cone_coordinate((pixel + k) / n, n);
+        }
+        cone_rays((double *const[]){x, y, z}, cone, u, v, count);
+        for (uint32_t k = 0; k < count; k++, ray++) {
+            memcpy(ray->direction, (const double[]){x[k], y[k], z[k]}, sizeof ray->direction);
+            cone_origin(ray->origin, cone, (pixel + k) % n, (pixel + k) / n);
         }
     }
     return CONUS_OK;
 }
 
-/* Lists the rays through volumes, which the device makes where it can. The CPU makes others, and those that meshes
- * need. */
+/* Lists the rays through volumes, and makes all. */
 static conus_status aim(struct gl_engine *gl, const struct view *view)
 {
-    gl->makes_rays = false;
     gl->ray_count = 0;
     conus_status status = gl->pass ? list_traced(gl, view) : CONUS_OK;
-    if (!status && gl->ray_count && gl->options.sampling == CONUS_SAMPLING_EXACT) {
-        status = need_cones(gl);
-        gl->makes_rays = !status && gl->cones;
-    }
-    if (gl->makes_rays) {
-        status = check_cones(gl, device_cones_list(gl->cones, view->cones, view->count, gl->traced, gl->ray_count));
-    }
-    bool needs_rays = gl->mesh_pass || (gl->ray_count && !gl->makes_rays);
-    return !status && needs_rays ? make_rays(gl, view) : status;
+    return !status && (gl->mesh_pass || gl->ray_count) ? make_rays(gl, view) : status;
 }
 
 /* Sets the planes (Eq. 7) of the rays of one cone. */
@@ -205,9 +169,6 @@ static void prepare_planes(const struct gl_engine *gl, const struct volume *volu
 static conus_status prepare_rays(struct gl_engine *gl, size_t index, const struct view *view)
 {
     const struct volume *volume = &gl->atlas->volumes[gl->volumes[index]];
-    if (gl->makes_rays) {
-        return device_cones_make_rays(gl->cones, index);
-    }
     struct id_ray *rays = id_pass_rays(gl->pass);
     if (!rays) {
         return CONUS_ERROR_MEMORY;
@@ -358,26 +319,6 @@ static conus_status trace_many(struct engine *engine, struct evidence *const *ou
 static conus_status trace(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
     return trace_many(engine, &out, &cone, 1);
-}
-
-static conus_status count_many(struct engine *engine, bool *is_counted, struct hit_counts *const *out,
-                               const struct cone *const *cones, size_t count, struct aperture *aperture,
-                               const uint32_t *group)
-{
-    struct gl_engine *gl = (struct gl_engine *)engine;
-    struct gl_current previous;
-    conus_status status = enter(gl, &previous);
-    *is_counted = false;
-    if (status) {
-        return status;
-    }
-    status = need_cones(gl);
-    if (!status && gl->cones) {
-        status = check_cones(gl, device_cones_count(gl->cones, out, cones, count, aperture, group));
-        *is_counted = true;
-    }
-    leave(gl, &previous);
-    return status;
 }
 
 struct piercing {
@@ -555,23 +496,10 @@ static conus_status fill_engine(struct gl_engine *gl)
     return status;
 }
 
-/* Whether the device can count hits: none of its rays needs the CPU, and a voxel's number has 32 bits. */
-static bool has_volumes_only(const struct gl_engine *gl)
-{
-    bool fits = true;
-    for (size_t i = 0; i < gl->volume_count; i++) {
-        const size_t *dim = gl->atlas->volumes[gl->volumes[i]].info.dim;
-        fits = fits && dim[0] * dim[1] * (uint64_t)dim[2] < UINT32_MAX;
-    }
-    return fits && gl->pass && !gl->mesh_pass && !gl->bundles && gl->options.sampling == CONUS_SAMPLING_EXACT;
-}
-
 conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, const struct engine_options *options)
 {
     static const struct engine_functions functions = {
         .trace = trace, .trace_many = trace_many, .pierce = pierce, .destroy = destroy};
-    static const struct engine_functions of_volumes = {
-        .trace = trace, .trace_many = trace_many, .count_many = count_many, .pierce = pierce, .destroy = destroy};
     struct gl_engine *gl = memory_zeroed(1, sizeof *gl);
     if (!gl) {
         return CONUS_ERROR_MEMORY;
@@ -586,7 +514,6 @@ conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, con
         destroy(&gl->base);
         return status;
     }
-    gl->base.functions = has_volumes_only(gl) ? &of_volumes : &functions;
     *out = &gl->base;
     return CONUS_OK;
 }

@@ -84,25 +84,4 @@ conus_status layers_regroup(struct layers *layers, const uint32_t *group, size_t
 /** Drops the intervals of voxels that block but are no object (VOLUME_BLOCKER). */
 void layers_drop_blockers(struct layers *layers);
 
-/* First hits added up per object, where an engine counts them itself: evidence of a cone without its pixels. */
-
-/** What some pixels in the cone hit first of one object. */
-struct hit_count {
-    uint32_t object; /**< As it is reported; 0 = nothing.                               */
-    uint32_t pixels;
-    double weight;     /**< Sum of theirs (Eq. 4).                                         */
-    double nearest;    /**< mm along their rays; INFINITY of nothing.                      */
-    uint32_t pixel;    /**< The contact's: the smallest r, of equal ones the nearest, the first (Eq. 11). */
-    uint32_t own;      /**< Which object that one hit, whatever it is reported as,         */
-    uint64_t voxel;    /**< in which voxel,                                                */
-    double contact;    /**< and how far along its ray, mm.                                 */
-    bool is_at_border; /**< One of the pixels has a neighbour that is not in the cone.  */
-};
-
-/** Of one cone. An object may have several, of other pixels. End it with memory_free(rows). */
-struct hit_counts {
-    struct hit_count *rows;
-    size_t count, capacity;
-};
-
 #endif

@@ -347,11 +347,10 @@ struct gathering {
     const struct cone *cone;
     const struct aperture *aperture; /**< Prepared for the cone; NULL where there are no pixels. */
     const struct evidence *evidence;
-    const struct hit_counts *counts; /**< In its place, where an engine has counted; grouped already. Else NULL. */
-    const struct soft *soft;         /**< Weights of pixels, of a cone with evidence; NULL = none.         */
-    const struct layers *layers;     /**< Sorted; NULL = visible only.                                     */
-    const struct census *census;     /**< The voxels in the cone or ball; with layers or near.           */
-    const struct near *near; /**< The objects near to a ball's centre; with its census.                        */
+    const struct soft *soft;     /**< Weights of pixels, of a cone with evidence; NULL = none.         */
+    const struct layers *layers; /**< Sorted; NULL = visible only.                                     */
+    const struct census *census; /**< The voxels in the cone or ball; with layers or near.           */
+    const struct near *near;     /**< The objects near to a ball's centre; with its census.                        */
     const struct tract_census *tracts; /**< The streamlines there, with a census; NULL = there is no bundle. */
     const struct tract_index *tract_index;
     const struct solids *solids; /**< Surfaces whose inside is counted; with a census. NULL = none. */

@@ -149,28 +149,6 @@ static void add_pixels(struct tally *tally, const struct gathering *gathering)
     }
 }
 
-/* The same where pixels are added up already, some by some. */
-static void add_counts(struct tally *tally, const struct gathering *gathering)
-{
-    for (size_t i = 0; i < gathering->counts->count; i++) {
-        const struct hit_count *count = &gathering->counts->rows[i];
-        struct tallied *object = touch(tally, count->object);
-        uint32_t square = gathering->aperture->square[count->pixel];
-        bool is_as_near = square == object->square && count->contact == object->contact_distance;
-        if (square < object->square || (square == object->square && count->contact < object->contact_distance) ||
-            (is_as_near && count->pixel < object->pixel)) {
-            object->pixel = count->pixel;
-            object->own = count->own;
-            object->voxel = count->voxel;
-            object->square = square;
-            object->contact_distance = count->contact;
-        }
-        object->nearest = count->nearest < object->nearest ? count->nearest : object->nearest;
-        object->weight += count->weight;
-        object->pixels += count->pixels;
-    }
-}
-
 /* The pixels left and right of, below and above one; itself in place of those that are not in the cone. */
 static inline void find_beside(uint32_t out[4], uint32_t pixel, uint32_t n, unsigned sides)
 {
@@ -467,7 +445,7 @@ conus_status statistics_gather(struct statistics *out, const struct gathering *g
     struct totals totals = {.weight = gathering->aperture ? gathering->aperture->total_weight : 0};
     if (gathering->aperture) {
         touch(tally, 0);
-        gathering->counts ? add_counts(tally, gathering) : add_pixels(tally, gathering);
+        add_pixels(tally, gathering);
     }
     if (gathering->aperture && gathering->soft) {
         add_soft(tally, gathering);

@@ -167,7 +167,6 @@ APART = {
     "poses/rows": ("columns", "tables whose columns are guessed; most know rows only"),
     "render/gl": ("camera shaders", "need no OpenGL; the build writes the sources of shaders.h"),
     "render/id": ("shapes", "needs no OpenGL"),
-    "selection/engine": ("device_cones", "needs OpenGL"),
     "selection/engine/triangles": ("embree", "includes Embree"),
     "selection/engine/voxels": ("distance_map traverse_lanes", "maps are packed with an atlas; a kernel's body"),
     "selection/measure": ("score", "knows results only, and not how they are measured"),

@@ -66,39 +66,6 @@ static void cones_of_many_shapes_take_turns(void **state)
     conus_atlas_destroy(atlas);
 }
 
-static PFNGLNAMEDBUFFERSUBDATAPROC driver_write;
-static GLsizeiptr written;
-
-static void GLAPIENTRY write_and_count(GLuint buffer, GLintptr offset, GLsizeiptr size, const void *data)
-{
-    written += size;
-    driver_write(buffer, offset, size, data);
-}
-
-/* Thirteen doubles, its place, and the number of its shape: the device has the rest. */
-static void a_second_cone_goes_up_as_its_place(void **state)
-{
-    (void)state;
-    uint64_t random = 15;
-    conus_atlas *atlas = scene_atlas(&random, 12, 0);
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
-    struct cone cone = {.pose = scene_pose(&random, atlas), .angle = 0.5, .resolution = 300};
-    driver_write = glNamedBufferSubData;
-    glNamedBufferSubData = write_and_count;
-    for (int turn = 0; turn < 3; turn++) {
-        written = 0;
-        const int before = gl_pair_waits();
-        struct evidence evidence = gl_pair_trace(pair.gl, &cone);
-        evidence_finish(&evidence);
-        assert_true(!turn || gl_pair_waits() - before == 1); /* and once for how the driver rounds */
-        assert_true(turn ? written == 13 * 8 + 8 : written > 300 * 300 * 48);
-        cone.pose = scene_pose(&random, atlas);
-    }
-    glNamedBufferSubData = driver_write;
-    gl_pair_destroy(&pair);
-    conus_atlas_destroy(atlas);
-}
-
 /* Rays of many pixels and volumes do not fit into the ray buffer at once. */
 static void big_buffers_take_turns(void **state)
 {
@@ -334,7 +301,6 @@ TEST_GROUP(gl_id)
         cmocka_unit_test(exact_equals_rays),
         cmocka_unit_test(slices_equal_the_cpus_slices),
         cmocka_unit_test(cones_of_many_shapes_take_turns),
-        cmocka_unit_test(a_second_cone_goes_up_as_its_place),
         cmocka_unit_test(big_buffers_take_turns),
         cmocka_unit_test(more_objects_than_16_bits_hold),
         cmocka_unit_test(distances_are_those_of_the_closed_form),

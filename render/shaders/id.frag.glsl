@@ -4,21 +4,18 @@
 // only overwrites what is farther. PIERCE appends every interval of the ray inside an object to a list instead
 // (Eq. 10).
 //
-// With CONES it has no main(): cones.comp.glsl follows, which makes the rays itself.
+// A fragment is a ray; 4 x 2 fragments are neighbours in the list, since they are walked in step.
 //
-// Defines: SLICES, PIERCE, CONES (0 or 1), GROUP, and the bindings *_UNIT (textures) and *_BUFFER.
+// Defines: SLICES, PIERCE (0 or 1), and the bindings *_UNIT (textures) and *_BUFFER.
 
-layout(local_size_x = GROUP) in;
-
-layout(binding = ID_OBJECTS_UNIT) uniform usampler3D objects;
-layout(binding = ID_IDENTIFIER_UNIT) uniform usamplerBuffer identifiers;
-#if !CONES
+layout(binding = OBJECTS_UNIT) uniform usampler3D objects;
+layout(binding = IDENTIFIER_UNIT) uniform usamplerBuffer identifiers;
 layout(binding = RAY_UNIT) uniform usamplerBuffer rays; // struct id_ray, two doubles per texel
-layout(location = 2) uniform ivec3 range; // of rays: the first, and the first not to trace; not 0 behind other volumes
-#endif
+layout(location = 2) uniform ivec4 range; // of rays: the first, and the first not to trace; not 0 behind other volumes;
+                                          // fragments across
 
 #if !SLICES
-layout(binding = ID_DISTANCE_UNIT) uniform usampler3D distances; // codes: 0 = an object; else 1 + voxels to skip each way
+layout(binding = DISTANCE_UNIT) uniform usampler3D distances; // codes: 0 = an object; else 1 + voxels to skip each way
 layout(location = 0) uniform ivec3 box[2]; // the first and the last cell with objects
 #endif
 
@@ -34,7 +31,7 @@ layout(std430, binding = OUT_BUFFER) restrict buffer Intervals // see gl.h
     uint interval_count, unused;
     Interval intervals[];
 };
-#elif !CONES
+#else
 struct Found { // struct id_hit
     double t;
     uint id, cell[3];
@@ -70,7 +67,6 @@ struct Hit {
     Place place;
 };
 
-#if !CONES
 dvec2 load_pair(int at)
 {
     uvec4 words = texelFetch(rays, at);
@@ -89,7 +85,6 @@ Ray load_ray(int number)
     return Ray(origin, direction, inverses, signs, all(lessThan(abs(origin), dvec3(FAR))) ? 0.5 - NEAR : -1.0);
 #endif
 }
-#endif
 
 uint identify(dvec3 cell)
 {
@@ -317,10 +312,10 @@ Hit walk(Ray ray, double limit)
 #endif
 #endif
 
-#if !CONES
 void main()
 {
-    int number = range.x + int(gl_GlobalInvocationID.x);
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    int number = range.x + ((at.y >> 1) * (range.w >> 2) + (at.x >> 2)) * 8 + (at.y & 1) * 4 + (at.x & 3);
     if (number >= range.y) {
         return;
     }
@@ -338,4 +333,3 @@ void main()
     hits[number] = Found(hit.place.t, hit.id, uint[](cell.x, cell.y, cell.z));
 #endif
 }
-#endif
