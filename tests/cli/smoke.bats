@@ -40,6 +40,7 @@ of_rows() {
     phantom) echo "torus -o torus --size 24" ;;
     diff) echo "rows.tsv rows.tsv" ;;
     verify | cite) echo rows.tsv ;;
+    report) echo "rows.tsv -o report" ;;
     pack) echo "nested.nii.gz -o nested.conus" ;;
     page) echo "nested.nii.gz ${aim[*]} --template template.html -o page.html" ;;
     esac
