@@ -133,26 +133,6 @@ static int cite_result(struct citing *citing, const char *sidecar)
     return code;
 }
 
-static int write_citation(const struct citing *citing)
-{
-    struct system_text text;
-    FILE *out = system_text_open(&text);
-    int code = EXIT_DONE;
-    if (out && citing->settings->format == BIBTEX) {
-        citation_bibtex(out, &citing->citation);
-    } else if (out) {
-        code = citation_text(out, &citing->citation);
-    }
-    bool is_whole = system_text_close(&text);
-    code = code || is_whole ? code : print_no_memory();
-    if (!code) {
-        conus_plain_text(text.data);
-        code = output_write(NULL, text.data, strlen(text.data));
-    }
-    free(text.data);
-    return code;
-}
-
 static int cite_atlas(struct citing *citing)
 {
     const struct atlas_settings settings = {.max_memory = citing->settings->max_memory};
@@ -192,23 +172,47 @@ static int read_record(struct citing *citing, const char *sidecar)
     return code;
 }
 
+static int put_citation(FILE *out, struct citing *citing)
+{
+    const char *named = citing->settings->sidecar;
+    char *sidecar = named ? strdup(named) : sidecar_find(citing->given);
+    int code = EXIT_DONE;
+    if (sidecar && (named || is_sidecar(sidecar))) {
+        code = read_record(citing, sidecar);
+        code = code ? code : cite_result(citing, sidecar);
+    } else {
+        code = cite_atlas(citing);
+    }
+    if (!code && citing->settings->format == BIBTEX) {
+        citation_bibtex(out, &citing->citation);
+    } else if (!code) {
+        code = citation_text(out, &citing->citation);
+    }
+    citation_finish(&citing->citation);
+    record_finish(&citing->record);
+    atlases_finish(&citing->atlases);
+    free(sidecar);
+    return code;
+}
+
+int cite_put(FILE *out, const char *result, bool is_bibtex)
+{
+    const struct cite_settings settings = {.format = is_bibtex ? BIBTEX : TEXT};
+    struct citing citing = {.settings = &settings, .given = result};
+    return put_citation(out, &citing);
+}
+
 static int run_cite(const void *given, const struct arguments *arguments)
 {
     struct citing citing = {.settings = given, .given = arguments->operands[0]};
-    const char *named = citing.settings->sidecar;
-    char *sidecar = named ? strdup(named) : sidecar_find(citing.given);
-    int code = EXIT_DONE;
-    if (sidecar && (named || is_sidecar(sidecar))) {
-        code = read_record(&citing, sidecar);
-        code = code ? code : cite_result(&citing, sidecar);
-    } else {
-        code = cite_atlas(&citing);
+    struct system_text text;
+    FILE *out = system_text_open(&text);
+    int code = out ? put_citation(out, &citing) : print_no_memory();
+    if (!code) {
+        return output_end(&text);
     }
-    code = code ? code : write_citation(&citing);
-    citation_finish(&citing.citation);
-    record_finish(&citing.record);
-    atlases_finish(&citing.atlases);
-    free(sidecar);
+    system_text_close(&text);
+    free(text.data);
     return code;
 }
 

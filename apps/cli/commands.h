@@ -17,14 +17,20 @@ extern const struct command cmd_overlap;
 extern const struct command cmd_connect;
 extern const struct command cmd_plan;
 extern const struct command cmd_manifest;
+extern const struct command cmd_mcp;
 extern const struct command cmd_mesh;
 extern const struct command cmd_phantom;
 extern const struct command cmd_diff;
+extern const struct command cmd_report;
 extern const struct command cmd_verify;
 extern const struct command cmd_cite;
 extern const struct command cmd_pack;
 extern const struct command cmd_page;
 extern const struct command cmd_view; /**< Another program's. */
+
+/** Writes the paragraph of methods of @p result and its references, or these as BibTeX. Returns the exit code and
+ * prints an error unless it is 0. */
+int cite_put(FILE *out, const char *result, bool is_bibtex);
 
 /* Writes an atlas, a question and its answer into one HTML file. */
 

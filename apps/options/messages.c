@@ -33,6 +33,15 @@ void make_plain_line(char *text)
     conus_plain_text(text);
 }
 
+void message_drop_quotes(char *line)
+{
+    while ((line = strchr(line, '"'))) {
+        char *end = line + 1 + strcspn(line + 1, "\"");
+        memmove(line + 1, end, strlen(end) + 1);
+        line += 1 + (line[1] == '"');
+    }
+}
+
 /* The word by which a line begins that is no error; "" where it is one. */
 static const char *severity_word(const char *line)
 {

@@ -43,6 +43,9 @@ const char *error_line(void);
 /** Makes a text harmless for whatever shows it, in place: one line, without control characters. */
 void make_plain_line(char *text);
 
+/** Leaves out what stands in quotation marks, in place: words of files, which may be of somebody else. */
+void message_drop_quotes(char *line);
+
 /** print_error_line(), and EXIT_USAGE. */
 int print_usage_error(const char *format, ...) __attribute__((format(printf, 1, 2)));
 

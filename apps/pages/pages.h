@@ -7,6 +7,8 @@
 
 #include "options/options.h"
 
+#include <jansson.h>
+
 /** A program and its commands. */
 struct program {
     const char *name;    /**< "conus" */
@@ -25,6 +27,8 @@ bool pages_answer(int *code, const struct program *program, int count, char **wo
 
 /** The commands and options as JSON. Returns the exit code and prints an error unless it is 0. */
 int pages_put_rows(FILE *out, const struct program *program);
+/** One command with its options, in their order: a new reference, NULL without memory. */
+json_t *pages_command(const struct command *command);
 
 void completion_bash(FILE *out, const struct program *program);
 void completion_fish(FILE *out, const struct program *program);

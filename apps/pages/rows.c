@@ -3,7 +3,6 @@
 #include "options/messages.h"
 #include "pages/pages.h"
 
-#include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -119,7 +118,7 @@ static json_t *operands_of(const struct command *command)
     return list;
 }
 
-static json_t *command_json(const struct command *command)
+json_t *pages_command(const struct command *command)
 {
     json_t *options = json_array();
     const char *title = "";
@@ -138,7 +137,7 @@ int pages_put_rows(FILE *out, const struct program *program)
 {
     json_t *commands = json_array();
     for (size_t i = 0; program->commands[i]; i++) {
-        json_array_append_new(commands, command_json(program->commands[i]));
+        json_array_append_new(commands, pages_command(program->commands[i]));
     }
     json_t *root =
         json_pack("{s:s, s:s*, s:o}", "program", program->name, "summary", program->summary, "commands", commands);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Processes as POSIX has them, and what only Linux or macOS know of them. */
-#include "base/child/child.h"
+#include "base/child/process.h"
 #include "base/system/system.h"
 
 #include <errno.h>

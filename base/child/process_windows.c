@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Processes as Windows 10 and later have them: in a job, which ends with the handle to it. */
-#include "base/child/child.h"
+#include "base/child/process.h"
 #include "base/system/system.h"
 
 #define WIN32_LEAN_AND_MEAN

@@ -35,8 +35,9 @@ APPS = {
     "apps/cli/answers": "apps/options apps/settings",
     "apps/cli/verify": "apps/options apps/cli/answers",
     "apps/cli/cite": "apps/options",
+    "apps/cli/mcp": "apps/options apps/pages apps/cli/answers",
     "apps/cli": "apps/link apps/options apps/settings apps/figures apps/pages apps/cli/batch apps/cli/answers"
-    " apps/cli/verify apps/cli/cite",
+    " apps/cli/verify apps/cli/cite apps/cli/mcp",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: the messages between conus and conus-mesh
     "apps/web": "atlas/nets",  # surfaces for a headset, which no other program asks for
     "apps/hdf5": "base base/child",  # hdf5_protocol.h: the messages between conus and conus-hdf5
@@ -142,7 +143,7 @@ LIBRARY = {
 }
 RULES = {**LIBRARY, **APPS}
 # What programs link beside the library (conus_system in base/CMakeLists.txt, conus_keys in sources).
-SHARED = {"base/look.h", "base/look_sizes.h", "base/order.h", "base/path.h",
+SHARED = {"base/child/process.h", "base/look.h", "base/look_sizes.h", "base/order.h", "base/path.h",
           "base/system/system.h", "base/text.h", "base/writer.h", "sources/endings.h", "sources/keys.h"}
 # {folder: (headers beside its one for others and its one for itself, why)}.
 APART = {
@@ -158,7 +159,8 @@ APART = {
     "atlas/tracts": ("tract_leaf_lanes tract_node", "a kernel's body, and memory that engines walk themselves"),
     "base": ("byte_order library look look_sizes numbers options order path status text threads tolerance writer",
              "each is one word of all others' vocabulary, and programs may use some of them (SHARED)"),
-    "base/child": ("hdf5 hdf5_protocol", "what is asked of conus-hdf5, and what conus-hdf5 itself includes"),
+    "base/child": ("hdf5 hdf5_protocol process", "what is asked of conus-hdf5, what conus-hdf5 itself includes, and what"
+                   " programs have, too (SHARED)"),
     "base/formats": ("encoding json_text matlab table xml", "are as many formats, some with libraries"),
     "base/job": ("reader", "reads bytes, which few jobs do"),
     "base/simd": ("lanes", "is the vocabulary of kernels, which define LANES first"),

@@ -185,7 +185,7 @@ def check_row(inputs, row):
 
 def check_options():
     """Every option that writes a file is an output of a row."""
-    rows = {(row[0].split()[0], option) for row in ROWS for option in row[1]} | {("mesh", "output"), ("phantom", "output")}
+    rows = {(row[0].split()[0], option) for row in ROWS for option in row[1]} | {(name, "output") for name in ("mesh", "phantom", "report")}
     for command in json.loads(run(".", ["help", "--json"]).stdout)["commands"]:
         for option in command["options"]:
             if option["role"] == "writes" and (command["name"], option["name"]) not in rows:

@@ -29,7 +29,7 @@ QUESTIONS = {
     "atlases": "", "render": f"{AIM} --engine rays --size 64x48 -o out/a.png", "mesh": "nested.nii.gz -o out",
     "manifest": "folder", "phantom": "sphere -o out", "diff": "rows.tsv rows.tsv", "verify": "rows.tsv",
     "cite": "rows.tsv", "pack": "nested.nii.gz -o out/a.conus",
-    "page": "nested.nii.gz --template template.html -o out/a.html",
+    "page": "nested.nii.gz --template template.html -o out/a.html", "mcp": "", "report": "rows.tsv -o report",
 }
 NEEDS = {
     "bregma": None,  # an atlas in the CCF, which tests/cli/ccf.bats has
@@ -41,7 +41,7 @@ OWN = {("connect", "endpoint-radius"): "--connectivity out/b.tsv", ("page", "ang
 
 
 def run(folder, words):
-    done = subprocess.run([CONUS, *words], cwd=folder, capture_output=True, check=False,
+    done = subprocess.run([CONUS, *words], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, check=False,
                           env={**os.environ, "CONUS_ATLAS_PATH": folder, "NO_COLOR": "1"})
     return done.returncode, done.stdout, done.stderr
 

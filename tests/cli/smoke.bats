@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
-# Every command runs once. scripts/test runs this file, and that of refused inputs, with the sanitizers; the files of
-# the commands compare the answers without them.
+# Every command but view and mcp runs once. scripts/test runs this file, and that of refused inputs, with the
+# sanitizers; the files of the commands compare the answers without them.
 load helpers
 
 setup_file() {
@@ -40,6 +40,7 @@ of_rows() {
     phantom) echo "torus -o torus --size 24" ;;
     diff) echo "rows.tsv rows.tsv" ;;
     verify | cite) echo rows.tsv ;;
+    report) echo "rows.tsv -o report" ;;
     pack) echo "nested.nii.gz -o nested.conus" ;;
     page) echo "nested.nii.gz ${aim[*]} --template template.html -o page.html" ;;
     esac
@@ -51,7 +52,7 @@ of_rows() {
     printf 'query_id\tx\ty\tz\tdx\tdy\tdz\tfar\na\t0\t0\t90\t0\t0\t-1\t99\n' >needles.tsv
     printf '<p><!-- atlas --></p>' >template.html
     answers query nested.nii.gz "${aim[@]}" --mask region.nii.gz --quiet -o rows.tsv
-    conus help --json | jq -r '.commands[] | select(.name != "view") | .name as $command | .options as $options
+    conus help --json | jq -r '.commands[] | select(.name | IN("view", "mcp") | not) | .name as $command | .options as $options
         | ([$options[] | select(.name == "format") | .choices[] | select(IN("afni", "bids", "spikeglx", "open-ephys", "bep032") | not)
             | "--format \(.)"] | if . == [] then [""] else . end)[]
         | "\($command) \(.)" + if any($options[]; .name == "quiet") then " --quiet" else "" end' >asked

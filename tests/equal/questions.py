@@ -683,6 +683,7 @@ def tables(ask):
         for rows in ("told/rows.tsv", "told/square.tsv", "in/ball.tsv"):
             ask(f"{command} {rows}")
     ask("verify told/rows.tsv --sidecar told/square.json")
+    ask("report told/rows.tsv -o {o}/report")
     ask("cite ph/nested.nii.gz")
     ask("diff told/rows.tsv told/square.tsv")
     ask("page ph/nested.nii.gz -o {o}/page.html")

@@ -304,16 +304,6 @@ static void put_words(struct writing *out)
     }
 }
 
-/* Leaves out what stands in quotation marks: words of files, which the one who wrote the sidecar may not have. */
-static void drop_quotes(char *line)
-{
-    while ((line = strchr(line, '"'))) {
-        char *end = line + 1 + strcspn(line + 1, "\"");
-        memmove(line + 1, end, strlen(end) + 1);
-        line += 1 + (line[1] == '"');
-    }
-}
-
 /* Runs the command on the words, in the stage, without a word on stderr. */
 static bool run_words(struct replay *replay, int count, char **words)
 {
@@ -338,7 +328,7 @@ static bool run_words(struct replay *replay, int count, char **words)
         char line[sizeof replay->why];
         bool is_said = strncmp(error_line(), warning, sizeof warning - 1) != 0;
         snprintf(line, sizeof line, "%s", is_said ? error_line() : "it cannot be answered again");
-        drop_quotes(line);
+        message_drop_quotes(line);
         stage_leave(line, replay->stage.folder);
         return fail_replay(replay, "%s", line);
     }
