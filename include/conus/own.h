@@ -899,6 +899,44 @@ CONUS_API double conus_weight_sigma(const conus_weight *weight);
 CONUS_API size_t conus_weight_path_length(const char *text);
 /** @} */
 
+/** @name Calibration
+ * @{ */
+
+/** A pose of a device, and what was aimed at or meant. */
+typedef struct conus_trial {
+    conus_pose pose; /**< Where the device was and pointed. */
+    double aim[3];   /**< For conus_calibrate(): the point that was aimed at, world, mm. */
+    double angle;    /**< For conus_reliability(): as for conus_select(), */
+    double range[2]; /**< as for conus_selector_set_range(), NaN = the selector's, */
+    uint32_t meant;  /**< and the object that was meant. */
+} conus_trial;
+
+/**
+ * Finds from trials how far off a device points, and how widely (Eq. 34).
+ * @param[out] out Columns parameter, value, low, high, p, n; end it with conus_table_destroy().
+ * @param trials [count]
+ * @param count 5 and more.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA for fewer trials, for trials that are all off alike, and for a device that does
+ * not point towards its aim.
+ */
+CONUS_CHECKED conus_status conus_calibrate(conus_table **out, const conus_trial *trials, size_t count);
+
+/**
+ * Finds how often the posteriors of a selector name what was meant, and how often they say that they do (Eq. 34).
+ * @param[out] out Columns kind, low, high, n, said, right, right_low, right_high, log_loss, power: a row of all trials,
+ * then of each bin; end it with conus_table_destroy().
+ * @param selector With a prior, and not of cylinders. Its range is that of the last trial afterwards.
+ * @param trials [count]
+ * @param count 5 and more.
+ * @param progress Hears of each trial; false ends it. NULL = no callback.
+ * @param user Passed to @p progress.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA for fewer trials, and for an object that has no row of its own;
+ * #CONUS_ERROR_ARGUMENT for another selector; #CONUS_ERROR_CANCELLED; the errors of conus_select().
+ */
+CONUS_CHECKED conus_status conus_reliability(conus_table **out, conus_selector *selector, const conus_trial *trials,
+                                             size_t count, conus_progress progress, void *user);
+/** @} */
+
 /** @name Rankings
  * @{ */
 

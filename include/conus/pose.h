@@ -198,6 +198,7 @@ typedef struct conus_pose_row {
     const char *const *kept; /**< [conus_pose_options.keep_count] Texts of the columns that are kept, "" of an empty
                                 cell; NULL without them, and in some rows with an error. */
     double radius; /**< Column radius of a point, mm: of the ball that is asked, 0 = what is at it; NaN if absent. */
+    double aim[3]; /**< Columns aim_x, aim_y, aim_z: the point that was aimed at, world, mm; NaN if absent. */
 } conus_pose_row;
 /** @} */
 

@@ -152,6 +152,15 @@ struct conus_report {
 conus_status report_append(struct report_row **rows, conus_report *report, const char *id,
                            const struct report_query *query, size_t count);
 
+/** Whether its rows are of an atlas. */
+bool report_has_atlas(const conus_report *report);
+
+/** Whether its rows are all there is, not answers to queries. */
+static inline bool report_has_no_queries(const conus_report *report)
+{
+    return report->options.rows >= CONUS_ROWS_PAIRS;
+}
+
 /** CONUS_ERROR_ARGUMENT for a table of other rows than the report's, or with positions in another frame. */
 conus_status report_check_table(const conus_report *report, const conus_table *table);
 

@@ -379,13 +379,22 @@ static json_t *json_from_contacts(const conus_contacts *contacts)
                      (json_int_t)contacts->columns, "pitch_mm", contacts->pitch, "tip_mm", contacts->tip);
 }
 
+/* How many trials the first row is of. */
+static bool add_trials(json_t *settings, const conus_report *report)
+{
+    const bool has_trials = report->options.rows >= CONUS_ROWS_CALIBRATION && report->query_count;
+    return !has_trials ||
+           put_value(settings, "trials", json_integer(conus_table_counts(report->queries[0].table, "n")[0]));
+}
+
 static json_t *json_from_settings(const conus_report *report)
 {
     const conus_selector_options *options = &report->selector;
     conus_rows rows = report->options.rows;
     bool has_axes = report_is_of_axes(rows) || rows == CONUS_ROWS_CONNECTIONS || report->plan.count > 0;
-    if (rows >= CONUS_ROWS_NEEDLES) { /* each has its own */
-        return json_object();
+    if (rows == CONUS_ROWS_NEEDLES || rows == CONUS_ROWS_PAIRS || !report_has_atlas(report)) { /* each has its own */
+        json_t *none = json_object();
+        return whole_or_null(none, add_trials(none, report));
     }
     if (has_axes || rows == CONUS_ROWS_COVERAGES || rows == CONUS_ROWS_CLUSTERS) { /* which have no rays of pixels */
         json_t *few = json_object();
@@ -412,8 +421,8 @@ static json_t *json_from_settings(const conus_report *report)
     bool tells = options->radius == 0 && (report->is_begun || !report->query_count); /* no query tells it (Eq. 15) */
     whole = (!tells || put_value(settings, "spread", json_string("even beyond 120 degrees"))) && whole;
     whole = (report->name || add_level(settings, report)) && whole;
-    return whole_or_null(settings,
-                         whole && add_weight(settings, report) && add_track(settings, report->options.tracker));
+    return whole_or_null(settings, whole && add_weight(settings, report) && add_trials(settings, report) &&
+                                       add_track(settings, report->options.tracker));
 }
 
 static json_t *json_from_constraint(const struct report_constraint *constraint)
@@ -557,12 +566,12 @@ static bool add_sources(json_t *root, const conus_report *report)
     const char *command = report->options.command;
     bool whole = !command || put_value(program, "CommandLine", json_from_text(command));
     return put_value(root, "GeneratedBy", json_pack("[o]", program)) && whole &&
-           (report->name ? put_value(root, "Atlases", json_from_atlases(report))
-                         : put_value(root, "Atlas", json_from_atlas(report->atlas))) &&
+           (!report_has_atlas(report) || (report->name ? put_value(root, "Atlases", json_from_atlases(report))
+                                                       : put_value(root, "Atlas", json_from_atlas(report->atlas)))) &&
            put_value(root, "Settings", json_from_settings(report)) &&
            (!report->plan.count || add_plan(root, &report->plan)) &&
            (!report->needles.count || add_needles(root, &report->needles)) &&
-           (report->is_begun || report->options.rows == CONUS_ROWS_PAIRS ||
+           (report->is_begun || report_has_no_queries(report) ||
             put_value(root, "Queries", json_from_queries(report))); /* else they are forgotten */
 }
 

@@ -45,7 +45,7 @@ SIZE(conus_band, 24);
 SIZE(conus_object, 128);
 SIZE(conus_volume_info, 512);
 SIZE(conus_pose, 128);
-SIZE(conus_pose_row, 272);
+SIZE(conus_pose_row, 296);
 SIZE(conus_row_marks, 48);
 SIZE(conus_pose_finding, 160);
 SIZE(conus_pose_findings, 816);

@@ -93,7 +93,7 @@ static bool parse_words(struct replay *out, const struct command *const *command
     if (!out->command || asks_for_help(line)) {
         return fail_replay(out,
                            "its command line begins with \"%.40s %.40s\": only conus query, batch, sweep, track, "
-                           "overlap, connect and plan are asked again",
+                           "overlap, connect, plan and calibrate are asked again",
                            line->words[0], line->count > 1 ? line->words[1] : "");
     }
     out->settings = calloc(1, out->command->settings_size);
@@ -295,7 +295,9 @@ static void put_words(struct writing *out)
         put_output(out, &(struct option_use){.option = option_find(replay->command, "output")});
     }
     put_word(out, strdup("--")); /* since a path may begin with a dash */
-    put_atlas(out, NULL, arguments->operands[0], 0);
+    if (arguments->operand_count) {
+        put_atlas(out, NULL, arguments->operands[0], 0);
+    }
     for (size_t i = 1; i < arguments->operand_count; i++) {
         put_read(out, NULL, arguments->operands[i], true);
     }
