@@ -16,9 +16,9 @@
 enum { ENOUGH = 1 << 20, STACK = 8 << 20 }; /* bytes of stack */
 
 static const struct command *const commands[] = {
-    &cmd_query,     &cmd_batch,  &cmd_track,   &cmd_sweep,  &cmd_overlap, &cmd_connect,  &cmd_plan,
-    &cmd_calibrate, &cmd_info,   &cmd_atlases, &cmd_render, &cmd_mesh,    &cmd_manifest, &cmd_phantom,
-    &cmd_diff,      &cmd_verify, &cmd_cite,    &cmd_pack,   &cmd_page,    &cmd_view,     NULL};
+    &cmd_query,     &cmd_batch, &cmd_track,   &cmd_sweep,  &cmd_overlap, &cmd_connect,  &cmd_plan,    &cmd_calibrate,
+    &cmd_positions, &cmd_info,  &cmd_atlases, &cmd_render, &cmd_mesh,    &cmd_manifest, &cmd_phantom, &cmd_diff,
+    &cmd_verify,    &cmd_cite,  &cmd_pack,    &cmd_page,   &cmd_view,    NULL};
 
 static const struct program program = {
     .name = "conus",

@@ -164,6 +164,7 @@ int request_find_aim(struct request *request)
 {
     request->places = (struct named_places){.atlas = request->atlases.items[0].atlas, .frame = &request->frame};
     const struct aim_settings *aim = &request->settings->aim;
+    settings_say_handle(request->arguments, &request->settings->engine, &request->settings->common);
     return aim->origin || aim->focus
                ? settings_pose(&request->aim, &request->aim_target, &request->places, aim, request->arguments)
                : EXIT_DONE;

@@ -937,6 +937,40 @@ CONUS_CHECKED conus_status conus_reliability(conus_table **out, conus_selector *
                                              size_t count, conus_progress progress, void *user);
 /** @} */
 
+/** @name Positions of caps
+ * @{ */
+
+/** How a device stands at a position of a cap, straight into the head. */
+typedef struct conus_position_options {
+    double off;      /**< mm off the scalp, -1000 to 1000. */
+    bool has_handle; /**< It has a handle, along its -y; without it its up is that of a pose without one. */
+    double handle;   /**< Degrees that the handle is turned from backwards to the position's side, on the midline to the
+                        left, -360 to 360. */
+} conus_position_options;
+
+/**
+ * Finds the pose of a device at a position (Eq. 35).
+ * @param[out] out Its pose.
+ * @param place Of kind #CONUS_PLACE_POSITION.
+ * @param options How it stands.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a position without a normal, and a number out of its range.
+ */
+CONUS_CHECKED conus_status conus_position_pose(conus_pose *out, const conus_place *place,
+                                               const conus_position_options *options);
+
+/**
+ * Lists positions of the 10-10 system on the head of MNI 152 (Eq. 35).
+ * @param[out] out Columns query_id, x, y, z, dx, dy, dz, ux, uy, uz, error_deg, error_mm, world; those of a direction
+ * are NaN where no normal is known. End it with conus_table_destroy().
+ * @param names [count] "C3"; NULL = all.
+ * @param count How many.
+ * @param options NULL = none is off, and no handle.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another name, with the closest one, and as conus_position_pose().
+ */
+CONUS_CHECKED conus_status conus_positions(conus_table **out, const char *const *names, size_t count,
+                                           const conus_position_options *options);
+/** @} */
+
 /** @name Rankings
  * @{ */
 

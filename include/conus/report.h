@@ -58,7 +58,8 @@ typedef enum conus_rows {
     CONUS_ROWS_NEEDLES,     /**< Of needles that were planned together, a row for each. */
     CONUS_ROWS_PAIRS,       /**< From the same, a row for each two needles. */
     CONUS_ROWS_CALIBRATION, /**< What trials say of the errors of pointing; without a selector. */
-    CONUS_ROWS_RELIABILITY  /**< How often posteriors are right. */
+    CONUS_ROWS_RELIABILITY, /**< How often posteriors are right. */
+    CONUS_ROWS_POSITIONS    /**< Positions of caps; without a selector. */
 } conus_rows;
 
 /** The order of the answers to a query. */

@@ -116,6 +116,27 @@ def calibrate(trials: Any, atlas: Any = None, /, **options: Any) -> Any:
     return run("calibrate {atlas} --poses {trials}" + words, trials=trials, atlas=atlas, **options)
 
 
+def positions(*names: str, **options: Any) -> Any:
+    """Lists positions of the 10-10 system on the head of MNI 152, as poses straight into the head.
+
+    ``conus.positions("C3", "F3", handle=45)``
+
+    Parameters
+    ----------
+    names
+        Their names; none for all.
+    options
+        Those of the program: ``out``, ``handle``.
+
+    Returns
+    -------
+    DataFrame
+        The rows of ``conus positions``, which :func:`read_poses` takes as a file.
+    """
+    words = "".join(f" --{name} {{{name}}}" for name in options)
+    return run("positions" + words + " -- " + shlex.join(names), **options)
+
+
 @functools.lru_cache(maxsize=None)
 def _commands_with_rows(_program: Optional[str]) -> frozenset[str]:
     """Those that have the format tsv, as the program says of itself."""

@@ -812,7 +812,8 @@ const struct table_fields *report_fields(conus_rows rows)
         [CONUS_ROWS_CONNECTIONS] = &connection_fields,  [CONUS_ROWS_COVERAGES] = &overlap_fields,
         [CONUS_ROWS_CLUSTERS] = &clusters_fields,       [CONUS_ROWS_SEGMENTS] = &segment_fields,
         [CONUS_ROWS_CLEARANCES] = &clearance_fields,    [CONUS_ROWS_PAIRS] = &pair_fields,
-        [CONUS_ROWS_CALIBRATION] = &calibration_fields, [CONUS_ROWS_RELIABILITY] = &reliability_fields};
+        [CONUS_ROWS_CALIBRATION] = &calibration_fields, [CONUS_ROWS_RELIABILITY] = &reliability_fields,
+        [CONUS_ROWS_POSITIONS] = &position_fields};
     return (size_t)rows < COUNT_OF(studies) ? studies[rows] : NULL;
 }
 
@@ -875,6 +876,7 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
     case CONUS_ROWS_PAIRS:
     case CONUS_ROWS_CALIBRATION:
     case CONUS_ROWS_RELIABILITY:
+    case CONUS_ROWS_POSITIONS:
         list_fields(out, report);
         break;
     case CONUS_ROWS_NEEDLES:
@@ -938,7 +940,7 @@ bool conus_column_is_number(const char *name)
         }
     }
     bool is_number = is_of_constraint(name);
-    for (conus_rows rows = CONUS_ROWS_ANSWERS; rows <= CONUS_ROWS_RELIABILITY; rows++) {
+    for (conus_rows rows = CONUS_ROWS_ANSWERS; rows <= CONUS_ROWS_POSITIONS; rows++) {
         const struct table_fields *fields = report_fields(rows);
         for (size_t i = 0; fields && i < fields->count; i++) {
             enum column_type type = fields->at[i].type;

@@ -382,9 +382,8 @@ static json_t *json_from_contacts(const conus_contacts *contacts)
 /* How many trials the first row is of. */
 static bool add_trials(json_t *settings, const conus_report *report)
 {
-    const bool has_trials = report->options.rows >= CONUS_ROWS_CALIBRATION && report->query_count;
-    return !has_trials ||
-           put_value(settings, "trials", json_integer(conus_table_counts(report->queries[0].table, "n")[0]));
+    const int64_t *trials = report->query_count ? conus_table_counts(report->queries[0].table, "n") : NULL;
+    return !trials || put_value(settings, "trials", json_integer(trials[0]));
 }
 
 static json_t *json_from_settings(const conus_report *report)

@@ -208,6 +208,25 @@ static const struct shown reliability_shown[] = {
     {0},
 };
 
+static const struct shown positions_shown[] = {
+    {"position", "", LOOK_TEXT, .width = 8, .column = "query_id"},
+    {"x, y, z", "RAS mm", LOOK_POINT, .width = 26, .column = ""},
+    {"into head", "x", LOOK_FIXED, .width = 9, .column = "dx", .digits = 3, .none = "-"},
+    {"", "y", LOOK_FIXED, .width = 6, .column = "dy", .digits = 3, .none = "-"},
+    {"", "z", LOOK_FIXED, .width = 6, .column = "dz", .digits = 3, .none = "-"},
+    {"up", "x", LOOK_FIXED, .width = 6, .column = "ux", .digits = 3, .none = "-"},
+    {"", "y", LOOK_FIXED, .width = 6, .column = "uy", .digits = 3, .none = "-"},
+    {"", "z", LOOK_FIXED, .width = 6, .column = "uz", .digits = 3, .none = "-"},
+    {0},
+};
+
+static void write_positions_head(struct buffer *out, const conus_report *report, const struct report_query *query)
+{
+    (void)report;
+    (void)query;
+    buffer_text(out, "positions of the 10-10 system on the head of MNI 152; directions are of length 1\n");
+}
+
 static void write_calibration_head(struct buffer *out, const conus_report *report, const struct report_query *query)
 {
     (void)report;
@@ -257,6 +276,7 @@ static const struct view *view_of(conus_rows rows)
                                    NULL, write_needle_end},
         [CONUS_ROWS_COVERAGES] = {coverages_shown, NULL, write_region_head, NULL, NULL},
         [CONUS_ROWS_CALIBRATION] = {calibration_shown, NULL, write_calibration_head, write_calibration_foot, NULL},
+        [CONUS_ROWS_POSITIONS] = {positions_shown, NULL, write_positions_head, NULL, NULL},
         [CONUS_ROWS_RELIABILITY] = {reliability_shown, NULL, write_reliability_head, write_reliability_foot, NULL},
     };
     return &views[rows];

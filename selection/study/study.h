@@ -10,7 +10,7 @@
 
 /* Columns of the tables of studies. */
 extern const struct table_fields sweep_fields, jitter_fields, overlap_fields, clusters_fields, segment_fields,
-    clearance_fields, calibration_fields, reliability_fields;
+    clearance_fields, calibration_fields, reliability_fields, position_fields;
 
 /* jitter.c: errors of the pose (Eq. 14). */
 /** Errors have five dimensions; samples are counted in so many sets, one after the other. */

@@ -408,6 +408,7 @@ def sweeps(ask):
             f"{{o}}/rows.tsv")
     for form in ("tsv", "csv", "json", "ndjson", "txt"):
         ask(f"calibrate --poses in/trials.tsv -o {{o}}/rows.{form}")
+        ask(f"positions Fp2 C3 F9 Oz --handle 30 --out 5 -o {{o}}/rows.{form}")
         ask(f"calibrate ph/nested.nii.gz --poses in/trials.tsv --weight gauss=2 -o {{o}}/rows.{form}")
     ask(f"sweep ph/nested.nii.gz --labels in/tree.tsv --level 2 {BALL_AIM} --angle 50 --format json")
     ask(f"sweep ph/slabs.nii.gz --hemispheres split {BALL_AIM} --angle 50 --hide 1300 --format tsv")
