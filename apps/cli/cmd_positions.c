@@ -41,10 +41,11 @@ static int write_positions(const struct request *request, conus_report *report, 
     return answer_write(report, request->settings->answer.output, request->sidecar, &provenance);
 }
 
-static int answer_positions(const struct request *request, const struct arguments *arguments)
+static int answer_positions(struct request *request, const struct arguments *arguments)
 {
     conus_report_options options = request_report_options(request);
-    const conus_position_options stance = settings_stance(&request->settings->aim, arguments);
+    const struct aim_settings *aim = &request->settings->aim;
+    conus_position_options stance = settings_stance(aim, arguments);
     conus_table *found = NULL;
     conus_report *report = NULL;
     size_t count = 0;
@@ -54,7 +55,9 @@ static int answer_positions(const struct request *request, const struct argument
     }
     options.frame = NULL;
     options.rows = CONUS_ROWS_POSITIONS;
-    int code = print_status(conus_positions(&found, count ? names : NULL, count, &stance));
+    int code = settings_scalp(&request->places.scalp, &request->scalp, aim, NULL);
+    stance.scalp = request->places.scalp;
+    code = code ? code : print_status(conus_positions(&found, count ? names : NULL, count, &stance));
     code = code ? code : print_status(conus_report_create(&report, NULL, &options));
     code = code ? code : write_positions(request, report, found);
     conus_report_destroy(report);
@@ -78,10 +81,11 @@ const struct command cmd_positions = {
     .operands = {"NAME"},
     .optional = true,
     .repeats = true,
-    .description =
-        "Lists positions of the 10-10 system (C3, Fp1, ...) on the head of MNI 152, all or those named, as a table of\n"
-        "poses: where each is, straight into the head, the device's up, and how far off people's heads are. conus\n"
-        "query --pose and conus sweep --jitter columns read it.",
+    .description = "Lists positions of the 10-10 system (C3, Fp1, ...) on the head of MNI 152, or with --scalp on "
+                   "somebody's own,\n"
+                   "all or those named, as a table of poses: where each is, straight into the head, the device's up, "
+                   "and how far off people's heads are. conus\n"
+                   "query --pose and conus sweep --jitter columns read it.",
     .examples = "  conus positions C3 F3 P3 -o cap.tsv\n"
                 "  conus positions C3 --handle 45 --format tsv\n"
                 "  conus positions | head\n",

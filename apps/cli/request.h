@@ -77,6 +77,7 @@ struct request {
     struct atlases atlases;
     conus_frame frame;             /**< The space of positions, once the atlases are loaded. */
     struct named_places places;    /**< Those that were given as words. */
+    char *scalp;                   /**< The file of --scalp; owned. */
     conus_pose aim;                /**< That of --origin or --focus, by request_find_aim(), */
     double aim_target;             /**< and how far its target is, mm; NaN = it has none. */
     struct answerer *answerers;    /**< [atlases.count] */

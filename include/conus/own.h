@@ -940,12 +940,29 @@ CONUS_CHECKED conus_status conus_reliability(conus_table **out, conus_selector *
 /** @name Positions of caps
  * @{ */
 
+/**
+ * Reads a scalp, and finds the positions of the 10-10 system on it (Eq. 35).
+ * @param[out] out The scalp; end it with conus_scalp_destroy().
+ * @param path A closed surface, as for conus_sites_load().
+ * @param landmarks Nasion, inion, left and right ear (LPA, RPA), world, mm: at most 20 mm off it.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA for another surface, and for landmarks that are not its own; the errors of
+ * conus_sites_load().
+ */
+CONUS_CHECKED conus_status conus_scalp_load(conus_scalp **out, const char *path, const double landmarks[4][3]);
+
+/**
+ * Ends a scalp.
+ * @param scalp NULL is allowed.
+ */
+CONUS_API void conus_scalp_destroy(conus_scalp *scalp);
+
 /** How a device stands at a position of a cap, straight into the head. */
 typedef struct conus_position_options {
-    double off;      /**< mm off the scalp, -1000 to 1000. */
-    bool has_handle; /**< It has a handle, along its -y; without it its up is that of a pose without one. */
-    double handle;   /**< Degrees that the handle is turned from backwards to the position's side, on the midline to the
-                        left, -360 to 360. */
+    const conus_scalp *scalp; /**< For conus_positions(): where positions are; NULL = on the head of MNI 152. */
+    double off;               /**< mm off the scalp, -1000 to 1000. */
+    bool has_handle;          /**< It has a handle, along its -y; without it its up is that of a pose without one. */
+    double handle; /**< Degrees that the handle is turned from backwards to the position's side, on the midline to the
+                      left, -360 to 360. */
 } conus_position_options;
 
 /**
@@ -959,7 +976,7 @@ CONUS_CHECKED conus_status conus_position_pose(conus_pose *out, const conus_plac
                                                const conus_position_options *options);
 
 /**
- * Lists positions of the 10-10 system on the head of MNI 152 (Eq. 35).
+ * Lists positions of the 10-10 system on a scalp, or on the head of MNI 152 (Eq. 35).
  * @param[out] out Columns query_id, x, y, z, dx, dy, dz, ux, uy, uz, error_deg, error_mm, world; those of a direction
  * are NaN where no normal is known. End it with conus_table_destroy().
  * @param names [count] "C3"; NULL = all.

@@ -318,12 +318,15 @@ typedef struct conus_place {
     bool is_doubtful;      /**< They say MNI, and it is not known whether the atlas lies there. */
 } conus_place;
 
+typedef struct conus_scalp conus_scalp; /**< Somebody's scalp, with the positions of the 10-10 system on it. */
+
 /** How conus_place_find() reads. */
 typedef struct conus_place_options {
     size_t struct_size;       /**< Its size, as #CONUS_PLACE_OPTIONS_INIT sets it; 0 = that of this version. */
     const conus_frame *frame; /**< Space and unit of numbers; NULL = the world. */
     const double *other;      /**< [3] World mm: the place to which near:AREA is nearest; NULL = there is none. */
     bool has_axis;            /**< There is another end, so that messages may advise near:AREA. */
+    const conus_scalp *scalp; /**< Where positions lie, whatever brain the atlas is; NULL = on the head of MNI 152. */
 } conus_place_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

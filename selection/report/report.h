@@ -152,6 +152,12 @@ struct conus_report {
 conus_status report_append(struct report_row **rows, conus_report *report, const char *id,
                            const struct report_query *query, size_t count);
 
+/** Whether positions are those of somebody's own scalp, whose errors are not known. */
+static inline bool report_is_of_scalp(const conus_table *positions)
+{
+    return conus_table_rows(positions) && isnan(conus_table_numbers(positions, "error_mm")[0]);
+}
+
 /** Whether its rows are of an atlas. */
 bool report_has_atlas(const conus_report *report);
 

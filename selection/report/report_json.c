@@ -392,8 +392,10 @@ static json_t *json_from_settings(const conus_report *report)
     conus_rows rows = report->options.rows;
     bool has_axes = report_is_of_axes(rows) || rows == CONUS_ROWS_CONNECTIONS || report->plan.count > 0;
     if (rows == CONUS_ROWS_NEEDLES || rows == CONUS_ROWS_PAIRS || !report_has_atlas(report)) { /* each has its own */
-        json_t *none = json_object();
-        return whole_or_null(none, add_trials(none, report));
+        json_t *few = json_object();
+        const bool has_head = rows == CONUS_ROWS_POSITIONS && report->query_count;
+        const char *head = has_head && report_is_of_scalp(report->queries[0].table) ? "own" : "MNI 152";
+        return whole_or_null(few, add_trials(few, report) && (!has_head || put_value(few, "head", json_string(head))));
     }
     if (has_axes || rows == CONUS_ROWS_COVERAGES || rows == CONUS_ROWS_CLUSTERS) { /* which have no rays of pixels */
         json_t *few = json_object();

@@ -223,8 +223,8 @@ static const struct shown positions_shown[] = {
 static void write_positions_head(struct buffer *out, const conus_report *report, const struct report_query *query)
 {
     (void)report;
-    (void)query;
-    buffer_text(out, "positions of the 10-10 system on the head of MNI 152; directions are of length 1\n");
+    buffer_format(out, "positions of the 10-10 system on %s; directions are of length 1\n",
+                  report_is_of_scalp(query->table) ? "the scalp given" : "the head of MNI 152");
 }
 
 static void write_calibration_head(struct buffer *out, const conus_report *report, const struct report_query *query)

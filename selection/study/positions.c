@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lists positions of the 10-10 system, and how a device stands there (Eq. 35). */
+#include "atlas/surface/mesh.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
@@ -90,11 +91,12 @@ static conus_status fill_row(struct row *row, const conus_place *place, const co
     *row = (struct row){.name = place->name,
                         .along = {NAN, NAN, NAN},
                         .up = {NAN, NAN, NAN},
-                        .error_deg = has_normal ? NORMAL_ERROR : NAN};
+                        .error_deg = has_normal && !options->scalp ? NORMAL_ERROR : NAN,
+                        .error_mm = NAN};
     memcpy(row->at, place->point, sizeof row->at);
     conus_status status = conus_pose_error_find(&error, "eeg-cap");
     status = status || !has_normal ? status : conus_position_pose(&pose, place, options);
-    if (!status) {
+    if (!status && !options->scalp) {
         row->error_mm = error.shift;
     }
     for (int a = 0; a < 3 && !has_normal && options->off != 0; a++) {
@@ -108,7 +110,20 @@ static conus_status fill_row(struct row *row, const conus_place *place, const co
     return status;
 }
 
-static conus_status find_position(conus_place *out, const char *name)
+conus_status position_on_scalp(struct position *out, const conus_scalp *scalp, const struct position *position)
+{
+    const struct scalp_position *found = scalp_find(scalp, text_from(position->name));
+    if (!found) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s lies below the ring of 10 %%, for which there is no rule on a scalp",
+                    position->name);
+    }
+    *out = *position;
+    memcpy(out->point, found->point, sizeof out->point);
+    memcpy(out->outward, found->outward, sizeof out->outward);
+    return CONUS_OK;
+}
+
+static conus_status find_position(conus_place *out, const char *name, const conus_scalp *scalp)
 {
     const struct position *found = position_find(text_from(name));
     const char *closest = NULL;
@@ -122,10 +137,12 @@ static conus_status find_position(conus_place *out, const char *name)
         return fail(CONUS_ERROR_ARGUMENT, "\"%.40s\" is no position of the 10-10 system%s%s%s", name,
                     closest ? "; did you mean " : "", closest ? closest : "", closest ? "?" : "");
     }
-    *out = (conus_place){.kind = CONUS_PLACE_POSITION, .name = found->name, .depth = NAN};
-    memcpy(out->point, found->point, sizeof out->point);
-    memcpy(out->outward, found->outward, sizeof out->outward);
-    return CONUS_OK;
+    struct position position = *found;
+    conus_status status = scalp ? position_on_scalp(&position, scalp, found) : CONUS_OK;
+    *out = (conus_place){.kind = CONUS_PLACE_POSITION, .name = position.name, .depth = NAN};
+    memcpy(out->point, position.point, sizeof out->point);
+    memcpy(out->outward, position.outward, sizeof out->outward);
+    return status;
 }
 
 conus_status conus_positions(conus_table **out, const char *const *names, size_t count,
@@ -134,7 +151,7 @@ conus_status conus_positions(conus_table **out, const char *const *names, size_t
     const conus_position_options own = options ? *options : (conus_position_options){0};
     conus_frame world = {.space = CONUS_SPACE_RAS};
     size_t all = 0;
-    while (position_at(all)) {
+    while (own.scalp ? all < own.scalp->count : position_at(all) != NULL) {
         all++;
     }
     const size_t rows_count = names ? count : all;
@@ -142,7 +159,8 @@ conus_status conus_positions(conus_table **out, const char *const *names, size_t
     conus_status status = rows ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < rows_count && !status; i++) {
         conus_place place;
-        status = find_position(&place, names ? names[i] : position_at(i)->name);
+        const char *name = names ? names[i] : own.scalp ? own.scalp->at[i].name : position_at(i)->name;
+        status = find_position(&place, name, own.scalp);
         status = status ? status : fill_row(&rows[i], &place, &own);
     }
     mat4_identity(world.world_from_space);

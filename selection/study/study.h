@@ -90,6 +90,11 @@ bool pose_check_past(const struct cone *cone, const double low[3], const double 
 /** The tracker's options with defaults filled in. */
 const conus_tracker_options *tracker_options(const conus_tracker *tracker);
 
+struct position;
+
+/** A position on a scalp. CONUS_ERROR_ARGUMENT for one below its ring of 10 %, where there is no rule. */
+conus_status position_on_scalp(struct position *out, const conus_scalp *scalp, const struct position *position);
+
 /* quantiles.c */
 /** The 97.5 % quantile of the standard normal distribution. */
 #define NORMAL_975 1.959963984540054

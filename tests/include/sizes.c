@@ -32,7 +32,7 @@ SIZE(conus_phantom_options, 56);
 SIZE(conus_manifest_options, 32);
 SIZE(conus_catalogue_options, 24);
 SIZE(conus_roi_options, 40);
-SIZE(conus_place_options, 32);
+SIZE(conus_place_options, 40);
 
 SIZE(conus_voxels, 216);
 SIZE(conus_create_options, 32);

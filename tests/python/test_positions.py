@@ -90,6 +90,7 @@ def test_the_table_is_read_as_the_position_itself(tmp_path):
 @needs_aal
 def test_a_handle_needs_a_position():
     for words in (["--origin", "-60,0,60", "--inward", "--handle", "3"], ["--origin", "C3", "--toward", "0,0,0", "--handle", "3"],
-                  ["--origin", "C3", "--inward", "--handle", "3", "--up", "0,0,1"], ["--origin", "C3", "--toward", "0,0,0", "--out", "3"]):
+                  ["--origin", "C3", "--inward", "--handle", "3", "--up", "0,0,1"], ["--origin", "C3", "--toward", "0,0,0", "--out", "3"],
+                  ["--pose", "cap.tsv", "--inward", "--out", "3"], ["--pose", "cap.tsv", "--inward", "--handle", "3"]):
         done = subprocess.run([os.environ["CONUS"], "query", AAL, *words], capture_output=True, check=False)
         assert done.returncode == 2, (words, done.stderr)

@@ -68,10 +68,14 @@ static const struct sentence of_rows[] = {
      " Intervals are those of 95 % of Student's t (bias) and chi squared (standard deviations); whether "
      "errors are normal was tested by Mardia's kurtosis, and whether they are alike in all directions by a likelihood "
      "ratio (Eq. 34 of conus's documentation)."},
-    {"of=positions", "Positions of the 10-10 system are those of the rule of Jurcak, Tsuzuki and Dan (2007, "
-                     "doi:10.1016/j.neuroimage.2006.09.024), as SimNIBS computed them on the head of MNI 152, with "
-                     "normals of a quadric "
-                     "through the nearest of them (Eq. 35 of conus's documentation); they were listed " CONUS},
+    {"of=positions Settings.head=own",
+     "Positions of the 10-10 system were found on a scalp by sections through its landmarks, at fractions of their "
+     "lengths (Eq. 35 of conus's documentation), " CONUS},
+    {"of=positions !Settings.head=own",
+     "Positions of the 10-10 system are those of the rule of Jurcak, Tsuzuki and Dan (2007, "
+     "doi:10.1016/j.neuroimage.2006.09.024), as SimNIBS computed them on the head of MNI 152, with normals of a "
+     "quadric "
+     "through the nearest of them (Eq. 35 of conus's documentation); they were listed " CONUS},
     {"of=reliability",
      "How often the {object} with the largest posterior was the one that was meant was determined from "
      "{Settings.trials} trials " CONUS " Intervals are Wilson's of 95 % (Eq. 34 of conus's documentation)."},
