@@ -56,9 +56,9 @@ static int list_commands(FILE *out)
 {
     fprintf(out, "usage: conus COMMAND [arguments]\n\n%s\n\n", program.description);
     for (size_t i = 0; commands[i]; i++) {
-        fprintf(out, "  %-8s  %s\n", commands[i]->name, commands[i]->summary);
+        fprintf(out, "  %-9s  %s\n", commands[i]->name, commands[i]->summary);
     }
-    fprintf(out, "  %-8s  %s\n\nExit codes:", "help", "explain a command: conus help COMMAND");
+    fprintf(out, "  %-9s  %s\n\nExit codes:", "help", "explain a command: conus help COMMAND");
     const char *meaning;
     for (size_t code = 0; (meaning = help_exit_code(code)); code++) {
         fprintf(out, "%s %zu %s", code ? "," : "", code, meaning);
