@@ -49,13 +49,13 @@ struct calibration {
 /* The first option that was given and says something of an atlas; NULL: none does. */
 static const struct option *option_of_atlas(const struct arguments *arguments)
 {
-    static const struct option *const others[] = {trial_options,  pose_file_options,     space_options,
-                                                  format_options, answer_output_options, quiet_options};
+    static const struct option *const others[] = {
+        trial_options, pose_file_options, space_options, format_options, answer_output_options, quiet_options, NULL};
     const struct option *found = NULL;
     for (size_t i = 0; i < arguments->use_count && !found; i++) {
         found = arguments->uses[i].option;
         found = found->role == OPTION_KEPT ? NULL : found; /* --max-memory, of the poses, too */
-        for (size_t t = 0; t < sizeof others / sizeof *others && found; t++) {
+        for (size_t t = 0; others[t] && found; t++) {
             for (const struct option *option = others[t]; option->name && found; option++) {
                 found = option == found ? NULL : found;
             }

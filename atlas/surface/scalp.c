@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/order.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -167,7 +168,6 @@ static double place_on(double *apart, const struct loop *loop, const double poin
 static void point_at(double out[3], const struct loop *loop, double whole, double at)
 {
     double along = at - whole * floor(at / whole);
-    memcpy(out, loop->points[0], sizeof(double[3]));
     for (size_t i = 0; i < loop->count && along >= 0; i++) {
         double edge[3];
         vec3_sub(edge, loop->points[i + 1], loop->points[i]);
@@ -240,11 +240,13 @@ static conus_status add_row(struct finding *finding, const struct curve_row *row
     struct arc arc;
     const double *points[3];
     for (int k = 0; k < 3; k++) {
-        points[k] = scalp_find(finding->out, text_from(row->through[k]))->point;
+        const struct scalp_position *found = scalp_find(finding->out, text_from(row->through[k]));
+        assert(found);
+        points[k] = found->point;
     }
     conus_status status = find_arc(&arc, finding, row->through, points);
     for (size_t k = 0; k + 1 < row->parts && !status; k++) {
-        double point[3];
+        double point[3] = {0};
         if (row->names[k]) {
             point_at(point, &finding->loop, arc.whole, arc.start + arc.length * (double)(k + 1) / (double)row->parts);
             add(finding->out, row->names[k], point);
@@ -286,7 +288,7 @@ static conus_status find_vertex(double out[3], struct finding *finding, const do
         double mean[3] = {0}, next[3], way[3];
         for (int k = 0; k < 2 && !status; k++) {
             struct arc arc;
-            double middle[3];
+            double middle[3] = {0};
             const double *const points[3] = {landmarks[k ? LEFT : NASION], out, landmarks[k ? RIGHT : INION]};
             status = find_arc(&arc, finding, names[k], points);
             if (!status) {

@@ -12,8 +12,8 @@ enum { HALVINGS = 80 };
 static double log_gamma_above_half(size_t degrees)
 {
     double sum = degrees % 2 ? log(MATH3_PI) / 2 : 0;
-    for (double a = (double)degrees / 2; a > 0; a--) {
-        sum += log(a);
+    for (size_t twice = degrees; twice > 0; twice -= twice > 1 ? 2 : 1) { /* the last is 2 or 1 */
+        sum += log((double)twice / 2);
     }
     return sum;
 }
@@ -26,8 +26,8 @@ static double below_chi_squared(double value, size_t degrees, double log_gamma)
     const double x = value / 2;
     double sum = 1;
     double term = 1;
-    for (double n = 1; term > sum * 1e-17; n++) {
-        term *= x / (a + n);
+    for (size_t n = 1; term > sum * 1e-17; n++) {
+        term *= x / (a + (double)n);
         sum += term;
     }
     return exp(a * log(x) - x - log_gamma) * sum;
