@@ -34,6 +34,7 @@ struct source_key {
 #define AN_IMAGE "an image is needed"
 #define A_COLUMN "the title of a column is needed"
 #define A_PART "labels of vertices, a mask or a structure of the atlas is needed"
+#define A_POINT "three numbers X:Y:Z are needed"
 #define WHOLE "allowed are whole numbers from 0"
 #define ABOVE_0 "allowed is a number above 0"
 #define MOST (UINT32_MAX - 1.0) /* its successor is the number of a label */
@@ -127,6 +128,14 @@ static const struct source_key rows[] = {
      .allowed = "allowed are any, all and whole numbers above 0"},
     {KEY_BIAS, "bias", KEYS_WEIGHT, IS_NUMBERS, .least = 2, .most = 2, .any_order = true, .low = -45, .high = 45,
      .allowed = "two numbers X:Y are needed, degrees to the right and up, from -45 to 45"},
+    {KEY_NASION, "nasion", KEYS_SCALP, IS_NUMBERS, .least = 3, .most = 3, .any_order = true, .low = -1e9, .high = 1e9,
+     .allowed = A_POINT},
+    {KEY_INION, "inion", KEYS_SCALP, IS_NUMBERS, .least = 3, .most = 3, .any_order = true, .low = -1e9, .high = 1e9,
+     .allowed = A_POINT},
+    {KEY_LPA, "lpa", KEYS_SCALP, IS_NUMBERS, .least = 3, .most = 3, .any_order = true, .low = -1e9, .high = 1e9,
+     .allowed = A_POINT},
+    {KEY_RPA, "rpa", KEYS_SCALP, IS_NUMBERS, .least = 3, .most = 3, .any_order = true, .low = -1e9, .high = 1e9,
+     .allowed = A_POINT},
     {KEY_POWER, "power", KEYS_PRIOR, IS_NUMBERS, .least = 1, .most = 1, .low = 0.01, .high = 100,
      .allowed = "allowed is a number from 0.01 to 100"},
 };

@@ -32,6 +32,7 @@ enum key_kind {
     KEYS_FIRST = 1 << 18,
     KEYS_WEIGHT = 1 << 19, /**< A form of weights, or a table of them; */
     KEYS_PRIOR = 1 << 20,  /**< of priors. */
+    KEYS_SCALP = 1 << 21,  /**< A scalp with its landmarks. */
 };
 
 enum source_key_id {
@@ -88,6 +89,10 @@ enum source_key_id {
     KEY_MARGIN,
     KEY_SHANK,
     KEY_BIAS,
+    KEY_NASION, /**< These four in this order. */
+    KEY_INION,
+    KEY_LPA,
+    KEY_RPA,
     KEY_POWER,
 };
 

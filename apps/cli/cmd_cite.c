@@ -97,6 +97,9 @@ static int look_for_references(struct citing *citing, struct cited_atlas *atlas,
 static int list_recorded(struct citing *citing, const char *ran)
 {
     const json_t *several = json_object_get(citing->record.root, "Atlases");
+    if (citation_has_no_atlas(&citing->citation)) {
+        return EXIT_DONE;
+    }
     int code = make_atlases(citing, several ? json_array_size(several) + !json_array_size(several) : 1);
     for (size_t i = 0; i < citing->citation.atlas_count && !code; i++) {
         struct cited_atlas *atlas = &citing->citation.atlases[i];

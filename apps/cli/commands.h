@@ -16,6 +16,8 @@ extern const struct command cmd_track;
 extern const struct command cmd_overlap;
 extern const struct command cmd_connect;
 extern const struct command cmd_plan;
+extern const struct command cmd_calibrate;
+extern const struct command cmd_positions;
 extern const struct command cmd_manifest;
 extern const struct command cmd_mcp;
 extern const struct command cmd_mesh;

@@ -16,9 +16,9 @@
 enum { ENOUGH = 1 << 20, STACK = 8 << 20 }; /* bytes of stack */
 
 static const struct command *const commands[] = {
-    &cmd_query,   &cmd_batch,  &cmd_track, &cmd_sweep,    &cmd_overlap, &cmd_connect, &cmd_plan,   &cmd_info,
-    &cmd_atlases, &cmd_render, &cmd_mesh,  &cmd_manifest, &cmd_phantom, &cmd_diff,    &cmd_verify, &cmd_cite,
-    &cmd_report,  &cmd_pack,   &cmd_page,  &cmd_mcp,      &cmd_view,    NULL};
+    &cmd_query,     &cmd_batch, &cmd_track,   &cmd_sweep,  &cmd_overlap, &cmd_connect,  &cmd_plan,    &cmd_calibrate,
+    &cmd_positions, &cmd_info,  &cmd_atlases, &cmd_render, &cmd_mesh,    &cmd_manifest, &cmd_phantom, &cmd_diff,
+    &cmd_verify,    &cmd_cite,  &cmd_report,  &cmd_pack,   &cmd_page,    &cmd_mcp,      &cmd_view,    NULL};
 
 static const struct program program = {
     .name = "conus",
@@ -56,9 +56,9 @@ static int list_commands(FILE *out)
 {
     fprintf(out, "usage: conus COMMAND [arguments]\n\n%s\n\n", program.description);
     for (size_t i = 0; commands[i]; i++) {
-        fprintf(out, "  %-8s  %s\n", commands[i]->name, commands[i]->summary);
+        fprintf(out, "  %-9s  %s\n", commands[i]->name, commands[i]->summary);
     }
-    fprintf(out, "  %-8s  %s\n\nExit codes:", "help", "explain a command: conus help COMMAND [--long]");
+    fprintf(out, "  %-9s  %s\n\nExit codes:", "help", "explain a command: conus help COMMAND [--long]");
     const char *meaning;
     for (size_t code = 0; (meaning = help_exit_code(code)); code++) {
         fprintf(out, "%s %zu %s", code ? "," : "", code, meaning);

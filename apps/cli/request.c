@@ -61,6 +61,7 @@ void request_finish(struct request *request)
     conus_pose_list_destroy(request->poses);
     atlases_finish(&request->atlases);
     named_places_finish(&request->places);
+    free(request->scalp);
     free(request->command_line);
     free(request->sidecar);
 }
@@ -88,6 +89,7 @@ void request_list_inputs(struct provenance *out, const struct request *request)
     provenance_add_input(out, settings->aim.pose);
     provenance_add_input(out, coordinates_of(request));
     provenance_add_input(out, settings_level_file(&settings->engine));
+    provenance_add_input(out, request->scalp);
     provenance_add_input(out, settings->engine.weight_file[0]);
     provenance_add_input(out, settings->engine.weight_file[1]);
 }
@@ -164,6 +166,11 @@ int request_find_aim(struct request *request)
 {
     request->places = (struct named_places){.atlas = request->atlases.items[0].atlas, .frame = &request->frame};
     const struct aim_settings *aim = &request->settings->aim;
+    int code = settings_scalp(&request->places.scalp, &request->scalp, aim, &request->frame);
+    if (code) {
+        return code;
+    }
+    settings_say_handle(request->arguments, &request->settings->engine, &request->settings->common);
     return aim->origin || aim->focus
                ? settings_pose(&request->aim, &request->aim_target, &request->places, aim, request->arguments)
                : EXIT_DONE;

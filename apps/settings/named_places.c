@@ -13,6 +13,7 @@
 void named_places_finish(struct named_places *places)
 {
     free(places->items);
+    conus_scalp_destroy(places->scalp);
     *places = (struct named_places){0};
 }
 
@@ -34,7 +35,8 @@ int named_places_add(struct named_places *places, const char *option, const char
 int named_places_find(double out[3], struct named_places *places, const char *option, const char *text,
                       const double *other)
 {
-    const conus_place_options options = {.frame = places->frame, .other = other, .has_axis = places->has_axis};
+    const conus_place_options options = {
+        .frame = places->frame, .other = other, .has_axis = places->has_axis, .scalp = places->scalp};
     conus_place place;
     conus_status status = conus_place_find(&place, places->atlas, text, &options);
     double plain[3];

@@ -170,6 +170,23 @@ const struct option aim_options[] = {
     {0},
 };
 
+const struct option stance_options[] = {
+    {OPTION_MM("out", struct aim_settings, off),
+     .help = "with --inward: so far off the scalp, along its normal; below 0 inside", OPTION_FROM_TO(-1000, 1000),
+     .words = "distance, spacer", .flags = OPTION_OF_CONE, .needs = "inward", .excludes = "pose"},
+    {OPTION_DEGREES("handle", struct aim_settings, handle),
+     .help = "with --inward, at a position of a cap: the handle (the device's -y) points backwards, turned by so much "
+             "to the position's side, on the midline to the left",
+     .otherwise = "up is superior", OPTION_FROM_TO(-360, 360), .words = "coil, TMS, orientation",
+     .flags = OPTION_OF_CONE, .needs = "inward", .excludes = "up,pose"},
+    {OPTION_VALUED("scalp", struct aim_settings, scalp, "SURFACE,nasion=X:Y:Z,inion=X:Y:Z,lpa=X:Y:Z,rpa=X:Y:Z"),
+     .help = "with --inward: positions of a cap are those on this scalp, a closed surface, by the landmarks on it, "
+             "whatever brain the atlas is",
+     .words = "head, subject, individual, EEG", .flags = OPTION_OF_CONE, .needs = "inward", .excludes = "pose",
+     OPTION_READING(SURFACE)},
+    {0},
+};
+
 const struct option beam_options[] = {
     {OPTION_VALUED("focus", struct aim_settings, focus, PLACE_VALUE),
      .help = "instead of a cone from the device, a beam that is wide at the device and narrow at its focus, here: "
@@ -347,6 +364,52 @@ int settings_pose_toward(conus_pose *out, double *distance, struct named_places 
     return print_status(conus_pose_toward(out, from, to, up ? above : NULL));
 }
 
+conus_position_options settings_stance(const struct aim_settings *settings, const struct arguments *arguments)
+{
+    const bool has_handle = option_find(arguments->command, "handle") && option_given(arguments, "handle");
+    return (conus_position_options){.off = settings->off, .handle = settings->handle, .has_handle = has_handle};
+}
+
+int settings_scalp(conus_scalp **out, char **path, const struct aim_settings *settings, const conus_frame *frame)
+{
+    struct source_keys keys;
+    double landmarks[4][3];
+    if (!settings->scalp) {
+        return EXIT_DONE;
+    }
+    *path = text_copy(settings->scalp, strlen(settings->scalp));
+    if (!option_cut_keys(&keys, "scalp", *path, KEYS_SCALP)) {
+        return EXIT_USAGE;
+    }
+    for (int k = 0; k < 4; k++) {
+        const enum source_key_id id = (enum source_key_id)(KEY_NASION + k);
+        if (!(keys.given & KEY_BIT(id))) {
+            return print_usage_error("--scalp: %s is missing: SURFACE,nasion=X:Y:Z,inion=X:Y:Z,lpa=X:Y:Z,rpa=X:Y:Z",
+                                     (const char *const[]){"nasion", "inion", "lpa", "rpa"}[k]);
+        }
+        for (int a = 0; a < 3; a++) {
+            landmarks[k][a] = keys_value(&keys, id)->numbers[a];
+        }
+        conus_status status = frame ? conus_frame_to_world(landmarks[k], frame, landmarks[k]) : CONUS_OK;
+        if (status) {
+            return print_status(status);
+        }
+    }
+    return print_status(conus_scalp_load(out, *path, (const double(*)[3])landmarks));
+}
+
+void settings_say_handle(const struct arguments *arguments, const struct engine_settings *engine,
+                         const struct common_settings *common)
+{
+    const bool has_side =
+        engine->aperture == CONUS_APERTURE_SQUARE || (engine->weight && strstr(engine->weight, "bias="));
+    say_note(
+        CONUS_SEVERITY_NOTE,
+        common->quiet || has_side || !option_find(arguments->command, "handle") || !option_given(arguments, "handle"),
+        "--handle turns the device about its axis, which a round cone does not see: numbers differ only as its rays "
+        "do; --aperture square and a bias of --weight see it");
+}
+
 /* The direction into the head at the place that was found last: that of a position's table, else the head's. */
 static int find_inward(double along[3], struct named_places *places, const double from[3])
 {
@@ -354,7 +417,11 @@ static int find_inward(double along[3], struct named_places *places, const doubl
                                         "against the normal of the head in the context's image within 5 mm",
                                         "to the nearest point of the atlas's convex hull"};
     const conus_place *place = places->count ? &places->items[places->count - 1].place : NULL;
-    if (!place || place->kind != CONUS_PLACE_POSITION) {
+    const bool is_position = place && place->kind == CONUS_PLACE_POSITION;
+    if (!is_position && places->scalp) {
+        return print_usage_error("--scalp has no effect without a position of a cap, like C3, in --origin");
+    }
+    if (!is_position) {
         conus_inward found;
         conus_status status = conus_atlas_inward(along, &found, places->atlas, from);
         if (status) {
@@ -373,11 +440,21 @@ static int find_inward(double along[3], struct named_places *places, const doubl
                      place->name);
 }
 
+/* The pose of a device with a handle, at the position that was found last. */
+static int find_stance(conus_pose *out, const struct named_places *places, const conus_position_options *stance)
+{
+    const conus_place *place = places->count ? &places->items[places->count - 1].place : NULL;
+    return place && place->kind == CONUS_PLACE_POSITION
+               ? print_status(conus_position_pose(out, place, stance))
+               : print_usage_error("--handle needs a position of a cap, like C3, which has a side");
+}
+
 int settings_pose(conus_pose *out, double *target, struct named_places *places, const struct aim_settings *settings,
                   const struct arguments *arguments)
 {
     const double *up = option_given(arguments, "up") ? settings->up : NULL;
     const bool is_beam = settings->focus;
+    const conus_position_options stance = settings_stance(settings, arguments);
     double from[3];
     double along[3];
     double above[3];
@@ -394,10 +471,16 @@ int settings_pose(conus_pose *out, double *target, struct named_places *places, 
         conus_frame_direction_to_world(along, places->frame, settings->direction);
         code = code || !settings->inward ? code : find_inward(along, places, from);
         conus_frame_direction_to_world(above, places->frame, settings->up);
-        code = code ? code : print_status(conus_pose_along(out, from, along, up ? above : NULL));
+        const double length = code ? 1 : hypot(hypot(along[0], along[1]), along[2]);
+        for (int a = 0; a < 3 && !code && settings->inward; a++) {
+            from[a] -= stance.off * along[a] / length;
+        }
+        code = code                ? code
+               : stance.has_handle ? find_stance(out, places, &stance)
+                                   : print_status(conus_pose_along(out, from, along, up ? above : NULL));
     }
     if (!code) {
-        conus_frame_turn_pose(out, places->frame, up != NULL);
+        conus_frame_turn_pose(out, places->frame, up != NULL || stance.has_handle);
     }
     return code;
 }

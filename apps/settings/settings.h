@@ -57,8 +57,10 @@ struct aim_settings {
     const char *pose;
     const char *focus, *transducer; /* places, of a beam */
     bool inward;
-    double aperture; /* mm; 0 = it is none */
-    double angle;    /* degrees */
+    double off, handle; /* of inward: mm off the scalp, degrees */
+    const char *scalp;  /* with its landmarks */
+    double aperture;    /* mm; 0 = it is none */
+    double angle;       /* degrees */
     struct space_settings space;
 };
 
@@ -144,6 +146,18 @@ int settings_pose_toward(conus_pose *out, double *distance, struct named_places 
 /** The pose of --origin with --toward or --direction, or of --focus; *target is NaN where it has none. Likewise. */
 int settings_pose(conus_pose *out, double *target, struct named_places *places, const struct aim_settings *settings,
                   const struct arguments *arguments);
+
+/** --out and --handle: how a device stands at a position, straight into the head. */
+extern const struct option stance_options[];
+conus_position_options settings_stance(const struct aim_settings *settings, const struct arguments *arguments);
+
+/** Loads --scalp, whose landmarks are in the space of @p frame, NULL = the world; *path, its file, is the caller's to
+ * free(). Neither where it is not given. Returns the exit code and prints an error unless it is 0. */
+int settings_scalp(conus_scalp **out, char **path, const struct aim_settings *settings, const conus_frame *frame);
+
+/** Says that a round cone does not see the handle, where nothing else does. */
+void settings_say_handle(const struct arguments *arguments, const struct engine_settings *engine,
+                         const struct common_settings *common);
 
 /** What stands for a place in a help, and what a place is, behind what it is for. */
 #define PLACE_VALUE "PLACE"
@@ -370,7 +384,8 @@ struct named_places {
     const conus_frame *frame; /* space and unit of their numbers */
     conus_named_place *items; /* [count] */
     size_t count;
-    bool has_axis; /* one has two ends */
+    bool has_axis;      /* one has two ends */
+    conus_scalp *scalp; /* Of positions; owned. NULL = the head of MNI 152. */
 };
 
 void named_places_finish(struct named_places *places);

@@ -6,6 +6,7 @@
 
 #include "base/geometry/math3.h"
 #include "base/status.h"
+#include "base/text.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -159,6 +160,30 @@ struct voxel_box {
  * out->high that its bounds meet: sets the box to these, and `inside`, NULL if there are none. Exact but for rounding:
  * by the divergence theorem a sum over the pieces of triangles in each voxel. CONUS_ERROR_MEMORY. */
 conus_status mesh_voxels_measure(struct voxel_box *out, const struct mesh *mesh, const double voxel_from_mesh[16]);
+
+/* A scalp, with the positions of the 10-10 system (Eq. 35). */
+
+typedef struct conus_scalp conus_scalp;
+
+struct scalp_position {
+    const char *name; /**< Static. */
+    double point[3];
+    double outward[3]; /**< Of length 1; 0 of landmarks. */
+};
+
+enum { SCALP_POSITIONS = 65 };
+
+struct conus_scalp {
+    struct scalp_position at[SCALP_POSITIONS];
+    size_t count;
+};
+
+/** Finds the positions on the checked @p mesh, from nasion, inion, left and right ear. CONUS_ERROR_DATA for landmarks
+ * that are far from it, and where sections are no loops. */
+conus_status scalp_make(conus_scalp *out, const struct mesh *mesh, const double landmarks[4][3]);
+
+/** The position of this name, in any case; NULL: there is none on a scalp. */
+const struct scalp_position *scalp_find(const conus_scalp *scalp, struct text name);
 
 /* A surface with a label at each vertex, cut into one surface per label. */
 

@@ -899,6 +899,95 @@ CONUS_API double conus_weight_sigma(const conus_weight *weight);
 CONUS_API size_t conus_weight_path_length(const char *text);
 /** @} */
 
+/** @name Calibration
+ * @{ */
+
+/** A pose of a device, and what was aimed at or meant. */
+typedef struct conus_trial {
+    conus_pose pose; /**< Where the device was and pointed. */
+    double aim[3];   /**< For conus_calibrate(): the point that was aimed at, world, mm. */
+    double angle;    /**< For conus_reliability(): as for conus_select(), */
+    double range[2]; /**< as for conus_selector_set_range(), NaN = the selector's, */
+    uint32_t meant;  /**< and the object that was meant. */
+} conus_trial;
+
+/**
+ * Finds from trials how far off a device points, and how widely (Eq. 34).
+ * @param[out] out Columns parameter, value, low, high, p, n; end it with conus_table_destroy().
+ * @param trials [count]
+ * @param count 5 and more.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA for fewer trials, for trials that are all off alike, and for a device that does
+ * not point towards its aim.
+ */
+CONUS_CHECKED conus_status conus_calibrate(conus_table **out, const conus_trial *trials, size_t count);
+
+/**
+ * Finds how often the posteriors of a selector name what was meant, and how often they say that they do (Eq. 34).
+ * @param[out] out Columns kind, low, high, n, said, right, right_low, right_high, log_loss, power: a row of all trials,
+ * then of each bin; end it with conus_table_destroy().
+ * @param selector With a prior, and not of cylinders. Its range is that of the last trial afterwards.
+ * @param trials [count]
+ * @param count 5 and more.
+ * @param progress Hears of each trial; false ends it. NULL = no callback.
+ * @param user Passed to @p progress.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA for fewer trials, and for an object that has no row of its own;
+ * #CONUS_ERROR_ARGUMENT for another selector; #CONUS_ERROR_CANCELLED; the errors of conus_select().
+ */
+CONUS_CHECKED conus_status conus_reliability(conus_table **out, conus_selector *selector, const conus_trial *trials,
+                                             size_t count, conus_progress progress, void *user);
+/** @} */
+
+/** @name Positions of caps
+ * @{ */
+
+/**
+ * Reads a scalp, and finds the positions of the 10-10 system on it (Eq. 35).
+ * @param[out] out The scalp; end it with conus_scalp_destroy().
+ * @param path A closed surface, as for conus_sites_load().
+ * @param landmarks Nasion, inion, left and right ear (LPA, RPA), world, mm: at most 20 mm off it.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA for another surface, and for landmarks that are not its own; the errors of
+ * conus_sites_load().
+ */
+CONUS_CHECKED conus_status conus_scalp_load(conus_scalp **out, const char *path, const double landmarks[4][3]);
+
+/**
+ * Ends a scalp.
+ * @param scalp NULL is allowed.
+ */
+CONUS_API void conus_scalp_destroy(conus_scalp *scalp);
+
+/** How a device stands at a position of a cap, straight into the head. */
+typedef struct conus_position_options {
+    const conus_scalp *scalp; /**< For conus_positions(): where positions are; NULL = on the head of MNI 152. */
+    double off;               /**< mm off the scalp, -1000 to 1000. */
+    bool has_handle;          /**< It has a handle, along its -y; without it its up is that of a pose without one. */
+    double handle; /**< Degrees that the handle is turned from backwards to the position's side, on the midline to the
+                      left, -360 to 360. */
+} conus_position_options;
+
+/**
+ * Finds the pose of a device at a position (Eq. 35).
+ * @param[out] out Its pose.
+ * @param place Of kind #CONUS_PLACE_POSITION.
+ * @param options How it stands.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a position without a normal, and a number out of its range.
+ */
+CONUS_CHECKED conus_status conus_position_pose(conus_pose *out, const conus_place *place,
+                                               const conus_position_options *options);
+
+/**
+ * Lists positions of the 10-10 system on a scalp, or on the head of MNI 152 (Eq. 35).
+ * @param[out] out Columns query_id, x, y, z, dx, dy, dz, ux, uy, uz, error_deg, error_mm, world; those of a direction
+ * are NaN where no normal is known. End it with conus_table_destroy().
+ * @param names [count] "C3"; NULL = all.
+ * @param count How many.
+ * @param options NULL = none is off, and no handle.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another name, with the closest one, and as conus_position_pose().
+ */
+CONUS_CHECKED conus_status conus_positions(conus_table **out, const char *const *names, size_t count,
+                                           const conus_position_options *options);
+/** @} */
+
 /** @name Rankings
  * @{ */
 

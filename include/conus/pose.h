@@ -198,6 +198,7 @@ typedef struct conus_pose_row {
     const char *const *kept; /**< [conus_pose_options.keep_count] Texts of the columns that are kept, "" of an empty
                                 cell; NULL without them, and in some rows with an error. */
     double radius; /**< Column radius of a point, mm: of the ball that is asked, 0 = what is at it; NaN if absent. */
+    double aim[3]; /**< Columns aim_x, aim_y, aim_z: the point that was aimed at, world, mm; NaN if absent. */
 } conus_pose_row;
 /** @} */
 
@@ -317,12 +318,15 @@ typedef struct conus_place {
     bool is_doubtful;      /**< They say MNI, and it is not known whether the atlas lies there. */
 } conus_place;
 
+typedef struct conus_scalp conus_scalp; /**< Somebody's scalp, with the positions of the 10-10 system on it. */
+
 /** How conus_place_find() reads. */
 typedef struct conus_place_options {
     size_t struct_size;       /**< Its size, as #CONUS_PLACE_OPTIONS_INIT sets it; 0 = that of this version. */
     const conus_frame *frame; /**< Space and unit of numbers; NULL = the world. */
     const double *other;      /**< [3] World mm: the place to which near:AREA is nearest; NULL = there is none. */
     bool has_axis;            /**< There is another end, so that messages may advise near:AREA. */
+    const conus_scalp *scalp; /**< Where positions lie, whatever brain the atlas is; NULL = on the head of MNI 152. */
 } conus_place_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

@@ -56,7 +56,10 @@ typedef enum conus_rows {
     CONUS_ROWS_TOLERANCE,   /**< From conus_report_add_tolerance(). */
     CONUS_ROWS_CLUSTERS,    /**< Tables of conus_clusters(). */
     CONUS_ROWS_NEEDLES,     /**< Of needles that were planned together, a row for each. */
-    CONUS_ROWS_PAIRS        /**< From the same, a row for each two needles. */
+    CONUS_ROWS_PAIRS,       /**< From the same, a row for each two needles. */
+    CONUS_ROWS_CALIBRATION, /**< What trials say of the errors of pointing; without a selector. */
+    CONUS_ROWS_RELIABILITY, /**< How often posteriors are right. */
+    CONUS_ROWS_POSITIONS    /**< Positions of caps; without a selector. */
 } conus_rows;
 
 /** The order of the answers to a query. */
@@ -136,7 +139,7 @@ typedef struct conus_report_options {
 /**
  * Starts a report on answers of a selector.
  * @param[out] out The report; end it with conus_report_destroy().
- * @param selector Must outlive the report.
+ * @param selector Must outlive the report. NULL for rows that are of no atlas.
  * @param options NULL = defaults. Its strings must outlive the report.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for options that do not go together.
  */

@@ -183,21 +183,28 @@ static conus_status pose_from_values(conus_pose_row *row, const struct columns *
     }
     double *x = v + ROLE_X;
     double *t = v + ROLE_TX;
+    double *aim = v + ROLE_AIM;
     vec3_scale(x, x, columns->scale);
     vec3_scale(t, t, columns->scale);
+    vec3_scale(aim, aim, columns->scale);
     conus_space space = isnan(v[ROLE_SPACE]) ? columns->space : (conus_space)v[ROLE_SPACE];
     conus_frame own = *options->frame;
-    if (columns->is_mlapdv) {
-        const double mlap[2] = {x[0], x[1]};
-        x[0] = mlap[1];
-        x[1] = mlap[0];
+    double *const points[] = {x, aim};
+    for (size_t i = 0; i < 2 && columns->is_mlapdv; i++) {
+        const double ml = points[i][0];
+        points[i][0] = points[i][1];
+        points[i][1] = ml;
     }
     conus_status status = space == options->space ? CONUS_OK : conus_frame_find(&own, NULL, space, NULL);
     status = status || columns->has[ROLE_M00] ? status : conus_frame_to_world(x, &own, x);
     status = status || !columns->has[ROLE_TX] ? status : conus_frame_to_world(t, &own, t);
+    status = status || !columns->has[ROLE_AIM] || !isfinite(aim[0] + aim[1] + aim[2])
+                 ? status
+                 : conus_frame_to_world(aim, &own, aim);
     if (columns->moves) {
         space_move_from_mni305(x);
         space_move_from_mni305(t);
+        space_move_from_mni305(aim);
     }
     if (status || columns->is_of_points) {
         return status ? status : pose_of_point(out, x);
@@ -292,7 +299,7 @@ static conus_status read_unit(const struct columns *columns, struct text cell, c
 
 static conus_status read_value(double *out, const struct columns *columns, enum column_role role, struct text cell)
 {
-    if (role >= ROLE_ANGLE && columns_is_absent(cell)) {
+    if ((role >= ROLE_ANGLE || (role >= ROLE_AIM && role < ROLE_DX)) && columns_is_absent(cell)) {
         *out = NAN;
         return CONUS_OK;
     }
@@ -442,6 +449,9 @@ static conus_status read_row(conus_pose_row *row, struct pose_name *name, const 
     }
     row->time_s = values[ROLE_TIME];
     row->trigger = values[ROLE_TRIGGER] != 0;
+    for (int a = 0; a < 3; a++) {
+        row->aim[a] = columns->has[ROLE_AIM] ? values[ROLE_AIM + a] : NAN;
+    }
     row->error_deg = values[ROLE_ERROR_DEG];
     row->error_mm = values[ROLE_ERROR_MM];
     return status;

@@ -81,6 +81,7 @@ static const struct {
     {STATISTIC, "sd/se/err/error/size/std/sem/var/stdev"},
     {ENTRY, "entry/from/start/coil/transducer/device"},
     {TARGET, "target/tgt/to/tip/end/focus/t"},
+    {AIM, "aim"},
     {DIRECTION, "d/dir/direction"},
     {UP, "u/up"},
     {QUATERNION, "q/quat/quaternion"},
@@ -442,7 +443,7 @@ static void take_family(struct head *head, const struct family *family, enum col
         set_role(head, family->at[k], first + (enum column_role)k);
     }
     const char *behind = family->at[0] != COLUMN_NONE ? strrchr(head->names[family->at[0]], ' ') : NULL;
-    FAULT_IF(first <= ROLE_TX && behind && text_is_one_of(text_from(behind + 1), "cm/m", true) && unit == 0 &&
+    FAULT_IF(first < ROLE_DX && behind && text_is_one_of(text_from(behind + 1), "cm/m", true) && unit == 0 &&
                  !(head->words.unit > 0),
              head,
              "%s: is %s a unit or, as in centre of mass, a word? brackets make it a unit, ',unit=mm' behind FILE "
@@ -451,7 +452,7 @@ static void take_family(struct head *head, const struct family *family, enum col
     double scale = unit / columns_space_mm(out->space);
     FAULT_IF(unit == SPACE_UNIT_REFUSED && !(head->words.unit > 0), head,
              "%s: %s; ',unit=mm' behind FILE takes them so", FAMILY_SHOWN(head, family), space_why_unit);
-    if (unit > 0 && first <= ROLE_TX) {
+    if (unit > 0 && first < ROLE_DX) {
         FAULT_IF(out->scale > 0 && out->scale != scale, head, "two units: positions and targets have different ones");
         out->scale = scale;
     }
@@ -809,6 +810,7 @@ static void choose_families(struct head *head)
     }
     take_family(head, named || out->place ? NULL : position, ROLE_X, "x y z");
     take_family(head, target, ROLE_TX, "tx ty tz");
+    take_family(head, find_kind(head, AIM), ROLE_AIM, "aim_x aim_y aim_z");
     take_family(head, direction, ROLE_DX, "dx dy dz");
     take_family(head, up, ROLE_UX, "ux uy uz");
     take_family(head, quaternion, ROLE_QX, "qw qx qy qz");

@@ -75,7 +75,8 @@ conus_status pose_lines_sha256(char out[65], struct pose_lines *lines);
 enum column_role {
     ROLE_X,
     ROLE_TX = ROLE_X + 3,
-    ROLE_DX = ROLE_TX + 3,
+    ROLE_AIM = ROLE_TX + 3, /**< What was aimed at; a row can do without. */
+    ROLE_DX = ROLE_AIM + 3,
     ROLE_QW = ROLE_DX + 3,
     ROLE_QX,
     ROLE_M00 = ROLE_QX + 3,

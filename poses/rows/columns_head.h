@@ -16,6 +16,7 @@ enum family_kind {
     STATISTIC,
     ENTRY,
     TARGET,
+    AIM, /**< What was aimed at. */
     DIRECTION,
     UP,
     QUATERNION,

@@ -31,6 +31,7 @@ conus_pose_row pose_row_at(size_t line)
                             .time_s = NAN,
                             .error_deg = NAN,
                             .error_mm = NAN,
+                            .aim = {NAN, NAN, NAN},
                             .range = {NAN, NAN},
                             .normal = {NAN, NAN, NAN},
                             .target_mm = NAN,

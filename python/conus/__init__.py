@@ -34,7 +34,7 @@ from ._picture import Picture, Renderer, transfer_presets
 from ._plan import Plan, errors
 from ._probe import Contacts, Probe, brain_areas, read_probe
 from ._program import Difference, SourceFile, Verification, cite, page, verify
-from ._run import OUT, run
+from ._run import OUT, calibrate, positions, run
 from ._space import Place
 from ._table import Table
 from ._track import Tracker
@@ -45,6 +45,6 @@ __all__ = [
     "Answers", "ArgumentError", "Atlas", "CancelledError", "Connectivity", "Contacts", "DataError", "Difference", "Error", "FileError",
     "GLError", "Hit", "InstalledAtlas", "OUT", "OutOfMemoryError", "Picture", "Place", "Placement", "Plan", "PoseWarning", "Poses", "Probe", "Renderer",
     "Selection", "Selector", "SourceFile", "Step", "Table", "Tables", "Track", "Tracker", "Tractogram",
-    "UnsupportedError", "Verification", "atlases", "brain_areas", "cite", "errors", "is_tractogram", "load", "page", "pose_formats", "read_poses", "read_probe",
+    "UnsupportedError", "Verification", "atlases", "brain_areas", "calibrate", "cite", "errors", "is_tractogram", "load", "page", "pose_formats", "positions", "read_poses", "read_probe",
     "run", "transfer_presets", "verify",
 ]

@@ -89,6 +89,54 @@ def run(line: str, /, **values: Any) -> Any:
         return _table(io.StringIO(ended.stdout), "\t") if has_rows else ended.stdout
 
 
+def calibrate(trials: Any, atlas: Any = None, /, **options: Any) -> Any:
+    """Finds from trials how far off a hand or tracker points, or how often posteriors are right.
+
+    ``conus.calibrate(trials)``
+    ``conus.calibrate(trials, "aal", weight="gauss=1.7")``
+
+    Parameters
+    ----------
+    trials
+        A DataFrame, or the path of a table: poses as :func:`read_poses` takes them, with columns aim_x, aim_y and aim_z,
+        the point that was aimed at; with an atlas a column meant, the area that was meant.
+    atlas
+        A path, a name or an image of nibabel.
+    options
+        Those of the program: ``weight``, ``prior``, ``space``.
+
+    Returns
+    -------
+    DataFrame
+        The rows of ``conus calibrate`` (docs/formats.md).
+    """
+    words = "".join(f" --{name.replace('_', '-')} {{{name}}}" for name in options)
+    if atlas is None:
+        return run("calibrate --poses {trials}" + words, trials=trials, **options)
+    return run("calibrate {atlas} --poses {trials}" + words, trials=trials, atlas=atlas, **options)
+
+
+def positions(*names: str, **options: Any) -> Any:
+    """Lists positions of the 10-10 system on the head of MNI 152, as poses straight into the head.
+
+    ``conus.positions("C3", "F3", handle=45)``
+
+    Parameters
+    ----------
+    names
+        Their names; none for all.
+    options
+        Those of the program: ``out``, ``handle``.
+
+    Returns
+    -------
+    DataFrame
+        The rows of ``conus positions``, which :func:`read_poses` takes as a file.
+    """
+    words = "".join(f" --{name} {{{name}}}" for name in options)
+    return run("positions" + words + " -- " + shlex.join(names), **options)
+
+
 @functools.lru_cache(maxsize=None)
 def _commands_with_rows(_program: Optional[str]) -> frozenset[str]:
     """Those that have the format tsv, as the program says of itself."""

@@ -7,6 +7,7 @@
 #include "base/options.h"
 #include "poses/rows/pose_row.h"
 #include "selection/plan/plan_deepest.h"
+#include "selection/study/study.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -70,6 +71,17 @@ static void take_position(struct finding *finding, const struct position *positi
     memcpy(finding->place.outward, position->outward, sizeof finding->place.outward);
 }
 
+/* A position on a scalp. */
+static conus_status take_scalp_position(struct finding *finding, const struct position *position)
+{
+    struct position own;
+    conus_status status = position_on_scalp(&own, finding->options->scalp, position);
+    if (!status) {
+        take_position(finding, &own);
+    }
+    return status;
+}
+
 /* Puts what is wrong with a name behind the message about it. */
 static conus_status fail_with(conus_status status, const char *more)
 {
@@ -115,6 +127,9 @@ static conus_status take_cap_position(struct finding *finding)
         return fail(CONUS_ERROR_ARGUMENT, "1020:%.*s: there is no such position of the 10-10 system, as C3 or Fp1",
                     TEXT_SHOW(finding->words.name, SHOWN));
     }
+    if (finding->options->scalp) {
+        return take_scalp_position(finding, position);
+    }
     if (brain_of(finding->atlas) == BRAIN_OTHER) {
         return fail(CONUS_ERROR_ARGUMENT,
                     "1020:%s is a position on the head of MNI 152, but the atlas is another brain", position->name);
@@ -150,7 +165,7 @@ static conus_status find_object(struct finding *finding)
         return find_label(finding);
     }
     if (position) {
-        return choose_position(finding, position);
+        return finding->options->scalp ? take_scalp_position(finding, position) : choose_position(finding, position);
     }
     conus_status status = object_find(&finding->place.object, finding->atlas, words->name);
     if (status == CONUS_ERROR_ARGUMENT && words->numbers.why) {

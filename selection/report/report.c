@@ -70,6 +70,26 @@ static conus_status check_options(const conus_report_options *options)
     return contacts_check(contacts);
 }
 
+/* Of reports without a selector: nothing is in it. */
+static const conus_atlas no_atlas;
+
+bool report_has_atlas(const conus_report *report)
+{
+    return report->atlas != &no_atlas;
+}
+
+static void take_selector(conus_report *report, const conus_selector *selector)
+{
+    report->atlas = selector->atlas;
+    report->selector = selector->options;
+    report->weight = selector->options.weight ? selector->options.weight->facts : report->weight;
+    report->prior = selector->prior;
+    report->prior.times = NULL;
+    report->selector.weight = NULL; /* which may end */
+    memcpy(report->score, selector->ranking.formula.text, sizeof report->score);
+    memcpy(report->engine, selector->engine->name, sizeof report->engine);
+}
+
 static conus_status find_prefixes(conus_report *report)
 {
     report->prefixes = memory_zeroed(report->atlas->object_count + 1, sizeof *report->prefixes);
@@ -145,21 +165,17 @@ conus_status conus_report_create(conus_report **out, const conus_selector *selec
     if (!report) {
         return CONUS_ERROR_MEMORY;
     }
-    report->atlas = selector->atlas;
-    report->selector = selector->options;
-    report->weight = selector->options.weight ? selector->options.weight->facts : report->weight;
-    report->prior = selector->prior;
-    report->prior.times = NULL;
-    report->selector.weight = NULL; /* which may end */
-    memcpy(report->score, selector->ranking.formula.text, sizeof report->score);
+    report->atlas = &no_atlas;
+    if (selector) {
+        take_selector(report, selector);
+    }
     report->options = *options;
     report->options.frame = NULL; /* the caller's may end */
     report->options.space = frame.space;
     report->frame = frame;
     report->options.no_voxels = report->options.no_voxels || report->options.tracker;
-    memcpy(report->engine, selector->engine->name, sizeof report->engine);
     report->name = options->atlas ? text_to_utf8(text_from(options->atlas)) : NULL;
-    status = options->atlas && !report->name ? CONUS_ERROR_MEMORY : keep_level(report, selector);
+    status = options->atlas && !report->name ? CONUS_ERROR_MEMORY : selector ? keep_level(report, selector) : CONUS_OK;
     status = status || !report->options.electrodes ? status : report_read_electrodes(report);
     status = status || options->format != CONUS_FORMAT_TABLE ? status : find_prefixes(report);
     bool is_draft = options->format == CONUS_FORMAT_BEP032;

@@ -152,6 +152,21 @@ struct conus_report {
 conus_status report_append(struct report_row **rows, conus_report *report, const char *id,
                            const struct report_query *query, size_t count);
 
+/** Whether positions are those of somebody's own scalp, whose errors are not known. */
+static inline bool report_is_of_scalp(const conus_table *positions)
+{
+    return conus_table_rows(positions) && isnan(conus_table_numbers(positions, "error_mm")[0]);
+}
+
+/** Whether its rows are of an atlas. */
+bool report_has_atlas(const conus_report *report);
+
+/** Whether its rows are all there is, not answers to queries. */
+static inline bool report_has_no_queries(const conus_report *report)
+{
+    return report->options.rows >= CONUS_ROWS_PAIRS;
+}
+
 /** CONUS_ERROR_ARGUMENT for a table of other rows than the report's, or with positions in another frame. */
 conus_status report_check_table(const conus_report *report, const conus_table *table);
 

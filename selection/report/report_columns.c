@@ -808,10 +808,12 @@ static bool insert_column(struct report_columns *out, size_t place, const struct
 const struct table_fields *report_fields(conus_rows rows)
 {
     static const struct table_fields *const studies[] = {
-        [CONUS_ROWS_ADMISSIONS] = &sweep_fields,       [CONUS_ROWS_CHANCES] = &jitter_fields,
-        [CONUS_ROWS_CONNECTIONS] = &connection_fields, [CONUS_ROWS_COVERAGES] = &overlap_fields,
-        [CONUS_ROWS_CLUSTERS] = &clusters_fields,      [CONUS_ROWS_SEGMENTS] = &segment_fields,
-        [CONUS_ROWS_CLEARANCES] = &clearance_fields,   [CONUS_ROWS_PAIRS] = &pair_fields};
+        [CONUS_ROWS_ADMISSIONS] = &sweep_fields,        [CONUS_ROWS_CHANCES] = &jitter_fields,
+        [CONUS_ROWS_CONNECTIONS] = &connection_fields,  [CONUS_ROWS_COVERAGES] = &overlap_fields,
+        [CONUS_ROWS_CLUSTERS] = &clusters_fields,       [CONUS_ROWS_SEGMENTS] = &segment_fields,
+        [CONUS_ROWS_CLEARANCES] = &clearance_fields,    [CONUS_ROWS_PAIRS] = &pair_fields,
+        [CONUS_ROWS_CALIBRATION] = &calibration_fields, [CONUS_ROWS_RELIABILITY] = &reliability_fields,
+        [CONUS_ROWS_POSITIONS] = &position_fields};
     return (size_t)rows < COUNT_OF(studies) ? studies[rows] : NULL;
 }
 
@@ -832,7 +834,7 @@ static bool is_worth_a_column(const conus_report *report, const struct report_co
 /* The columns of tables, behind the question's. */
 static void list_fields(struct report_columns *out, const conus_report *report)
 {
-    if (report->options.rows != CONUS_ROWS_PAIRS) {
+    if (!report_has_no_queries(report)) {
         list_column(out, report->options.rows == CONUS_ROWS_CLUSTERS ? &region_column : &answer_columns[0]);
     }
     for (size_t i = 0; i < report->field_count; i++) {
@@ -872,6 +874,9 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
     case CONUS_ROWS_COVERAGES:
     case CONUS_ROWS_CLUSTERS:
     case CONUS_ROWS_PAIRS:
+    case CONUS_ROWS_CALIBRATION:
+    case CONUS_ROWS_RELIABILITY:
+    case CONUS_ROWS_POSITIONS:
         list_fields(out, report);
         break;
     case CONUS_ROWS_NEEDLES:
@@ -935,7 +940,7 @@ bool conus_column_is_number(const char *name)
         }
     }
     bool is_number = is_of_constraint(name);
-    for (conus_rows rows = CONUS_ROWS_ANSWERS; rows <= CONUS_ROWS_PAIRS; rows++) {
+    for (conus_rows rows = CONUS_ROWS_ANSWERS; rows <= CONUS_ROWS_POSITIONS; rows++) {
         const struct table_fields *fields = report_fields(rows);
         for (size_t i = 0; fields && i < fields->count; i++) {
             enum column_type type = fields->at[i].type;

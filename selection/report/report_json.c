@@ -379,13 +379,23 @@ static json_t *json_from_contacts(const conus_contacts *contacts)
                      (json_int_t)contacts->columns, "pitch_mm", contacts->pitch, "tip_mm", contacts->tip);
 }
 
+/* How many trials the first row is of. */
+static bool add_trials(json_t *settings, const conus_report *report)
+{
+    const int64_t *trials = report->query_count ? conus_table_counts(report->queries[0].table, "n") : NULL;
+    return !trials || put_value(settings, "trials", json_integer(trials[0]));
+}
+
 static json_t *json_from_settings(const conus_report *report)
 {
     const conus_selector_options *options = &report->selector;
     conus_rows rows = report->options.rows;
     bool has_axes = report_is_of_axes(rows) || rows == CONUS_ROWS_CONNECTIONS || report->plan.count > 0;
-    if (rows >= CONUS_ROWS_NEEDLES) { /* each has its own */
-        return json_object();
+    if (rows == CONUS_ROWS_NEEDLES || rows == CONUS_ROWS_PAIRS || !report_has_atlas(report)) { /* each has its own */
+        json_t *few = json_object();
+        const bool has_head = rows == CONUS_ROWS_POSITIONS && report->query_count;
+        const char *head = has_head && report_is_of_scalp(report->queries[0].table) ? "own" : "MNI 152";
+        return whole_or_null(few, add_trials(few, report) && (!has_head || put_value(few, "head", json_string(head))));
     }
     if (has_axes || rows == CONUS_ROWS_COVERAGES || rows == CONUS_ROWS_CLUSTERS) { /* which have no rays of pixels */
         json_t *few = json_object();
@@ -412,8 +422,8 @@ static json_t *json_from_settings(const conus_report *report)
     bool tells = options->radius == 0 && (report->is_begun || !report->query_count); /* no query tells it (Eq. 15) */
     whole = (!tells || put_value(settings, "spread", json_string("even beyond 120 degrees"))) && whole;
     whole = (report->name || add_level(settings, report)) && whole;
-    return whole_or_null(settings,
-                         whole && add_weight(settings, report) && add_track(settings, report->options.tracker));
+    return whole_or_null(settings, whole && add_weight(settings, report) && add_trials(settings, report) &&
+                                       add_track(settings, report->options.tracker));
 }
 
 static json_t *json_from_constraint(const struct report_constraint *constraint)
@@ -557,12 +567,12 @@ static bool add_sources(json_t *root, const conus_report *report)
     const char *command = report->options.command;
     bool whole = !command || put_value(program, "CommandLine", json_from_text(command));
     return put_value(root, "GeneratedBy", json_pack("[o]", program)) && whole &&
-           (report->name ? put_value(root, "Atlases", json_from_atlases(report))
-                         : put_value(root, "Atlas", json_from_atlas(report->atlas))) &&
+           (!report_has_atlas(report) || (report->name ? put_value(root, "Atlases", json_from_atlases(report))
+                                                       : put_value(root, "Atlas", json_from_atlas(report->atlas)))) &&
            put_value(root, "Settings", json_from_settings(report)) &&
            (!report->plan.count || add_plan(root, &report->plan)) &&
            (!report->needles.count || add_needles(root, &report->needles)) &&
-           (report->is_begun || report->options.rows == CONUS_ROWS_PAIRS ||
+           (report->is_begun || report_has_no_queries(report) ||
             put_value(root, "Queries", json_from_queries(report))); /* else they are forgotten */
 }
 

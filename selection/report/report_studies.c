@@ -187,6 +187,83 @@ static const struct shown connections_shown[] = {
     {0},
 };
 
+static const struct shown calibration_shown[] = {
+    {"parameter", "", LOOK_TEXT, .width = 9, .column = "parameter"},
+    {"value", "", LOOK_SHORT, .width = 10, .column = "value"},
+    {"low", "95 %", LOOK_SHORT, .width = 10, .column = "low"},
+    {"high", "95 %", LOOK_SHORT, .width = 10, .column = "high"},
+    {"p", "", LOOK_SHORT, .width = 10, .column = "p"},
+    {0},
+};
+
+static const struct shown reliability_shown[] = {
+    {"trials", "", LOOK_TEXT, .width = 6, .column = "kind"},
+    {"from", "%", LOOK_PERCENT, .width = 5, .column = "low", .digits = 0},
+    {"to", "%", LOOK_PERCENT, .width = 5, .column = "high", .digits = 0},
+    {"number", "", LOOK_COUNT, .width = 8, .column = "n"},
+    {"said", "%", LOOK_PERCENT, .width = 7, .column = "said", .digits = 1, .none = "-"},
+    {"right", "%", LOOK_PERCENT, .width = 7, .column = "right", .digits = 1, .none = "-"},
+    {"low", "95 %", LOOK_PERCENT, .width = 7, .column = "right_low", .digits = 1, .none = "-"},
+    {"high", "95 %", LOOK_PERCENT, .width = 7, .column = "right_high", .digits = 1, .none = "-"},
+    {0},
+};
+
+static const struct shown positions_shown[] = {
+    {"position", "", LOOK_TEXT, .width = 8, .column = "query_id"},
+    {"x, y, z", "RAS mm", LOOK_POINT, .width = 26, .column = ""},
+    {"into head", "x", LOOK_FIXED, .width = 9, .column = "dx", .digits = 3, .none = "-"},
+    {"", "y", LOOK_FIXED, .width = 6, .column = "dy", .digits = 3, .none = "-"},
+    {"", "z", LOOK_FIXED, .width = 6, .column = "dz", .digits = 3, .none = "-"},
+    {"up", "x", LOOK_FIXED, .width = 6, .column = "ux", .digits = 3, .none = "-"},
+    {"", "y", LOOK_FIXED, .width = 6, .column = "uy", .digits = 3, .none = "-"},
+    {"", "z", LOOK_FIXED, .width = 6, .column = "uz", .digits = 3, .none = "-"},
+    {0},
+};
+
+static void write_positions_head(struct buffer *out, const conus_report *report, const struct report_query *query)
+{
+    (void)report;
+    buffer_format(out, "positions of the 10-10 system on %s; directions are of length 1\n",
+                  report_is_of_scalp(query->table) ? "the scalp given" : "the head of MNI 152");
+}
+
+static void write_calibration_head(struct buffer *out, const conus_report *report, const struct report_query *query)
+{
+    (void)report;
+    buffer_format(out,
+                  "%lld trials: how far the device points to its right (x) and up (y) of what was aimed at, degrees\n",
+                  (long long)conus_table_counts(query->table, "n")[0]);
+}
+
+/* The weight that a hand or tracker of these errors has, and what speaks against normal errors. */
+static void write_calibration_foot(struct buffer *out, const conus_report *report, const struct report_query *query)
+{
+    (void)report;
+    const double *value = conus_table_numbers(query->table, "value");
+    const double *p = conus_table_numbers(query->table, "p");
+    buffer_format(out, "to copy: --weight gauss=%.4g,bias=%.4g:%.4g\n", value[2], value[0], value[1]);
+    if (p[5] < 0.05) {
+        buffer_format(out, "the errors are hardly normal (kurtosis, p = %.2g)\n", p[5]);
+    }
+    if (p[6] < 0.05) {
+        buffer_format(out, "the errors are hardly alike in all directions (isotropy, p = %.2g)\n", p[6]);
+    }
+}
+
+static void write_reliability_head(struct buffer *out, const conus_report *report, const struct report_query *query)
+{
+    (void)report;
+    (void)query;
+    buffer_text(out, "how often the largest posterior is that of what was meant, by how large it is\n");
+}
+
+static void write_reliability_foot(struct buffer *out, const conus_report *report, const struct report_query *query)
+{
+    buffer_format(out, "log loss %.4g with power %.4g; it is least with power=%.4g behind --prior\n",
+                  conus_table_numbers(query->table, "log_loss")[0], report->prior.power,
+                  conus_table_numbers(query->table, "power")[0]);
+}
+
 /* Of rows of tables but clusters. */
 static const struct view *view_of(conus_rows rows)
 {
@@ -198,6 +275,9 @@ static const struct view *view_of(conus_rows rows)
         [CONUS_ROWS_CLEARANCES] = {clearances_shown, "no area, pathway or bundle is that near\n", write_needle_head,
                                    NULL, write_needle_end},
         [CONUS_ROWS_COVERAGES] = {coverages_shown, NULL, write_region_head, NULL, NULL},
+        [CONUS_ROWS_CALIBRATION] = {calibration_shown, NULL, write_calibration_head, write_calibration_foot, NULL},
+        [CONUS_ROWS_POSITIONS] = {positions_shown, NULL, write_positions_head, NULL, NULL},
+        [CONUS_ROWS_RELIABILITY] = {reliability_shown, NULL, write_reliability_head, write_reliability_foot, NULL},
     };
     return &views[rows];
 }

@@ -24,10 +24,10 @@ static table_writer *table_of(const conus_report *report)
     return report->options.tracker                       ? report_write_track
            : report->options.rows == CONUS_ROWS_ANSWERS  ? report_write_table
            : report->options.rows == CONUS_ROWS_CLUSTERS ? report_write_clusters
-           : report->options.rows >= CONUS_ROWS_NEEDLES  ? report_write_plan
-           : report->fields                              ? report_write_study
-           : report->plan.count > 0                      ? report_write_plan
-                                                         : report_write_shares;
+           : report->options.rows == CONUS_ROWS_NEEDLES || report->options.rows == CONUS_ROWS_PAIRS ? report_write_plan
+           : report->fields                                                                         ? report_write_study
+           : report->plan.count > 0                                                                 ? report_write_plan
+                                    : report_write_shares;
 }
 
 conus_status report_write_part(struct buffer *out, const conus_report *report)

@@ -10,7 +10,7 @@
 
 /* Columns of the tables of studies. */
 extern const struct table_fields sweep_fields, jitter_fields, overlap_fields, clusters_fields, segment_fields,
-    clearance_fields;
+    clearance_fields, calibration_fields, reliability_fields, position_fields;
 
 /* jitter.c: errors of the pose (Eq. 14). */
 /** Errors have five dimensions; samples are counted in so many sets, one after the other. */
@@ -89,5 +89,20 @@ bool pose_check_past(const struct cone *cone, const double low[3], const double 
 /* tracker.c */
 /** The tracker's options with defaults filled in. */
 const conus_tracker_options *tracker_options(const conus_tracker *tracker);
+
+struct position;
+
+/** A position on a scalp. CONUS_ERROR_ARGUMENT for one below its ring of 10 %, where there is no rule. */
+conus_status position_on_scalp(struct position *out, const conus_scalp *scalp, const struct position *position);
+
+/* quantiles.c */
+/** The 97.5 % quantile of the standard normal distribution. */
+#define NORMAL_975 1.959963984540054
+
+/** The value below which @p part, 0 to 1, of chi squared with @p degrees, from 1, of freedom lies. */
+double quantile_chi_squared(double part, size_t degrees);
+
+/** The same of Student's t, for @p part from 0.5 on and an even number of degrees of freedom. */
+double quantile_t(double part, size_t degrees);
 
 #endif

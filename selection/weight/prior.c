@@ -42,18 +42,17 @@ static uint32_t find_object(struct job *job, const struct named_cells *cells, co
     return found;
 }
 
-/* Whether nothing is reported as an object: as another one at this level, or as the areas below it in the area tree. */
-static bool has_no_row(const struct priors *priors, uint32_t object)
+bool prior_has_row(const conus_atlas *atlas, const uint32_t *group, uint32_t object)
 {
     bool is_parent = false;
     bool has_row = false;
-    for (uint32_t i = 1; i <= conus_atlas_object_count(priors->atlas); i++) {
-        const conus_object *other = conus_atlas_object(priors->atlas, i);
+    for (uint32_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
+        const conus_object *other = conus_atlas_object(atlas, i);
         const bool has_shape = other->voxels > 0 || other->triangles > 0;
         is_parent = is_parent || other->parent == object;
-        has_row = has_row || (has_shape && (priors->group ? priors->group[i] : i) == object);
+        has_row = has_row || (has_shape && (group ? group[i] : i) == object);
     }
-    return (priors->group && priors->group[object] != object) || (is_parent && !has_row);
+    return (!group || group[object] == object) && (!is_parent || has_row);
 }
 
 static void take_row(struct job *job, const struct named_cells *cells, void *user)
@@ -73,7 +72,7 @@ static void take_row(struct job *job, const struct named_cells *cells, void *use
         return;
     }
     const char *name = conus_atlas_object(priors->atlas, object)->name;
-    if (has_no_row(priors, object)) {
+    if (!prior_has_row(priors->atlas, priors->group, object)) {
         job_bad(job, "%.60s has no row of its own at this level", name);
     } else if (priors->is_given[object]) {
         job_bad(job, "%.60s is there twice", name);

@@ -59,6 +59,10 @@ struct prior {
 conus_status prior_read(struct prior *out, const char *text, const conus_atlas *atlas, const uint32_t *group);
 void prior_finish(struct prior *prior);
 
+/** Whether something is reported as @p object, and not as another one at this level, or as areas below it in the area
+ * tree. */
+bool prior_has_row(const conus_atlas *atlas, const uint32_t *group, uint32_t object);
+
 /** Sets the posterior of the results of a cone, in which weights are set. */
 void prior_apply(conus_result *results, size_t count, const struct prior *prior, const struct cone *cone);
 

@@ -389,7 +389,7 @@ hostile() {
 @test "a hostile sidecar writes nowhere, reads nothing else and starts nothing" {
     study
     local aim="--origin 0,-100,0 --toward 0,0,0" word
-    hostile 'conus mesh atlas/sphere.nii.gz -o meshes' 'only conus query, batch, sweep, track, overlap, connect and plan'
+    hostile 'conus mesh atlas/sphere.nii.gz -o meshes' 'only conus query, batch, sweep, track, overlap, connect, plan, calibrate and positions'
     hostile 'conus phantom sphere -o .' 'begins with "conus phantom"'
     hostile 'conus view --script x' 'begins with "conus view"'
     hostile 'conus verify out/q.tsv' 'begins with "conus verify"'
@@ -554,9 +554,10 @@ store() {
     local command option kept role values word refused=0 count=0 aim="--origin 0,-100,0 --toward 0,0,0" secret=$PWD/secret
     local -A asks=([query]="atlas/sphere.nii.gz $aim" [batch]="atlas/sphere.nii.gz --poses poses.tsv" [track]="atlas/sphere.nii.gz --poses hand.tsv"
         [sweep]="atlas/sphere.nii.gz $aim" [overlap]="atlas/sphere.nii.gz atlas/slabs.nii.gz --threshold 1"
-        [connect]="atlas/nested.nii.gz --streamlines lines.tck" [plan]="atlas/sphere.nii.gz --poses needles.tsv --reach Sphere")
+        [connect]="atlas/nested.nii.gz --streamlines lines.tck" [plan]="atlas/sphere.nii.gz --poses needles.tsv --reach Sphere"
+        [calibrate]="atlas/sphere.nii.gz --poses poses.tsv --weight hard" [positions]="C3")
     local -A needs=([prior]="--weight hard" [context]="--context-blocks 1" [given]="--needles needles.tsv" [world-from-tracker]="--listen 1")
-    local -A instead=([plan from]="atlas/sphere.nii.gz --toward 0,0,0 --reach Sphere" [plan toward]="atlas/sphere.nii.gz --from needles.tsv --reach Sphere")
+    local -A instead=([query scalp]="atlas/sphere.nii.gz --origin 0,-100,0 --inward" [sweep scalp]="atlas/sphere.nii.gz --origin 0,-100,0 --inward" [calibrate prior]="atlas/sphere.nii.gz --poses poses.tsv" [plan from]="atlas/sphere.nii.gz --toward 0,0,0 --reach Sphere" [plan toward]="atlas/sphere.nii.gz --from needles.tsv --reach Sphere")
     conus help --json | jq -r '.commands[] | select(.answers) | .name as $command | .options[]
         | select(.role != "ends" and (.type == "text" or .type == "list"))
         | [$command, .name, (.excludes // [] | index("origin") == null), .role] | @tsv' >options

@@ -148,6 +148,8 @@ def write_inputs(folder, facts):
         aim = (14 * math.sin(i / 9) + 3 * math.sin(5.1 * i), 9 * math.cos(i / 7), 4 * math.sin(2.2 * i))
         lines.append(f"{time:.4f}\t2\t-95\t4\t" + "\t".join(f"{v:.3f}" for v in aim) + f"\t{int(i % 25 > 21)}")
     put("hand.tsv", "\n".join(lines) + "\n")
+    put("trials.tsv", "".join(f"{line}\t{aims}\n" for line, aims in zip(
+        lines, ["aim_x\taim_y\taim_z\tmeant", *(f"{i % 7 - 3}\t5\t{i % 5}\t{('Core', '300', 'Shell outer')[i % 3]}" for i in range(90))])))
     lines.insert(40, "0.5\t2\t-95\t4\t0\t0\t0\t0")
     put("hand-late.tsv", "\n".join(lines) + "\n")
 
@@ -404,6 +406,10 @@ def sweeps(ask):
         ask(f"sweep {atlas} {aim} --radius 2 --jitter 4,0 --samples 64 --layers all --format json")
         ask(f"sweep {atlas} --pose in/quaternion.tsv --angle 20 --jitter columns --samples 64 -o "
             f"{{o}}/rows.tsv")
+    for form in ("tsv", "csv", "json", "ndjson", "txt"):
+        ask(f"calibrate --poses in/trials.tsv -o {{o}}/rows.{form}")
+        ask(f"positions Fp2 C3 F9 Oz --handle 30 --out 5 -o {{o}}/rows.{form}")
+        ask(f"calibrate ph/nested.nii.gz --poses in/trials.tsv --weight gauss=2 -o {{o}}/rows.{form}")
     ask(f"sweep ph/nested.nii.gz --labels in/tree.tsv --level 2 {BALL_AIM} --angle 50 --format json")
     ask(f"sweep ph/slabs.nii.gz --hemispheres split {BALL_AIM} --angle 50 --hide 1300 --format tsv")
 

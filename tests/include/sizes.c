@@ -32,7 +32,7 @@ SIZE(conus_phantom_options, 56);
 SIZE(conus_manifest_options, 32);
 SIZE(conus_catalogue_options, 24);
 SIZE(conus_roi_options, 40);
-SIZE(conus_place_options, 32);
+SIZE(conus_place_options, 40);
 
 SIZE(conus_voxels, 216);
 SIZE(conus_create_options, 32);
@@ -45,7 +45,7 @@ SIZE(conus_band, 24);
 SIZE(conus_object, 128);
 SIZE(conus_volume_info, 512);
 SIZE(conus_pose, 128);
-SIZE(conus_pose_row, 272);
+SIZE(conus_pose_row, 296);
 SIZE(conus_row_marks, 48);
 SIZE(conus_pose_finding, 160);
 SIZE(conus_pose_findings, 816);

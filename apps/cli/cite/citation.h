@@ -59,6 +59,8 @@ extern const char citation_method[];
 /** Gathers the facts of the sidecar. Whether there are sentences for its question. */
 bool citation_is_known(struct citation *citation);
 
+/** Whether a result is of no atlas. */
+bool citation_has_no_atlas(const struct citation *citation);
 /** Whether the method has a part in the answer: it has none where no rays were traced. */
 bool citation_has_rays(const struct citation *citation);
 

@@ -62,6 +62,23 @@ static const struct sentence of_rows[] = {
     {"of=connections Question.region=all", "The areas at both ends were determined of all streamlines " CONNECTED},
     {"of=connections !Question.region=all",
      "The areas at both ends were determined of all streamlines that come into {shape} for {poses} " CONNECTED},
+    {"of=calibration",
+     "How far the axis of the device points from a known point that was aimed at was determined from {Settings.trials} "
+     "trials " CONUS
+     " Intervals are those of 95 % of Student's t (bias) and chi squared (standard deviations); whether "
+     "errors are normal was tested by Mardia's kurtosis, and whether they are alike in all directions by a likelihood "
+     "ratio (Eq. 34 of conus's documentation)."},
+    {"of=positions Settings.head=own",
+     "Positions of the 10-10 system were found on a scalp by sections through its landmarks, at fractions of their "
+     "lengths (Eq. 35 of conus's documentation), " CONUS},
+    {"of=positions !Settings.head=own",
+     "Positions of the 10-10 system are those of the rule of Jurcak, Tsuzuki and Dan (2007, "
+     "doi:10.1016/j.neuroimage.2006.09.024), as SimNIBS computed them on the head of MNI 152, with normals of a "
+     "quadric "
+     "through the nearest of them (Eq. 35 of conus's documentation); they were listed " CONUS},
+    {"of=reliability",
+     "How often the {object} with the largest posterior was the one that was meant was determined from "
+     "{Settings.trials} trials " CONUS " Intervals are Wilson's of 95 % (Eq. 34 of conus's documentation)."},
     {"of=coverages", VOLUME},
     {"of=clusters", VOLUME " Voxels with a face, an edge or a corner in common were one cluster"
                            "{Question.options.threshold?; its local maxima were at least 8 mm apart}."},
@@ -555,6 +572,11 @@ const char *citation_error(const struct citation *citation, const char *key)
     const bool is_whole =
         json_is_string(json_object_get(error, "name")) && json_is_string(json_object_get(error, "source"));
     return is_whole ? json_string_value(json_object_get(error, key)) : NULL;
+}
+
+bool citation_has_no_atlas(const struct citation *citation)
+{
+    return holds(citation->facts, "of=calibration") || holds(citation->facts, "of=positions");
 }
 
 bool citation_has_rays(const struct citation *citation)

@@ -93,7 +93,8 @@ static bool parse_words(struct replay *out, const struct command *const *command
     if (!out->command || asks_for_help(line)) {
         return fail_replay(out,
                            "its command line begins with \"%.40s %.40s\": only conus query, batch, sweep, track, "
-                           "overlap, connect and plan are asked again",
+                           "overlap, connect, plan, calibrate and "
+                           "positions are asked again",
                            line->words[0], line->count > 1 ? line->words[1] : "");
     }
     out->settings = calloc(1, out->command->settings_size);
@@ -295,12 +296,16 @@ static void put_words(struct writing *out)
         put_output(out, &(struct option_use){.option = option_find(replay->command, "output")});
     }
     put_word(out, strdup("--")); /* since a path may begin with a dash */
-    put_atlas(out, NULL, arguments->operands[0], 0);
+    if (arguments->operand_count && replay->command->holds[0] == HOLDS_NOTHING) { /* names */
+        put_word(out, strdup(arguments->operands[0]));
+    } else if (arguments->operand_count) {
+        put_atlas(out, NULL, arguments->operands[0], 0);
+    }
     for (size_t i = 1; i < arguments->operand_count; i++) {
         put_read(out, NULL, arguments->operands[i], true);
     }
     for (size_t i = 0; i < arguments->more.count; i++) {
-        put_read(out, NULL, arguments->more.items[i], true);
+        put_read(out, NULL, arguments->more.items[i], replay->command->holds[0] != HOLDS_NOTHING);
     }
 }
 

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Positions of caps (Eq. 35): the table by its published file, poses by vectors of this file."""
+import csv
+import os
+import pathlib
+import subprocess
+
+import numpy as np
+import pytest
+
+import conus
+from support import AAL, call_conus, needs_aal, run_conus
+
+PUBLISHED = pathlib.Path(os.environ.get("CONUS_SHARED_DATA") or pathlib.Path(__file__).parents[3] / "shared/data") / "published/positions.tsv"
+
+
+def vectors(rows, letter):
+    return rows[[f"{letter}x", f"{letter}y", f"{letter}z"]].to_numpy(float)
+
+
+def wanted_handle(name, outward, degrees):
+    """The handle by Eq. 35, in spherical geometry: backwards along the scalp, then turned to the side."""
+    back = np.array([0.0, -1, 0]) if -outward[1] < np.cos(np.radians(15)) else np.array([0.0, 0, 1])
+    back = back - (back @ outward) * outward
+    back /= np.linalg.norm(back)
+    side = np.cross(back, outward)
+    right = name[-1] in "02468"
+    side = side if (side[0] > 0) == right else -side
+    return np.cos(np.radians(degrees)) * back + np.sin(np.radians(degrees)) * side
+
+
+@pytest.mark.parametrize("degrees, out", [(0, 0), (45, 10), (-90, -3)])
+def test_devices_stand_as_the_equation_says(degrees, out):
+    plain, turned = conus.positions(), conus.positions(handle=degrees, out=out)
+    assert list(plain.columns) == ["query_id", *"xyz", "dx", "dy", "dz", "ux", "uy", "uz", "error_deg", "error_mm"]
+    assert len(plain) == 79 and plain["dx"].isna().sum() == 18
+    has = plain["dx"].notna()
+    assert (turned["x"].notna() == (has | (out == 0))).all()
+    along, up = vectors(turned[has], "d"), vectors(turned[has], "u")
+    np.testing.assert_allclose(along, vectors(plain[has], "d"), atol=1e-8)
+    np.testing.assert_allclose(vectors(turned[has], ""), vectors(plain[has], "") - out * along, atol=1e-6)
+    wanted = [wanted_handle(name, -d, degrees) for name, d in zip(turned["query_id"][has], along)]
+    np.testing.assert_allclose(-up, wanted, atol=1e-8)
+    assert (plain["error_deg"][has] == 3.8).all() and (plain["error_mm"][has] == 5.708).all()
+
+
+def test_a_coil_at_c3_points_backwards_and_to_the_left():
+    c3, c4 = (-vectors(conus.positions(name, handle=45), "u")[0] for name in ("C3", "c4"))
+    assert c3[0] < -0.3 and c3[1] < -0.5
+    assert c4[0] > 0.3 and c4[1] < -0.5
+    assert (-vectors(conus.positions("Oz", handle=0), "u")[0])[2] > 0.9
+
+
+def test_older_names_and_mistakes():
+    assert list(conus.positions("T3", "t6")["query_id"]) == ["T7", "P8"]
+    for words, message in [(["C33"], "did you mean C3?"), (["Hippocampus_L"], "is no position"), ([""], "empty"),
+                           (["C3", "--handle", "361"], "361"), (["C3", "--out", "1e4"], "--out")]:
+        done = subprocess.run([os.environ["CONUS"], "positions", *words], capture_output=True, check=False)
+        assert done.returncode == 2 and message in done.stderr.decode(), words
+
+
+@pytest.mark.skipif(not PUBLISHED.exists(), reason="the published positions are not here")
+def test_positions_are_the_published_ones():
+    with PUBLISHED.open(encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader((line for line in file if not line.startswith("#")), delimiter="\t")]
+    wanted = {row["name"]: [float(row[a]) for a in ("x", "y", "z")] for row in rows if row.get("set", "ui-10-10") == "ui-10-10"}
+    found = conus.positions()
+    assert wanted
+    for name, at in zip(found["query_id"], vectors(found, "")):
+        if name in wanted:
+            np.testing.assert_allclose(at, wanted[name], atol=0.06, err_msg=name)
+
+
+@needs_aal
+def test_the_table_is_read_as_the_position_itself(tmp_path):
+    call_conus("positions", "C3", "Fz", "--handle", "30", "--out", "4", "-o", tmp_path / "cap.tsv")
+    rows = run_conus("query", AAL, "--pose", tmp_path / "cap.tsv", "--angle", "10", "--format", "tsv", "-q")
+    options = ["--inward", "--handle", "30", "--out", "4", "--angle", "10", "--format", "tsv"]
+    one = call_conus("query", AAL, "--origin", "C3", *options)
+    assert b"a round cone does not see" in one.stderr
+    alone = run_conus("query", AAL, "--origin", "C3", *options, "-q")
+    of = rows[rows["query"] == "C3"]
+    assert list(of["name"]) == list(alone["name"])
+    np.testing.assert_allclose(of["share"], alone["share"], atol=1e-6)
+    assert b"does not see" not in call_conus("query", AAL, "--origin", "C3", *options, "--weight", "gauss=2,bias=1:0").stderr
+    assert b"identical" in call_conus("verify", tmp_path / "cap.tsv").stdout
+    assert "Jurcak" in call_conus("cite", tmp_path / "cap.tsv").stdout.decode()
+
+
+@needs_aal
+def test_a_handle_needs_a_position():
+    for words in (["--origin", "-60,0,60", "--inward", "--handle", "3"], ["--origin", "C3", "--toward", "0,0,0", "--handle", "3"],
+                  ["--origin", "C3", "--inward", "--handle", "3", "--up", "0,0,1"], ["--origin", "C3", "--toward", "0,0,0", "--out", "3"],
+                  ["--pose", "cap.tsv", "--inward", "--out", "3"], ["--pose", "cap.tsv", "--inward", "--handle", "3"]):
+        done = subprocess.run([os.environ["CONUS"], "query", AAL, *words], capture_output=True, check=False)
+        assert done.returncode == 2, (words, done.stderr)

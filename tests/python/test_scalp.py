@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Positions on a scalp (Eq. 35): an ellipsoid, whose sections are ellipses, by this file's own arcs."""
+import os
+import subprocess
+
+import nibabel
+import numpy as np
+import pytest
+
+import conus
+from support import call_conus
+
+CURVES = [
+    ("Nz Cz Iz", 10, "Fpz AFz Fz FCz - CPz Pz POz Oz"), ("LPA Cz RPA", 10, "T7 C5 C3 C1 - C2 C4 C6 T8"),
+    ("Fpz T7 Oz", 10, "Fp1 AF7 F7 FT7 - TP7 P7 PO7 O1"), ("Fpz T8 Oz", 10, "Fp2 AF8 F8 FT8 - TP8 P8 PO8 O2"),
+    ("F7 Fz F8", 8, "F5 F3 F1 - F2 F4 F6"), ("FT7 FCz FT8", 8, "FC5 FC3 FC1 - FC2 FC4 FC6"),
+    ("TP7 CPz TP8", 8, "CP5 CP3 CP1 - CP2 CP4 CP6"), ("P7 Pz P8", 8, "P5 P3 P1 - P2 P4 P6"),
+    ("AF7 AFz AF8", 4, "AF3 - AF4"), ("PO7 POz PO8", 4, "PO3 - PO4"),
+]
+
+
+def ellipsoid(axes, centre, n=160):
+    """Vertices and triangles: a grid of latitudes and longitudes, closed at the poles."""
+    theta, phi = np.linspace(0, np.pi, n)[1:-1], np.linspace(0, 2 * np.pi, 2 * n, endpoint=False)
+    t, p = np.meshgrid(theta, phi, indexing="ij")
+    points = np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], -1).reshape(-1, 3)
+    points = np.vstack([points, [0, 0, 1], [0, 0, -1]])
+    at = np.arange(len(theta) * len(phi)).reshape(len(theta), len(phi))
+    right = np.roll(at, -1, 1)
+    quads = np.stack([at[:-1], at[1:], right[1:], at[:-1], right[1:], right[:-1]], -1).reshape(-1, 3)
+    top, bottom = np.full(len(phi), len(points) - 2), np.full(len(phi), len(points) - 1)
+    caps = np.vstack([np.stack([top, at[0], right[0]], 1), np.stack([bottom, right[-1], at[-1]], 1)])
+    return points * axes + centre, np.vstack([quads, caps])
+
+
+def write(path, points, triangles):
+    arrays = [nibabel.gifti.GiftiDataArray(points.astype("f4"), "NIFTI_INTENT_POINTSET"),
+              nibabel.gifti.GiftiDataArray(triangles.astype("i4"), "NIFTI_INTENT_TRIANGLE")]
+    nibabel.gifti.GiftiImage(darrays=arrays).to_filename(path)
+
+
+class Ellipsoid:
+    """A unit ball that is scaled: a plane cuts the ball in a circle, which becomes an ellipse."""
+
+    def __init__(self, axes, centre):
+        self.axes, self.centre = np.array(axes, float), np.array(centre, float)
+
+    def on(self, direction):
+        return direction / np.linalg.norm(direction) * self.axes + self.centre
+
+    def nearest(self, point):
+        """By Newton's rule for t of x_i = a_i^2 y_i / (a_i^2 + t)."""
+        y, t = point - self.centre, 0.0
+        for _ in range(60):
+            x = self.axes**2 * y / (self.axes**2 + t)
+            t += ((x / self.axes) ** 2).sum() / 2 / (x**2 / self.axes**2 / (self.axes**2 + t)).sum() - 0.5 / (
+                x**2 / self.axes**2 / (self.axes**2 + t)).sum()
+        return self.axes**2 * y / (self.axes**2 + t) + self.centre
+
+    def arc(self, a, m, b):
+        """Points of the section from a over m to b, and how far along it they are."""
+        p = [(q - self.centre) / self.axes for q in (a, m, b)]
+        normal = np.cross(p[1] - p[0], p[2] - p[0])
+        normal /= np.linalg.norm(normal)
+        middle = (p[0] @ normal) * normal
+        u = p[0] - middle
+        radius = np.linalg.norm(u)
+        u /= radius
+        v = np.cross(normal, u)
+        over, to = (np.arctan2((q - middle) @ v, (q - middle) @ u) % (2 * np.pi) for q in p[1:])
+        angles = np.linspace(0, to if over < to else to - 2 * np.pi, 20001)[:, None]
+        points = (middle + radius * (np.cos(angles) * u + np.sin(angles) * v)) * self.axes + self.centre
+        return points, np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+
+    def part(self, a, m, b, part):
+        points, along = self.arc(a, m, b)
+        return np.array([np.interp(part * along[-1], along, points[:, k]) for k in range(3)])
+
+    def positions(self, landmarks):
+        found = dict(landmarks)
+        up = np.cross(found["RPA"] - found["LPA"], found["Nz"] - found["Iz"])
+        start = (sum(landmarks.values()) / 4 - self.centre) / self.axes
+        ray = up / self.axes
+        b, c = start @ ray / (ray @ ray), (start @ start - 1) / (ray @ ray)
+        cz = (start + (-b + np.sqrt(b * b - c)) * ray) * self.axes + self.centre
+        for _ in range(200):
+            cz = self.nearest((self.part(found["Nz"], cz, found["Iz"], 0.5) + self.part(found["LPA"], cz, found["RPA"], 0.5)) / 2)
+        found["Cz"] = cz
+        for through, parts, names in CURVES:
+            a, m, b = (found[name] for name in through.split())
+            for k, name in enumerate(names.split()):
+                if name != "-":
+                    found[name] = self.part(a, m, b, (k + 1) / parts)
+        return found
+
+    def normal(self, point):
+        n = (point - self.centre) / self.axes**2
+        return n / np.linalg.norm(n)
+
+
+def option(path, landmarks):
+    keys = zip(("nasion", "inion", "lpa", "rpa"), ("Nz", "Iz", "LPA", "RPA"))
+    return f"{path}," + ",".join(f"{key}=" + ":".join(f"{v:.9g}" for v in landmarks[name]) for key, name in keys)
+
+
+HEADS = {
+    "ball": ((90, 90, 90), (0, 0, 0), [(0, 1, -0.3), (0, -1, -0.2), (-1, 0, -0.3), (1, 0, -0.3)]),
+    "head": ((78, 98, 92), (2, -14, 8), [(0.02, 1, -0.35), (0, -1, -0.3), (-1, -0.05, -0.4), (1, 0.02, -0.36)]),
+}
+
+
+def make(head):
+    axes, centre, directions = HEADS[head]
+    shape = Ellipsoid(axes, centre)
+    return shape, dict(zip(("Nz", "Iz", "LPA", "RPA"), (shape.on(np.array(d, float)) for d in directions)))
+
+
+@pytest.mark.parametrize("head", HEADS)
+def test_positions_are_those_of_closed_forms(tmp_path, head):
+    shape, landmarks = make(head)
+    write(tmp_path / "scalp.surf.gii", *ellipsoid(shape.axes, shape.centre))
+    rows = conus.run("positions --scalp {scalp} -q", scalp=option(tmp_path / "scalp.surf.gii", landmarks))
+    wanted = shape.positions(landmarks)
+    assert sorted(rows["query_id"]) == sorted(wanted) and len(wanted) == 65
+    for row in rows.itertuples():
+        assert np.linalg.norm(np.array([row.x, row.y, row.z]) - wanted[row.query_id]) < 0.5, row.query_id
+        if row.query_id in landmarks:
+            assert np.isnan(row.dx)
+        else:
+            off = np.degrees(np.arccos(min(1, -shape.normal(wanted[row.query_id]) @ [row.dx, row.dy, row.dz])))
+            assert off < 2, row.query_id
+    assert rows["error_deg"].isna().all() and rows["error_mm"].isna().all()
+
+
+def test_a_query_takes_the_position_of_the_scalp(tmp_path):
+    shape, landmarks = make("head")
+    write(tmp_path / "scalp.surf.gii", *ellipsoid(shape.axes, shape.centre))
+    labels = np.zeros((40, 40, 40), "u1")
+    labels[10:30, 10:30, 10:30] = 1
+    nibabel.Nifti1Image(labels, np.array([[5, 0, 0, -98], [0, 5, 0, -114], [0, 0, 5, -92], [0, 0, 0, 1.0]])).to_filename(tmp_path / "own.nii")
+    scalp = option(tmp_path / "scalp.surf.gii", landmarks)
+    call_conus("positions", "C3", "--scalp", scalp, "--out", "5", "-o", tmp_path / "c3.tsv")
+    aim = ["--angle", "20", "--format", "tsv"]
+    by_file = call_conus("query", tmp_path / "own.nii", "--pose", tmp_path / "c3.tsv", *aim).stdout.decode().split("\n")
+    call_conus("query", tmp_path / "own.nii", "--origin", "C3", "--inward", "--scalp", scalp, "--out", "5", *aim, "-o", tmp_path / "answer.tsv")
+    direct = (tmp_path / "answer.tsv").read_text().split("\n")
+    assert len(direct) > 2 and direct[1].split("\t")[5:7] == by_file[1].split("\t")[5:7]
+    for words in (["--origin", "0,90,20"], ["--pose", tmp_path / "c3.tsv"]):  # which a scalp does not move
+        done = subprocess.run([os.environ["CONUS"], "query", tmp_path / "own.nii", *words, "--inward", "--scalp", scalp],
+                              capture_output=True, check=False)
+        assert done.returncode == 2 and b"--scalp" in done.stderr, done.stderr
+    assert "on a scalp by sections" in " ".join(call_conus("cite", tmp_path / "c3.tsv").stdout.decode().split())
+    for result in ("c3.tsv", "answer.tsv"):
+        assert b"identical" in call_conus("verify", tmp_path / result).stdout
+
+
+def test_other_scalps_are_refused(tmp_path):
+    shape, landmarks = make("head")
+    points, triangles = ellipsoid(shape.axes, shape.centre)
+    write(tmp_path / "scalp.surf.gii", points, triangles)
+    write(tmp_path / "open.surf.gii", points, triangles[5:])
+    good = option("scalp.surf.gii", landmarks)
+    far = option("scalp.surf.gii", {**landmarks, "Nz": landmarks["Nz"] + [0, 25, 0]})
+    exchanged = option("scalp.surf.gii", {**landmarks, "LPA": landmarks["RPA"], "RPA": landmarks["LPA"]})
+    turned = option("scalp.surf.gii", {**landmarks, "Nz": landmarks["Iz"], "Iz": landmarks["Nz"]})
+    for words, code, message in [
+        (["--scalp", far], 3, "mm from the surface, allowed are 20"), (["--scalp", exchanged], 3, "lpa"), (["--scalp", turned], 3, "inion"),
+        (["--scalp", option("open.surf.gii", landmarks)], 3, "not closed"), (["F9", "--scalp", good], 2, "below the ring of 10 %"),
+        (["--scalp", "scalp.surf.gii"], 2, "nasion is missing"), (["--scalp", good.split(",rpa")[0]], 2, "rpa is missing"),
+        (["--scalp", good + ":4"], 2, "X:Y:Z"), (["--scalp", good.replace("lpa=", "ear=")], 2, "ear"),
+        (["--scalp", good.replace("scalp.", "none.")], 3, "none.surf.gii"), (["--scalp", good.replace("nasion=", "nasion=x")], 2, "nasion"),
+    ]:
+        done = subprocess.run([os.environ["CONUS"], "positions", *words], capture_output=True, check=False, cwd=tmp_path)
+        assert done.returncode == code and message in done.stderr.decode(), (words, done.returncode, done.stderr)
