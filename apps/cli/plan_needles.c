@@ -19,7 +19,7 @@ const struct option needles_options[] = {
      .help = "plan several needles together: a table with a row for each, a column needle with its name, and columns "
              "that are called like the options above, which hold for all needles where they are given here",
      .words = "electrodes, several, combination, SEEG",
-     .excludes = "map,target-map,constraints,profile,tolerance,jitter,top,rank,score,infeasible", OPTION_READING(TEXT)},
+     .excludes = "map,target-map,constraints,profile,tolerance,jitter,rank,score,infeasible", OPTION_READING(TEXT)},
     {OPTION_VALUED("between", struct needles_settings, between, "MM[,parts=MM]"),
      .help = "any two needles stay farther apart than MM, 0 to 100, and so do their parts from needles and parts; at 0 "
              "they do not touch",
@@ -31,6 +31,10 @@ const struct option needles_options[] = {
      .help = "poses that are called like needles: these are where they are, the others are planned round them; with "
              "all given their plan is checked",
      .words = "fixed, placed", .needs = "needles", OPTION_READING(POSES)},
+    {OPTION_VALUED("diverse", struct needles_settings, diverse, "MM[,COUNT]"),
+     .help = "of several combinations (--top): each differs from those before it in COUNT needles or more, 1 unless "
+             "given, which enter or end MM or more from where they did, 0 to 100",
+     .unit = "mm", .words = "alternatives, variety, second best", .needs = "needles", .role = OPTION_ASKS},
     {OPTION_VALUED("effort", struct needles_settings, effort, "N"),
      .help = "end the search after N million steps, and say what no combination exceeds; 0 = never", .standard = "100",
      OPTION_FROM_TO(0, 1e9), .needs = "needles", .role = OPTION_PLAIN},
@@ -388,6 +392,29 @@ static bool read_between(conus_together_options *out, const char *text)
            refuse("--between: %s: allowed are 0 to 100 mm", text);
 }
 
+/* MM[,COUNT], and how many combinations. */
+static bool read_list(conus_together_options *out, const struct plan_settings *settings)
+{
+    const char *text = settings->needles.diverse;
+    double numbers[2] = {0, 1};
+    out->top = 1;
+    if (settings->top && (!count_parse(settings->top, 100, &out->top) || !out->top)) {
+        return refuse("--top: \"%s\": of combinations 1 to 100 can be listed", settings->top);
+    }
+    if (!text != (out->top == 1)) {
+        return refuse(text ? "--diverse has no effect without --top above 1"
+                           : "--top %s of combinations: say by how much they have to differ: --diverse MM",
+                      settings->top);
+    }
+    size_t count = text ? numbers_parse(numbers, 2, text, ',') : 0;
+    out->diverse = numbers[0];
+    out->differ = numbers[1] >= 1 && numbers[1] <= NEEDLE_MOST ? (uint64_t)numbers[1] : 0;
+    if (text && (!count || count > 2 || !out->differ || (double)out->differ != numbers[1])) {
+        return refuse("--diverse: \"%s\" is not MM[,COUNT], with a COUNT of 1 to 16 needles", text);
+    }
+    return (out->diverse >= 0 && out->diverse <= 100) || refuse("--diverse: %s: allowed are 0 to 100 mm", text);
+}
+
 static int open_nothing(void *user)
 {
     (void)user;
@@ -551,6 +578,15 @@ static bool show_tried(void *user, size_t done, size_t total)
     return !interrupt_signal();
 }
 
+static size_t count_listed(const struct planner *planner)
+{
+    size_t count = 0;
+    while (conus_together_combination(planner->together, count)) {
+        count++;
+    }
+    return count;
+}
+
 /* An answer that a signal ended is the best one by then. */
 static int say_interrupted(struct planner *planner, conus_status status, int signal)
 {
@@ -558,10 +594,12 @@ static int say_interrupted(struct planner *planner, conus_status status, int sig
         print_error_line("interrupted before a combination was found");
         return 128 + signal;
     }
-    const conus_combination *combination = conus_together_combination(planner->together);
-    if (!combination || !combination->proven) {
-        say_warning(combination ? "interrupted: the combination is the best one by then"
-                                : "interrupted: there is no combination, and why is not known whole");
+    const size_t listed = count_listed(planner);
+    const conus_combination *last = listed ? conus_together_combination(planner->together, listed - 1) : NULL;
+    if (!last || !last->proven || !(last->last || listed == planner->options.top)) {
+        say_warning(!last                      ? "interrupted: there is no combination, and why is not known whole"
+                    : planner->options.top > 1 ? "interrupted: the combinations are the best ones by then"
+                                               : "interrupted: the combination is the best one by then");
         planner->request.failed = true;
     }
     return EXIT_DONE;
@@ -584,7 +622,10 @@ static int search(struct planner *planner)
                                     .parts = row->parts,
                                     .part_count = row->settings.needles.parts.count};
     }
-    int code = take_given(planner, needles);
+    int code = planner->options.differ <= planner->count
+                   ? take_given(planner, needles)
+                   : print_usage_error("--diverse: in %d needles, but there are %zu", (int)planner->options.differ,
+                                       planner->count);
     code = code ? code : request_check_outputs(&planner->request);
     if (code) {
         return code;
@@ -628,7 +669,7 @@ static int say_alone(const struct planner *planner, size_t index)
     conus_status status = conus_plan_list(&constraints, placed->plan, "constraints");
     if (!status) {
         print_error_line("%s is given, and breaks %s", placed->name,
-                         conus_table_texts(constraints, "asked")[placed->pose->broken]);
+                         conus_table_texts(constraints, "asked")[placed->given->broken]);
     }
     conus_table_destroy(constraints);
     return print_status(status);
@@ -638,14 +679,20 @@ static int say_alone(const struct planner *planner, size_t index)
 static int say_conflict(const struct planner *planner)
 {
     const conus_conflict *conflict = conus_together_conflict(planner->together);
-    const conus_combination *combination = conus_together_combination(planner->together);
+    const size_t listed = count_listed(planner);
     char names[512] = "";
     char why[256] = "";
     size_t size = 0;
     if (!conflict) {
-        if (!combination) {
+        if (!listed) {
             print_error_line("no combination was found, and none is proven not to be there; --effort lets the search "
                              "go on");
+        } else if (listed < planner->options.top) {
+            bool is_last = conus_together_combination(planner->together, listed - 1)->last;
+            print_error_line(is_last ? "note: %zu of %llu combinations: no other one differs by so much"
+                                     : "note: %zu of %llu combinations: no other one was found, and none is proven not "
+                                       "to be there; --effort lets the search go on",
+                             listed, (unsigned long long)planner->options.top);
         }
         return EXIT_DONE;
     }
@@ -705,14 +752,32 @@ static int list_inputs(struct provenance *out, const struct planner *planner)
 
 static int write_poses(const struct planner *planner)
 {
-    struct written_pose poses[NEEDLE_MOST];
-    size_t count = conus_together_combination(planner->together) ? planner->count : 0;
-    for (size_t i = 0; i < count; i++) {
-        const conus_placed *placed = conus_together_needle(planner->together, i);
-        const struct constraints *constraints = &planner->rows[i].constraints;
-        poses[i] = (struct written_pose){placed->name, placed->pose, constraints->shanks, constraints->shank_count};
+    const size_t count = count_listed(planner) * planner->count;
+    struct written_pose *poses = calloc(count + 1, sizeof *poses);
+    bool whole = poses;
+    for (size_t i = 0; i < count && whole; i++) {
+        size_t of = i % planner->count;
+        size_t number = i / planner->count;
+        const struct question_row *row = &planner->rows[of];
+        const struct constraints *constraints = &row->constraints;
+        size_t size = strlen(row->name) + 8;
+        char *name = malloc(size);
+        poses[i] = (struct written_pose){name, conus_together_combination(planner->together, number)->chosen[of].pose,
+                                         constraints->shanks, constraints->shank_count};
+        whole = name;
+        if (name && planner->options.top > 1) {
+            snprintf(name, size, "%zu-%s", number + 1, row->name);
+        } else if (name) {
+            snprintf(name, size, "%s", row->name);
+        }
     }
-    return candidates_write(planner->settings->poses_out, poses, count, &planner->request.frame);
+    int code = whole ? candidates_write(planner->settings->poses_out, poses, count, &planner->request.frame)
+                     : print_no_memory();
+    for (size_t i = 0; poses && i < count; i++) {
+        free((char *)poses[i].id);
+    }
+    free(poses);
+    return code;
 }
 
 static int write_all(struct planner *planner)
@@ -782,7 +847,7 @@ int plan_needles(const struct plan_settings *settings, const struct arguments *a
                                  .effort = !option_given(arguments, "effort") ? 0
                                            : settings->needles.effort ? UINT64_C(1000000) * settings->needles.effort
                                                                       : UINT64_MAX};
-    bool fits = read_between(&planner->options, settings->needles.between) &&
+    bool fits = read_between(&planner->options, settings->needles.between) && read_list(&planner->options, settings) &&
                 space_settings_check(arguments, &settings->request.aim.space);
     int code = fits ? read_table(planner) : EXIT_USAGE;
     code = code ? code : request_init(&planner->request, &settings->request, arguments);

@@ -163,7 +163,7 @@ static void run_together(void *data)
     conus_together *together = NULL;
     const conus_together_options options = {.between = 0.5};
     conus_status status = conus_plan_together(&together, several->needles, several->count, &options);
-    const conus_combination *combination = status ? NULL : conus_together_combination(together);
+    const conus_combination *combination = status ? NULL : conus_together_combination(together, 0);
     several->is_proven = combination ? combination->proven : !status && conus_together_conflict(together);
     for (size_t i = 0; i < several->count && !status; i++) {
         double largest = conus_together_needle(together, i)->largest;

@@ -496,6 +496,10 @@ typedef struct conus_together_options {
     double parts;            /**< Likewise two bodies of which one or both are parts. */
     double entry_distance;   /**< The positions of the devices are so far apart at least, mm, 0 to 100. */
     uint64_t effort;         /**< Nodes of the search; 0 = 100 million, UINT64_MAX = without end. */
+    uint64_t top;            /**< So many combinations are listed, 1 to 100; 0 = 1. */
+    double diverse;          /**< Each differs from those before it by candidates whose position or far end is so far
+                                off at least, mm, 0 to 100; 0 = by other candidates. */
+    uint64_t differ;         /**< In so many needles at least, up to all of them; 0 = 1. */
     conus_progress progress; /**< Is told how many candidates were tried; false ends the run. NULL = no callback. */
     void *progress_user;     /**< Passed to @p progress. */
 } conus_together_options;
@@ -503,32 +507,39 @@ typedef struct conus_together_options {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_TOGETHER_OPTIONS_INIT CONUS_INIT_(conus_together_options)
 
+/** Where a needle is in a combination. */
+typedef struct conus_chosen {
+    const conus_planned *pose; /**< Its place. */
+    uint64_t candidate;        /**< Number of that candidate, from 1; 1 of a given needle. */
+} conus_chosen;
+
 /** A combination (Eq. 27). Lengths are whole nanometres, in mm. */
 typedef struct conus_combination {
-    bool feasible;       /**< All needles and pairs hold. Only where all needles are given it may be false. */
-    bool proven;         /**< No combination is better. */
-    double leeway;       /**< The least of all needles' and pairs'; NaN where none has one. */
-    size_t leeway_of[2]; /**< The needle that has it, or both of the pair; SIZE_MAX = none. */
-    double bound;        /**< No combination has a larger leeway; NaN where none has one. */
-    double sum;          /**< Of the needles' leeways. */
-    double depth;        /**< Sum of the far ends' depths. */
-    uint64_t nodes;      /**< Of the search. */
+    const conus_chosen *chosen; /**< [needles] */
+    bool feasible;              /**< All needles and pairs hold. Only where all needles are given it may be false. */
+    bool proven;                /**< None is better that may stand there, and all before it are proven. */
+    bool last;                  /**< It is proven that no other one differs from all that are listed. */
+    double leeway;              /**< The least of all needles' and pairs'; NaN where none has one. */
+    const char *leeway_of;      /**< The needle that has it, "A", or both of the pair, "A/B"; NULL = none. */
+    double bound;               /**< None that may stand there has a larger leeway; NaN where none has one. */
+    double sum;                 /**< Of the needles' leeways. */
+    double depth;               /**< Sum of the far ends' depths. */
+    uint64_t nodes;             /**< Of the search, with those of combinations before it. */
 } conus_combination;
 
 /** A needle of the answer. */
 typedef struct conus_placed {
-    const char *name;          /**< Its name. */
-    bool given;                /**< It was given. */
-    const conus_plan *plan;    /**< Its constraints, and its candidates (conus_plan_left()); a given one has none. */
-    const conus_planned *pose; /**< Its place in the combination; without one NULL, or that of a given needle. */
-    uint64_t candidate;        /**< Number of that candidate, from 1; 1 of a given one. */
-    double radius;             /**< Of its shafts, mm. */
-    const double *shanks;      /**< [shank_count][2] As of conus_plan_options, also of one on the axis. */
-    size_t shank_count;        /**< At least 1. */
-    const conus_part *parts;   /**< [part_count] */
-    size_t part_count;         /**< How many there are. */
-    double largest;            /**< The largest leeway of its candidates, mm; NaN without one. */
-    double cut;                /**< Candidates with less are in no combination that is as good, mm; NaN likewise. */
+    const char *name;           /**< Its name. */
+    const conus_planned *given; /**< Its place, where that was given; NULL = it is planned. */
+    const conus_plan *plan;     /**< Its constraints, and its candidates (conus_plan_left()); a given one has none. */
+    double radius;              /**< Of its shafts, mm. */
+    const double *shanks;       /**< [shank_count][2] As of conus_plan_options, also of one on the axis. */
+    size_t shank_count;         /**< At least 1. */
+    const conus_part *parts;    /**< [part_count] */
+    size_t part_count;          /**< How many there are. */
+    double largest;             /**< The largest leeway of its candidates, mm; NaN without one. */
+    double cut; /**< Candidates with less are in no combination that is as good as the last one that is listed, and in
+                   none at all after a conus_combination.last, mm; NaN likewise. */
 } conus_placed;
 
 /** Why there is no combination: the smallest set of needles that has none; of these the first (Eq. 28). */
@@ -541,7 +552,7 @@ typedef struct conus_conflict {
 } conus_conflict;
 
 /**
- * Plans needles together: has the candidates of each listed, finds the best combination, and proves it.
+ * Plans needles together: has the candidates of each listed, finds the best combinations, and proves them.
  * @param[out] out The answer; end it with conus_together_destroy().
  * @param needles [count] An array of structs of the size that its first one's struct_size says. Selectors must outlive
  * the answer.
@@ -562,11 +573,12 @@ CONUS_CHECKED conus_status conus_plan_together(conus_together **out, const conus
 CONUS_API void conus_together_destroy(conus_together *together);
 
 /**
- * Gives the best combination.
+ * Gives a combination, the best one first.
  * @param together The answer.
- * @return NULL where there is none. Borrowed from the answer.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed from the answer.
  */
-CONUS_API const conus_combination *conus_together_combination(const conus_together *together);
+CONUS_API const conus_combination *conus_together_combination(const conus_together *together, size_t index);
 
 /**
  * Gives a needle.
@@ -585,7 +597,7 @@ CONUS_API const conus_placed *conus_together_needle(const conus_together *togeth
 CONUS_API const conus_conflict *conus_together_conflict(const conus_together *together);
 
 /**
- * Makes a table of all pairs of the combination: how near the needles come to each other, and where.
+ * Makes a table of all pairs of the combinations: how near the needles come to each other, and where.
  * @param[out] out A row for each two needles: combination, needle, other, slack_mm, leeway_mm, distance_mm, body,
  * other_body, x, y, z, other_x, other_y, other_z, entry_distance_mm; without a combination no row. End it with
  * conus_table_destroy().

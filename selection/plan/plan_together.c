@@ -16,7 +16,7 @@
 
 /* A list has the best of its needle, at first some hundred: those that are no worse than so many of a sample. Then it
  * goes LIST_GROWTH times as far down, up to so many at last. */
-enum { SAMPLE_FIRST = 32, LIST_GROWTH = 4, LIST_LAST = 1 << 17 };
+enum { SAMPLE_FIRST = 32, LIST_GROWTH = 4, LIST_LAST = 1 << 17, TOP_LIMIT = 100 };
 
 static const uint64_t EFFORT = 100000000;
 static const double MARGIN_LIMIT = 100; /* mm */
@@ -37,11 +37,22 @@ struct needle_of {
     struct bodies bodies;
     bool given, has_leeway;
     conus_plan *plan;
-    const conus_planned *place; /* in the answer, or the one that is given */
-    struct search_item *items;  /* [list.bodies.count] */
+    conus_planned place;       /* the one that is given */
+    conus_planned *places;     /* [entry_count] those of the answer, in the order of their numbers */
+    struct search_item *items; /* [list.bodies.count] */
     struct search_list list;
     bool is_whole, is_full; /* the list has all that hold, or as many as it may */
     int64_t floor;          /* else all with so much leeway */
+};
+
+/* A combination that is listed. */
+struct entry {
+    struct search_answer answer; /* its indices into the lists follow its numbers */
+    uint64_t numbers[NEEDLE_LIMIT];
+    int64_t bound; /* nm */
+    conus_chosen chosen[NEEDLE_LIMIT];
+    struct buffer leeway_of;
+    conus_combination combination;
 };
 
 struct conus_together {
@@ -52,13 +63,14 @@ struct conus_together {
     conus_together_options options;
     uint64_t tried, tried_before;
     bool was_cancelled;
-    bool has_answer, is_best; /* is_best: none of the candidates that are known has more */
+    struct entry *entries;          /* [options.top] */
+    size_t (*listed)[NEEDLE_LIMIT]; /* [options.top] indices of those that are */
+    size_t entry_count;
+    bool has_answer, is_best; /* of the next entry; is_best: none of the candidates that are known has more */
     bool is_none;             /* likewise: there is no combination of them */
-    struct search_answer answer;
-    uint64_t nodes;
+    uint64_t nodes, limit;    /* the next entry may take so many */
     int64_t cuts[NEEDLE_LIMIT];
-    conus_combination combination;
-    bool has_combination, has_conflict;
+    bool has_conflict;
     conus_placed placed[NEEDLE_LIMIT];
     conus_conflict conflict;
     size_t conflicting[NEEDLE_LIMIT];
@@ -75,15 +87,36 @@ static conus_status check_margin(const char *name, double value)
                : fail(CONUS_ERROR_ARGUMENT, "%s: %g mm, allowed are 0 to %g", name, value, MARGIN_LIMIT);
 }
 
-static conus_status check_options(conus_together *together, const conus_together_options *asked)
+static conus_status check_list(conus_together *together, size_t needles)
 {
+    conus_together_options *options = &together->options;
+    options->top = options->top ? options->top : 1;
+    options->differ = options->differ ? options->differ : 1;
+    if (options->top > TOP_LIMIT || options->differ > needles) {
+        return options->top > TOP_LIMIT ? fail(CONUS_ERROR_ARGUMENT, "top: %llu combinations, allowed are 1 to %d",
+                                               (unsigned long long)options->top, TOP_LIMIT)
+                                        : fail(CONUS_ERROR_ARGUMENT, "differ: in %llu needles, but there are %zu",
+                                               (unsigned long long)options->differ, needles);
+    }
+    together->entries = memory_zeroed((size_t)options->top, sizeof *together->entries);
+    together->listed = memory_zeroed((size_t)options->top, sizeof *together->listed);
+    return together->entries && together->listed ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static conus_status check_options(conus_together *together, const conus_together_options *asked, size_t needles)
+{
+    if (!needles || needles > NEEDLE_LIMIT) {
+        return fail(CONUS_ERROR_ARGUMENT, "needles: %zu, allowed are 1 to %d", needles, NEEDLE_LIMIT);
+    }
     together->options = *options_of(conus_together_options, asked);
     conus_together_options *options = &together->options;
     options->effort = options->effort ? options->effort : EFFORT;
     together->test.margins = (struct margins){options->between, options->parts, options->entry_distance};
     conus_status status = check_margin("between", options->between);
     status = status ? status : check_margin("parts", options->parts);
-    return status ? status : check_margin("entry_distance", options->entry_distance);
+    status = status ? status : check_margin("entry_distance", options->entry_distance);
+    status = status ? status : check_margin("diverse", options->diverse);
+    return status ? status : check_list(together, needles);
 }
 
 /* Told by the search, which tries nothing, and by plans. */
@@ -123,7 +156,7 @@ static conus_status create_plan(struct needle_of *needle, conus_together *togeth
 
 static const conus_planned *pose_of(const struct needle_of *needle, size_t index)
 {
-    return needle->given ? needle->place : conus_plan_pose(needle->plan, index);
+    return needle->given ? &needle->place : conus_plan_pose(needle->plan, index);
 }
 
 static void finish_list(struct needle_of *needle)
@@ -207,27 +240,59 @@ static conus_status extend_list(struct needle_of *needle, int64_t cut)
     return list_down_to(needle, !needle->has_leeway ? 0 : least > cut ? least : cut);
 }
 
-/* Gives a needle its place in the answer. */
-static conus_status find_place(struct needle_of *needle, const struct search_item *item)
+static int compare_places(const void *a, const void *b)
 {
+    return compare_unsigned(((const conus_planned *)a)->candidate, ((const conus_planned *)b)->candidate);
+}
+
+/* Finds a needle's places in all entries. */
+static conus_status find_places(conus_together *together, size_t index)
+{
+    struct needle_of *needle = &together->needles[index];
     conus_pose_stream *stream = NULL;
-    conus_status status = needle->open(&stream, needle->user);
-    status = status ? status : plan_find(&needle->place, needle->plan, stream, item->number);
+    needle->places = memory_zeroed(together->entry_count, sizeof *needle->places);
+    for (size_t n = 0; needle->places && n < together->entry_count; n++) {
+        needle->places[n].candidate = together->entries[n].numbers[index];
+    }
+    if (needle->places) {
+        order_sort(needle->places, together->entry_count, sizeof *needle->places, compare_places);
+    }
+    conus_status status = needle->places ? needle->open(&stream, needle->user) : CONUS_ERROR_MEMORY;
+    status = status ? status : plan_find(needle->places, together->entry_count, needle->plan, stream);
     close_candidates(stream, needle);
-    const conus_planned *place = needle->place;
-    bool is_same = !status && place && place->feasible && nanometres(place->far) == item->depth &&
-                   (isnan(place->leeway) ? 0 : nanometres(place->leeway)) == item->leeway;
-    return status || is_same
-               ? status
-               : fail(CONUS_ERROR_DATA, "%s: its candidates are others when they are read again", needle->name);
+    return status;
+}
+
+static const conus_planned *place_of(const struct conus_together *together, const struct entry *entry, size_t index)
+{
+    const struct needle_of *needle = &together->needles[index];
+    const conus_planned *place = needle->places;
+    while (place && place->candidate != entry->numbers[index]) {
+        place++;
+    }
+    return needle->given ? &needle->place : place;
+}
+
+/* Whether a place is as it was when it was listed. */
+static bool is_same(const conus_planned *place, const struct search_item *item)
+{
+    return place->id && place->feasible && nanometres(place->far) == item->depth &&
+           (isnan(place->leeway) ? 0 : nanometres(place->leeway)) == item->leeway;
+}
+
+static conus_status fail_changed(const struct needle_of *needle)
+{
+    return fail(CONUS_ERROR_DATA, "%s: its candidates are others when they are read again", needle->name);
 }
 
 static conus_status place_given(struct needle_of *needle, conus_together *together, const conus_pose_row *given)
 {
     conus_pose_row row = *given;
+    const conus_planned *place = NULL;
     row.id = needle->name;
     conus_status status = create_plan(needle, together);
-    status = status ? status : conus_plan_try(&needle->place, needle->plan, &row);
+    status = status ? status : conus_plan_try(&place, needle->plan, &row);
+    status = status ? status : plan_copy(&needle->place, needle->plan, place);
     return status ? status : take_list(needle, 0);
 }
 
@@ -258,10 +323,7 @@ static conus_status init_needle(struct needle_of *out, conus_together *together,
 
 static conus_status init_needles(conus_together *together, const conus_needle *needles, size_t count)
 {
-    size_t size = count && needles[0].struct_size ? needles[0].struct_size : sizeof *needles;
-    if (!count || count > NEEDLE_LIMIT) {
-        return fail(CONUS_ERROR_ARGUMENT, "needles: %zu, allowed are 1 to %d", count, NEEDLE_LIMIT);
-    }
+    size_t size = needles[0].struct_size ? needles[0].struct_size : sizeof *needles;
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
         const conus_needle asked = *options_of(conus_needle, (const char *)needles + i * size);
@@ -301,21 +363,35 @@ static int64_t most_of_all(const conus_together *together)
     return most;
 }
 
-/* Below it no candidate of a needle is in a combination that is as good as the answer (Eq. 28). */
+/* The entry that is looked for. */
+static struct entry *next_entry(conus_together *together)
+{
+    return &together->entries[together->entry_count];
+}
+
+/* What the least leeway of the next entry does not exceed. */
+static int64_t most_of_next(const conus_together *together)
+{
+    int64_t most = most_of_all(together);
+    int64_t before = together->entry_count ? together->entries[together->entry_count - 1].bound : INT64_MAX;
+    return before < most ? before : most;
+}
+
+/* Below it no candidate of a needle is in a combination that is as good as the next entry (Eq. 28). */
 static void find_cuts(conus_together *together)
 {
-    const struct search_answer *answer = &together->answer;
+    const struct search_answer *answer = &next_entry(together)->answer;
     int64_t sum = 0;
     int64_t all = 0;
     for (size_t i = 0; i < together->count; i++) {
         all += largest_of(&together->needles[i]);
-        sum += answer->found ? together->needles[i].items[answer->chosen[i]].leeway : 0;
+        sum += together->has_answer ? together->needles[i].items[answer->chosen[i]].leeway : 0;
     }
     /* Until none can have a larger least leeway, all that have more than the answer's may be in one that has. */
-    bool is_largest = answer->found && answer->least >= most_of_all(together);
+    bool is_largest = together->has_answer && answer->least >= most_of_all(together);
     for (size_t i = 0; i < together->count; i++) {
-        int64_t by_sum = answer->found ? sum - (all - largest_of(&together->needles[i])) : 0;
-        int64_t by_least = answer->found ? answer->least : 0;
+        int64_t by_sum = together->has_answer ? sum - (all - largest_of(&together->needles[i])) : 0;
+        int64_t by_least = together->has_answer ? answer->least : 0;
         int64_t cut = by_sum > by_least ? by_sum : by_least;
         together->cuts[i] = is_largest || cut <= by_least ? cut : by_least + 1;
     }
@@ -327,9 +403,18 @@ static bool lacks_candidates(const conus_together *together, size_t needle)
     return !of->is_whole && (!of->has_leeway || of->floor > together->cuts[needle]);
 }
 
-static uint64_t effort_left(const conus_together *together)
+/* Begins a search among the candidates that are known, which may take so many nodes in all. */
+static conus_status begin_search(struct search **out, conus_together *together, uint64_t limit)
 {
-    return together->nodes < together->options.effort ? together->options.effort - together->nodes : 0;
+    const struct search_variety variety = {.chosen = (const size_t(*)[NEEDLE_LIMIT])together->listed,
+                                           .count = together->entry_count,
+                                           .apart = together->options.diverse,
+                                           .differ = (size_t)together->options.differ};
+    for (size_t i = 0; i < together->count; i++) {
+        together->lists[i] = together->needles[i].list;
+    }
+    uint64_t left = together->nodes < limit ? limit - together->nodes : 0;
+    return joint_create(out, together->lists, together->count, &variety, left, show_progress, together);
 }
 
 /* Searches among the candidates that are known. */
@@ -338,24 +423,24 @@ static conus_status search_known(conus_together *together)
     struct search *search = NULL;
     struct search_answer answer = {0};
     bool is_best = false;
+    struct entry *entry = next_entry(together);
     const uint32_t all = (1U << together->count) - 1;
-    for (size_t i = 0; i < together->count; i++) {
-        together->lists[i] = together->needles[i].list;
-    }
-    conus_status status =
-        joint_create(&search, together->lists, together->count, effort_left(together), show_progress, together);
-    status = status ? status : joint_least(&answer, search, all, &together->test, most_of_all(together));
+    conus_status status = begin_search(&search, together, together->limit);
+    status = status ? status : joint_least(&answer, search, all, &together->test, most_of_next(together));
     bool is_least = answer.found && answer.least == answer.most;
     if (!status && answer.found) {
         status = joint_best(&answer, &is_best, search, &together->test);
     }
     if (answer.found && (!status || status == CONUS_ERROR_CANCELLED)) {
-        together->answer = answer;
+        entry->answer = answer;
         together->has_answer = true;
+        for (size_t i = 0; i < together->count; i++) {
+            entry->numbers[i] = together->needles[i].items[answer.chosen[i]].number;
+        }
     }
     together->is_best = !status && is_least && is_best;
     together->is_none = !status && !answer.found && answer.most < 0;
-    together->answer.most = answer.most;
+    entry->answer.most = answer.most;
     together->nodes += search ? joint_nodes(search) : 0;
     joint_destroy(search);
     return status;
@@ -376,39 +461,39 @@ static conus_status extend_lists(bool *is_longer, conus_together *together)
     return status;
 }
 
-/* An answer's places are known again in a list that is longer. */
-static conus_status follow(conus_together *together, const uint64_t numbers[NEEDLE_LIMIT])
+/* An entry's places are known again in lists that are longer. */
+static conus_status follow(conus_together *together, size_t index)
 {
-    for (size_t i = 0; i < together->count && together->has_answer; i++) {
+    struct entry *entry = &together->entries[index];
+    for (size_t i = 0; i < together->count; i++) {
         const struct needle_of *needle = &together->needles[i];
         size_t at = 0;
-        while (at < needle->list.bodies.count && needle->items[at].number != numbers[i]) {
+        while (at < needle->list.bodies.count && needle->items[at].number != entry->numbers[i]) {
             at++;
         }
         if (at == needle->list.bodies.count) {
-            together->has_answer = false;
-            return fail(CONUS_ERROR_DATA, "%s: its candidates are others when they are read again", needle->name);
+            return fail_changed(needle);
         }
-        together->answer.chosen[i] = at;
+        together->listed[index][i] = entry->answer.chosen[i] = at;
     }
     return CONUS_OK;
 }
 
-/* A run that is cancelled once there is an answer has that one. */
-static conus_status search_all(conus_together *together)
+/* Searches the next entry. A run that is cancelled once there is an answer has that one. */
+static conus_status search_entry(conus_together *together)
 {
     bool is_longer = true;
     conus_status status = CONUS_OK;
+    together->has_answer = false;
     while (is_longer && !status) {
-        uint64_t numbers[NEEDLE_LIMIT] = {0};
         status = search_known(together);
         find_cuts(together);
-        for (size_t i = 0; i < together->count && together->has_answer; i++) {
-            numbers[i] = together->needles[i].items[together->answer.chosen[i]].number;
-        }
         is_longer = false;
         status = status ? status : extend_lists(&is_longer, together);
-        conus_status followed = follow(together, numbers);
+        conus_status followed = CONUS_OK;
+        for (size_t n = 0; n < together->entry_count + together->has_answer && !followed; n++) {
+            followed = follow(together, n);
+        }
         status = status && status != CONUS_ERROR_CANCELLED ? status : followed ? followed : status;
     }
     return status == CONUS_ERROR_CANCELLED && together->has_answer ? CONUS_OK : status;
@@ -416,7 +501,7 @@ static conus_status search_all(conus_together *together)
 
 static bool has_none(const struct needle_of *needle)
 {
-    return needle->given ? !needle->place->feasible : !needle->list.bodies.count;
+    return needle->given ? !needle->place.feasible : !needle->list.bodies.count;
 }
 
 static size_t bits_of(uint32_t bits)
@@ -477,9 +562,7 @@ static conus_status explain(conus_together *together)
     for (size_t i = 0; i < together->count && !set; i++) {
         set = has_none(&together->needles[i]) ? 1U << i : 0;
     }
-    conus_status status =
-        set ? CONUS_OK
-            : joint_create(&search, together->lists, together->count, effort_left(together), show_progress, together);
+    conus_status status = set ? CONUS_OK : begin_search(&search, together, together->options.effort);
     if (search) {
         status = find_conflict(&set, search, together);
         status = status || !set ? status : find_limit(&conflict->between, search, set, &together->test, PAIR_BETWEEN);
@@ -495,39 +578,18 @@ static conus_status explain(conus_together *together)
     return status == CONUS_ERROR_CANCELLED ? CONUS_OK : status; /* what is known by then */
 }
 
-/* Sets the places of the answer, and measures its pairs. */
-static conus_status place_all(conus_together *together, bool is_feasible)
+/* Measures the pairs of an entry. */
+static int64_t measure_pairs(conus_together *together, size_t of[2], size_t index, int64_t least)
 {
-    const size_t *chosen = together->answer.chosen;
-    conus_combination *out = &together->combination;
-    int64_t least = INT64_MAX;
-    int64_t sum = 0;
-    int64_t depth = 0;
-    together->has_combination = true;
-    *out = (conus_combination){
-        .feasible = is_feasible, .bound = NAN, .leeway_of = {SIZE_MAX, SIZE_MAX}, .nodes = together->nodes};
-    for (size_t i = 0; i < together->count; i++) {
-        const struct needle_of *needle = &together->needles[i];
-        const struct search_item *item = &needle->items[chosen[i]];
-        together->placed[i].pose = needle->place;
-        together->placed[i].candidate = item->number;
-        sum += item->leeway;
-        depth += item->depth;
-        if (needle->has_leeway && item->leeway < least) {
-            least = item->leeway;
-            out->leeway_of[0] = i;
-        }
-    }
-    together->pairs = memory_zeroed(together->count * together->count, sizeof *together->pairs);
-    if (!together->pairs) {
-        return CONUS_ERROR_MEMORY;
-    }
+    const struct entry *entry = &together->entries[index];
+    const size_t *chosen = entry->answer.chosen;
     for (size_t i = 0; i < together->count; i++) {
         for (size_t k = i + 1; k < together->count; k++) {
             const struct needle_of *one = &together->needles[i];
             const struct needle_of *other = &together->needles[k];
             struct pair_row *row = &together->pairs[together->pair_count++];
-            *row = (struct pair_row){.combination = is_feasible, .names = {one->name, other->name}};
+            *row = (struct pair_row){.combination = entry->combination.feasible ? index + 1 : 0,
+                                     .names = {one->name, other->name}};
             pair_measure(&row->pair, &one->list.bodies, chosen[i], &other->list.bodies, chosen[k],
                          &together->test.margins);
             pair_row_name(row, &one->bodies, &other->bodies);
@@ -536,35 +598,88 @@ static conus_status place_all(conus_together *together, bool is_feasible)
             int64_t value = is_broken ? 0 : pair_value(&row->pair, PAIR_LEEWAY);
             if (value < least) {
                 least = value;
-                out->leeway_of[0] = i;
-                out->leeway_of[1] = k;
+                of[0] = i;
+                of[1] = k;
             }
         }
     }
+    return least;
+}
+
+/* Sets an entry's combination: its places, and what its needles and pairs have. */
+static conus_status place_all(conus_together *together, size_t index)
+{
+    struct entry *entry = &together->entries[index];
+    conus_combination *out = &entry->combination;
+    size_t of[2] = {SIZE_MAX, SIZE_MAX};
+    int64_t least = INT64_MAX;
+    int64_t sum = 0;
+    int64_t depth = 0;
+    out->chosen = entry->chosen;
+    for (size_t i = 0; i < together->count; i++) {
+        const struct needle_of *needle = &together->needles[i];
+        const struct search_item *item = &needle->items[entry->answer.chosen[i]];
+        const conus_planned *place = place_of(together, entry, i);
+        if (!needle->given && !is_same(place, item)) {
+            return fail_changed(needle);
+        }
+        entry->chosen[i] = (conus_chosen){place, item->number};
+        sum += item->leeway;
+        depth += item->depth;
+        if (needle->has_leeway && item->leeway < least) {
+            least = item->leeway;
+            of[0] = i;
+        }
+    }
+    least = measure_pairs(together, of, index, least);
+    for (size_t i = 0; i < 2 && of[i] < SIZE_MAX; i++) {
+        buffer_format(&entry->leeway_of, "%s%s", i ? "/" : "", together->needles[of[i]].name);
+    }
+    out->leeway_of = of[0] < SIZE_MAX ? entry->leeway_of.data : NULL;
     out->sum = NM * (double)sum;
     out->depth = NM * (double)depth;
     out->leeway = least < INT64_MAX ? NM * (double)least : NAN;
-    return CONUS_OK;
+    out->bound = isnan(out->leeway) || !out->feasible ? NAN : NM * (double)entry->bound;
+    return buffer_status(&entry->leeway_of);
 }
 
-/* Whether the answer is proven, and else what none exceeds. */
-static void judge_answer(conus_together *together)
+/* Places all entries. */
+static conus_status place_entries(conus_together *together)
 {
-    conus_combination *out = &together->combination;
-    int64_t most = together->answer.most > together->answer.least ? together->answer.most : together->answer.least;
-    out->proven = together->is_best && !together->was_cancelled;
+    conus_status status = CONUS_OK;
+    size_t pairs = together->count * together->count * together->entry_count + 1;
+    for (size_t i = 0; i < together->count && !status; i++) {
+        status = together->needles[i].given || !together->entry_count ? status : find_places(together, i);
+    }
+    together->pairs = status ? NULL : memory_zeroed(pairs, sizeof *together->pairs);
+    status = status || together->pairs ? status : CONUS_ERROR_MEMORY;
+    for (size_t n = 0; n < together->entry_count && !status; n++) {
+        status = place_all(together, n);
+    }
+    return status;
+}
+
+/* Whether the next entry is proven, and what none exceeds. */
+static void judge_entry(conus_together *together)
+{
+    struct entry *entry = next_entry(together);
+    int64_t most = entry->answer.most > entry->answer.least ? entry->answer.most : entry->answer.least;
+    bool is_proven = together->is_best && !together->was_cancelled;
     for (size_t i = 0; i < together->count; i++) {
         const struct needle_of *needle = &together->needles[i];
         bool lacks = lacks_candidates(together, i);
         int64_t floor = needle->has_leeway ? needle->floor : INT64_MAX;
-        out->proven = out->proven && !lacks;
+        is_proven = is_proven && !lacks;
         most = lacks && floor > most ? floor : most;
     }
     /* Lists may have grown since the last search that was whole. */
     most = together->was_cancelled ? INT64_MAX : most;
-    int64_t limit = most_of_all(together);
-    most = most < limit ? most : limit;
-    out->bound = isnan(out->leeway) ? NAN : out->proven ? out->leeway : NM * (double)most;
+    int64_t limit = most_of_next(together);
+    entry->bound = is_proven ? entry->answer.least : most < limit ? most : limit;
+    bool are_before = !together->entry_count || entry[-1].combination.proven;
+    entry->combination.feasible = true;
+    entry->combination.proven = is_proven && are_before;
+    entry->combination.nodes = together->nodes;
 }
 
 static void describe_needles(conus_together *together)
@@ -574,17 +689,43 @@ static void describe_needles(conus_together *together)
         bool has = needle->has_leeway && needle->list.bodies.count && !has_none(needle);
         conus_placed *placed = &together->placed[i];
         placed->name = needle->name;
-        placed->given = needle->given;
+        placed->given = needle->given ? &needle->place : NULL;
         placed->plan = needle->plan;
-        placed->pose = placed->pose ? placed->pose : needle->place;
         placed->radius = needle->bodies.radius[0];
         placed->shanks = needle->bodies.shanks[0];
         placed->shank_count = needle->bodies.shaft_count;
         placed->parts = needle->bodies.parts;
         placed->part_count = needle->bodies.count - needle->bodies.shaft_count;
         placed->largest = has ? NM * (double)largest_of(needle) : NAN;
-        placed->cut = has && together->has_answer ? NM * (double)together->cuts[i] : NAN;
+        placed->cut = has && together->entries[0].combination.feasible ? NM * (double)together->cuts[i] : NAN;
     }
+}
+
+/* Lists combinations until there are enough, or no more. All entries share the effort. */
+static conus_status search_entries(conus_together *together)
+{
+    conus_status status = CONUS_OK;
+    bool is_over = false;
+    for (uint64_t left = together->options.top; left && !is_over && !status; left--) {
+        int64_t cuts[NEEDLE_LIMIT];
+        const uint64_t effort = together->options.effort;
+        memcpy(cuts, together->cuts, sizeof cuts);
+        together->limit = together->nodes + (effort > together->nodes ? effort - together->nodes : 0) / left;
+        status = search_entry(together);
+        for (size_t i = 0; i < together->count; i++) {
+            together->is_none = together->is_none && !lacks_candidates(together, i);
+        }
+        if (!status && together->has_answer) {
+            judge_entry(together);
+            together->entry_count++;
+        } else if (together->entry_count) {
+            status = status == CONUS_ERROR_CANCELLED ? CONUS_OK : status;
+            together->entries[together->entry_count - 1].combination.last = !status && together->is_none;
+            memcpy(together->cuts, together->is_none ? together->cuts : cuts, sizeof cuts);
+        }
+        is_over = together->was_cancelled || !together->has_answer;
+    }
+    return status;
 }
 
 static conus_status answer(conus_together *together)
@@ -594,28 +735,18 @@ static conus_status answer(conus_together *together)
     for (size_t i = 0; i < together->count; i++) {
         are_all_given = are_all_given && together->needles[i].given;
         lacks_one = lacks_one || has_none(&together->needles[i]);
-        together->lists[i] = together->needles[i].list;
     }
-    conus_status status = lacks_one ? CONUS_OK : search_all(together);
+    conus_status status = lacks_one ? CONUS_OK : search_entries(together);
     if (status) {
         return status;
     }
-    bool is_none = lacks_one || together->is_none;
-    for (size_t i = 0; i < together->count; i++) {
-        is_none = is_none && (lacks_one || !lacks_candidates(together, i));
+    bool is_none = !together->entry_count && (lacks_one || together->is_none);
+    if (is_none && are_all_given) { /* what breaks is shown */
+        together->entries[together->entry_count++].combination.nodes = together->nodes;
     }
-    for (size_t i = 0; i < together->count && together->has_answer && !status; i++) {
-        struct needle_of *needle = &together->needles[i];
-        status = needle->given ? status : find_place(needle, &needle->items[together->answer.chosen[i]]);
-    }
-    if (!status && (together->has_answer || are_all_given)) {
-        status = place_all(together, together->has_answer);
-    }
-    if (!status && together->has_answer) {
-        judge_answer(together);
-    }
+    status = place_entries(together);
     describe_needles(together);
-    return status || together->has_answer || !is_none ? status : explain(together);
+    return status || !is_none ? status : explain(together);
 }
 
 conus_status conus_plan_together(conus_together **out, const conus_needle *needles, size_t count,
@@ -625,7 +756,7 @@ conus_status conus_plan_together(conus_together **out, const conus_needle *needl
     if (!together) {
         return CONUS_ERROR_MEMORY;
     }
-    conus_status status = check_options(together, options);
+    conus_status status = check_options(together, options, count);
     status = status ? status : init_needles(together, needles, count);
     status = status ? status : answer(together);
     if (status) {
@@ -639,17 +770,30 @@ conus_status conus_plan_together(conus_together **out, const conus_needle *needl
 void conus_together_destroy(conus_together *together)
 {
     for (size_t i = 0; together && i < together->count; i++) {
-        memory_free(together->needles[i].name);
-        conus_plan_destroy(together->needles[i].plan);
-        finish_list(&together->needles[i]);
+        struct needle_of *needle = &together->needles[i];
+        for (size_t n = 0; needle->places && n < together->entry_count; n++) {
+            plan_copy_finish(&needle->places[n]);
+        }
+        memory_free(needle->places);
+        plan_copy_finish(&needle->place);
+        memory_free(needle->name);
+        conus_plan_destroy(needle->plan);
+        finish_list(needle);
     }
-    memory_free(together ? together->pairs : NULL);
+    for (size_t n = 0; together && n < together->entry_count; n++) {
+        buffer_finish(&together->entries[n].leeway_of);
+    }
+    if (together) {
+        memory_free(together->entries);
+        memory_free(together->listed);
+        memory_free(together->pairs);
+    }
     memory_free(together);
 }
 
-const conus_combination *conus_together_combination(const conus_together *together)
+const conus_combination *conus_together_combination(const conus_together *together, size_t index)
 {
-    return together->has_combination ? &together->combination : NULL;
+    return index < together->entry_count ? &together->entries[index].combination : NULL;
 }
 
 const conus_together_options *conus_together_asked(const conus_together *together)

@@ -249,7 +249,7 @@ void report_needles_finish(struct report_needles *needles)
         memory_free(needles->at[i].places);
     }
     memory_free(needles->at);
-    memory_free(needles->leeway_of);
+    memory_free((void *)needles->combinations);
     memory_free(needles->columns);
 }
 

@@ -21,7 +21,8 @@ struct report_planned {
     conus_kind kind; /**< Kind and object begin every row; this one has none. */
     uint32_t object;
     size_t constraint;         /**< Index in the plan. */
-    size_t needle;             /**< Index of the needle, of several together. */
+    size_t needle;             /**< Index of the needle, of several together, */
+    size_t combination;        /**< and of its combination. */
     const conus_planned *pose; /**< The plan's. */
     uint64_t order;            /**< Number of the depth, from 1. */
     double depth, distance;    /**< mm from the apex; of the axis there from the structure. */
@@ -63,11 +64,11 @@ struct report_needle {
 struct report_needles {
     struct report_needle *at; /**< [count] */
     size_t count;
+    const conus_combination **combinations; /**< [combination_count] */
+    size_t combination_count;
     const conus_together_options *asked;
-    const conus_combination *combination; /**< NULL = there is none. */
-    const conus_conflict *conflict;       /**< Likewise. */
-    char *leeway_of;                      /**< "A", "A/B"; NULL = nothing has one. */
-    struct report_column *columns;        /**< [column_count] Their offset is their index. */
+    const conus_conflict *conflict; /**< NULL = there is none. */
+    struct report_column *columns;  /**< [column_count] Their offset is their index. */
     size_t column_count;
 };
 

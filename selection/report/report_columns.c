@@ -292,47 +292,45 @@ static struct cell get_target(const conus_report *report, const struct report_ro
 
 /* Of several needles together: the combination, of which each row is a needle. */
 
+static const conus_combination *combination_of(const conus_report *report, const struct report_row *row)
+{
+    return report->needles.combinations[row->planned.combination];
+}
+
 static struct cell get_combination(const conus_report *report, const struct report_row *row)
 {
-    (void)row;
-    return integer_cell(report->needles.combination->feasible);
+    return integer_cell(combination_of(report, row)->feasible ? row->planned.combination + 1 : 0);
 }
 
 static struct cell get_proven(const conus_report *report, const struct report_row *row)
 {
-    (void)row;
-    const conus_combination *combination = report->needles.combination;
+    const conus_combination *combination = combination_of(report, row);
     return combination->feasible ? integer_cell(combination->proven) : no_cell();
 }
 
 static struct cell get_all_leeway(const conus_report *report, const struct report_row *row)
 {
-    (void)row;
-    return number_cell(report->needles.combination->leeway);
+    return number_cell(combination_of(report, row)->leeway);
 }
 
 static struct cell get_all_leeway_of(const conus_report *report, const struct report_row *row)
 {
-    (void)row;
-    return text_cell(report->needles.leeway_of);
+    return text_cell(combination_of(report, row)->leeway_of);
 }
 
 static struct cell get_all_bound(const conus_report *report, const struct report_row *row)
 {
-    (void)row;
-    return number_cell(report->needles.combination->bound);
+    return number_cell(combination_of(report, row)->bound);
 }
 
 static struct cell get_all_sum(const conus_report *report, const struct report_row *row)
 {
-    (void)row;
-    return number_cell(report->needles.combination->sum);
+    return number_cell(combination_of(report, row)->sum);
 }
 
 static struct cell get_all_depth(const conus_report *report, const struct report_row *row)
 {
-    (void)row;
-    return number_cell(report->needles.combination->depth);
+    return number_cell(combination_of(report, row)->depth);
 }
 
 static struct cell get_needle(const conus_report *report, const struct report_row *row)
@@ -348,10 +346,10 @@ static struct cell get_needle_row(const conus_report *report, const struct repor
 
 static const struct report_column needle_columns[] = {
     {"combination", NULL, "number of the combination, from 1; 0 of one that breaks something", .get = get_combination},
-    {"proven", NULL, "1 if it is proven that no combination is better, else 0", .get = get_proven},
+    {"proven", NULL, "1 if it is proven that no combination that may stand there is better, else 0", .get = get_proven},
     {"all_leeway_mm", "mm", "the least leeway of all needles and pairs", .get = get_all_leeway},
     {"all_leeway_of", NULL, "the needle that has it, or both of the pair", NAMED(get_all_leeway_of)},
-    {"all_bound", "mm", "no combination has a larger least leeway", .get = get_all_bound},
+    {"all_bound", "mm", "no combination that may stand there has a larger least leeway", .get = get_all_bound},
     {"all_sum_mm", "mm", "sum of the needles' leeways", .get = get_all_sum},
     {"all_depth_mm", "mm", "sum of the needles' depths", .get = get_all_depth},
     {"needle", NULL, "name of the needle", NAMED(get_needle)},

@@ -522,31 +522,47 @@ static json_t *json_from_conflict(const struct report_needles *needles)
                                      whole);
 }
 
+/* The combinations that hold. *nodes: of the search. */
+static json_t *json_from_combinations(uint64_t *nodes, const struct report_needles *needles)
+{
+    json_t *list = json_array();
+    bool whole = true;
+    for (size_t n = 0; n < needles->combination_count; n++) {
+        const conus_combination *combination = needles->combinations[n];
+        *nodes = combination->nodes;
+        if (combination->feasible) {
+            json_t *entry = json_pack("{s: b, s: o, s: b}", "proven", combination->proven, "bound_mm",
+                                      json_from_end(combination->bound), "last", combination->last);
+            whole = json_array_append_new(list, entry) == 0 && whole;
+        }
+    }
+    return whole_or_null(list, whole);
+}
+
 static bool add_needles(json_t *root, const struct report_needles *needles)
 {
     json_t *rows = json_array();
     json_t *list = json_array();
-    json_t *combinations = json_array();
-    const conus_combination *combination = needles->combination;
+    const conus_together_options *asked = needles->asked;
+    uint64_t nodes = 0;
+    json_t *combinations = json_from_combinations(&nodes, needles);
     bool whole = true;
     for (size_t i = 0; i < needles->count; i++) {
         const conus_placed *placed = needles->at[i].placed;
         json_t *needle =
-            json_pack("{s: o, s: b, s: o, s: o}", "name", json_from_text(placed->name), "given", placed->given,
+            json_pack("{s: o, s: b, s: o, s: o}", "name", json_from_text(placed->name), "given", placed->given != NULL,
                       "largest_leeway_mm", json_from_end(placed->largest), "cut_mm", json_from_end(placed->cut));
         whole = json_array_append_new(rows, json_from_question(&needles->at[i])) == 0 && whole;
         whole = json_array_append_new(list, needle) == 0 && whole;
     }
-    if (combination && combination->feasible) {
-        json_t *entry =
-            json_pack("{s: b, s: o}", "proven", combination->proven, "bound_mm", json_from_end(combination->bound));
-        whole = json_array_append_new(combinations, entry) == 0 && whole;
-    }
-    json_t *object =
-        json_pack("{s: s, s: {s: f, s: f}, s: f, s: I, s: o, s: o, s: o, s: o}", "rank", "leeway,sum,-depth", "between",
-                  "shafts_mm", needles->asked->between, "parts_mm", needles->asked->parts, "entry_distance_mm",
-                  needles->asked->entry_distance, "nodes", combination ? (json_int_t)combination->nodes : 0, "rows",
-                  rows, "needles", list, "combinations", combinations, "conflict", json_from_conflict(needles));
+    json_t *diverse = asked->top == 1
+                          ? json_null()
+                          : json_pack("{s: f, s: I}", "apart_mm", asked->diverse, "needles", (json_int_t)asked->differ);
+    json_t *object = json_pack("{s: s, s: {s: f, s: f}, s: f, s: I, s: o, s: I, s: o, s: o, s: o, s: o}", "rank",
+                               "leeway,sum,-depth", "between", "shafts_mm", asked->between, "parts_mm", asked->parts,
+                               "entry_distance_mm", asked->entry_distance, "top", (json_int_t)asked->top, "diverse",
+                               diverse, "nodes", (json_int_t)nodes, "rows", rows, "needles", list, "combinations",
+                               combinations, "conflict", json_from_conflict(needles));
     return put_value(root, "Plan", whole_or_null(object, whole));
 }
 

@@ -92,6 +92,32 @@ column() {
     jq -e '[.Inputs[].path] | index("a.tsv") and index("needles.tsv")' threads-1.json
 }
 
+# What combinations differ in: of A 1 mm, of B 2 and 3 mm, of C 1 and 2 mm. The leeway of each is that of its nearest
+# pair: (4 - 1.5 - 0.1) / 2, (4 - 1 - 1 - 0.1) / 2, (3 - 1.5 - 0.1) / 2.
+@test "further combinations differ from those before, and are proven" {
+    needles
+    answers $N --between 0.1 --top 3 --diverse 1 -q --format tsv --pairs pairs.tsv --poses-out best.tsv
+    [ "$(column combination <<<"$output")" = "1 1 1 2 2 2 3 3 3" ]
+    [ "$(column query <<<"$output")" = "a-0 b-4 c--4 a-0 b-4 c--3 a-1 b-4 c--3" ]
+    [ "$(column proven <<<"$output")" = "1 1 1 1 1 1 1 1 1" ]
+    [ "$(column all_leeway_mm <<<"$output")" = "1.2 1.2 1.2 0.95 0.95 0.95 0.7 0.7 0.7" ]
+    [ "$(column all_leeway_of <<<"$output" | cut -d ' ' -f 1,4,7)" = "A/B A/C A/B" ]
+    [ "$(column combination pairs.tsv)" = "1 1 1 2 2 2 3 3 3" ]
+    [ "$(cut -f 1 best.tsv | tr -d '"\n')" = "query_id1-A1-B1-C2-A2-B2-C3-A3-B3-C" ]
+    run -0 --separate-stderr conus $N --between 0.1 --top 9 --diverse 1,2 -o few.tsv
+    [ "$(column query few.tsv)" = "a-0 b-4 c--4 a-1 b-4 c--3 a-0 b-2 c--3" ] # 1.2, 0.7, 0.2
+    [[ "$stderr" == *"conus: note: 3 of 9 combinations: no other one differs by so much"* ]]
+    jq -e '.Plan | .top == 9 and .diverse == {apart_mm: 1, needles: 2} and .needles[0].cut_mm == 0' few.json
+    jq -e '.Plan.combinations | map(.last) == [false, false, true]' few.json
+    conus verify few.tsv
+    conus cite few.tsv | tr '\n' ' ' >cited
+    grep -qF 'differ from all before it in 2 or more needles, by 1 mm or more' cited
+    grep -qF 'constraints: A: at least 2 mm of the axis in U (2 of 2 hold); B: ' cited
+    # 1 mm is not 1.5 mm: B moves by 2 mm, C by 2 and 3 mm to where it has no leeway
+    answers $N --between 0.1 --top 3 --diverse 1.5 -q --format tsv
+    [ "$(column query <<<"$output")" = "a-0 b-4 c--4 a-0 b-2 c--3 a-0 b-2 c--6" ]
+}
+
 @test "without a combination the needles are named that are in each other's way" {
     needles
     run -0 --separate-stderr conus $N --between 3 --format tsv
@@ -275,7 +301,20 @@ table() { # LINE...
     refused '--entry-distance' $N --entry-distance 101
     refused '--between has no effect without --needles' plan u-shape.nii.gz --poses a.tsv --reach U --between 5
     refused '--part has no effect without --needles' plan u-shape.nii.gz --poses a.tsv --reach U --part 1,0:5
-    for option in '--top 3' '--rank depth' '--infeasible' '--constraints c.tsv' '--tolerance t.tsv' '--jitter 1,1' '--score depth'; do
+    refused '--top 3 of combinations: say by how much they have to differ: --diverse MM' $N --top 3
+    refused '--diverse has no effect without --top above 1' $N --diverse 3
+    refused '--diverse has no effect without --top above 1' $N --diverse 3 --top 1
+    refused '--diverse has no effect without --needles' plan u-shape.nii.gz --poses a.tsv --reach U --top 2 --diverse 3
+    for top in all 0 101 2.5 -1; do
+        refused "--top: \"$top\": of combinations 1 to 100 can be listed" $N --top=$top --diverse 1
+    done
+    for diverse in x 1,0 1,17 1,1.5 1,2,3 nan 1, ,1; do
+        refused "--diverse: \"$diverse\" is not MM[,COUNT], with a COUNT of 1 to 16 needles" $N --top 2 --diverse "$diverse"
+    done
+    refused '--diverse: -1: allowed are 0 to 100 mm' $N --top 2 --diverse=-1
+    refused '--diverse: 101: allowed are 0 to 100 mm' $N --top 2 --diverse 101
+    refused '--diverse: in 2 needles, but there are 1' $N --top 2 --diverse 1,2
+    for option in '--rank depth' '--infeasible' '--constraints c.tsv' '--tolerance t.tsv' '--jitter 1,1' '--score depth'; do
         refused 'exclude each other' $N $option
     done
     printf 'query_id\tx\ty\tz\tdx\tdy\tdz\tfar\nZ\t40\t3\t5\t-1\t0\t0\t26\n' >given.tsv

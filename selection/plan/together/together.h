@@ -26,13 +26,18 @@ conus_status bodies_init(struct bodies *out, double radius, const double *shanks
 struct body_list {
     const struct bodies *bodies;
     size_t count;
-    double *numbers; /**< [3 + 7 bodies->count][count] The device's position; of each body one end, the way to the
-                        other one, and the square of that way's length. */
+    double *numbers; /**< [6 + 7 bodies->count][count] The device's position, the far end; of each body one end, the way
+                        to the other one, and the square of that way's length. */
 };
 
 conus_status body_list_init(struct body_list *out, const struct bodies *bodies, size_t count);
 void body_list_finish(struct body_list *list);
 void body_list_set(struct body_list *list, size_t index, const conus_planned *pose);
+
+/** Whether two candidates are the same, or neither their positions nor their far ends are @p apart mm or more from each
+ * other. */
+bool bodies_are_near(const struct body_list *list, size_t index, const struct body_list *other, size_t other_index,
+                     double apart);
 
 /** The margins of pairs, mm. */
 struct margins {
@@ -130,9 +135,18 @@ int search_item_compare(const void *a, const void *b);
 
 struct search;
 
+/** Combinations that are listed: from each of them the next one differs in so many needles. */
+struct search_variety {
+    const size_t (*chosen)[NEEDLE_LIMIT]; /**< [count] Indices into the lists. */
+    size_t count;
+    double apart;  /**< By another candidate whose position or far end is so far off, mm. */
+    size_t differ; /**< At least 1. */
+};
+
 /** @p lists must outlive it. Ends with joint_destroy(). @p progress false ends the search. */
-conus_status joint_create(struct search **out, const struct search_list *lists, size_t count, uint64_t effort,
-                          conus_progress progress, void *progress_user);
+conus_status joint_create(struct search **out, const struct search_list *lists, size_t count,
+                          const struct search_variety *variety, uint64_t effort, conus_progress progress,
+                          void *progress_user);
 void joint_destroy(struct search *search);
 
 /** What was found of some lists. */

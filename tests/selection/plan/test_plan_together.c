@@ -159,6 +159,8 @@ struct oracle {
     bool found;
     int64_t least, sum, depth;
     size_t at[NEEDLES], best[NEEDLES];
+    size_t listed[4][NEEDLES]; /* from which it has to differ */
+    size_t listed_count;
 };
 
 static int64_t nm(double mm)
@@ -193,6 +195,28 @@ static struct oracle_pair measure(const struct oracle *oracle, size_t i, size_t 
     return pair;
 }
 
+static double distance(const double a[3], const double b[3])
+{
+    double way[3];
+    vec3_sub(way, a, b);
+    return vec3_length(way);
+}
+
+/* Whether in enough needles another candidate enters or ends so far away. */
+static bool differs(const struct oracle *oracle, const size_t *listed)
+{
+    uint64_t count = 0;
+    const double apart = oracle->options->diverse - 1e-9;
+    for (size_t i = 0; i < oracle->count; i++) {
+        const size_t a = oracle->at[i];
+        const size_t b = listed[i];
+        const struct oracle_needle *needle = &oracle->needles[i];
+        count += a != b && (distance(needle->items[a].at, needle->items[b].at) >= apart ||
+                            distance(needle->items[a].shaft[1], needle->items[b].shaft[1]) >= apart);
+    }
+    return count >= (oracle->options->differ ? oracle->options->differ : 1);
+}
+
 /* All combinations of the needles from `next` on. */
 static void enumerate(struct oracle *oracle, size_t next, int64_t least)
 {
@@ -215,6 +239,11 @@ static void enumerate(struct oracle *oracle, size_t next, int64_t least)
     }
     int64_t sum = 0;
     int64_t depth = 0;
+    for (size_t n = 0; n < oracle->listed_count; n++) {
+        if (!differs(oracle, oracle->listed[n])) {
+            return;
+        }
+    }
     for (size_t i = 0; i < oracle->count; i++) {
         sum += oracle->needles[i].items[oracle->at[i]].leeway;
         depth += oracle->needles[i].items[oracle->at[i]].depth;
@@ -342,26 +371,44 @@ static void expect_conflict(const struct oracle *oracle, const conus_conflict *c
     }
 }
 
-static void compare(const conus_together *together, struct oracle *oracle)
+static void compare_one(const conus_combination *combination, const struct oracle *oracle)
 {
-    const conus_combination *combination = conus_together_combination(together);
-    enumerate(oracle, 0, INT64_MAX);
-    assert_int_equal(combination != NULL, oracle->found);
-    if (!combination) {
-        expect_conflict(oracle, conus_together_conflict(together));
-        return;
-    }
-    assert_null(conus_together_conflict(together));
     assert_true(combination->feasible && combination->proven);
     assert_near(combination->leeway, 1e-6 * (double)oracle->least, 2e-6);
     assert_near(combination->bound, combination->leeway, 0);
     assert_near(combination->sum, 1e-6 * (double)oracle->sum, 2e-6);
     assert_near(combination->depth, 1e-6 * (double)oracle->depth, 2e-6);
     for (size_t i = 0; i < oracle->count; i++) {
-        const conus_placed *placed = conus_together_needle(together, i);
-        assert_int_equal(placed->candidate, oracle->needles[i].items[oracle->best[i]].number);
-        assert_int_equal(placed->pose->candidate, placed->candidate);
+        const conus_chosen *chosen = &combination->chosen[i];
+        assert_int_equal(chosen->candidate, oracle->needles[i].items[oracle->best[i]].number);
+        assert_int_equal(chosen->pose->candidate, chosen->candidate);
     }
+}
+
+/* Each that is listed against all that differ from those before it. Returns how many are. */
+static size_t compare(const conus_together *together, struct oracle *oracle)
+{
+    const size_t top = oracle->options->top ? (size_t)oracle->options->top : 1;
+    for (size_t n = 0; n < top; n++) {
+        const conus_combination *combination = conus_together_combination(together, n);
+        oracle->found = false;
+        enumerate(oracle, 0, INT64_MAX);
+        assert_int_equal(combination != NULL, oracle->found);
+        if (!combination && n) {
+            assert_true(conus_together_combination(together, n - 1)->last);
+        } else if (!combination) {
+            expect_conflict(oracle, conus_together_conflict(together));
+        }
+        if (!combination) {
+            return n;
+        }
+        assert_null(conus_together_conflict(together));
+        assert_false(n + 1 == top && combination->last);
+        compare_one(combination, oracle);
+        memcpy(oracle->listed[oracle->listed_count++], oracle->best, sizeof oracle->best);
+    }
+    assert_null(conus_together_combination(together, top));
+    return top;
 }
 
 static void small_instances_are_as_all_combinations(void **state)
@@ -369,6 +416,7 @@ static void small_instances_are_as_all_combinations(void **state)
     (void)state;
     uint64_t seed = 106;
     size_t none = 0;
+    size_t kinds[4] = {0}; /* so many were listed, where three were asked for */
     size_t trials = test_trials(200);
     for (size_t trial = 0; trial < trials; trial++) {
         struct scene scene;
@@ -393,18 +441,25 @@ static void small_instances_are_as_all_combinations(void **state)
         }
         const conus_together_options options = {.between = test_random(&seed, 0, 6),
                                                 .parts = test_random(&seed, 0, 1),
-                                                .entry_distance = trial % 3 ? test_random(&seed, 0, 16) : 4};
+                                                .entry_distance = trial % 3 ? test_random(&seed, 0, 16) : 4,
+                                                .top = trial / 4 % 2 ? 3 : 0,
+                                                .diverse = trial % 5 ? test_random(&seed, 0, 8) : 0,
+                                                .differ = 1 + (uint64_t)test_random(&seed, 0, (double)count)};
         struct oracle oracle = {.options = &options, .needles = needles, .count = count};
         conus_together *together = NULL;
         assert_ok(conus_plan_together(&together, scene.needles, count, &options));
-        compare(together, &oracle);
-        none += !oracle.found;
+        size_t listed = compare(together, &oracle);
+        none += !listed;
+        kinds[listed] += options.top == 3;
         conus_together_destroy(together);
         memory_free(needles);
         end_scene(&scene);
     }
     if (!(none > trials / 20 && none < trials / 2)) { /* both kinds are to be tried */
         fail_msg("%zu of %zu instances have no combination", none, trials);
+    }
+    if (!kinds[1] || !kinds[2] || kinds[3] < trials / 8) {
+        fail_msg("of lists of three %zu have one, %zu two, %zu three", kinds[1], kinds[2], kinds[3]);
     }
 }
 
@@ -424,7 +479,10 @@ static void long_lists_are_listed_as_far_as_it_takes(void **state)
     }
     for (size_t trial = 0; trial < 3; trial++) {
         const conus_together_options options = {.between = 1.5 + 1.5 * (double)trial,
-                                                .entry_distance = 12 * (double)trial};
+                                                .entry_distance = 12 * (double)trial,
+                                                .top = 1 + trial,
+                                                .diverse = 6,
+                                                .differ = 1 + trial / 2};
         struct oracle oracle = {.options = &options, .needles = needles, .count = 2};
         conus_together *together = NULL;
         assert_ok(conus_plan_together(&together, scene.needles, 2, &options));
@@ -450,7 +508,7 @@ static bool is_feasible(const struct scene *scene, conus_together_options option
 {
     conus_together *together = NULL;
     assert_ok(conus_plan_together(&together, scene->needles, scene->count, &options));
-    bool is = conus_together_combination(together);
+    bool is = conus_together_combination(together, 0);
     conus_together_destroy(together);
     return is;
 }
@@ -493,7 +551,7 @@ static void crossing_and_collinear(void **state)
     write_one(&scene, 1, (const double[3]){11, 2, 13}, (const double[3]){11, 14, 13});
     conus_together *together = NULL;
     assert_ok(conus_plan_together(&together, scene.needles, 2, NULL));
-    assert_null(conus_together_combination(together));
+    assert_null(conus_together_combination(together, 0));
     const conus_conflict *conflict = conus_together_conflict(together);
     assert_int_equal(conflict->count, 2);
     assert_near(conflict->between, -0.5, 1e-6); /* they overlap by both radii */
@@ -566,9 +624,8 @@ static void the_leeway_of_a_pair(void **state)
     conus_table *pairs = NULL;
     const conus_together_options options = {.between = 2};
     assert_ok(conus_plan_together(&together, scene.needles, 2, &options));
-    assert_near(conus_together_combination(together)->leeway, 0.75, 1e-6);
-    assert_int_equal(conus_together_combination(together)->leeway_of[0], 0);
-    assert_int_equal(conus_together_combination(together)->leeway_of[1], 1);
+    assert_near(conus_together_combination(together, 0)->leeway, 0.75, 1e-6);
+    assert_string_equal(conus_together_combination(together, 0)->leeway_of, "A/B");
     assert_ok(conus_together_pairs(&pairs, together));
     assert_int_equal(conus_table_rows(pairs), 1);
     assert_near(conus_table_numbers(pairs, "leeway_mm")[0], 0.75, 1e-9);
@@ -606,13 +663,14 @@ static void given_needles(void **state)
     scene.needles[0].given = conus_pose_list_row(list, 0);
     assert_ok(conus_plan_together(&round, scene.needles, 2, &options));
     assert_true(conus_together_needle(round, 0)->given);
-    assert_string_equal(conus_together_needle(round, 0)->pose->id, "A");
-    assert_int_equal(conus_together_needle(round, 1)->candidate, conus_together_needle(planned, 1)->candidate);
-    assert_near(conus_together_combination(round)->leeway, conus_together_combination(planned)->leeway, 0);
+    assert_string_equal(conus_together_needle(round, 0)->given->id, "A");
+    assert_int_equal(conus_together_combination(round, 0)->chosen[1].candidate,
+                     conus_together_combination(planned, 0)->chosen[1].candidate);
+    assert_near(conus_together_combination(round, 0)->leeway, conus_together_combination(planned, 0)->leeway, 0);
     conus_together_destroy(round);
     scene.needles[1].given = conus_pose_list_row(list, 0); /* both in one place */
     assert_ok(conus_plan_together(&round, scene.needles, 2, &options));
-    const conus_combination *checked = conus_together_combination(round);
+    const conus_combination *checked = conus_together_combination(round, 0);
     assert_non_null(checked);
     assert_false(checked->feasible || checked->proven);
     assert_int_equal(conus_together_conflict(round)->count, 2);
@@ -636,24 +694,26 @@ static void answers_do_not_depend_on_threads(void **state)
         write_random(&scene.candidates[i], name, 700, &seed, true);
     }
     for (int effort = 0; effort < 2; effort++) {
-        const conus_together_options options = {.between = 1, .entry_distance = 6, .effort = effort ? 3 : 0};
-        conus_combination first = {0};
-        uint64_t numbers[4] = {0};
+        const conus_together_options options = {
+            .between = 1, .entry_distance = 6, .effort = effort ? 9 : 0, .top = 3, .diverse = 5, .differ = 2};
+        conus_combination first[3] = {0};
+        uint64_t numbers[3][4] = {0};
         for (size_t t = 0; t < 3; t++) {
             conus_together *together = NULL;
             scene.plan.threads = threads[t];
             assert_ok(conus_plan_together(&together, scene.needles, 4, &options));
-            const conus_combination *combination = conus_together_combination(together);
-            if (!t) {
-                first = combination ? *combination : first;
-            } else if (combination) {
-                assert_memory_equal(&first, combination, sizeof first);
-            }
-            assert_true(effort || combination->proven);
-            for (size_t i = 0; i < 4; i++) {
-                uint64_t number = conus_together_needle(together, i)->candidate;
-                numbers[i] = t ? numbers[i] : number;
-                assert_int_equal(numbers[i], number);
+            for (size_t n = 0; n < 3; n++) {
+                const conus_combination *listed = conus_together_combination(together, n);
+                conus_combination combination = listed ? *listed : (conus_combination){0};
+                for (size_t i = 0; i < 4 && listed; i++) {
+                    numbers[n][i] = t ? numbers[n][i] : listed->chosen[i].candidate;
+                    assert_int_equal(numbers[n][i], listed->chosen[i].candidate);
+                }
+                combination.chosen = NULL;
+                combination.leeway_of = NULL;
+                first[n] = t ? first[n] : combination;
+                assert_memory_equal(&first[n], &combination, sizeof combination);
+                assert_true(effort || combination.proven);
             }
             conus_together_destroy(together);
         }
@@ -688,7 +748,7 @@ static void what_is_said_of_candidates(void **state)
     }
     conus_together *together = NULL;
     assert_ok(conus_plan_together(&together, scene.needles, 2, NULL));
-    assert_null(conus_together_combination(together));
+    assert_null(conus_together_combination(together, 0));
     assert_int_equal(conus_together_conflict(together)->needles[0], 1);
     for (size_t i = 0; i < 2; i++) {
         conus_plan *alone = plan_alone(&scene.needles[i]);
@@ -749,8 +809,10 @@ static void what_is_not_allowed(void **state)
     }
     conus_together *together = NULL;
     static const conus_together_options bad[] = {
-        {.between = -1}, {.between = 101},       {.between = NAN},        {.parts = -1},          {.parts = 101},
-        {.parts = NAN},  {.entry_distance = -1}, {.entry_distance = 101}, {.entry_distance = NAN}};
+        {.between = -1},         {.between = 101}, {.between = NAN},       {.parts = -1},
+        {.parts = 101},          {.parts = NAN},   {.entry_distance = -1}, {.entry_distance = 101},
+        {.entry_distance = NAN}, {.top = 101},     {.diverse = -1},        {.diverse = 101},
+        {.diverse = NAN},        {.differ = 3}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         assert_fails(conus_plan_together(&together, scene.needles, 2, &bad[i]), CONUS_ERROR_ARGUMENT);
     }
@@ -849,7 +911,7 @@ static void a_search_that_is_cancelled_has_an_answer(void **state)
         .between = 2.6, .effort = UINT64_MAX, .progress = until_it_searches, .progress_user = &patience};
     conus_together *together = NULL;
     assert_ok(conus_plan_together(&together, scene.needles, NEEDLES, &options));
-    const conus_combination *combination = conus_together_combination(together);
+    const conus_combination *combination = conus_together_combination(together, 0);
     assert_non_null(combination);
     assert_true(combination->feasible && !combination->proven);
     assert_true(combination->bound >= combination->leeway);
@@ -863,8 +925,8 @@ static conus_status try_once(void *data)
     struct scene *scene = data;
     conus_together *together = NULL;
     conus_table *pairs = NULL;
-    conus_status status =
-        conus_plan_together(&together, scene->needles, scene->count, &(conus_together_options){.between = 1});
+    conus_status status = conus_plan_together(&together, scene->needles, scene->count,
+                                              &(conus_together_options){.between = 1, .top = 3, .diverse = 2});
     status = status ? status : conus_together_pairs(&pairs, together);
     conus_table_destroy(pairs);
     conus_together_destroy(together);
