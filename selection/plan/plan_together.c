@@ -24,9 +24,9 @@ static const double MARGIN_LIMIT = 100; /* mm */
 static const int64_t LOWEST = -1000000000000000;
 static const int64_t HIGHEST = 1000000000000000;
 
-/* A needle, and those of its candidates that are known. */
-struct needle_of {
-    char *name;
+/* A question, and those of its candidates that are known. */
+struct question_of {
+    char *name; /* its needles */
     conus_selector *selector;
     conus_status (*open)(conus_pose_stream **out, void *user);
     void (*close)(conus_pose_stream *stream, void *user);
@@ -35,14 +35,27 @@ struct needle_of {
     const conus_constraint *constraints; /* the caller's, until it returns */
     size_t constraint_count;
     struct bodies bodies;
-    bool given, has_leeway;
+    bool once, has_leeway;
+    bool is_asked; /* a needle that is not given may answer it */
+    size_t needles[NEEDLE_LIMIT], needle_count;
     conus_plan *plan;
-    conus_planned place;       /* the one that is given */
-    conus_planned *places;     /* [entry_count] those of the answer, in the order of their numbers */
-    struct search_item *items; /* [list.bodies.count] */
-    struct search_list list;
+    struct search_item *items; /* [list.count] */
+    struct body_list list;
     bool is_whole, is_full; /* the list has all that hold, or as many as it may */
     int64_t floor;          /* else all with so much leeway */
+    conus_planned *places;  /* [place_count] those of the answer, in the order of their numbers */
+    size_t place_count;
+};
+
+struct needle_of {
+    char *name;
+    size_t questions[QUESTION_LIMIT], question_count;
+    bool given, has_leeway; /* has_leeway: all its candidates have one */
+    conus_planned place;    /* the one that is given */
+    struct search_item item;
+    struct body_list bodies;
+    struct search_item *joined; /* [list.count] of several questions */
+    struct search_list list;
 };
 
 /* A combination that is listed. */
@@ -56,6 +69,9 @@ struct entry {
 };
 
 struct conus_together {
+    struct question_of questions[QUESTION_LIMIT];
+    size_t question_count;
+    conus_answered answered[QUESTION_LIMIT];
     struct needle_of needles[NEEDLE_LIMIT];
     struct search_list lists[NEEDLE_LIMIT];
     size_t count;
@@ -87,27 +103,24 @@ static conus_status check_margin(const char *name, double value)
                : fail(CONUS_ERROR_ARGUMENT, "%s: %g mm, allowed are 0 to %g", name, value, MARGIN_LIMIT);
 }
 
-static conus_status check_list(conus_together *together, size_t needles)
+static conus_status check_list(conus_together *together)
 {
     conus_together_options *options = &together->options;
     options->top = options->top ? options->top : 1;
     options->differ = options->differ ? options->differ : 1;
-    if (options->top > TOP_LIMIT || options->differ > needles) {
+    if (options->top > TOP_LIMIT || options->differ > together->count) {
         return options->top > TOP_LIMIT ? fail(CONUS_ERROR_ARGUMENT, "top: %llu combinations, allowed are 1 to %d",
                                                (unsigned long long)options->top, TOP_LIMIT)
                                         : fail(CONUS_ERROR_ARGUMENT, "differ: in %llu needles, but there are %zu",
-                                               (unsigned long long)options->differ, needles);
+                                               (unsigned long long)options->differ, together->count);
     }
     together->entries = memory_zeroed((size_t)options->top, sizeof *together->entries);
     together->listed = memory_zeroed((size_t)options->top, sizeof *together->listed);
     return together->entries && together->listed ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-static conus_status check_options(conus_together *together, const conus_together_options *asked, size_t needles)
+static conus_status check_options(conus_together *together, const conus_together_options *asked)
 {
-    if (!needles || needles > NEEDLE_LIMIT) {
-        return fail(CONUS_ERROR_ARGUMENT, "needles: %zu, allowed are 1 to %d", needles, NEEDLE_LIMIT);
-    }
     together->options = *options_of(conus_together_options, asked);
     conus_together_options *options = &together->options;
     options->effort = options->effort ? options->effort : EFFORT;
@@ -115,8 +128,7 @@ static conus_status check_options(conus_together *together, const conus_together
     conus_status status = check_margin("between", options->between);
     status = status ? status : check_margin("parts", options->parts);
     status = status ? status : check_margin("entry_distance", options->entry_distance);
-    status = status ? status : check_margin("diverse", options->diverse);
-    return status ? status : check_list(together, needles);
+    return status ? status : check_margin("diverse", options->diverse);
 }
 
 /* Told by the search, which tries nothing, and by plans. */
@@ -136,108 +148,157 @@ static conus_status check_plan_options(const conus_plan_options *options)
 {
     bool has_other = options->top || options->infeasible || options->rank || options->score || options->progress ||
                      options->entries || options->jitter || options->targets;
-    return has_other ? fail(CONUS_ERROR_ARGUMENT, "options: only threads, angle, far and shanks are a needle's")
+    return has_other ? fail(CONUS_ERROR_ARGUMENT, "options: only threads, angle, far and shanks are a question's")
                      : CONUS_OK;
 }
 
-static conus_status create_plan(struct needle_of *needle, conus_together *together)
+static conus_status create_plan(struct question_of *question, conus_together *together)
 {
-    conus_plan_options options = needle->options;
+    conus_plan_options options = question->options;
     options.top = SAMPLE_FIRST;
     options.progress = show_progress;
     options.progress_user = together;
-    conus_status status =
-        conus_plan_create(&needle->plan, needle->selector, needle->constraints, needle->constraint_count, &options);
+    conus_status status = conus_plan_create(&question->plan, question->selector, question->constraints,
+                                            question->constraint_count, &options);
     if (!status) {
-        plan_sample(needle->plan);
+        plan_sample(question->plan);
+    }
+    for (size_t i = 0; i < question->constraint_count && !status; i++) {
+        question->has_leeway = question->has_leeway || conus_plan_has_leeway(question->plan, i);
     }
     return status;
 }
 
-static const conus_planned *pose_of(const struct needle_of *needle, size_t index)
+static void finish_list(struct question_of *question)
 {
-    return needle->given ? &needle->place : conus_plan_pose(needle->plan, index);
+    memory_free(question->items);
+    body_list_finish(&question->list);
+    question->items = NULL;
 }
 
-static void finish_list(struct needle_of *needle)
+static struct search_item item_of(const conus_planned *pose, uint64_t number, size_t index)
 {
-    memory_free(needle->items);
-    body_list_finish(&needle->list.bodies);
-    needle->items = NULL;
+    return (struct search_item){.leeway = isnan(pose->leeway) ? 0 : nanometres(pose->leeway),
+                                .depth = nanometres(pose->far),
+                                .number = number,
+                                .index = index};
 }
 
-/* Takes the poses that its plan lists, those with so much leeway; of a given needle its place. */
-static conus_status take_list(struct needle_of *needle, int64_t least)
+/* Takes the poses that its plan lists, those with so much leeway. */
+static conus_status take_list(struct question_of *question, int64_t least)
 {
-    size_t count = needle->given ? 1 : conus_plan_count(needle->plan);
-    finish_list(needle);
-    needle->items = memory_zeroed(count, sizeof *needle->items);
+    size_t count = conus_plan_count(question->plan);
+    finish_list(question);
+    question->items = memory_zeroed(count, sizeof *question->items);
     conus_status status =
-        needle->items ? body_list_init(&needle->list.bodies, &needle->bodies, count) : CONUS_ERROR_MEMORY;
+        question->items ? body_list_init(&question->list, &question->bodies, count) : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < count && !status; i++) {
-        struct search_item *item = &needle->items[i];
-        const conus_planned *pose = pose_of(needle, i);
-        *item = (struct search_item){.leeway = isnan(pose->leeway) ? 0 : nanometres(pose->leeway),
-                                     .depth = nanometres(pose->far),
-                                     .number = needle->given ? 1 : pose->candidate,
-                                     .index = i};
+        const conus_planned *pose = conus_plan_pose(question->plan, i);
+        question->items[i] = item_of(pose, pose->candidate, i);
     }
-    needle->is_full = count == LIST_LAST;
+    question->is_full = count == LIST_LAST;
     /* What a full list leaves out may have as much as its last one. */
-    needle->floor = needle->is_full && !status ? needle->items[count - 1].leeway + 1 : least;
-    needle->is_whole =
-        needle->given || conus_plan_left(needle->plan, conus_plan_constraint_count(needle->plan)) == count;
+    question->floor = question->is_full && !status ? question->items[count - 1].leeway + 1 : least;
+    question->is_whole = conus_plan_left(question->plan, conus_plan_constraint_count(question->plan)) == count;
     if (!status) {
-        order_sort(needle->items, count, sizeof *needle->items, search_item_compare);
+        order_sort(question->items, count, sizeof *question->items, search_item_compare);
     }
     for (size_t i = 0; i < count && !status; i++) {
-        body_list_set(&needle->list.bodies, i, pose_of(needle, needle->items[i].index));
+        body_list_set(&question->list, i, conus_plan_pose(question->plan, question->items[i].index));
+        question->items[i].index = i;
     }
-    needle->list.items = needle->items;
-    plan_forget_list(needle->plan);
+    plan_forget_list(question->plan);
     return status;
 }
 
-static void close_candidates(conus_pose_stream *stream, const struct needle_of *needle)
+static void close_candidates(conus_pose_stream *stream, const struct question_of *question)
 {
-    if (needle->close && stream) {
-        needle->close(stream, needle->user);
+    if (question->close && stream) {
+        question->close(stream, question->user);
     } else {
         conus_pose_stream_destroy(stream);
     }
 }
 
 /* Lists all candidates with so much leeway. */
-static conus_status list_down_to(struct needle_of *needle, int64_t least)
+static conus_status list_down_to(struct question_of *question, int64_t least)
 {
     conus_pose_stream *stream = NULL;
-    conus_status status = needle->open(&stream, needle->user);
-    status = status ? status : plan_list_again(needle->plan, stream, least, LIST_LAST);
-    close_candidates(stream, needle);
-    return status ? status : take_list(needle, least);
+    conus_status status = question->open(&stream, question->user);
+    status = status ? status : plan_list_again(question->plan, stream, least, LIST_LAST);
+    close_candidates(stream, question);
+    return status ? status : take_list(question, least);
 }
 
 /* Judges all candidates, and lists the best of them. */
-static conus_status begin_list(struct needle_of *needle, conus_together *together)
+static conus_status begin_list(struct question_of *question, conus_together *together)
 {
     conus_pose_stream *stream = NULL;
-    conus_status status = create_plan(needle, together);
-    status = status ? status : needle->open(&stream, needle->user);
-    status = status ? status : conus_plan_run(needle->plan, stream, UINT64_MAX);
-    close_candidates(stream, needle);
-    const conus_planned *last = status ? NULL : conus_plan_pose(needle->plan, SAMPLE_FIRST - 1);
-    status = status ? status : list_down_to(needle, last && !isnan(last->leeway) ? nanometres(last->leeway) : 0);
-    together->tried_before += status ? 0 : conus_plan_left(needle->plan, 0);
+    conus_status status = question->open(&stream, question->user);
+    status = status ? status : conus_plan_run(question->plan, stream, UINT64_MAX);
+    close_candidates(stream, question);
+    const conus_planned *last = status ? NULL : conus_plan_pose(question->plan, SAMPLE_FIRST - 1);
+    status = status ? status : list_down_to(question, last && !isnan(last->leeway) ? nanometres(last->leeway) : 0);
+    together->tried_before += status ? 0 : conus_plan_left(question->plan, 0);
     return status;
 }
 
 /* Lists more candidates: LIST_GROWTH times as far down, but not below the cut. */
-static conus_status extend_list(struct needle_of *needle, int64_t cut)
+static conus_status extend_list(struct question_of *question, int64_t cut)
 {
-    int64_t largest = needle->items[0].leeway;
-    int64_t way = largest - needle->floor > largest / 16 ? largest - needle->floor : largest / 16 + 1;
+    int64_t largest = question->list.count ? question->items[0].leeway : 0;
+    int64_t way = largest - question->floor > largest / 16 ? largest - question->floor : largest / 16 + 1;
     int64_t least = largest - LIST_GROWTH * way;
-    return list_down_to(needle, !needle->has_leeway ? 0 : least > cut ? least : cut);
+    return list_down_to(question, !question->has_leeway ? 0 : least > cut ? least : cut);
+}
+
+/* Joins the lists of a needle's questions; of a given needle there is only its place. */
+static conus_status join_lists(conus_together *together, size_t index)
+{
+    struct needle_of *needle = &together->needles[index];
+    struct search_list *list = &needle->list;
+    uint64_t before = 0;
+    size_t count = 0;
+    list->part_count = needle->given ? 1 : needle->question_count;
+    needle->has_leeway = true;
+    for (size_t p = 0; p < list->part_count; p++) {
+        const struct question_of *question = &together->questions[needle->questions[p]];
+        list->parts[p] = (struct search_part){needle->given ? &needle->bodies : &question->list, needle->questions[p],
+                                              question->once, question->has_leeway};
+        needle->has_leeway = needle->has_leeway && question->has_leeway;
+        count += list->parts[p].bodies->count;
+    }
+    list->count = count;
+    list->items = needle->given ? &needle->item : together->questions[needle->questions[0]].items;
+    if (list->part_count == 1) {
+        return CONUS_OK;
+    }
+    memory_free(needle->joined);
+    list->items = needle->joined = memory_zeroed(count, sizeof *needle->joined);
+    count = 0;
+    for (size_t p = 0; p < list->part_count && needle->joined; p++) {
+        const struct question_of *question = &together->questions[needle->questions[p]];
+        for (size_t i = 0; i < question->list.count; i++) {
+            struct search_item *item = &needle->joined[count++];
+            *item = question->items[i];
+            item->number += before;
+            item->part = (uint32_t)p;
+        }
+        before += conus_plan_left(question->plan, 0);
+    }
+    if (needle->joined) {
+        order_sort(needle->joined, count, sizeof *needle->joined, search_item_compare);
+    }
+    return needle->joined ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static conus_status join_all(conus_together *together)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < together->count && !status; i++) {
+        status = join_lists(together, i);
+    }
+    return status;
 }
 
 static int compare_places(const void *a, const void *b)
@@ -245,39 +306,63 @@ static int compare_places(const void *a, const void *b)
     return compare_unsigned(((const conus_planned *)a)->candidate, ((const conus_planned *)b)->candidate);
 }
 
-/* Finds a needle's places in all entries. */
-static conus_status find_places(conus_together *together, size_t index)
+/* The question that a needle answers in an entry, and the number of its candidate there. */
+static struct question_of *answered_by(uint64_t *number, conus_together *together, const struct entry *entry,
+                                       size_t needle)
 {
-    struct needle_of *needle = &together->needles[index];
+    const struct search_list *list = &together->needles[needle].list;
+    const struct search_item *item = &list->items[entry->answer.chosen[needle]];
+    struct question_of *question = &together->questions[list->parts[item->part].question];
+    *number = together->needles[needle].given ? 0 : question->items[item->index].number;
+    return question;
+}
+
+/* Notes the places of a question in all entries. */
+static conus_status note_places(conus_together *together, struct question_of *question)
+{
+    question->places = memory_zeroed(together->entry_count * together->count, sizeof *question->places);
+    for (size_t i = 0; question->places && i < together->entry_count * together->count; i++) {
+        uint64_t number;
+        const struct entry *entry = &together->entries[i / together->count];
+        if (answered_by(&number, together, entry, i % together->count) == question && number) {
+            question->places[question->place_count++].candidate = number;
+        }
+    }
+    if (question->places) {
+        order_sort(question->places, question->place_count, sizeof *question->places, compare_places);
+    }
+    return question->places ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+/* Finds them, all in one reading of the candidates. */
+static conus_status find_places(conus_together *together, struct question_of *question)
+{
     conus_pose_stream *stream = NULL;
-    needle->places = memory_zeroed(together->entry_count, sizeof *needle->places);
-    for (size_t n = 0; needle->places && n < together->entry_count; n++) {
-        needle->places[n].candidate = together->entries[n].numbers[index];
+    conus_status status = note_places(together, question);
+    if (!status && question->place_count) {
+        status = question->open(&stream, question->user);
+        status = status ? status : plan_find(question->places, question->place_count, question->plan, stream);
+        close_candidates(stream, question);
     }
-    if (needle->places) {
-        order_sort(needle->places, together->entry_count, sizeof *needle->places, compare_places);
-    }
-    conus_status status = needle->places ? needle->open(&stream, needle->user) : CONUS_ERROR_MEMORY;
-    status = status ? status : plan_find(needle->places, together->entry_count, needle->plan, stream);
-    close_candidates(stream, needle);
     return status;
 }
 
-static const conus_planned *place_of(const struct conus_together *together, const struct entry *entry, size_t index)
+static const conus_planned *place_of(conus_together *together, const struct entry *entry, size_t needle)
 {
-    const struct needle_of *needle = &together->needles[index];
-    const conus_planned *place = needle->places;
-    while (place && place->candidate != entry->numbers[index]) {
+    uint64_t number;
+    const struct question_of *question = answered_by(&number, together, entry, needle);
+    const conus_planned *place = question->places;
+    while (number && place->candidate != number) {
         place++;
     }
-    return needle->given ? &needle->place : place;
+    return number ? place : &together->needles[needle].place;
 }
 
 /* Whether a place is as it was when it was listed. */
 static bool is_same(const conus_planned *place, const struct search_item *item)
 {
-    return place->id && place->feasible && nanometres(place->far) == item->depth &&
-           (isnan(place->leeway) ? 0 : nanometres(place->leeway)) == item->leeway;
+    const struct search_item now = item_of(place, 0, 0);
+    return place->id && place->feasible && now.depth == item->depth && now.leeway == item->leeway;
 }
 
 static conus_status fail_changed(const struct needle_of *needle)
@@ -287,18 +372,74 @@ static conus_status fail_changed(const struct needle_of *needle)
 
 static conus_status place_given(struct needle_of *needle, conus_together *together, const conus_pose_row *given)
 {
+    struct question_of *question = &together->questions[needle->questions[0]];
     conus_pose_row row = *given;
     const conus_planned *place = NULL;
     row.id = needle->name;
-    conus_status status = create_plan(needle, together);
-    status = status ? status : conus_plan_try(&place, needle->plan, &row);
-    status = status ? status : plan_copy(&needle->place, needle->plan, place);
-    return status ? status : take_list(needle, 0);
+    conus_status status = conus_plan_try(&place, question->plan, &row);
+    status = status ? status : plan_copy(&needle->place, question->plan, place);
+    status = status ? status : body_list_init(&needle->bodies, &question->bodies, 1);
+    if (!status) {
+        body_list_set(&needle->bodies, 0, &needle->place);
+        needle->item = item_of(&needle->place, 1, 0);
+    }
+    return status;
 }
 
-static conus_status init_needle(struct needle_of *out, conus_together *together, const conus_needle *asked)
+/* The needle of a name, a new one where there is none; NULL after an error. */
+static conus_status find_needle(size_t *out, conus_together *together, const char *name, size_t size)
 {
+    size_t i = 0;
+    while (i < together->count &&
+           (strncmp(together->needles[i].name, name, size) != 0 || together->needles[i].name[size])) {
+        i++;
+    }
+    *out = i;
+    if (i == NEEDLE_LIMIT) {
+        return fail(CONUS_ERROR_ARGUMENT, "needles: more than %d", NEEDLE_LIMIT);
+    }
+    if (i == together->count) {
+        together->needles[i].name = memory_text(name, size);
+        together->count += together->needles[i].name != NULL;
+    }
+    return i < together->count ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+/* Reads which needles may answer a question: "A, B" */
+static conus_status name_needles(conus_together *together, size_t index)
+{
+    struct question_of *question = &together->questions[index];
+    const char *at = question->name;
+    conus_status status = CONUS_OK;
+    for (bool more = true; more && !status; at += more) {
+        at += strspn(at, " ");
+        size_t length = strcspn(at, ",");
+        size_t size = length;
+        while (size && at[size - 1] == ' ') {
+            size--;
+        }
+        more = at[length] == ',';
+        size_t needle = 0;
+        status = size ? find_needle(&needle, together, at, size)
+                      : fail(CONUS_ERROR_ARGUMENT, "needles: \"%s\": a needle without a name", question->name);
+        struct needle_of *named = &together->needles[needle];
+        if (!status && named->question_count && named->questions[named->question_count - 1] == index) {
+            status = fail(CONUS_ERROR_ARGUMENT, "needles: \"%s\": %s is named twice", question->name, named->name);
+        }
+        if (!status) {
+            named->questions[named->question_count++] = index;
+            question->needles[question->needle_count++] = needle;
+        }
+        at += length;
+    }
+    return status;
+}
+
+static conus_status init_question(conus_together *together, const conus_question *asked)
+{
+    struct question_of *out = &together->questions[together->question_count];
     const conus_plan_options options = *options_of(conus_plan_options, asked->options);
+    const char *name = asked->needles ? asked->needles : "";
     out->selector = asked->selector;
     out->open = asked->open;
     out->close = asked->close;
@@ -306,42 +447,80 @@ static conus_status init_needle(struct needle_of *out, conus_together *together,
     out->options = options;
     out->constraints = asked->constraints;
     out->constraint_count = asked->constraint_count;
-    out->given = asked->given;
-    conus_status status = asked->open || asked->given
-                              ? check_plan_options(&options)
-                              : fail(CONUS_ERROR_ARGUMENT, "open: there is none, and the needle is not given");
+    out->once = asked->once;
+    out->name = memory_text(name, strlen(name));
+    conus_status status = out->name ? name_needles(together, together->question_count) : CONUS_ERROR_MEMORY;
+    together->question_count++;
+    if (status) {
+        return status;
+    }
+    status = check_plan_options(&options);
     status = status ? status
                     : bodies_init(&out->bodies, asked->selector->options.radius, options.shanks, options.shank_count,
                                   asked->parts, asked->part_count);
-    status = status ? status : asked->given ? place_given(out, together, asked->given) : begin_list(out, together);
-    for (size_t i = 0; i < asked->constraint_count && !status; i++) {
-        out->has_leeway = out->has_leeway || conus_plan_has_leeway(out->plan, i);
+    status = status ? status : create_plan(out, together);
+    return status == CONUS_ERROR_ARGUMENT ? fail_in(status, out->name) : status;
+}
+
+/* Takes the places of needles that are given. */
+static conus_status take_given(conus_together *together)
+{
+    conus_status status = CONUS_OK;
+    for (size_t n = 0; n < together->options.given_count && !status; n++) {
+        const conus_pose_row *row = &together->options.given[n];
+        size_t i = 0;
+        while (i < together->count && strcmp(together->needles[i].name, row->id) != 0) {
+            i++;
+        }
+        if (i == together->count || together->needles[i].given) {
+            return fail(CONUS_ERROR_ARGUMENT,
+                        i == together->count ? "given: %s is no needle" : "given: %s is given twice", row->id);
+        }
+        together->needles[i].given = true;
+        status = place_given(&together->needles[i], together, row);
+        status = status == CONUS_ERROR_ARGUMENT ? fail_in(status, row->id) : status;
     }
-    out->list.has_leeway = out->has_leeway;
     return status;
 }
 
-static conus_status init_needles(conus_together *together, const conus_needle *needles, size_t count)
+/* Finds needles that are alike, and lists what is asked of those that are not given. */
+static conus_status begin_needles(conus_together *together)
 {
-    size_t size = needles[0].struct_size ? needles[0].struct_size : sizeof *needles;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < together->count; i++) {
+        struct needle_of *needle = &together->needles[i];
+        needle->list.kin = i;
+        for (size_t k = 0; k < i && !needle->given && needle->list.kin == i; k++) {
+            const struct needle_of *other = &together->needles[k];
+            bool is_alike =
+                !other->given && other->question_count == needle->question_count &&
+                memcmp(other->questions, needle->questions, needle->question_count * sizeof *needle->questions) == 0;
+            needle->list.kin = is_alike ? k : i;
+        }
+        for (size_t q = 0; q < needle->question_count && !needle->given; q++) {
+            together->questions[needle->questions[q]].is_asked = true;
+        }
+    }
+    for (size_t q = 0; q < together->question_count && !status; q++) {
+        struct question_of *question = &together->questions[q];
+        status = !question->is_asked ? CONUS_OK
+                 : question->open    ? begin_list(question, together)
+                                     : fail(CONUS_ERROR_ARGUMENT, "open: there is none, and the needle is not given");
+        status = status == CONUS_ERROR_ARGUMENT ? fail_in(status, question->name) : status;
+    }
+    return status ? status : join_all(together);
+}
+
+static conus_status init_questions(conus_together *together, const conus_question *questions, size_t count)
+{
+    if (!count || count > QUESTION_LIMIT) {
+        return fail(CONUS_ERROR_ARGUMENT, "questions: %zu, allowed are 1 to %d", count, QUESTION_LIMIT);
+    }
+    size_t size = questions[0].struct_size ? questions[0].struct_size : sizeof *questions;
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
-        const conus_needle asked = *options_of(conus_needle, (const char *)needles + i * size);
-        struct needle_of *needle = &together->needles[i];
-        together->count++;
-        needle->name = asked.name && asked.name[0] ? memory_text(asked.name, strlen(asked.name)) : NULL;
-        status = needle->name                  ? CONUS_OK
-                 : asked.name && asked.name[0] ? CONUS_ERROR_MEMORY
-                                               : fail(CONUS_ERROR_ARGUMENT, "needles: number %zu has no name", i + 1);
-        for (size_t k = 0; k < i && !status; k++) {
-            status = strcmp(together->needles[k].name, needle->name) == 0
-                         ? fail(CONUS_ERROR_ARGUMENT, "needles: two are called %s", needle->name)
-                         : CONUS_OK;
-        }
-        if (!status) {
-            status = init_needle(needle, together, &asked);
-            status = status == CONUS_ERROR_ARGUMENT ? fail_in(status, needle->name) : status;
-        }
+        const conus_question asked = *options_of(conus_question, (const char *)questions + i * size);
+        status = init_question(together, &asked);
     }
     return status;
 }
@@ -349,7 +528,7 @@ static conus_status init_needles(conus_together *together, const conus_needle *n
 /* The largest leeway of a needle's candidates. */
 static int64_t largest_of(const struct needle_of *needle)
 {
-    return needle->list.bodies.count ? needle->items[0].leeway : 0;
+    return needle->list.count ? needle->list.items[0].leeway : 0;
 }
 
 /* What no least leeway exceeds. */
@@ -385,7 +564,7 @@ static void find_cuts(conus_together *together)
     int64_t all = 0;
     for (size_t i = 0; i < together->count; i++) {
         all += largest_of(&together->needles[i]);
-        sum += together->has_answer ? together->needles[i].items[answer->chosen[i]].leeway : 0;
+        sum += together->has_answer ? together->needles[i].list.items[answer->chosen[i]].leeway : 0;
     }
     /* Until none can have a larger least leeway, all that have more than the answer's may be in one that has. */
     bool is_largest = together->has_answer && answer->least >= most_of_all(together);
@@ -397,10 +576,20 @@ static void find_cuts(conus_together *together)
     }
 }
 
-static bool lacks_candidates(const conus_together *together, size_t needle)
+/* Whether a question may have candidates above a cut that are not known. */
+static bool lacks_above(const struct question_of *question, int64_t cut)
 {
-    const struct needle_of *of = &together->needles[needle];
-    return !of->is_whole && (!of->has_leeway || of->floor > together->cuts[needle]);
+    return !question->is_whole && (!question->has_leeway || question->floor > cut);
+}
+
+static bool lacks_candidates(const conus_together *together, size_t index)
+{
+    const struct needle_of *needle = &together->needles[index];
+    bool lacks = false;
+    for (size_t q = 0; q < needle->question_count && !needle->given; q++) {
+        lacks = lacks || lacks_above(&together->questions[needle->questions[q]], together->cuts[index]);
+    }
+    return lacks;
 }
 
 /* Begins a search among the candidates that are known, which may take so many nodes in all. */
@@ -435,7 +624,7 @@ static conus_status search_known(conus_together *together)
         entry->answer = answer;
         together->has_answer = true;
         for (size_t i = 0; i < together->count; i++) {
-            entry->numbers[i] = together->needles[i].items[answer.chosen[i]].number;
+            entry->numbers[i] = together->needles[i].list.items[answer.chosen[i]].number;
         }
     }
     together->is_best = !status && is_least && is_best;
@@ -446,19 +635,32 @@ static conus_status search_known(conus_together *together)
     return status;
 }
 
-/* Lists more where the answer asks for it. *is_longer: of some needle. */
+/* The least cut of the needles that are planned and may answer a question. */
+static int64_t cut_of(const conus_together *together, const struct question_of *question)
+{
+    int64_t cut = INT64_MAX;
+    for (size_t i = 0; i < question->needle_count; i++) {
+        size_t needle = question->needles[i];
+        cut = !together->needles[needle].given && together->cuts[needle] < cut ? together->cuts[needle] : cut;
+    }
+    return cut;
+}
+
+/* Lists more where the answer asks for it. *is_longer: of some question. */
 static conus_status extend_lists(bool *is_longer, conus_together *together)
 {
     conus_status status = CONUS_OK;
     *is_longer = false;
-    for (size_t i = 0; i < together->count && !status; i++) {
-        struct needle_of *needle = &together->needles[i];
-        if (lacks_candidates(together, i) && !needle->is_full) {
-            status = extend_list(needle, together->cuts[i]);
+    for (size_t q = 0; q < together->question_count && !status; q++) {
+        struct question_of *question = &together->questions[q];
+        int64_t cut = cut_of(together, question);
+        if (question->is_asked && !question->is_full && lacks_above(question, cut)) {
+            status = extend_list(question, cut);
             *is_longer = true;
         }
     }
-    return status;
+    conus_status joined = join_all(together);
+    return status && status != CONUS_ERROR_CANCELLED ? status : joined ? joined : status;
 }
 
 /* An entry's places are known again in lists that are longer. */
@@ -468,10 +670,10 @@ static conus_status follow(conus_together *together, size_t index)
     for (size_t i = 0; i < together->count; i++) {
         const struct needle_of *needle = &together->needles[i];
         size_t at = 0;
-        while (at < needle->list.bodies.count && needle->items[at].number != entry->numbers[i]) {
+        while (at < needle->list.count && needle->list.items[at].number != entry->numbers[i]) {
             at++;
         }
-        if (at == needle->list.bodies.count) {
+        if (at == needle->list.count) {
             return fail_changed(needle);
         }
         together->listed[index][i] = entry->answer.chosen[i] = at;
@@ -501,7 +703,7 @@ static conus_status search_entry(conus_together *together)
 
 static bool has_none(const struct needle_of *needle)
 {
-    return needle->given ? !needle->place.feasible : !needle->list.bodies.count;
+    return needle->given ? !needle->place.feasible : !needle->list.count;
 }
 
 static size_t bits_of(uint32_t bits)
@@ -590,9 +792,11 @@ static int64_t measure_pairs(conus_together *together, size_t of[2], size_t inde
             struct pair_row *row = &together->pairs[together->pair_count++];
             *row = (struct pair_row){.combination = entry->combination.feasible ? index + 1 : 0,
                                      .names = {one->name, other->name}};
-            pair_measure(&row->pair, &one->list.bodies, chosen[i], &other->list.bodies, chosen[k],
-                         &together->test.margins);
-            pair_row_name(row, &one->bodies, &other->bodies);
+            const struct search_item *items[2] = {&one->list.items[chosen[i]], &other->list.items[chosen[k]]};
+            const struct body_list *bodies[2] = {one->list.parts[items[0]->part].bodies,
+                                                 other->list.parts[items[1]->part].bodies};
+            pair_measure(&row->pair, bodies[0], items[0]->index, bodies[1], items[1]->index, &together->test.margins);
+            pair_row_name(row, bodies[0]->bodies, bodies[1]->bodies);
             bool is_broken = !(row->pair.slack > 0);
             row->leeway = is_broken ? 0 : row->pair.slack / 2;
             int64_t value = is_broken ? 0 : pair_value(&row->pair, PAIR_LEEWAY);
@@ -618,15 +822,16 @@ static conus_status place_all(conus_together *together, size_t index)
     out->chosen = entry->chosen;
     for (size_t i = 0; i < together->count; i++) {
         const struct needle_of *needle = &together->needles[i];
-        const struct search_item *item = &needle->items[entry->answer.chosen[i]];
+        const struct search_item *item = &needle->list.items[entry->answer.chosen[i]];
+        const struct search_part *part = &needle->list.parts[item->part];
         const conus_planned *place = place_of(together, entry, i);
         if (!needle->given && !is_same(place, item)) {
             return fail_changed(needle);
         }
-        entry->chosen[i] = (conus_chosen){place, item->number};
+        entry->chosen[i] = (conus_chosen){place, item->number, part->question};
         sum += item->leeway;
         depth += item->depth;
-        if (needle->has_leeway && item->leeway < least) {
+        if (part->has_leeway && item->leeway < least) {
             least = item->leeway;
             of[0] = i;
         }
@@ -648,8 +853,8 @@ static conus_status place_entries(conus_together *together)
 {
     conus_status status = CONUS_OK;
     size_t pairs = together->count * together->count * together->entry_count + 1;
-    for (size_t i = 0; i < together->count && !status; i++) {
-        status = together->needles[i].given || !together->entry_count ? status : find_places(together, i);
+    for (size_t q = 0; q < together->question_count && !status; q++) {
+        status = together->entry_count ? find_places(together, &together->questions[q]) : status;
     }
     together->pairs = status ? NULL : memory_zeroed(pairs, sizeof *together->pairs);
     status = status || together->pairs ? status : CONUS_ERROR_MEMORY;
@@ -667,10 +872,12 @@ static void judge_entry(conus_together *together)
     bool is_proven = together->is_best && !together->was_cancelled;
     for (size_t i = 0; i < together->count; i++) {
         const struct needle_of *needle = &together->needles[i];
-        bool lacks = lacks_candidates(together, i);
-        int64_t floor = needle->has_leeway ? needle->floor : INT64_MAX;
-        is_proven = is_proven && !lacks;
-        most = lacks && floor > most ? floor : most;
+        is_proven = is_proven && !lacks_candidates(together, i);
+        for (size_t q = 0; q < needle->question_count && !needle->given; q++) {
+            const struct question_of *question = &together->questions[needle->questions[q]];
+            int64_t floor = question->has_leeway ? question->floor : INT64_MAX;
+            most = lacks_above(question, together->cuts[i]) && floor > most ? floor : most;
+        }
     }
     /* Lists may have grown since the last search that was whole. */
     most = together->was_cancelled ? INT64_MAX : most;
@@ -686,18 +893,27 @@ static void describe_needles(conus_together *together)
 {
     for (size_t i = 0; i < together->count; i++) {
         const struct needle_of *needle = &together->needles[i];
-        bool has = needle->has_leeway && needle->list.bodies.count && !has_none(needle);
-        conus_placed *placed = &together->placed[i];
-        placed->name = needle->name;
-        placed->given = needle->given ? &needle->place : NULL;
-        placed->plan = needle->plan;
-        placed->radius = needle->bodies.radius[0];
-        placed->shanks = needle->bodies.shanks[0];
-        placed->shank_count = needle->bodies.shaft_count;
-        placed->parts = needle->bodies.parts;
-        placed->part_count = needle->bodies.count - needle->bodies.shaft_count;
-        placed->largest = has ? NM * (double)largest_of(needle) : NAN;
-        placed->cut = has && together->entries[0].combination.feasible ? NM * (double)together->cuts[i] : NAN;
+        bool has = needle->has_leeway && needle->list.count && !has_none(needle);
+        bool has_cut = has && together->entries[0].combination.feasible;
+        together->placed[i] = (conus_placed){.name = needle->name,
+                                             .given = needle->given ? &needle->place : NULL,
+                                             .questions = needle->questions,
+                                             .question_count = needle->question_count,
+                                             .largest = has ? NM * (double)largest_of(needle) : NAN,
+                                             .cut = has_cut ? NM * (double)together->cuts[i] : NAN};
+    }
+    for (size_t q = 0; q < together->question_count; q++) {
+        const struct question_of *question = &together->questions[q];
+        const struct bodies *bodies = &question->bodies;
+        together->answered[q] = (conus_answered){.needles = question->needles,
+                                                 .needle_count = question->needle_count,
+                                                 .once = question->once,
+                                                 .plan = question->plan,
+                                                 .radius = bodies->radius[0],
+                                                 .shanks = bodies->shanks[0],
+                                                 .shank_count = bodies->shaft_count,
+                                                 .parts = bodies->parts,
+                                                 .part_count = bodies->count - bodies->shaft_count};
     }
 }
 
@@ -749,45 +965,56 @@ static conus_status answer(conus_together *together)
     return status || !is_none ? status : explain(together);
 }
 
-conus_status conus_plan_together(conus_together **out, const conus_needle *needles, size_t count,
+conus_status conus_plan_together(conus_together **out, const conus_question *questions, size_t count,
                                  const conus_together_options *options)
 {
     conus_together *together = memory_zeroed(1, sizeof *together);
     if (!together) {
         return CONUS_ERROR_MEMORY;
     }
-    conus_status status = check_options(together, options, count);
-    status = status ? status : init_needles(together, needles, count);
+    conus_status status = check_options(together, options);
+    status = status ? status : init_questions(together, questions, count);
+    status = status ? status : check_list(together);
+    status = status ? status : take_given(together);
+    status = status ? status : begin_needles(together);
     status = status ? status : answer(together);
     if (status) {
         conus_together_destroy(together);
         return status;
     }
+    together->options.given = NULL; /* the caller's */
     *out = together;
     return CONUS_OK;
 }
 
 void conus_together_destroy(conus_together *together)
 {
-    for (size_t i = 0; together && i < together->count; i++) {
-        struct needle_of *needle = &together->needles[i];
-        for (size_t n = 0; needle->places && n < together->entry_count; n++) {
-            plan_copy_finish(&needle->places[n]);
-        }
-        memory_free(needle->places);
-        plan_copy_finish(&needle->place);
-        memory_free(needle->name);
-        conus_plan_destroy(needle->plan);
-        finish_list(needle);
+    if (!together) {
+        return;
     }
-    for (size_t n = 0; together && n < together->entry_count; n++) {
+    for (size_t q = 0; q < together->question_count; q++) {
+        struct question_of *question = &together->questions[q];
+        for (size_t n = 0; n < question->place_count; n++) {
+            plan_copy_finish(&question->places[n]);
+        }
+        memory_free(question->places);
+        memory_free(question->name);
+        conus_plan_destroy(question->plan);
+        finish_list(question);
+    }
+    for (size_t i = 0; i < together->count; i++) {
+        struct needle_of *needle = &together->needles[i];
+        plan_copy_finish(&needle->place);
+        body_list_finish(&needle->bodies);
+        memory_free(needle->joined);
+        memory_free(needle->name);
+    }
+    for (size_t n = 0; n < together->entry_count; n++) {
         buffer_finish(&together->entries[n].leeway_of);
     }
-    if (together) {
-        memory_free(together->entries);
-        memory_free(together->listed);
-        memory_free(together->pairs);
-    }
+    memory_free(together->entries);
+    memory_free(together->listed);
+    memory_free(together->pairs);
     memory_free(together);
 }
 
@@ -811,6 +1038,11 @@ const conus_placed *conus_together_needle(const conus_together *together, size_t
     return index < conus_together_count(together) ? &together->placed[index] : NULL;
 }
 
+const conus_answered *conus_together_question(const conus_together *together, size_t index)
+{
+    return index < together->question_count ? &together->answered[index] : NULL;
+}
+
 const conus_conflict *conus_together_conflict(const conus_together *together)
 {
     return together->has_conflict ? &together->conflict : NULL;
@@ -818,7 +1050,7 @@ const conus_conflict *conus_together_conflict(const conus_together *together)
 
 conus_status conus_together_pairs(conus_table **out, const conus_together *together)
 {
-    const conus_selector *selector = together->needles[0].selector;
+    const conus_selector *selector = together->questions[0].selector;
     const struct table_source source = {selector->atlas, &selector->frame};
     return table_create(out, &source, &pair_fields, &(const struct table_question){0}, together->pairs,
                         sizeof *together->pairs, together->pair_count);

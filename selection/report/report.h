@@ -22,6 +22,7 @@ struct report_planned {
     uint32_t object;
     size_t constraint;         /**< Index in the plan. */
     size_t needle;             /**< Index of the needle, of several together, */
+    size_t question;           /**< of the question that it answers, */
     size_t combination;        /**< and of its combination. */
     const conus_planned *pose; /**< The plan's. */
     uint64_t order;            /**< Number of the depth, from 1. */
@@ -53,16 +54,18 @@ struct report_plan {
     struct buffer words; /**< All texts that are made for them. */
 };
 
-/** A needle of several together. */
-struct report_needle {
-    const conus_placed *placed;
+/** A question of several needles together. */
+struct report_question {
+    const conus_answered *answered;
     struct report_plan plan;
     size_t *places; /**< [report_needles.column_count] Index of the column in the plan's; SIZE_MAX = it has none. */
 };
 
 /** Several needles together, with the columns that some of them have. */
 struct report_needles {
-    struct report_needle *at; /**< [count] */
+    struct report_question *questions; /**< [question_count] */
+    size_t question_count;
+    const conus_placed **at; /**< [count] */
     size_t count;
     const conus_combination **combinations; /**< [combination_count] */
     size_t combination_count;
@@ -165,7 +168,7 @@ void report_clear(conus_report *report);
 /** The plan whose pose a row is about. */
 static inline const struct report_plan *report_plan_of(const conus_report *report, const struct report_row *row)
 {
-    return report->needles.count ? &report->needles.at[row->planned.needle].plan : &report->plan;
+    return report->needles.count ? &report->needles.questions[row->planned.question].plan : &report->plan;
 }
 
 /** Whether two queries are about one pose. */

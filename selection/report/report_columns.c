@@ -335,13 +335,13 @@ static struct cell get_all_depth(const conus_report *report, const struct report
 
 static struct cell get_needle(const conus_report *report, const struct report_row *row)
 {
-    return text_cell(report->needles.at[row->planned.needle].placed->name);
+    return text_cell(report->needles.at[row->planned.needle]->name);
 }
 
 static struct cell get_needle_row(const conus_report *report, const struct report_row *row)
 {
     (void)report;
-    return integer_cell(row->planned.needle + 1);
+    return integer_cell(row->planned.question + 1);
 }
 
 static const struct report_column needle_columns[] = {
@@ -353,7 +353,7 @@ static const struct report_column needle_columns[] = {
     {"all_sum_mm", "mm", "sum of the needles' leeways", .get = get_all_sum},
     {"all_depth_mm", "mm", "sum of the needles' depths", .get = get_all_depth},
     {"needle", NULL, "name of the needle", NAMED(get_needle)},
-    {"row", NULL, "number of its row in the table of needles, from 1", .get = get_needle_row},
+    {"row", NULL, "number of the row of the table that it answers, from 1", .get = get_needle_row},
 };
 
 static const struct report_column plan_columns[] = {
@@ -958,9 +958,9 @@ struct cell report_cell(const conus_report *report, const struct report_column *
             return column->get(report, row);
         }
         if (column->home == HOME_NEEDLE) {
-            const struct report_needle *needle = &report->needles.at[row->planned.needle];
-            size_t place = needle->places[column->offset];
-            return place < SIZE_MAX ? report_cell(report, &needle->plan.columns[place], row) : no_cell();
+            const struct report_question *question = &report->needles.questions[row->planned.question];
+            size_t place = question->places[column->offset];
+            return place < SIZE_MAX ? report_cell(report, &question->plan.columns[place], row) : no_cell();
         }
         if (column->home == HOME_TABLE) {
             return table_cell(&table_columns(row->of_table.table)[column->offset], row->of_table.index);

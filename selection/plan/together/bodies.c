@@ -165,8 +165,9 @@ static double axes_distance(double at[3], double other_at[3], const struct body_
     return distance <= TOUCH ? 0 : distance;
 }
 
-void pair_measure(struct pair *out, const struct body_list *list, size_t index, const struct body_list *other,
-                  size_t other_index, const struct margins *margins)
+/* Measures in the order that is given. */
+static void measure_in_order(struct pair *out, const struct body_list *list, size_t index,
+                             const struct body_list *other, size_t other_index, const struct margins *margins)
 {
     *out = (struct pair){.slack = INFINITY, .shafts = INFINITY, .parts = INFINITY};
     for (size_t i = 0; i < list->bodies->count; i++) {
@@ -185,6 +186,30 @@ void pair_measure(struct pair *out, const struct body_list *list, size_t index, 
         }
     }
     out->entries = points_distance(list, index, other, other_index, ORIGIN);
+}
+
+static void swap_points(double a[3], double b[3])
+{
+    for (size_t k = 0; k < 3; k++) {
+        double kept = a[k];
+        a[k] = b[k];
+        b[k] = kept;
+    }
+}
+
+void pair_measure(struct pair *out, const struct body_list *list, size_t index, const struct body_list *other,
+                  size_t other_index, const struct margins *margins)
+{
+    /* In one order, so that it is the same to the last bit whichever needle asks. */
+    if (list < other || (list == other && index <= other_index)) {
+        measure_in_order(out, list, index, other, other_index, margins);
+        return;
+    }
+    measure_in_order(out, other, other_index, list, index, margins);
+    size_t body = out->nearest.body;
+    out->nearest.body = out->nearest.other;
+    out->nearest.other = body;
+    swap_points(out->nearest.at, out->nearest.other_at);
 }
 
 int64_t nanometres(double mm)
@@ -312,10 +337,7 @@ void pair_row(uint64_t *bits, double *scratch, const struct body_list *list, siz
         struct pair pair;
         bool goes = scratch[i] > 0;
         if (scratch[i] == 0) {
-            /* In one order, so that it is the same to the last bit whichever needle asks. */
-            bool is_first = list < other;
-            pair_measure(&pair, is_first ? list : other, is_first ? index : i, is_first ? other : list,
-                         is_first ? i : index, &test->margins);
+            pair_measure(&pair, list, index, other, i, &test->margins);
             goes = pair_goes(&pair, test);
         }
         bits[i / 64] |= (uint64_t)goes << (i % 64);

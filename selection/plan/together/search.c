@@ -34,10 +34,12 @@ struct search {
     uint64_t ***rows[NEEDLE_LIMIT]; /* Of a candidate [count], one for each other needle: NULL until it is asked for. */
     size_t row_bytes;
     double *scratch;
-    struct node **nodes;           /* [depths] NULL until one is needed. */
-    size_t depths;                 /* A needle is placed once, and split once for each that is listed. */
-    size_t listed, differ;         /* From each of so many combinations so many needles differ at least. */
-    uint64_t *alike[NEEDLE_LIMIT]; /* [listed][words] Candidates that do not. */
+    uint64_t *bits;                             /* likewise, of one part */
+    size_t parts[NEEDLE_LIMIT][QUESTION_LIMIT]; /* So many of the used ones are of each part. */
+    struct node **nodes;                        /* [depths] NULL until one is needed. */
+    size_t depths;                              /* A needle is placed once, and split once for each that is listed. */
+    size_t listed, differ;                      /* From each of so many combinations so many needles differ at least. */
+    uint64_t *alike[NEEDLE_LIMIT];              /* [listed][words] Candidates that do not. */
     struct pair_test test;
     bool any_will_do, was_cancelled, is_spent;
     bool has_best;
@@ -75,7 +77,7 @@ static bool has_bit(const uint64_t *bits, size_t at)
 static void forget_rows(struct search *search)
 {
     for (size_t i = 0; i < search->count && search->row_bytes; i++) {
-        for (size_t c = 0; search->rows[i] && c < search->lists[i].bodies.count; c++) {
+        for (size_t c = 0; search->rows[i] && c < search->lists[i].count; c++) {
             for (size_t k = 0; search->rows[i][c] && k < search->count; k++) {
                 memory_free(search->rows[i][c][k]);
             }
@@ -86,16 +88,33 @@ static void forget_rows(struct search *search)
     search->row_bytes = 0;
 }
 
-/* Sets which candidates of a needle do not differ from those of the listed combinations. */
+static const struct search_part *part_of(const struct search_list *list, size_t candidate)
+{
+    return &list->parts[list->items[candidate].part];
+}
+
+/* Whether two candidates are the same, or near each other. */
+static bool are_near(const struct search_list *list, size_t candidate, const struct search_list *other,
+                     size_t other_candidate, double apart)
+{
+    return bodies_are_near(part_of(list, candidate)->bodies, list->items[candidate].index,
+                           part_of(other, other_candidate)->bodies, other->items[other_candidate].index, apart);
+}
+
+/* Sets which candidates of a needle do not differ from those of the listed combinations: from that of any needle that
+ * is alike. */
 static conus_status find_alike(struct search *search, size_t needle, const struct search_variety *variety)
 {
-    const struct body_list *bodies = &search->lists[needle].bodies;
-    size_t words = words_of(bodies->count);
+    const struct search_list *list = &search->lists[needle];
+    size_t words = words_of(list->count);
     uint64_t *bits = search->alike[needle] = memory_zeroed(words * variety->count, sizeof *bits);
     for (size_t n = 0; bits && n < variety->count; n++, bits += words) {
-        for (size_t c = 0; c < bodies->count; c++) {
-            bool is_alike = bodies_are_near(bodies, c, bodies, variety->chosen[n][needle], variety->apart);
-            bits[c / WORD] |= (uint64_t)is_alike << c % WORD;
+        for (size_t k = 0; k < search->count; k++) {
+            const struct search_list *other = &search->lists[k];
+            for (size_t c = 0; c < list->count && other->kin == list->kin; c++) {
+                bool is_near = are_near(list, c, other, variety->chosen[n][k], variety->apart);
+                bits[c / WORD] |= (uint64_t)is_near << c % WORD;
+            }
         }
     }
     return search->alike[needle] ? CONUS_OK : CONUS_ERROR_MEMORY;
@@ -117,18 +136,19 @@ conus_status joint_create(struct search **out, const struct search_list *lists, 
     search->listed = variety->count;
     search->differ = variety->differ;
     search->depths = count + 1 + count * variety->count;
-    search->nodes = memory_zeroed(search->depths, sizeof *search->nodes);
+    search->nodes = memory_zeroed(search->depths, sizeof(struct node *));
     size_t most = 0;
     conus_status status = search->nodes ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < count && !status; i++) {
-        size_t size = lists[i].bodies.count;
+        size_t size = lists[i].count;
         most = size > most ? size : most;
         search->rows[i] = memory_zeroed(size, sizeof(uint64_t **));
         status = search->rows[i] ? CONUS_OK : CONUS_ERROR_MEMORY;
         status = status || !variety->count ? status : find_alike(search, i, variety);
     }
     search->scratch = status ? NULL : memory_raw(most, sizeof *search->scratch);
-    if (!search->scratch) {
+    search->bits = status ? NULL : memory_raw(words_of(most), sizeof *search->bits);
+    if (!search->scratch || !search->bits) {
         joint_destroy(search);
         return CONUS_ERROR_MEMORY;
     }
@@ -155,6 +175,7 @@ void joint_destroy(struct search *search)
     }
     memory_free((void *)search->nodes);
     memory_free(search->scratch);
+    memory_free(search->bits);
     memory_free(search);
 }
 
@@ -165,7 +186,7 @@ static struct node *node_at(struct search *search, size_t depth)
     bool whole = *node || (*node = memory_zeroed(1, sizeof **node));
     for (size_t i = 0; i < search->count && whole; i++) {
         uint64_t **domain = &(*node)->domains[i];
-        whole = *domain || (*domain = memory_zeroed(words_of(search->lists[i].bodies.count), sizeof **domain));
+        whole = *domain || (*domain = memory_zeroed(words_of(search->lists[i].count), sizeof **domain));
     }
     return whole ? *node : NULL;
 }
@@ -173,6 +194,41 @@ static struct node *node_at(struct search *search, size_t depth)
 uint64_t joint_nodes(const struct search *search)
 {
     return search->visited;
+}
+
+/* Whether two candidates are not for both needles at once: of a question that is answered once, or of alike needles
+ * not in their order. */
+static bool is_barred(const struct search *search, size_t needle, size_t candidate, size_t other,
+                      size_t other_candidate)
+{
+    const struct search_list *list = &search->lists[needle];
+    const struct search_list *to = &search->lists[other];
+    const struct search_part *part = part_of(list, candidate);
+    uint64_t low = needle < other ? list->items[candidate].number : to->items[other_candidate].number;
+    uint64_t high = needle < other ? to->items[other_candidate].number : list->items[candidate].number;
+    return (part->once && part->question == part_of(to, other_candidate)->question) ||
+           (list->kin == to->kin && low >= high);
+}
+
+static void fill_row(uint64_t *bits, struct search *search, size_t needle, size_t candidate, size_t other)
+{
+    const struct search_list *list = &search->lists[needle];
+    const struct search_list *to = &search->lists[other];
+    const struct search_part *part = part_of(list, candidate);
+    const size_t used = search->used[other];
+    bool is_one = to->part_count == 1;
+    memset(bits, 0, words_of(used) * sizeof *bits);
+    for (size_t p = 0; p < to->part_count; p++) {
+        pair_row(is_one ? bits : search->bits, search->scratch, part->bodies, list->items[candidate].index,
+                 to->parts[p].bodies, search->parts[other][p], &search->test);
+        for (size_t c = 0; c < used && !is_one; c++) {
+            bool goes = to->items[c].part == p && has_bit(search->bits, to->items[c].index);
+            bits[c / WORD] |= (uint64_t)goes << c % WORD;
+        }
+    }
+    for (size_t c = 0; c < used && (part->once || list->kin == to->kin); c++) {
+        bits[c / WORD] &= ~((uint64_t)is_barred(search, needle, candidate, other, c) << c % WORD);
+    }
 }
 
 /* Which candidates of another needle go with one; NULL without memory. The oldest rows make room for it. */
@@ -189,8 +245,7 @@ static const uint64_t *row_of(struct search *search, size_t needle, size_t candi
     uint64_t **row = &(*rows)[other];
     if (!*row && (*row = memory_raw(words_of(search->used[other]), sizeof **row))) {
         search->row_bytes += bytes;
-        pair_row(*row, search->scratch, &search->lists[needle].bodies, candidate, &search->lists[other].bodies,
-                 search->used[other], &search->test);
+        fill_row(*row, search, needle, candidate, other);
     }
     return *row;
 }
@@ -270,7 +325,7 @@ static conus_status find_next(size_t *next, struct search *search, const struct 
 
 static const uint64_t *alike_of(const struct search *search, size_t needle, size_t listed)
 {
-    return search->alike[needle] + listed * words_of(search->lists[needle].bodies.count);
+    return search->alike[needle] + listed * words_of(search->lists[needle].count);
 }
 
 /* The first candidate of a needle that is left and differs from a listed combination; SIZE_MAX = none. */
@@ -483,22 +538,26 @@ static conus_status visit(struct search *search, size_t depth)
     return status || next == SIZE_MAX ? status : visit_each(search, depth, next);
 }
 
-/* How many candidates of a list may be in what is looked for: with the least leeway, and with a sum of that of the best
- * or more. */
-static size_t find_used(const struct search *search, size_t needle, int64_t least, int64_t all)
+/* Begins a domain with what may be in what is looked for: with the least leeway, and with a sum of that of the best or
+ * more. False where that is nothing. */
+static bool begin_domain(struct search *search, struct node *root, size_t needle, int64_t least, int64_t all)
 {
     const struct search_list *list = &search->lists[needle];
-    size_t low = 0;
-    size_t high = list->bodies.count;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        int64_t leeway = list->items[middle].leeway;
-        bool is_used = (!list->has_leeway || leeway >= least) &&
+    size_t *used = &search->used[needle];
+    *used = 0;
+    memset(root->domains[needle], 0, words_of(list->count) * sizeof(uint64_t));
+    memset(search->parts[needle], 0, sizeof search->parts[needle]);
+    for (size_t c = 0; c < list->count; c++) {
+        int64_t leeway = list->items[c].leeway;
+        bool is_used = (!part_of(list, c)->has_leeway || leeway >= least) &&
                        (!search->has_best || all - list->items[0].leeway + leeway >= search->best.sum);
-        low = is_used ? middle + 1 : low;
-        high = is_used ? high : middle;
+        root->domains[needle][c / WORD] |= (uint64_t)is_used << c % WORD;
+        *used = is_used ? c + 1 : *used;
     }
-    return low;
+    for (size_t c = 0; c < *used; c++) {
+        search->parts[needle][list->items[c].part]++;
+    }
+    return *used;
 }
 
 /* Searches all that may be better than the best. */
@@ -517,18 +576,13 @@ static conus_status run(struct search *search, uint64_t nodes)
     }
     root->placed = 0;
     for (size_t i = 0; i < search->count; i++) {
-        bool has_items = search->lists[i].bodies.count;
+        bool has_items = search->lists[i].count;
         all += is_among(search, i) && has_items ? search->lists[i].items[0].leeway : 0;
         is_possible = is_possible && (has_items || !is_among(search, i));
     }
     for (size_t i = 0; i < search->count && is_possible; i++) {
         if (is_among(search, i)) {
-            search->used[i] = find_used(search, i, least, all);
-            is_possible = search->used[i];
-            memset(root->domains[i], 0, words_of(search->used[i]) * sizeof(uint64_t));
-            for (size_t c = 0; c < search->used[i]; c++) {
-                root->domains[i][c / WORD] |= UINT64_C(1) << c % WORD;
-            }
+            is_possible = begin_domain(search, root, i, least, all);
         }
     }
     is_possible = is_possible && settle(search, root);
@@ -545,12 +599,14 @@ static int64_t least_of(const struct search *search)
         }
         const struct search_list *list = &search->lists[i];
         int64_t own = list->items[search->chosen[i]].leeway;
-        bool counts = list->has_leeway && search->test.quantity == PAIR_LEEWAY;
+        bool counts = part_of(list, search->chosen[i])->has_leeway && search->test.quantity == PAIR_LEEWAY;
         least = counts && own < least ? own : least;
         for (size_t k = i + 1; k < search->count; k++) {
             if (is_among(search, k)) {
+                const struct search_list *other = &search->lists[k];
                 struct pair pair;
-                pair_measure(&pair, &list->bodies, search->chosen[i], &search->lists[k].bodies, search->chosen[k],
+                pair_measure(&pair, part_of(list, search->chosen[i])->bodies, list->items[search->chosen[i]].index,
+                             part_of(other, search->chosen[k])->bodies, other->items[search->chosen[k]].index,
                              &search->test.margins);
                 int64_t value = pair_value(&pair, search->test.quantity);
                 least = value < least ? value : least;

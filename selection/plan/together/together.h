@@ -85,7 +85,7 @@ int64_t pair_value(const struct pair *pair, enum pair_quantity quantity);
 /** Whether the pair goes together. */
 bool pair_goes(const struct pair *pair, const struct pair_test *test);
 
-/** Sets the bits of the first @p count candidates of another list that go with candidate @p index. @p scratch has room
+/** Sets the bits of the first @p count bodies of another list that go with body @p index. @p scratch has room
  * for @p count numbers. */
 void pair_row(uint64_t *bits, double *scratch, const struct body_list *list, size_t index,
               const struct body_list *other, size_t count, const struct pair_test *test);
@@ -113,21 +113,32 @@ void pair_row_name(struct pair_row *row, const struct bodies *bodies, const stru
 /* The best combination of one candidate of each list: depth first, with bits for what goes together, and with bounds
  * that prove it. */
 
-enum { NEEDLE_LIMIT = 16 };
+enum { NEEDLE_LIMIT = 16, QUESTION_LIMIT = 64 };
 
 /** A candidate, in whole nanometres. */
 struct search_item {
     int64_t leeway; /**< 0 without one. */
     int64_t depth;
     uint64_t number;
-    size_t index; /**< The caller's. */
+    size_t index; /**< Of its bodies in those of its part. */
+    uint32_t part;
+};
+
+/** The candidates of a needle that answer one question. */
+struct search_part {
+    const struct body_list *bodies;
+    size_t question;
+    bool once;       /**< No other needle answers it. */
+    bool has_leeway; /**< Else they do not count for the least one. */
 };
 
 /** The candidates of a needle: the largest leeway first, of equal ones the least depth, then the least number. */
 struct search_list {
-    const struct search_item *items; /**< [bodies.count] */
-    bool has_leeway;                 /**< Else it does not count for the least one. */
-    struct body_list bodies;         /**< Those of the items, in their order. */
+    const struct search_item *items; /**< [count] Those of a part are in the order of its bodies. */
+    size_t count;
+    struct search_part parts[QUESTION_LIMIT];
+    size_t part_count;
+    size_t kin; /**< Needles with the same one are alike: their numbers rise strictly. */
 };
 
 /** Compares items in that order, for order_sort(). */
