@@ -30,8 +30,9 @@ static const struct option jitter_options[] = {
 };
 
 static const struct option list_options[] = {
-    {OPTION_VALUED("top", struct plan_settings, top, "N|all"), .help = "list the best N poses", .standard = "20",
-     .words = "best, limit", .role = OPTION_ASKS},
+    {OPTION_VALUED("top", struct plan_settings, top, "N|all"),
+     .help = "list the best N poses; of --needles the best N combinations, 1 to 100, 1 unless given, with --diverse",
+     .standard = "20", .words = "best, limit", .role = OPTION_ASKS},
     {OPTION_VALUED("rank", struct plan_settings, rank, "KEY[/STEP],..."),
      .help = "order of the list: the larger key first, of -KEY the smaller; a later key decides between equal ones, "
              "with /STEP between those in one step",

@@ -70,7 +70,7 @@ int candidates_write(const char *path, const struct written_pose *poses, size_t 
 /** Only of several needles together; parts are read row by row. */
 struct needles_settings {
     const char *file; /**< NULL = one needle is planned. */
-    const char *given, *between, *pairs;
+    const char *given, *between, *pairs, *diverse;
     struct option_list parts;
     double entry_distance;
     uint32_t effort;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus plan --needles: several needles together. A row of the table is the question of a needle: its cells become
- * options, which are read by the parser of conus plan. */
+/* conus plan --needles: several needles together. A row of the table is a question, and the needles that may answer it:
+ * its cells become options, which are read by the parser of conus plan. */
 #include "base/path.h"
 #include "base/text.h"
 #include "cli/answers/answers.h"
@@ -17,9 +17,10 @@
 const struct option needles_options[] = {
     {OPTION_VALUED("needles", struct needles_settings, file, "FILE"),
      .help = "plan several needles together: a table with a row for each, a column needle with its name, and columns "
-             "that are called like the options above, which hold for all needles where they are given here",
+             "that are called like the options above, which hold for all needles where they are given here; a row may "
+             "name several needles that may answer it, with 1 in column once only one of them",
      .words = "electrodes, several, combination, SEEG",
-     .excludes = "map,target-map,constraints,profile,tolerance,jitter,top,rank,score,infeasible", OPTION_READING(TEXT)},
+     .excludes = "map,target-map,constraints,profile,tolerance,jitter,rank,score,infeasible", OPTION_READING(TEXT)},
     {OPTION_VALUED("between", struct needles_settings, between, "MM[,parts=MM]"),
      .help = "any two needles stay farther apart than MM, 0 to 100, and so do their parts from needles and parts; at 0 "
              "they do not touch",
@@ -31,6 +32,10 @@ const struct option needles_options[] = {
      .help = "poses that are called like needles: these are where they are, the others are planned round them; with "
              "all given their plan is checked",
      .words = "fixed, placed", .needs = "needles", OPTION_READING(POSES)},
+    {OPTION_VALUED("diverse", struct needles_settings, diverse, "MM[,COUNT]"),
+     .help = "of several combinations (--top): each differs from those before it in COUNT needles or more, 1 unless "
+             "given, which enter or end MM or more from where they did, 0 to 100",
+     .unit = "mm", .words = "alternatives, variety, second best", .needs = "needles", .role = OPTION_ASKS},
     {OPTION_VALUED("effort", struct needles_settings, effort, "N"),
      .help = "end the search after N million steps, and say what no combination exceeds; 0 = never", .standard = "100",
      OPTION_FROM_TO(0, 1e9), .needs = "needles", .role = OPTION_PLAIN},
@@ -40,13 +45,17 @@ const struct option needles_options[] = {
     {0},
 };
 
-enum { COLUMN_LIMIT = 64, TABLE_LIMIT = 1 << 20, NEEDLE_MOST = 16, FILES_MOST = 100 };
+enum { COLUMN_LIMIT = 64, TABLE_LIMIT = 1 << 20, NEEDLE_MOST = 16, ROW_MOST = 64, FILES_MOST = 100 };
 
-/* A row of the table: the question of a needle. */
+/* The column that is no option: 1 where only one needle may answer the row. */
+static const struct option once_column = {.name = "once"};
+
+/* A row of the table: a question. */
 struct question_row {
     struct planner *planner;
     size_t line;
-    const char *name;
+    const char *name; /* of its needles, with commas */
+    bool once;
     char **words; /* [word_count] Of a command line; owned, but for the atlas behind them */
     int word_count;
     struct arguments arguments;
@@ -66,9 +75,12 @@ struct planner {
     const struct arguments *arguments;
     struct request request;
     char *text; /* of the table; its cells are in it */
-    struct question_row rows[NEEDLE_MOST];
+    struct question_row rows[ROW_MOST];
     size_t count;
+    char *names[NEEDLE_MOST]; /* of needles, in the order of their first naming */
+    size_t name_count;
     conus_pose_list *given;
+    conus_pose_row *places; /* those of it */
     conus_together_options options;
     conus_together *together;
 };
@@ -122,7 +134,7 @@ static const char *question_name_at(const void *list, size_t index)
             }
         }
     }
-    return index ? NULL : "needle";
+    return index == 0 ? "needle" : index == 1 ? "once" : NULL;
 }
 
 /* The option that a column is called like, "reach.1" being another "reach"; NULL of the column needle. Prints an error
@@ -141,8 +153,8 @@ static bool find_column(const struct option **out, char *name, const struct plan
             }
         }
     }
-    *out = NULL;
-    if (strcmp(name, "needle") == 0) {
+    *out = strcmp(name, "once") == 0 ? &once_column : NULL;
+    if (*out || strcmp(name, "needle") == 0) {
         return true;
     }
     const char *near = closest_name(name, question_name_at, NULL);
@@ -212,7 +224,7 @@ static int make_words(struct question_row *row, char *const *cells, const struct
         whole = is_replaced || add_word(row, option, "", 0, all->uses[i].value);
     }
     for (size_t k = 0; k < count && whole; k++) {
-        if (columns[k] && !is_empty(cells[k])) {
+        if (columns[k] && columns[k] != &once_column && !is_empty(cells[k])) {
             whole = add_word(row, columns[k], path, is_beside_table(columns[k], cells[k]) ? folder : 0, cells[k]);
         }
     }
@@ -283,31 +295,83 @@ static int parse_row(struct question_row *row)
     return code ? code : read_parts(row);
 }
 
+/* The next of the names in a cell, without blanks about it; NULL past the last. It ends the name there. */
+static char *next_name(char **rest)
+{
+    char *name = *rest;
+    char *comma = name ? strchr(name, ',') : NULL;
+    if (!name) {
+        return NULL;
+    }
+    *rest = comma ? comma + 1 : NULL;
+    size_t size = comma ? (size_t)(comma - name) : strlen(name);
+    while (size && name[size - 1] == ' ') {
+        size--;
+    }
+    name[size] = '\0';
+    return name + strspn(name, " ");
+}
+
+/* The number of the needle of a name; their number = there is none. */
+static size_t find_needle(const struct planner *planner, const char *name)
+{
+    size_t i = 0;
+    while (i < planner->name_count && strcmp(planner->names[i], name) != 0) {
+        i++;
+    }
+    return i;
+}
+
+/* Notes the needles of a row. */
+static int name_needles(struct planner *planner, const struct question_row *row)
+{
+    const char *path = planner->settings->needles.file;
+    char *copy = strdup(row->name);
+    char *rest = copy;
+    char *name;
+    uint32_t seen = 0;
+    int code = copy ? EXIT_DONE : print_no_memory();
+    while (!code && (name = next_name(&rest))) {
+        size_t at = find_needle(planner, name);
+        code = is_empty(name) ? print_usage_error("%s: line %zu: no needle", path, row->line)
+               : strchr(name, '/')
+                   ? print_usage_error("%s: line %zu: needle %s: a name without \"/\"", path, row->line, name)
+               : at == NEEDLE_MOST ? print_usage_error("%s: more than %d needles", path, NEEDLE_MOST)
+               : seen >> at & 1    ? print_usage_error("%s: line %zu: needle %s is named twice", path, row->line, name)
+                                   : EXIT_DONE;
+        seen |= 1U << at;
+        if (!code && at == planner->name_count) {
+            planner->names[at] = strdup(name);
+            planner->name_count += planner->names[at] != NULL;
+            code = planner->names[at] ? EXIT_DONE : print_no_memory();
+        }
+    }
+    free(copy);
+    return code;
+}
+
 /* Reads a row; an error of it says where it is. */
 static int read_row(struct planner *planner, char *const *cells, const struct option *const *columns, size_t count,
                     size_t line)
 {
     const char *path = planner->settings->needles.file;
-    if (planner->count == NEEDLE_MOST) {
-        return print_usage_error("%s: more than %d needles", path, NEEDLE_MOST);
+    if (planner->count == ROW_MOST) {
+        return print_usage_error("%s: more than %d rows", path, ROW_MOST);
     }
     struct question_row *row = &planner->rows[planner->count++];
+    const char *once = "";
     *row = (struct question_row){.planner = planner, .line = line, .name = ""};
     for (size_t i = 0; i < count; i++) {
         row->name = columns[i] ? row->name : cells[i];
+        once = columns[i] == &once_column ? cells[i] : once;
     }
-    if (is_empty(row->name)) {
-        return print_usage_error("%s: line %zu: no needle", path, line);
+    row->once = strcmp(once, "1") == 0;
+    if (!row->once && !is_empty(once) && strcmp(once, "0") != 0) {
+        return print_usage_error("%s: line %zu: once: %s is neither 0 nor 1", path, line, once);
     }
-    if (strpbrk(row->name, ",/")) {
-        return print_usage_error("%s: line %zu: needle %s: a name of one needle, without \",\" and \"/\"", path, line,
-                                 row->name);
-    }
-    for (size_t i = 0; i + 1 < planner->count; i++) {
-        if (strcmp(planner->rows[i].name, row->name) == 0) {
-            return print_usage_error("%s: line %zu: needle %s is in line %zu, too", path, line, row->name,
-                                     planner->rows[i].line);
-        }
+    int named = name_needles(planner, row);
+    if (named) {
+        return named;
     }
     int code = make_words(row, cells, columns, count);
     if (!code) {
@@ -386,6 +450,29 @@ static bool read_between(conus_together_options *out, const char *text)
     }
     return (out->between >= 0 && out->between <= 100 && out->parts >= 0 && out->parts <= 100) ||
            refuse("--between: %s: allowed are 0 to 100 mm", text);
+}
+
+/* MM[,COUNT], and how many combinations. */
+static bool read_list(conus_together_options *out, const struct plan_settings *settings)
+{
+    const char *text = settings->needles.diverse;
+    double numbers[2] = {0, 1};
+    out->top = 1;
+    if (settings->top && (!count_parse(settings->top, 100, &out->top) || !out->top)) {
+        return refuse("--top: \"%s\": of combinations 1 to 100 can be listed", settings->top);
+    }
+    if (!text != (out->top == 1)) {
+        return refuse(text ? "--diverse has no effect without --top above 1"
+                           : "--top %s of combinations: say by how much they have to differ: --diverse MM",
+                      settings->top);
+    }
+    size_t count = text ? numbers_parse(numbers, 2, text, ',') : 0;
+    out->diverse = numbers[0];
+    out->differ = numbers[1] >= 1 && numbers[1] <= NEEDLE_MOST ? (uint64_t)numbers[1] : 0;
+    if (text && (!count || count > 2 || !out->differ || (double)out->differ != numbers[1])) {
+        return refuse("--diverse: \"%s\" is not MM[,COUNT], with a COUNT of 1 to 16 needles", text);
+    }
+    return (out->diverse >= 0 && out->diverse <= 100) || refuse("--diverse: %s: allowed are 0 to 100 mm", text);
 }
 
 static int open_nothing(void *user)
@@ -495,18 +582,42 @@ static int open_rows(struct planner *planner)
     return code;
 }
 
-/* The place of the needle of a name; their number = there is none. */
-static size_t find_needle(const struct planner *planner, const char *name)
+/* A needle of a row that is not given, in memory of the caller's; NULL = all are. */
+static const char *find_planned(char *cell, const struct planner *planner)
 {
-    size_t i = 0;
-    while (i < planner->count && strcmp(planner->rows[i].name, name) != 0) {
-        i++;
+    char *rest = cell;
+    char *name;
+    while ((name = next_name(&rest))) {
+        size_t i = 0;
+        size_t count = conus_pose_list_count(planner->given);
+        while (i < count && strcmp(conus_pose_list_row(planner->given, i)->id, name) != 0) {
+            i++;
+        }
+        if (i == count) {
+            return name;
+        }
     }
-    return i;
+    return NULL;
+}
+
+/* Whether candidates are asked for by a row that has none of its own. */
+static int check_candidates(const struct planner *planner, const struct question_row *row)
+{
+    char *cell = strdup(row->name);
+    const char *name = cell ? find_planned(cell, planner) : NULL;
+    int code =
+        !cell ? print_no_memory()
+        : name && row->is_given_alone
+            ? print_usage_error("%s: line %zu: no candidates given for %s: --poses FILE, or --from FILE "
+                                "--toward WHAT, or a pose of that name in %s",
+                                planner->settings->needles.file, row->line, name, planner->settings->needles.given)
+            : EXIT_DONE;
+    free(cell);
+    return code;
 }
 
 /* Takes the places of --given. */
-static int take_given(struct planner *planner, conus_needle *needles)
+static int take_given(struct planner *planner)
 {
     const char *path = planner->settings->needles.given;
     if (!path) {
@@ -517,29 +628,29 @@ static int take_given(struct planner *planner, conus_needle *needles)
     int code = status ? print_status(status)
                       : pose_settings_match_list(planner->given, path, &planner->request.atlases,
                                                  &planner->settings->request.file, &planner->settings->request.common);
-    for (size_t i = 0; i < conus_pose_list_count(planner->given) && !code; i++) {
+    const size_t count = conus_pose_list_count(planner->given);
+    uint32_t seen = 0;
+    planner->places = calloc(count + 1, sizeof *planner->places);
+    if (!planner->places) {
+        return print_no_memory();
+    }
+    for (size_t i = 0; i < count && !code; i++) {
         const conus_pose_row *row = conus_pose_list_row(planner->given, i);
         const char *why = pose_settings_row_error(row);
         size_t at = find_needle(planner, row->id);
-        conus_needle *needle = at < planner->count ? &needles[at] : NULL;
-        code = !needle         ? print_usage_error("--given: %s:%zu: %s is no needle of %s", path, row->line, row->id,
-                                                   planner->settings->needles.file)
-               : why           ? print_data_error("--given: %s:%zu: %s", path, row->line, why)
-               : needle->given ? print_usage_error("--given: %s:%zu: %s is given twice", path, row->line, row->id)
-                               : EXIT_DONE;
-        if (needle && !code) {
-            needle->given = row;
-        }
+        code = at == planner->name_count ? print_usage_error("--given: %s:%zu: %s is no needle of %s", path, row->line,
+                                                             row->id, planner->settings->needles.file)
+               : why                     ? print_data_error("--given: %s:%zu: %s", path, row->line, why)
+               : seen >> at & 1 ? print_usage_error("--given: %s:%zu: %s is given twice", path, row->line, row->id)
+                                : EXIT_DONE;
+        seen |= 1U << at % NEEDLE_MOST;
+        planner->places[i] = *row;
     }
     for (size_t i = 0; i < planner->count && !code; i++) {
-        const struct question_row *row = &planner->rows[i];
-        code =
-            row->is_given_alone && !needles[i].given
-                ? print_usage_error("%s: line %zu: no candidates given for %s: --poses FILE, or --from FILE --toward "
-                                    "WHAT, or a pose of that name in %s",
-                                    planner->settings->needles.file, row->line, row->name, path)
-                : EXIT_DONE;
+        code = check_candidates(planner, &planner->rows[i]);
     }
+    planner->options.given = planner->places;
+    planner->options.given_count = count;
     return code;
 }
 
@@ -551,6 +662,15 @@ static bool show_tried(void *user, size_t done, size_t total)
     return !interrupt_signal();
 }
 
+static size_t count_listed(const struct planner *planner)
+{
+    size_t count = 0;
+    while (conus_together_combination(planner->together, count)) {
+        count++;
+    }
+    return count;
+}
+
 /* An answer that a signal ended is the best one by then. */
 static int say_interrupted(struct planner *planner, conus_status status, int signal)
 {
@@ -558,10 +678,12 @@ static int say_interrupted(struct planner *planner, conus_status status, int sig
         print_error_line("interrupted before a combination was found");
         return 128 + signal;
     }
-    const conus_combination *combination = conus_together_combination(planner->together);
-    if (!combination || !combination->proven) {
-        say_warning(combination ? "interrupted: the combination is the best one by then"
-                                : "interrupted: there is no combination, and why is not known whole");
+    const size_t listed = count_listed(planner);
+    const conus_combination *last = listed ? conus_together_combination(planner->together, listed - 1) : NULL;
+    if (!last || !last->proven || !(last->last || listed == planner->options.top)) {
+        say_warning(!last                      ? "interrupted: there is no combination, and why is not known whole"
+                    : planner->options.top > 1 ? "interrupted: the combinations are the best ones by then"
+                                               : "interrupted: the combination is the best one by then");
         planner->request.failed = true;
     }
     return EXIT_DONE;
@@ -570,21 +692,25 @@ static int say_interrupted(struct planner *planner, conus_status status, int sig
 static int search(struct planner *planner)
 {
     const struct plan_settings *settings = planner->settings;
-    conus_needle needles[NEEDLE_MOST] = {0};
+    conus_question questions[ROW_MOST] = {0};
     for (size_t i = 0; i < planner->count; i++) {
         struct question_row *row = &planner->rows[i];
-        needles[i] = (conus_needle){.name = row->name,
-                                    .selector = row->answerer.selector,
-                                    .constraints = row->constraints.items,
-                                    .constraint_count = row->constraints.count,
-                                    .options = &row->options,
-                                    .open = open_again,
-                                    .close = close_candidates,
-                                    .user = row,
-                                    .parts = row->parts,
-                                    .part_count = row->settings.needles.parts.count};
+        questions[i] = (conus_question){.needles = row->name,
+                                        .once = row->once,
+                                        .selector = row->answerer.selector,
+                                        .constraints = row->constraints.items,
+                                        .constraint_count = row->constraints.count,
+                                        .options = &row->options,
+                                        .open = open_again,
+                                        .close = close_candidates,
+                                        .user = row,
+                                        .parts = row->parts,
+                                        .part_count = row->settings.needles.parts.count};
     }
-    int code = take_given(planner, needles);
+    int code = planner->options.differ <= planner->name_count
+                   ? take_given(planner)
+                   : print_usage_error("--diverse: in %d needles, but there are %zu", (int)planner->options.differ,
+                                       planner->name_count);
     code = code ? code : request_check_outputs(&planner->request);
     if (code) {
         return code;
@@ -594,7 +720,7 @@ static int search(struct planner *planner)
     progress_start(&planner->request.progress, (enum progress_kind)settings->progress, settings->request.common.quiet,
                    "poses", 0);
     interrupt_catch(NULL);
-    conus_status status = conus_plan_together(&planner->together, needles, planner->count, &planner->options);
+    conus_status status = conus_plan_together(&planner->together, questions, planner->count, &planner->options);
     interrupt_release();
     progress_finish(&planner->request.progress, 0, 0);
     int signal = interrupt_signal();
@@ -602,15 +728,25 @@ static int search(struct planner *planner)
                                                                   : print_status(status);
 }
 
-/* Says candidates that are none; a needle without any is an error. */
+/* Whether a needle that is not given may answer a question. */
+static bool is_asked(const struct planner *planner, const conus_answered *question)
+{
+    bool is = false;
+    for (size_t i = 0; i < question->needle_count; i++) {
+        is = is || !conus_together_needle(planner->together, question->needles[i])->given;
+    }
+    return is;
+}
+
+/* Says candidates that are none; a row without any is an error. */
 static int check_rows(struct planner *planner)
 {
     int code = EXIT_DONE;
     for (size_t i = 0; i < planner->count && !code; i++) {
-        const conus_placed *placed = conus_together_needle(planner->together, i);
+        const conus_answered *question = conus_together_question(planner->together, i);
         const struct question_row *row = &planner->rows[i];
-        if (!placed->given) {
-            code = plan_check_candidates(&planner->request.failed, placed->plan, &row->settings, &row->candidates);
+        if (is_asked(planner, question)) {
+            code = plan_check_candidates(&planner->request.failed, question->plan, &row->settings, &row->candidates);
         }
     }
     return code;
@@ -621,14 +757,20 @@ static int check_rows(struct planner *planner)
 static int say_alone(const struct planner *planner, size_t index)
 {
     const conus_placed *placed = conus_together_needle(planner->together, index);
-    if (!placed->given) {
-        return plan_say_funnel(placed->plan, placed->radius);
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < placed->question_count && !placed->given && !code; i++) {
+        const conus_answered *question = conus_together_question(planner->together, placed->questions[i]);
+        code = plan_say_funnel(question->plan, question->radius);
     }
+    if (!placed->given) {
+        return code;
+    }
+    const conus_answered *question = conus_together_question(planner->together, placed->questions[0]);
     conus_table *constraints = NULL;
-    conus_status status = conus_plan_list(&constraints, placed->plan, "constraints");
+    conus_status status = conus_plan_list(&constraints, question->plan, "constraints");
     if (!status) {
         print_error_line("%s is given, and breaks %s", placed->name,
-                         conus_table_texts(constraints, "asked")[placed->pose->broken]);
+                         conus_table_texts(constraints, "asked")[placed->given->broken]);
     }
     conus_table_destroy(constraints);
     return print_status(status);
@@ -638,14 +780,20 @@ static int say_alone(const struct planner *planner, size_t index)
 static int say_conflict(const struct planner *planner)
 {
     const conus_conflict *conflict = conus_together_conflict(planner->together);
-    const conus_combination *combination = conus_together_combination(planner->together);
+    const size_t listed = count_listed(planner);
     char names[512] = "";
     char why[256] = "";
     size_t size = 0;
     if (!conflict) {
-        if (!combination) {
+        if (!listed) {
             print_error_line("no combination was found, and none is proven not to be there; --effort lets the search "
                              "go on");
+        } else if (listed < planner->options.top) {
+            bool is_last = conus_together_combination(planner->together, listed - 1)->last;
+            print_error_line(is_last ? "note: %zu of %llu combinations: no other one differs by so much"
+                                     : "note: %zu of %llu combinations: no other one was found, and none is proven not "
+                                       "to be there; --effort lets the search go on",
+                             listed, (unsigned long long)planner->options.top);
         }
         return EXIT_DONE;
     }
@@ -705,14 +853,31 @@ static int list_inputs(struct provenance *out, const struct planner *planner)
 
 static int write_poses(const struct planner *planner)
 {
-    struct written_pose poses[NEEDLE_MOST];
-    size_t count = conus_together_combination(planner->together) ? planner->count : 0;
-    for (size_t i = 0; i < count; i++) {
-        const conus_placed *placed = conus_together_needle(planner->together, i);
-        const struct constraints *constraints = &planner->rows[i].constraints;
-        poses[i] = (struct written_pose){placed->name, placed->pose, constraints->shanks, constraints->shank_count};
+    const size_t needles = conus_together_count(planner->together);
+    const size_t count = count_listed(planner) * needles;
+    struct written_pose *poses = calloc(count + 1, sizeof *poses);
+    bool whole = poses;
+    for (size_t i = 0; i < count && whole; i++) {
+        const conus_chosen *chosen = &conus_together_combination(planner->together, i / needles)->chosen[i % needles];
+        const struct constraints *constraints = &planner->rows[chosen->question].constraints;
+        const char *needle = conus_together_needle(planner->together, i % needles)->name;
+        size_t size = strlen(needle) + 8;
+        char *name = malloc(size);
+        poses[i] = (struct written_pose){name, chosen->pose, constraints->shanks, constraints->shank_count};
+        whole = name;
+        if (name && planner->options.top > 1) {
+            snprintf(name, size, "%zu-%s", i / needles + 1, needle);
+        } else if (name) {
+            snprintf(name, size, "%s", needle);
+        }
     }
-    return candidates_write(planner->settings->poses_out, poses, count, &planner->request.frame);
+    int code = whole ? candidates_write(planner->settings->poses_out, poses, count, &planner->request.frame)
+                     : print_no_memory();
+    for (size_t i = 0; poses && i < count; i++) {
+        free((char *)poses[i].id);
+    }
+    free(poses);
+    return code;
 }
 
 static int write_all(struct planner *planner)
@@ -782,7 +947,7 @@ int plan_needles(const struct plan_settings *settings, const struct arguments *a
                                  .effort = !option_given(arguments, "effort") ? 0
                                            : settings->needles.effort ? UINT64_C(1000000) * settings->needles.effort
                                                                       : UINT64_MAX};
-    bool fits = read_between(&planner->options, settings->needles.between) &&
+    bool fits = read_between(&planner->options, settings->needles.between) && read_list(&planner->options, settings) &&
                 space_settings_check(arguments, &settings->request.aim.space);
     int code = fits ? read_table(planner) : EXIT_USAGE;
     code = code ? code : request_init(&planner->request, &settings->request, arguments);
@@ -792,6 +957,10 @@ int plan_needles(const struct plan_settings *settings, const struct arguments *a
         finish_row(&planner->rows[i]);
     }
     request_finish(&planner->request);
+    for (size_t i = 0; i < planner->name_count; i++) {
+        free(planner->names[i]);
+    }
+    free(planner->places);
     conus_pose_list_destroy(planner->given);
     free(planner->text);
     free(planner);

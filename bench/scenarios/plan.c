@@ -124,7 +124,7 @@ struct several {
     conus_constraint wanted[TOGETHER];
     char paths[TOGETHER][128];
     char names[TOGETHER][2];
-    conus_needle needles[TOGETHER];
+    conus_question needles[TOGETHER];
     size_t count;
     conus_plan_options options;
     double largest[2][TOGETHER]; /* leeway, by each variant; below 0 where there is none */
@@ -163,7 +163,7 @@ static void run_together(void *data)
     conus_together *together = NULL;
     const conus_together_options options = {.between = 0.5};
     conus_status status = conus_plan_together(&together, several->needles, several->count, &options);
-    const conus_combination *combination = status ? NULL : conus_together_combination(together);
+    const conus_combination *combination = status ? NULL : conus_together_combination(together, 0);
     several->is_proven = combination ? combination->proven : !status && conus_together_conflict(together);
     for (size_t i = 0; i < several->count && !status; i++) {
         double largest = conus_together_needle(together, i)->largest;
@@ -197,13 +197,13 @@ conus_status bench_together(struct bench *bench)
         snprintf(several.names[at], sizeof several.names[at], "%c", (char)('A' + at));
         several.wanted[at] =
             (conus_constraint){.kind = CONUS_CONSTRAINT_REACH, .names = atlas->objects[first + i - 1].name, .limit = 3};
-        several.needles[at] = (conus_needle){.name = several.names[at],
-                                             .selector = several.selector,
-                                             .constraints = &several.wanted[at],
-                                             .constraint_count = 1,
-                                             .options = &several.options,
-                                             .open = open_needles,
-                                             .user = several.paths[at]};
+        several.needles[at] = (conus_question){.needles = several.names[at],
+                                               .selector = several.selector,
+                                               .constraints = &several.wanted[at],
+                                               .constraint_count = 1,
+                                               .options = &several.options,
+                                               .open = open_needles,
+                                               .user = several.paths[at]};
         status = write_needles(several.paths[at], &atlas->volumes[0], first + i, bench->options.poses);
     }
     if (!status) {

@@ -607,6 +607,27 @@ CONUS_CHECKED conus_status conus_plan_distance(double *out, conus_plan *plan, si
  */
 CONUS_API size_t conus_together_count(const conus_together *together);
 
+/** A question of several needles, and what answers it. */
+typedef struct conus_answered {
+    const size_t *needles;   /**< [needle_count] Indices of those that may. */
+    size_t needle_count;     /**< At least 1. */
+    bool once;               /**< At most one does. */
+    const conus_plan *plan;  /**< Its constraints, and its candidates (conus_plan_left()). */
+    double radius;           /**< Of shafts, mm. */
+    const double *shanks;    /**< [shank_count][2] As of conus_plan_options, also of one on the axis. */
+    size_t shank_count;      /**< At least 1. */
+    const conus_part *parts; /**< [part_count] */
+    size_t part_count;       /**< How many there are. */
+} conus_answered;
+
+/**
+ * Gives a question.
+ * @param together The answer.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed from the answer.
+ */
+CONUS_API const conus_answered *conus_together_question(const conus_together *together, size_t index);
+
 /**
  * Gives the options of the answer.
  * @param together The answer.

@@ -467,35 +467,43 @@ typedef struct conus_part {
     bool from_tip; /**< @p low and @p high count from the far end, else from the device's position. */
 } conus_part;
 
-/** A needle, and the question that its candidates answer. */
-typedef struct conus_needle {
-    size_t struct_size;       /**< Its size, as #CONUS_NEEDLE_INIT sets it; 0 = that of this version. */
-    const char *name;         /**< Of no other needle. Copied. */
-    conus_selector *selector; /**< As for conus_plan_create(); its radius is the needle's. Needles may share one. */
+/** A question, and the needles that may answer it. */
+typedef struct conus_question {
+    size_t struct_size;       /**< Its size, as #CONUS_QUESTION_INIT sets it; 0 = that of this version. */
+    const char *needles;      /**< A name, or several between commas. Needles are in the order of their first naming. A
+                                 needle of several questions answers any of them; needles of the same ones are alike. */
+    bool once;                /**< At most one needle answers it. */
+    conus_selector *selector; /**< As for conus_plan_create(); its radius is the needle's. Questions may share one. */
     const conus_constraint *constraints; /**< [constraint_count] As for conus_plan_create(). */
     size_t constraint_count;             /**< At least 1. */
     const conus_plan_options
         *options; /**< threads, angle, far and shanks (up to 64); all else is 0. NULL = defaults. */
     conus_status (*open)(conus_pose_stream **out, void *user); /**< Opens the candidates, each time the same ones: they
-                                                                  are read several times. Not of a given needle. */
+                                                                  are read several times. NULL where all are given. */
     void (*close)(conus_pose_stream *stream, void *user);      /**< Ends what @p open opened, once it was read. NULL =
                                                                   conus_pose_stream_destroy(). */
     void *user;                                                /**< Passed to both. */
     const conus_part *parts;                                   /**< [part_count] */
     size_t part_count;                                         /**< Up to 64. */
-    const conus_pose_row *given; /**< The needle is in its place already: its only candidate. NULL = it is planned. */
-} conus_needle;
+} conus_question;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
-#define CONUS_NEEDLE_INIT CONUS_INIT_(conus_needle)
+#define CONUS_QUESTION_INIT CONUS_INIT_(conus_question)
 
 /** What holds for each two needles (Eq. 26). */
 typedef struct conus_together_options {
-    size_t struct_size;      /**< Its size, as #CONUS_TOGETHER_OPTIONS_INIT sets it; 0 = that of this version. */
-    double between;          /**< Shafts stay farther apart than that, mm, 0 to 100; 0 = they do not touch. */
-    double parts;            /**< Likewise two bodies of which one or both are parts. */
-    double entry_distance;   /**< The positions of the devices are so far apart at least, mm, 0 to 100. */
-    uint64_t effort;         /**< Nodes of the search; 0 = 100 million, UINT64_MAX = without end. */
+    size_t struct_size;          /**< Its size, as #CONUS_TOGETHER_OPTIONS_INIT sets it; 0 = that of this version. */
+    double between;              /**< Shafts stay farther apart than that, mm, 0 to 100; 0 = they do not touch. */
+    double parts;                /**< Likewise two bodies of which one or both are parts. */
+    const conus_pose_row *given; /**< [given_count] Poses that are called like needles: each is in its place, and is of
+                                    the first question that it answers. */
+    size_t given_count;          /**< 0 = all are planned. */
+    double entry_distance;       /**< The positions of the devices are so far apart at least, mm, 0 to 100. */
+    uint64_t effort;             /**< Nodes of the search; 0 = 100 million, UINT64_MAX = without end. */
+    uint64_t top;                /**< So many combinations are listed, 1 to 100; 0 = 1. */
+    double diverse;          /**< Each differs from those before it by candidates whose position or far end is so far
+                                off at least, mm, 0 to 100; 0 = by other candidates. */
+    uint64_t differ;         /**< In so many needles at least, up to all of them; 0 = 1. */
     conus_progress progress; /**< Is told how many candidates were tried; false ends the run. NULL = no callback. */
     void *progress_user;     /**< Passed to @p progress. */
 } conus_together_options;
@@ -503,32 +511,37 @@ typedef struct conus_together_options {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_TOGETHER_OPTIONS_INIT CONUS_INIT_(conus_together_options)
 
+/** Where a needle is in a combination. */
+typedef struct conus_chosen {
+    const conus_planned *pose; /**< Its place. */
+    uint64_t candidate;        /**< Number of that candidate, from 1, of all of the needle's, question by question; 1
+                                  of a given needle. */
+    size_t question;           /**< Index of the question that it answers. */
+} conus_chosen;
+
 /** A combination (Eq. 27). Lengths are whole nanometres, in mm. */
 typedef struct conus_combination {
-    bool feasible;       /**< All needles and pairs hold. Only where all needles are given it may be false. */
-    bool proven;         /**< No combination is better. */
-    double leeway;       /**< The least of all needles' and pairs'; NaN where none has one. */
-    size_t leeway_of[2]; /**< The needle that has it, or both of the pair; SIZE_MAX = none. */
-    double bound;        /**< No combination has a larger leeway; NaN where none has one. */
-    double sum;          /**< Of the needles' leeways. */
-    double depth;        /**< Sum of the far ends' depths. */
-    uint64_t nodes;      /**< Of the search. */
+    const conus_chosen *chosen; /**< [needles] */
+    bool feasible;              /**< All needles and pairs hold. Only where all needles are given it may be false. */
+    bool proven;                /**< None is better that may stand there, and all before it are proven. */
+    bool last;                  /**< It is proven that no other one differs from all that are listed. */
+    double leeway;              /**< The least of all needles' and pairs'; NaN where none has one. */
+    const char *leeway_of;      /**< The needle that has it, "A", or both of the pair, "A/B"; NULL = none. */
+    double bound;               /**< None that may stand there has a larger leeway; NaN where none has one. */
+    double sum;                 /**< Of the needles' leeways. */
+    double depth;               /**< Sum of the far ends' depths. */
+    uint64_t nodes;             /**< Of the search, with those of combinations before it. */
 } conus_combination;
 
 /** A needle of the answer. */
 typedef struct conus_placed {
-    const char *name;          /**< Its name. */
-    bool given;                /**< It was given. */
-    const conus_plan *plan;    /**< Its constraints, and its candidates (conus_plan_left()); a given one has none. */
-    const conus_planned *pose; /**< Its place in the combination; without one NULL, or that of a given needle. */
-    uint64_t candidate;        /**< Number of that candidate, from 1; 1 of a given one. */
-    double radius;             /**< Of its shafts, mm. */
-    const double *shanks;      /**< [shank_count][2] As of conus_plan_options, also of one on the axis. */
-    size_t shank_count;        /**< At least 1. */
-    const conus_part *parts;   /**< [part_count] */
-    size_t part_count;         /**< How many there are. */
-    double largest;            /**< The largest leeway of its candidates, mm; NaN without one. */
-    double cut;                /**< Candidates with less are in no combination that is as good, mm; NaN likewise. */
+    const char *name;           /**< Its name. */
+    const conus_planned *given; /**< Its place, where that was given; NULL = it is planned. */
+    const size_t *questions;    /**< [question_count] Indices of those that it may answer. */
+    size_t question_count;      /**< At least 1. */
+    double largest;             /**< The largest leeway of its candidates, mm; NaN without one. */
+    double cut; /**< Candidates with less are in no combination that is as good as the last one that is listed, and in
+                   none at all after a conus_combination.last, mm; NaN likewise. */
 } conus_placed;
 
 /** Why there is no combination: the smallest set of needles that has none; of these the first (Eq. 28). */
@@ -541,18 +554,19 @@ typedef struct conus_conflict {
 } conus_conflict;
 
 /**
- * Plans needles together: has the candidates of each listed, finds the best combination, and proves it.
+ * Plans needles together: has the candidates of each listed, finds the best combinations, and proves them.
  * @param[out] out The answer; end it with conus_together_destroy().
- * @param needles [count] An array of structs of the size that its first one's struct_size says. Selectors must outlive
- * the answer.
- * @param count 1 to 16.
+ * @param questions [count] An array of structs of the size that its first one's struct_size says. Selectors must
+ * outlive the answer.
+ * @param count 1 to 64, of 1 to 16 needles.
  * @param options NULL = defaults.
- * @return #CONUS_OK, also where there is no combination; #CONUS_ERROR_ARGUMENT for a number out of its range and two
- * needles of one name; #CONUS_ERROR_CANCELLED where a run ended before a combination was found; after that the answer
- * is the best one so far, which is not proven; the errors of conus_plan_create(), conus_plan_run() and
+ * @return #CONUS_OK, also where there is no combination; #CONUS_ERROR_ARGUMENT for a number out of its range, a needle
+ * that is named twice in a question, and a given one that is none; #CONUS_ERROR_CANCELLED where a run ended before a
+ * combination was found; after that the answer is the best one so far, which is not proven; the errors of
+ * conus_plan_create(), conus_plan_run() and
  * conus_plan_try().
  */
-CONUS_CHECKED conus_status conus_plan_together(conus_together **out, const conus_needle *needles, size_t count,
+CONUS_CHECKED conus_status conus_plan_together(conus_together **out, const conus_question *questions, size_t count,
                                                const conus_together_options *options);
 
 /**
@@ -562,11 +576,12 @@ CONUS_CHECKED conus_status conus_plan_together(conus_together **out, const conus
 CONUS_API void conus_together_destroy(conus_together *together);
 
 /**
- * Gives the best combination.
+ * Gives a combination, the best one first.
  * @param together The answer.
- * @return NULL where there is none. Borrowed from the answer.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed from the answer.
  */
-CONUS_API const conus_combination *conus_together_combination(const conus_together *together);
+CONUS_API const conus_combination *conus_together_combination(const conus_together *together, size_t index);
 
 /**
  * Gives a needle.
@@ -585,7 +600,7 @@ CONUS_API const conus_placed *conus_together_needle(const conus_together *togeth
 CONUS_API const conus_conflict *conus_together_conflict(const conus_together *together);
 
 /**
- * Makes a table of all pairs of the combination: how near the needles come to each other, and where.
+ * Makes a table of all pairs of the combinations: how near the needles come to each other, and where.
  * @param[out] out A row for each two needles: combination, needle, other, slack_mm, leeway_mm, distance_mm, body,
  * other_body, x, y, z, other_x, other_y, other_z, entry_distance_mm; without a combination no row. End it with
  * conus_table_destroy().

@@ -837,17 +837,41 @@ conus_status conus_plan_try(const conus_planned **out, conus_plan *plan, const c
     return status ? status : try_row(out, plan, &asked, 0);
 }
 
-conus_status plan_find(const conus_planned **out, conus_plan *plan, conus_pose_stream *poses, uint64_t number)
+conus_status plan_copy(conus_planned *out, const conus_plan *plan, const conus_planned *pose)
+{
+    char *id = memory_text(pose->id, strlen(pose->id));
+    conus_verdict *verdicts = id ? memory_zeroed(plan->asked.count, sizeof *verdicts) : NULL;
+    if (!verdicts) {
+        memory_free(id);
+        return CONUS_ERROR_MEMORY;
+    }
+    memcpy(verdicts, pose->verdicts, plan->asked.count * sizeof *verdicts);
+    *out = *pose;
+    out->id = id;
+    out->verdicts = verdicts;
+    return CONUS_OK;
+}
+
+void plan_copy_finish(conus_planned *copy)
+{
+    memory_free((void *)copy->id);
+    memory_free((void *)copy->verdicts);
+}
+
+conus_status plan_find(conus_planned *copies, size_t count, conus_plan *plan, conus_pose_stream *poses)
 {
     conus_pose_row rows[BLOCK];
-    size_t count = 1;
+    size_t read = 1;
+    size_t found = 0;
     conus_status status = CONUS_OK;
-    *out = NULL;
-    while (count && !*out && !status) {
+    while (read && found < count && !status) {
         uint64_t before = pose_stream_position(poses);
-        status = conus_pose_stream_read(rows, &count, poses, BLOCK);
-        if (!status && number - before <= count) {
-            status = try_row(out, plan, &rows[number - before - 1], number);
+        status = conus_pose_stream_read(rows, &read, poses, BLOCK);
+        while (!status && found < count && copies[found].candidate - before <= read) {
+            const uint64_t number = copies[found].candidate;
+            const conus_planned *pose = NULL;
+            status = try_row(&pose, plan, &rows[number - before - 1], number);
+            status = status ? status : plan_copy(&copies[found++], plan, pose);
         }
     }
     return status;

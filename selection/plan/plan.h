@@ -273,8 +273,13 @@ conus_status plan_list_again(conus_plan *plan, conus_pose_stream *poses, int64_t
 /** Frees what is listed. */
 void plan_forget_list(conus_plan *plan);
 
-/** Tries the pose with that number again, as conus_plan_try(): it is NULL where @p poses ends before. */
-conus_status plan_find(const conus_planned **out, conus_plan *plan, conus_pose_stream *poses, uint64_t number);
+/** Copies a pose of @p plan, with all that it points to, into @p out. Ends with plan_copy_finish(). */
+conus_status plan_copy(conus_planned *out, const conus_plan *plan, const conus_planned *pose);
+void plan_copy_finish(conus_planned *copy);
+
+/** Tries poses again, as conus_plan_try(): those whose numbers are the `candidate` of each copy, in ascending order. A
+ * copy is as it was where @p poses ends before. */
+conus_status plan_find(conus_planned *copies, size_t count, conus_plan *plan, conus_pose_stream *poses);
 
 /** Measures everything of every pose, also what decides nothing: slower, the same answer, to compare with. */
 void plan_measure_all(conus_plan *plan);

@@ -237,12 +237,12 @@ static conus_status join_column(size_t *place, struct report_needles *needles, c
 static conus_status join_columns(struct report_needles *needles)
 {
     size_t most = 0;
-    for (size_t i = 0; i < needles->count; i++) {
-        most += needles->at[i].plan.column_count;
+    for (size_t i = 0; i < needles->question_count; i++) {
+        most += needles->questions[i].plan.column_count;
     }
     needles->columns = memory_zeroed(most, sizeof *needles->columns);
-    for (size_t i = 0; i < needles->count && needles->columns; i++) {
-        struct report_needle *needle = &needles->at[i];
+    for (size_t i = 0; i < needles->question_count && needles->columns; i++) {
+        struct report_question *needle = &needles->questions[i];
         needle->places = memory_raw(most, sizeof *needle->places);
         for (size_t k = 0; k < most && needle->places; k++) {
             needle->places[k] = SIZE_MAX;
@@ -260,36 +260,34 @@ static conus_status join_columns(struct report_needles *needles)
     return needles->columns ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-/* "A", or "A/B" of a pair. */
-static conus_status name_leeway(struct report_needles *out)
-{
-    struct buffer text = {0};
-    const size_t *of = out->combination->leeway_of;
-    for (size_t i = 0; i < 2 && of[i] < SIZE_MAX; i++) {
-        buffer_format(&text, "%s%s", i ? "/" : "", out->at[of[i]].placed->name);
-    }
-    conus_status status = buffer_status(&text);
-    out->leeway_of = text.size && !status ? memory_text(text.data, text.size) : NULL;
-    status = text.size && !status && !out->leeway_of ? CONUS_ERROR_MEMORY : status;
-    buffer_finish(&text);
-    return status;
-}
-
 static conus_status fill_needles(struct report_needles *out, const conus_together *together)
 {
-    size_t count = conus_together_count(together);
-    out->asked = conus_together_asked(together);
-    out->combination = conus_together_combination(together);
-    out->conflict = conus_together_conflict(together);
-    out->at = memory_zeroed(count, sizeof *out->at);
-    conus_status status = out->at ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; i < count && !status; i++) {
-        out->at[i].placed = conus_together_needle(together, i);
-        status = fill(&out->at[i].plan, out->at[i].placed->plan);
-        out->count++;
+    const size_t count = conus_together_count(together);
+    size_t questions = 0;
+    while (conus_together_combination(together, out->combination_count)) {
+        out->combination_count++;
     }
-    status = status ? status : join_columns(out);
-    return status || !out->combination ? status : name_leeway(out);
+    while (conus_together_question(together, questions)) {
+        questions++;
+    }
+    out->asked = conus_together_asked(together);
+    out->conflict = conus_together_conflict(together);
+    out->questions = memory_zeroed(questions, sizeof *out->questions);
+    out->at = memory_zeroed(count, sizeof(conus_placed *));
+    out->combinations = memory_zeroed(out->combination_count + 1, sizeof(conus_combination *));
+    conus_status status = out->questions && out->at && out->combinations ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t n = 0; n < out->combination_count && !status; n++) {
+        out->combinations[n] = conus_together_combination(together, n);
+    }
+    for (; out->count < count && !status; out->count++) {
+        out->at[out->count] = conus_together_needle(together, out->count);
+    }
+    for (size_t i = 0; i < questions && !status; i++) {
+        out->questions[i].answered = conus_together_question(together, i);
+        status = fill(&out->questions[i].plan, out->questions[i].answered->plan);
+        out->question_count++;
+    }
+    return status ? status : join_columns(out);
 }
 
 static conus_status add_pairs(conus_report *report, const conus_together *together)
@@ -318,11 +316,15 @@ conus_status conus_report_add_together(conus_report *report, const conus_togethe
     if (rows == CONUS_ROWS_PAIRS) {
         return add_pairs(report, together);
     }
-    for (size_t i = 0; i < added.count && added.combination && !status; i++) {
-        struct report_row *row;
-        status = add_pose(&row, report, added.at[i].placed->pose, 1);
-        if (!status) {
-            row->planned.needle = i;
+    for (size_t n = 0; n < added.combination_count && !status; n++) {
+        for (size_t i = 0; i < added.count && !status; i++) {
+            struct report_row *row;
+            status = add_pose(&row, report, added.combinations[n]->chosen[i].pose, 1);
+            if (!status) {
+                row->planned.needle = i;
+                row->planned.question = added.combinations[n]->chosen[i].question;
+                row->planned.combination = n;
+            }
         }
     }
     return status;

@@ -16,7 +16,7 @@
 
 /* A list has the best of its needle, at first some hundred: those that are no worse than so many of a sample. Then it
  * goes LIST_GROWTH times as far down, up to so many at last. */
-enum { SAMPLE_FIRST = 32, LIST_GROWTH = 4, LIST_LAST = 1 << 17 };
+enum { SAMPLE_FIRST = 32, LIST_GROWTH = 4, LIST_LAST = 1 << 17, TOP_LIMIT = 100 };
 
 static const uint64_t EFFORT = 100000000;
 static const double MARGIN_LIMIT = 100; /* mm */
@@ -24,9 +24,9 @@ static const double MARGIN_LIMIT = 100; /* mm */
 static const int64_t LOWEST = -1000000000000000;
 static const int64_t HIGHEST = 1000000000000000;
 
-/* A needle, and those of its candidates that are known. */
-struct needle_of {
-    char *name;
+/* A question, and those of its candidates that are known. */
+struct question_of {
+    char *name; /* its needles */
     conus_selector *selector;
     conus_status (*open)(conus_pose_stream **out, void *user);
     void (*close)(conus_pose_stream *stream, void *user);
@@ -35,16 +35,43 @@ struct needle_of {
     const conus_constraint *constraints; /* the caller's, until it returns */
     size_t constraint_count;
     struct bodies bodies;
-    bool given, has_leeway;
+    bool once, has_leeway;
+    bool is_asked; /* a needle that is not given may answer it */
+    size_t needles[NEEDLE_LIMIT], needle_count;
     conus_plan *plan;
-    const conus_planned *place; /* in the answer, or the one that is given */
-    struct search_item *items;  /* [list.bodies.count] */
-    struct search_list list;
+    struct search_item *items; /* [list.count] */
+    struct body_list list;
     bool is_whole, is_full; /* the list has all that hold, or as many as it may */
     int64_t floor;          /* else all with so much leeway */
+    conus_planned *places;  /* [place_count] those of the answer, in the order of their numbers */
+    size_t place_count;
+};
+
+struct needle_of {
+    char *name;
+    size_t questions[QUESTION_LIMIT], question_count;
+    bool given, has_leeway; /* has_leeway: all its candidates have one */
+    conus_planned place;    /* the one that is given */
+    struct search_item item;
+    struct body_list bodies;
+    struct search_item *joined; /* [list.count] of several questions */
+    struct search_list list;
+};
+
+/* A combination that is listed. */
+struct entry {
+    struct search_answer answer; /* its indices into the lists follow its numbers */
+    uint64_t numbers[NEEDLE_LIMIT];
+    int64_t bound; /* nm */
+    conus_chosen chosen[NEEDLE_LIMIT];
+    struct buffer leeway_of;
+    conus_combination combination;
 };
 
 struct conus_together {
+    struct question_of questions[QUESTION_LIMIT];
+    size_t question_count;
+    conus_answered answered[QUESTION_LIMIT];
     struct needle_of needles[NEEDLE_LIMIT];
     struct search_list lists[NEEDLE_LIMIT];
     size_t count;
@@ -52,13 +79,14 @@ struct conus_together {
     conus_together_options options;
     uint64_t tried, tried_before;
     bool was_cancelled;
-    bool has_answer, is_best; /* is_best: none of the candidates that are known has more */
+    struct entry *entries;          /* [options.top] */
+    size_t (*listed)[NEEDLE_LIMIT]; /* [options.top] indices of those that are */
+    size_t entry_count;
+    bool has_answer, is_best; /* of the next entry; is_best: none of the candidates that are known has more */
     bool is_none;             /* likewise: there is no combination of them */
-    struct search_answer answer;
-    uint64_t nodes;
+    uint64_t nodes, limit;    /* the next entry may take so many */
     int64_t cuts[NEEDLE_LIMIT];
-    conus_combination combination;
-    bool has_combination, has_conflict;
+    bool has_conflict;
     conus_placed placed[NEEDLE_LIMIT];
     conus_conflict conflict;
     size_t conflicting[NEEDLE_LIMIT];
@@ -75,6 +103,22 @@ static conus_status check_margin(const char *name, double value)
                : fail(CONUS_ERROR_ARGUMENT, "%s: %g mm, allowed are 0 to %g", name, value, MARGIN_LIMIT);
 }
 
+static conus_status check_list(conus_together *together)
+{
+    conus_together_options *options = &together->options;
+    options->top = options->top ? options->top : 1;
+    options->differ = options->differ ? options->differ : 1;
+    if (options->top > TOP_LIMIT || options->differ > together->count) {
+        return options->top > TOP_LIMIT ? fail(CONUS_ERROR_ARGUMENT, "top: %llu combinations, allowed are 1 to %d",
+                                               (unsigned long long)options->top, TOP_LIMIT)
+                                        : fail(CONUS_ERROR_ARGUMENT, "differ: in %llu needles, but there are %zu",
+                                               (unsigned long long)options->differ, together->count);
+    }
+    together->entries = memory_zeroed((size_t)options->top, sizeof *together->entries);
+    together->listed = memory_zeroed((size_t)options->top, sizeof *together->listed);
+    return together->entries && together->listed ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
 static conus_status check_options(conus_together *together, const conus_together_options *asked)
 {
     together->options = *options_of(conus_together_options, asked);
@@ -83,7 +127,8 @@ static conus_status check_options(conus_together *together, const conus_together
     together->test.margins = (struct margins){options->between, options->parts, options->entry_distance};
     conus_status status = check_margin("between", options->between);
     status = status ? status : check_margin("parts", options->parts);
-    return status ? status : check_margin("entry_distance", options->entry_distance);
+    status = status ? status : check_margin("entry_distance", options->entry_distance);
+    return status ? status : check_margin("diverse", options->diverse);
 }
 
 /* Told by the search, which tries nothing, and by plans. */
@@ -103,137 +148,298 @@ static conus_status check_plan_options(const conus_plan_options *options)
 {
     bool has_other = options->top || options->infeasible || options->rank || options->score || options->progress ||
                      options->entries || options->jitter || options->targets;
-    return has_other ? fail(CONUS_ERROR_ARGUMENT, "options: only threads, angle, far and shanks are a needle's")
+    return has_other ? fail(CONUS_ERROR_ARGUMENT, "options: only threads, angle, far and shanks are a question's")
                      : CONUS_OK;
 }
 
-static conus_status create_plan(struct needle_of *needle, conus_together *together)
+static conus_status create_plan(struct question_of *question, conus_together *together)
 {
-    conus_plan_options options = needle->options;
+    conus_plan_options options = question->options;
     options.top = SAMPLE_FIRST;
     options.progress = show_progress;
     options.progress_user = together;
-    conus_status status =
-        conus_plan_create(&needle->plan, needle->selector, needle->constraints, needle->constraint_count, &options);
+    conus_status status = conus_plan_create(&question->plan, question->selector, question->constraints,
+                                            question->constraint_count, &options);
     if (!status) {
-        plan_sample(needle->plan);
+        plan_sample(question->plan);
+    }
+    for (size_t i = 0; i < question->constraint_count && !status; i++) {
+        question->has_leeway = question->has_leeway || conus_plan_has_leeway(question->plan, i);
     }
     return status;
 }
 
-static const conus_planned *pose_of(const struct needle_of *needle, size_t index)
+static void finish_list(struct question_of *question)
 {
-    return needle->given ? needle->place : conus_plan_pose(needle->plan, index);
+    memory_free(question->items);
+    body_list_finish(&question->list);
+    question->items = NULL;
 }
 
-static void finish_list(struct needle_of *needle)
+static struct search_item item_of(const conus_planned *pose, uint64_t number, size_t index)
 {
-    memory_free(needle->items);
-    body_list_finish(&needle->list.bodies);
-    needle->items = NULL;
+    return (struct search_item){.leeway = isnan(pose->leeway) ? 0 : nanometres(pose->leeway),
+                                .depth = nanometres(pose->far),
+                                .number = number,
+                                .index = index};
 }
 
-/* Takes the poses that its plan lists, those with so much leeway; of a given needle its place. */
-static conus_status take_list(struct needle_of *needle, int64_t least)
+/* Takes the poses that its plan lists, those with so much leeway. */
+static conus_status take_list(struct question_of *question, int64_t least)
 {
-    size_t count = needle->given ? 1 : conus_plan_count(needle->plan);
-    finish_list(needle);
-    needle->items = memory_zeroed(count, sizeof *needle->items);
+    size_t count = conus_plan_count(question->plan);
+    finish_list(question);
+    question->items = memory_zeroed(count, sizeof *question->items);
     conus_status status =
-        needle->items ? body_list_init(&needle->list.bodies, &needle->bodies, count) : CONUS_ERROR_MEMORY;
+        question->items ? body_list_init(&question->list, &question->bodies, count) : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < count && !status; i++) {
-        struct search_item *item = &needle->items[i];
-        const conus_planned *pose = pose_of(needle, i);
-        *item = (struct search_item){.leeway = isnan(pose->leeway) ? 0 : nanometres(pose->leeway),
-                                     .depth = nanometres(pose->far),
-                                     .number = needle->given ? 1 : pose->candidate,
-                                     .index = i};
+        const conus_planned *pose = conus_plan_pose(question->plan, i);
+        question->items[i] = item_of(pose, pose->candidate, i);
     }
-    needle->is_full = count == LIST_LAST;
+    question->is_full = count == LIST_LAST;
     /* What a full list leaves out may have as much as its last one. */
-    needle->floor = needle->is_full && !status ? needle->items[count - 1].leeway + 1 : least;
-    needle->is_whole =
-        needle->given || conus_plan_left(needle->plan, conus_plan_constraint_count(needle->plan)) == count;
+    question->floor = question->is_full && !status ? question->items[count - 1].leeway + 1 : least;
+    question->is_whole = conus_plan_left(question->plan, conus_plan_constraint_count(question->plan)) == count;
     if (!status) {
-        order_sort(needle->items, count, sizeof *needle->items, search_item_compare);
+        order_sort(question->items, count, sizeof *question->items, search_item_compare);
     }
     for (size_t i = 0; i < count && !status; i++) {
-        body_list_set(&needle->list.bodies, i, pose_of(needle, needle->items[i].index));
+        body_list_set(&question->list, i, conus_plan_pose(question->plan, question->items[i].index));
+        question->items[i].index = i;
     }
-    needle->list.items = needle->items;
-    plan_forget_list(needle->plan);
+    plan_forget_list(question->plan);
     return status;
 }
 
-static void close_candidates(conus_pose_stream *stream, const struct needle_of *needle)
+static void close_candidates(conus_pose_stream *stream, const struct question_of *question)
 {
-    if (needle->close && stream) {
-        needle->close(stream, needle->user);
+    if (question->close && stream) {
+        question->close(stream, question->user);
     } else {
         conus_pose_stream_destroy(stream);
     }
 }
 
 /* Lists all candidates with so much leeway. */
-static conus_status list_down_to(struct needle_of *needle, int64_t least)
+static conus_status list_down_to(struct question_of *question, int64_t least)
 {
     conus_pose_stream *stream = NULL;
-    conus_status status = needle->open(&stream, needle->user);
-    status = status ? status : plan_list_again(needle->plan, stream, least, LIST_LAST);
-    close_candidates(stream, needle);
-    return status ? status : take_list(needle, least);
+    conus_status status = question->open(&stream, question->user);
+    status = status ? status : plan_list_again(question->plan, stream, least, LIST_LAST);
+    close_candidates(stream, question);
+    return status ? status : take_list(question, least);
 }
 
 /* Judges all candidates, and lists the best of them. */
-static conus_status begin_list(struct needle_of *needle, conus_together *together)
+static conus_status begin_list(struct question_of *question, conus_together *together)
 {
     conus_pose_stream *stream = NULL;
-    conus_status status = create_plan(needle, together);
-    status = status ? status : needle->open(&stream, needle->user);
-    status = status ? status : conus_plan_run(needle->plan, stream, UINT64_MAX);
-    close_candidates(stream, needle);
-    const conus_planned *last = status ? NULL : conus_plan_pose(needle->plan, SAMPLE_FIRST - 1);
-    status = status ? status : list_down_to(needle, last && !isnan(last->leeway) ? nanometres(last->leeway) : 0);
-    together->tried_before += status ? 0 : conus_plan_left(needle->plan, 0);
+    conus_status status = question->open(&stream, question->user);
+    status = status ? status : conus_plan_run(question->plan, stream, UINT64_MAX);
+    close_candidates(stream, question);
+    const conus_planned *last = status ? NULL : conus_plan_pose(question->plan, SAMPLE_FIRST - 1);
+    status = status ? status : list_down_to(question, last && !isnan(last->leeway) ? nanometres(last->leeway) : 0);
+    together->tried_before += status ? 0 : conus_plan_left(question->plan, 0);
     return status;
 }
 
 /* Lists more candidates: LIST_GROWTH times as far down, but not below the cut. */
-static conus_status extend_list(struct needle_of *needle, int64_t cut)
+static conus_status extend_list(struct question_of *question, int64_t cut)
 {
-    int64_t largest = needle->items[0].leeway;
-    int64_t way = largest - needle->floor > largest / 16 ? largest - needle->floor : largest / 16 + 1;
+    int64_t largest = question->list.count ? question->items[0].leeway : 0;
+    int64_t way = largest - question->floor > largest / 16 ? largest - question->floor : largest / 16 + 1;
     int64_t least = largest - LIST_GROWTH * way;
-    return list_down_to(needle, !needle->has_leeway ? 0 : least > cut ? least : cut);
+    return list_down_to(question, !question->has_leeway ? 0 : least > cut ? least : cut);
 }
 
-/* Gives a needle its place in the answer. */
-static conus_status find_place(struct needle_of *needle, const struct search_item *item)
+/* Joins the lists of a needle's questions; of a given needle there is only its place. */
+static conus_status join_lists(conus_together *together, size_t index)
+{
+    struct needle_of *needle = &together->needles[index];
+    struct search_list *list = &needle->list;
+    uint64_t before = 0;
+    size_t count = 0;
+    list->part_count = needle->given ? 1 : needle->question_count;
+    needle->has_leeway = true;
+    for (size_t p = 0; p < list->part_count; p++) {
+        const struct question_of *question = &together->questions[needle->questions[p]];
+        list->parts[p] = (struct search_part){needle->given ? &needle->bodies : &question->list, needle->questions[p],
+                                              question->once, question->has_leeway};
+        needle->has_leeway = needle->has_leeway && question->has_leeway;
+        count += list->parts[p].bodies->count;
+    }
+    list->count = count;
+    list->items = needle->given ? &needle->item : together->questions[needle->questions[0]].items;
+    if (list->part_count == 1) {
+        return CONUS_OK;
+    }
+    memory_free(needle->joined);
+    list->items = needle->joined = memory_zeroed(count, sizeof *needle->joined);
+    count = 0;
+    for (size_t p = 0; p < list->part_count && needle->joined; p++) {
+        const struct question_of *question = &together->questions[needle->questions[p]];
+        for (size_t i = 0; i < question->list.count; i++) {
+            struct search_item *item = &needle->joined[count++];
+            *item = question->items[i];
+            item->number += before;
+            item->part = (uint32_t)p;
+        }
+        before += conus_plan_left(question->plan, 0);
+    }
+    if (needle->joined) {
+        order_sort(needle->joined, count, sizeof *needle->joined, search_item_compare);
+    }
+    return needle->joined ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static conus_status join_all(conus_together *together)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < together->count && !status; i++) {
+        status = join_lists(together, i);
+    }
+    return status;
+}
+
+static int compare_places(const void *a, const void *b)
+{
+    return compare_unsigned(((const conus_planned *)a)->candidate, ((const conus_planned *)b)->candidate);
+}
+
+/* The question that a needle answers in an entry, and the number of its candidate there. */
+static struct question_of *answered_by(uint64_t *number, conus_together *together, const struct entry *entry,
+                                       size_t needle)
+{
+    const struct search_list *list = &together->needles[needle].list;
+    const struct search_item *item = &list->items[entry->answer.chosen[needle]];
+    struct question_of *question = &together->questions[list->parts[item->part].question];
+    *number = together->needles[needle].given ? 0 : question->items[item->index].number;
+    return question;
+}
+
+/* Notes the places of a question in all entries. */
+static conus_status note_places(conus_together *together, struct question_of *question)
+{
+    question->places = memory_zeroed(together->entry_count * together->count, sizeof *question->places);
+    for (size_t i = 0; question->places && i < together->entry_count * together->count; i++) {
+        uint64_t number;
+        const struct entry *entry = &together->entries[i / together->count];
+        if (answered_by(&number, together, entry, i % together->count) == question && number) {
+            question->places[question->place_count++].candidate = number;
+        }
+    }
+    if (question->places) {
+        order_sort(question->places, question->place_count, sizeof *question->places, compare_places);
+    }
+    return question->places ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+/* Finds them, all in one reading of the candidates. */
+static conus_status find_places(conus_together *together, struct question_of *question)
 {
     conus_pose_stream *stream = NULL;
-    conus_status status = needle->open(&stream, needle->user);
-    status = status ? status : plan_find(&needle->place, needle->plan, stream, item->number);
-    close_candidates(stream, needle);
-    const conus_planned *place = needle->place;
-    bool is_same = !status && place && place->feasible && nanometres(place->far) == item->depth &&
-                   (isnan(place->leeway) ? 0 : nanometres(place->leeway)) == item->leeway;
-    return status || is_same
-               ? status
-               : fail(CONUS_ERROR_DATA, "%s: its candidates are others when they are read again", needle->name);
+    conus_status status = note_places(together, question);
+    if (!status && question->place_count) {
+        status = question->open(&stream, question->user);
+        status = status ? status : plan_find(question->places, question->place_count, question->plan, stream);
+        close_candidates(stream, question);
+    }
+    return status;
+}
+
+static const conus_planned *place_of(conus_together *together, const struct entry *entry, size_t needle)
+{
+    uint64_t number;
+    const struct question_of *question = answered_by(&number, together, entry, needle);
+    const conus_planned *place = question->places;
+    while (number && place->candidate != number) {
+        place++;
+    }
+    return number ? place : &together->needles[needle].place;
+}
+
+/* Whether a place is as it was when it was listed. */
+static bool is_same(const conus_planned *place, const struct search_item *item)
+{
+    const struct search_item now = item_of(place, 0, 0);
+    return place->id && place->feasible && now.depth == item->depth && now.leeway == item->leeway;
+}
+
+static conus_status fail_changed(const struct needle_of *needle)
+{
+    return fail(CONUS_ERROR_DATA, "%s: its candidates are others when they are read again", needle->name);
 }
 
 static conus_status place_given(struct needle_of *needle, conus_together *together, const conus_pose_row *given)
 {
+    struct question_of *question = &together->questions[needle->questions[0]];
     conus_pose_row row = *given;
+    const conus_planned *place = NULL;
     row.id = needle->name;
-    conus_status status = create_plan(needle, together);
-    status = status ? status : conus_plan_try(&needle->place, needle->plan, &row);
-    return status ? status : take_list(needle, 0);
+    conus_status status = conus_plan_try(&place, question->plan, &row);
+    status = status ? status : plan_copy(&needle->place, question->plan, place);
+    status = status ? status : body_list_init(&needle->bodies, &question->bodies, 1);
+    if (!status) {
+        body_list_set(&needle->bodies, 0, &needle->place);
+        needle->item = item_of(&needle->place, 1, 0);
+    }
+    return status;
 }
 
-static conus_status init_needle(struct needle_of *out, conus_together *together, const conus_needle *asked)
+/* The needle of a name, a new one where there is none; NULL after an error. */
+static conus_status find_needle(size_t *out, conus_together *together, const char *name, size_t size)
 {
+    size_t i = 0;
+    while (i < together->count &&
+           (strncmp(together->needles[i].name, name, size) != 0 || together->needles[i].name[size])) {
+        i++;
+    }
+    *out = i;
+    if (i == NEEDLE_LIMIT) {
+        return fail(CONUS_ERROR_ARGUMENT, "needles: more than %d", NEEDLE_LIMIT);
+    }
+    if (i == together->count) {
+        together->needles[i].name = memory_text(name, size);
+        together->count += together->needles[i].name != NULL;
+    }
+    return i < together->count ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+/* Reads which needles may answer a question: "A, B" */
+static conus_status name_needles(conus_together *together, size_t index)
+{
+    struct question_of *question = &together->questions[index];
+    const char *at = question->name;
+    conus_status status = CONUS_OK;
+    for (bool more = true; more && !status; at += more) {
+        at += strspn(at, " ");
+        size_t length = strcspn(at, ",");
+        size_t size = length;
+        while (size && at[size - 1] == ' ') {
+            size--;
+        }
+        more = at[length] == ',';
+        size_t needle = 0;
+        status = size ? find_needle(&needle, together, at, size)
+                      : fail(CONUS_ERROR_ARGUMENT, "needles: \"%s\": a needle without a name", question->name);
+        struct needle_of *named = &together->needles[needle];
+        if (!status && named->question_count && named->questions[named->question_count - 1] == index) {
+            status = fail(CONUS_ERROR_ARGUMENT, "needles: \"%s\": %s is named twice", question->name, named->name);
+        }
+        if (!status) {
+            named->questions[named->question_count++] = index;
+            question->needles[question->needle_count++] = needle;
+        }
+        at += length;
+    }
+    return status;
+}
+
+static conus_status init_question(conus_together *together, const conus_question *asked)
+{
+    struct question_of *out = &together->questions[together->question_count];
     const conus_plan_options options = *options_of(conus_plan_options, asked->options);
+    const char *name = asked->needles ? asked->needles : "";
     out->selector = asked->selector;
     out->open = asked->open;
     out->close = asked->close;
@@ -241,45 +447,80 @@ static conus_status init_needle(struct needle_of *out, conus_together *together,
     out->options = options;
     out->constraints = asked->constraints;
     out->constraint_count = asked->constraint_count;
-    out->given = asked->given;
-    conus_status status = asked->open || asked->given
-                              ? check_plan_options(&options)
-                              : fail(CONUS_ERROR_ARGUMENT, "open: there is none, and the needle is not given");
+    out->once = asked->once;
+    out->name = memory_text(name, strlen(name));
+    conus_status status = out->name ? name_needles(together, together->question_count) : CONUS_ERROR_MEMORY;
+    together->question_count++;
+    if (status) {
+        return status;
+    }
+    status = check_plan_options(&options);
     status = status ? status
                     : bodies_init(&out->bodies, asked->selector->options.radius, options.shanks, options.shank_count,
                                   asked->parts, asked->part_count);
-    status = status ? status : asked->given ? place_given(out, together, asked->given) : begin_list(out, together);
-    for (size_t i = 0; i < asked->constraint_count && !status; i++) {
-        out->has_leeway = out->has_leeway || conus_plan_has_leeway(out->plan, i);
+    status = status ? status : create_plan(out, together);
+    return status == CONUS_ERROR_ARGUMENT ? fail_in(status, out->name) : status;
+}
+
+/* Takes the places of needles that are given. */
+static conus_status take_given(conus_together *together)
+{
+    conus_status status = CONUS_OK;
+    for (size_t n = 0; n < together->options.given_count && !status; n++) {
+        const conus_pose_row *row = &together->options.given[n];
+        size_t i = 0;
+        while (i < together->count && strcmp(together->needles[i].name, row->id) != 0) {
+            i++;
+        }
+        if (i == together->count || together->needles[i].given) {
+            return fail(CONUS_ERROR_ARGUMENT,
+                        i == together->count ? "given: %s is no needle" : "given: %s is given twice", row->id);
+        }
+        together->needles[i].given = true;
+        status = place_given(&together->needles[i], together, row);
+        status = status == CONUS_ERROR_ARGUMENT ? fail_in(status, row->id) : status;
     }
-    out->list.has_leeway = out->has_leeway;
     return status;
 }
 
-static conus_status init_needles(conus_together *together, const conus_needle *needles, size_t count)
+/* Finds needles that are alike, and lists what is asked of those that are not given. */
+static conus_status begin_needles(conus_together *together)
 {
-    size_t size = count && needles[0].struct_size ? needles[0].struct_size : sizeof *needles;
-    if (!count || count > NEEDLE_LIMIT) {
-        return fail(CONUS_ERROR_ARGUMENT, "needles: %zu, allowed are 1 to %d", count, NEEDLE_LIMIT);
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < together->count; i++) {
+        struct needle_of *needle = &together->needles[i];
+        needle->list.kin = i;
+        for (size_t k = 0; k < i && !needle->given && needle->list.kin == i; k++) {
+            const struct needle_of *other = &together->needles[k];
+            bool is_alike =
+                !other->given && other->question_count == needle->question_count &&
+                memcmp(other->questions, needle->questions, needle->question_count * sizeof *needle->questions) == 0;
+            needle->list.kin = is_alike ? k : i;
+        }
+        for (size_t q = 0; q < needle->question_count && !needle->given; q++) {
+            together->questions[needle->questions[q]].is_asked = true;
+        }
     }
+    for (size_t q = 0; q < together->question_count && !status; q++) {
+        struct question_of *question = &together->questions[q];
+        status = !question->is_asked ? CONUS_OK
+                 : question->open    ? begin_list(question, together)
+                                     : fail(CONUS_ERROR_ARGUMENT, "open: there is none, and the needle is not given");
+        status = status == CONUS_ERROR_ARGUMENT ? fail_in(status, question->name) : status;
+    }
+    return status ? status : join_all(together);
+}
+
+static conus_status init_questions(conus_together *together, const conus_question *questions, size_t count)
+{
+    if (!count || count > QUESTION_LIMIT) {
+        return fail(CONUS_ERROR_ARGUMENT, "questions: %zu, allowed are 1 to %d", count, QUESTION_LIMIT);
+    }
+    size_t size = questions[0].struct_size ? questions[0].struct_size : sizeof *questions;
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
-        const conus_needle asked = *options_of(conus_needle, (const char *)needles + i * size);
-        struct needle_of *needle = &together->needles[i];
-        together->count++;
-        needle->name = asked.name && asked.name[0] ? memory_text(asked.name, strlen(asked.name)) : NULL;
-        status = needle->name                  ? CONUS_OK
-                 : asked.name && asked.name[0] ? CONUS_ERROR_MEMORY
-                                               : fail(CONUS_ERROR_ARGUMENT, "needles: number %zu has no name", i + 1);
-        for (size_t k = 0; k < i && !status; k++) {
-            status = strcmp(together->needles[k].name, needle->name) == 0
-                         ? fail(CONUS_ERROR_ARGUMENT, "needles: two are called %s", needle->name)
-                         : CONUS_OK;
-        }
-        if (!status) {
-            status = init_needle(needle, together, &asked);
-            status = status == CONUS_ERROR_ARGUMENT ? fail_in(status, needle->name) : status;
-        }
+        const conus_question asked = *options_of(conus_question, (const char *)questions + i * size);
+        status = init_question(together, &asked);
     }
     return status;
 }
@@ -287,7 +528,7 @@ static conus_status init_needles(conus_together *together, const conus_needle *n
 /* The largest leeway of a needle's candidates. */
 static int64_t largest_of(const struct needle_of *needle)
 {
-    return needle->list.bodies.count ? needle->items[0].leeway : 0;
+    return needle->list.count ? needle->list.items[0].leeway : 0;
 }
 
 /* What no least leeway exceeds. */
@@ -301,35 +542,68 @@ static int64_t most_of_all(const conus_together *together)
     return most;
 }
 
-/* Below it no candidate of a needle is in a combination that is as good as the answer (Eq. 28). */
+/* The entry that is looked for. */
+static struct entry *next_entry(conus_together *together)
+{
+    return &together->entries[together->entry_count];
+}
+
+/* What the least leeway of the next entry does not exceed. */
+static int64_t most_of_next(const conus_together *together)
+{
+    int64_t most = most_of_all(together);
+    int64_t before = together->entry_count ? together->entries[together->entry_count - 1].bound : INT64_MAX;
+    return before < most ? before : most;
+}
+
+/* Below it no candidate of a needle is in a combination that is as good as the next entry (Eq. 28). */
 static void find_cuts(conus_together *together)
 {
-    const struct search_answer *answer = &together->answer;
+    const struct search_answer *answer = &next_entry(together)->answer;
     int64_t sum = 0;
     int64_t all = 0;
     for (size_t i = 0; i < together->count; i++) {
         all += largest_of(&together->needles[i]);
-        sum += answer->found ? together->needles[i].items[answer->chosen[i]].leeway : 0;
+        sum += together->has_answer ? together->needles[i].list.items[answer->chosen[i]].leeway : 0;
     }
     /* Until none can have a larger least leeway, all that have more than the answer's may be in one that has. */
-    bool is_largest = answer->found && answer->least >= most_of_all(together);
+    bool is_largest = together->has_answer && answer->least >= most_of_all(together);
     for (size_t i = 0; i < together->count; i++) {
-        int64_t by_sum = answer->found ? sum - (all - largest_of(&together->needles[i])) : 0;
-        int64_t by_least = answer->found ? answer->least : 0;
+        int64_t by_sum = together->has_answer ? sum - (all - largest_of(&together->needles[i])) : 0;
+        int64_t by_least = together->has_answer ? answer->least : 0;
         int64_t cut = by_sum > by_least ? by_sum : by_least;
         together->cuts[i] = is_largest || cut <= by_least ? cut : by_least + 1;
     }
 }
 
-static bool lacks_candidates(const conus_together *together, size_t needle)
+/* Whether a question may have candidates above a cut that are not known. */
+static bool lacks_above(const struct question_of *question, int64_t cut)
 {
-    const struct needle_of *of = &together->needles[needle];
-    return !of->is_whole && (!of->has_leeway || of->floor > together->cuts[needle]);
+    return !question->is_whole && (!question->has_leeway || question->floor > cut);
 }
 
-static uint64_t effort_left(const conus_together *together)
+static bool lacks_candidates(const conus_together *together, size_t index)
 {
-    return together->nodes < together->options.effort ? together->options.effort - together->nodes : 0;
+    const struct needle_of *needle = &together->needles[index];
+    bool lacks = false;
+    for (size_t q = 0; q < needle->question_count && !needle->given; q++) {
+        lacks = lacks || lacks_above(&together->questions[needle->questions[q]], together->cuts[index]);
+    }
+    return lacks;
+}
+
+/* Begins a search among the candidates that are known, which may take so many nodes in all. */
+static conus_status begin_search(struct search **out, conus_together *together, uint64_t limit)
+{
+    const struct search_variety variety = {.chosen = (const size_t(*)[NEEDLE_LIMIT])together->listed,
+                                           .count = together->entry_count,
+                                           .apart = together->options.diverse,
+                                           .differ = (size_t)together->options.differ};
+    for (size_t i = 0; i < together->count; i++) {
+        together->lists[i] = together->needles[i].list;
+    }
+    uint64_t left = together->nodes < limit ? limit - together->nodes : 0;
+    return joint_create(out, together->lists, together->count, &variety, left, show_progress, together);
 }
 
 /* Searches among the candidates that are known. */
@@ -338,77 +612,90 @@ static conus_status search_known(conus_together *together)
     struct search *search = NULL;
     struct search_answer answer = {0};
     bool is_best = false;
+    struct entry *entry = next_entry(together);
     const uint32_t all = (1U << together->count) - 1;
-    for (size_t i = 0; i < together->count; i++) {
-        together->lists[i] = together->needles[i].list;
-    }
-    conus_status status =
-        joint_create(&search, together->lists, together->count, effort_left(together), show_progress, together);
-    status = status ? status : joint_least(&answer, search, all, &together->test, most_of_all(together));
+    conus_status status = begin_search(&search, together, together->limit);
+    status = status ? status : joint_least(&answer, search, all, &together->test, most_of_next(together));
     bool is_least = answer.found && answer.least == answer.most;
     if (!status && answer.found) {
         status = joint_best(&answer, &is_best, search, &together->test);
     }
     if (answer.found && (!status || status == CONUS_ERROR_CANCELLED)) {
-        together->answer = answer;
+        entry->answer = answer;
         together->has_answer = true;
+        for (size_t i = 0; i < together->count; i++) {
+            entry->numbers[i] = together->needles[i].list.items[answer.chosen[i]].number;
+        }
     }
     together->is_best = !status && is_least && is_best;
     together->is_none = !status && !answer.found && answer.most < 0;
-    together->answer.most = answer.most;
+    entry->answer.most = answer.most;
     together->nodes += search ? joint_nodes(search) : 0;
     joint_destroy(search);
     return status;
 }
 
-/* Lists more where the answer asks for it. *is_longer: of some needle. */
+/* The least cut of the needles that are planned and may answer a question. */
+static int64_t cut_of(const conus_together *together, const struct question_of *question)
+{
+    int64_t cut = INT64_MAX;
+    for (size_t i = 0; i < question->needle_count; i++) {
+        size_t needle = question->needles[i];
+        cut = !together->needles[needle].given && together->cuts[needle] < cut ? together->cuts[needle] : cut;
+    }
+    return cut;
+}
+
+/* Lists more where the answer asks for it. *is_longer: of some question. */
 static conus_status extend_lists(bool *is_longer, conus_together *together)
 {
     conus_status status = CONUS_OK;
     *is_longer = false;
-    for (size_t i = 0; i < together->count && !status; i++) {
-        struct needle_of *needle = &together->needles[i];
-        if (lacks_candidates(together, i) && !needle->is_full) {
-            status = extend_list(needle, together->cuts[i]);
+    for (size_t q = 0; q < together->question_count && !status; q++) {
+        struct question_of *question = &together->questions[q];
+        int64_t cut = cut_of(together, question);
+        if (question->is_asked && !question->is_full && lacks_above(question, cut)) {
+            status = extend_list(question, cut);
             *is_longer = true;
         }
     }
-    return status;
+    conus_status joined = join_all(together);
+    return status && status != CONUS_ERROR_CANCELLED ? status : joined ? joined : status;
 }
 
-/* An answer's places are known again in a list that is longer. */
-static conus_status follow(conus_together *together, const uint64_t numbers[NEEDLE_LIMIT])
+/* An entry's places are known again in lists that are longer. */
+static conus_status follow(conus_together *together, size_t index)
 {
-    for (size_t i = 0; i < together->count && together->has_answer; i++) {
+    struct entry *entry = &together->entries[index];
+    for (size_t i = 0; i < together->count; i++) {
         const struct needle_of *needle = &together->needles[i];
         size_t at = 0;
-        while (at < needle->list.bodies.count && needle->items[at].number != numbers[i]) {
+        while (at < needle->list.count && needle->list.items[at].number != entry->numbers[i]) {
             at++;
         }
-        if (at == needle->list.bodies.count) {
-            together->has_answer = false;
-            return fail(CONUS_ERROR_DATA, "%s: its candidates are others when they are read again", needle->name);
+        if (at == needle->list.count) {
+            return fail_changed(needle);
         }
-        together->answer.chosen[i] = at;
+        together->listed[index][i] = entry->answer.chosen[i] = at;
     }
     return CONUS_OK;
 }
 
-/* A run that is cancelled once there is an answer has that one. */
-static conus_status search_all(conus_together *together)
+/* Searches the next entry. A run that is cancelled once there is an answer has that one. */
+static conus_status search_entry(conus_together *together)
 {
     bool is_longer = true;
     conus_status status = CONUS_OK;
+    together->has_answer = false;
     while (is_longer && !status) {
-        uint64_t numbers[NEEDLE_LIMIT] = {0};
         status = search_known(together);
         find_cuts(together);
-        for (size_t i = 0; i < together->count && together->has_answer; i++) {
-            numbers[i] = together->needles[i].items[together->answer.chosen[i]].number;
-        }
         is_longer = false;
         status = status ? status : extend_lists(&is_longer, together);
-        conus_status followed = follow(together, numbers);
+        conus_status followed = CONUS_OK;
+        for (size_t n = 0; n < together->entry_count + together->has_answer && !followed; n++) {
+            followed = follow(together, n);
+        }
         status = status && status != CONUS_ERROR_CANCELLED ? status : followed ? followed : status;
     }
     return status == CONUS_ERROR_CANCELLED && together->has_answer ? CONUS_OK : status;
@@ -416,7 +703,7 @@ static conus_status search_all(conus_together *together)
 
 static bool has_none(const struct needle_of *needle)
 {
-    return needle->given ? !needle->place->feasible : !needle->list.bodies.count;
+    return needle->given ? !needle->place.feasible : !needle->list.count;
 }
 
 static size_t bits_of(uint32_t bits)
@@ -477,9 +764,7 @@ static conus_status explain(conus_together *together)
     for (size_t i = 0; i < together->count && !set; i++) {
         set = has_none(&together->needles[i]) ? 1U << i : 0;
     }
-    conus_status status =
-        set ? CONUS_OK
-            : joint_create(&search, together->lists, together->count, effort_left(together), show_progress, together);
+    conus_status status = set ? CONUS_OK : begin_search(&search, together, together->options.effort);
     if (search) {
         status = find_conflict(&set, search, together);
         status = status || !set ? status : find_limit(&conflict->between, search, set, &together->test, PAIR_BETWEEN);
@@ -495,96 +780,168 @@ static conus_status explain(conus_together *together)
     return status == CONUS_ERROR_CANCELLED ? CONUS_OK : status; /* what is known by then */
 }
 
-/* Sets the places of the answer, and measures its pairs. */
-static conus_status place_all(conus_together *together, bool is_feasible)
+/* Measures the pairs of an entry. */
+static int64_t measure_pairs(conus_together *together, size_t of[2], size_t index, int64_t least)
 {
-    const size_t *chosen = together->answer.chosen;
-    conus_combination *out = &together->combination;
-    int64_t least = INT64_MAX;
-    int64_t sum = 0;
-    int64_t depth = 0;
-    together->has_combination = true;
-    *out = (conus_combination){
-        .feasible = is_feasible, .bound = NAN, .leeway_of = {SIZE_MAX, SIZE_MAX}, .nodes = together->nodes};
-    for (size_t i = 0; i < together->count; i++) {
-        const struct needle_of *needle = &together->needles[i];
-        const struct search_item *item = &needle->items[chosen[i]];
-        together->placed[i].pose = needle->place;
-        together->placed[i].candidate = item->number;
-        sum += item->leeway;
-        depth += item->depth;
-        if (needle->has_leeway && item->leeway < least) {
-            least = item->leeway;
-            out->leeway_of[0] = i;
-        }
-    }
-    together->pairs = memory_zeroed(together->count * together->count, sizeof *together->pairs);
-    if (!together->pairs) {
-        return CONUS_ERROR_MEMORY;
-    }
+    const struct entry *entry = &together->entries[index];
+    const size_t *chosen = entry->answer.chosen;
     for (size_t i = 0; i < together->count; i++) {
         for (size_t k = i + 1; k < together->count; k++) {
             const struct needle_of *one = &together->needles[i];
             const struct needle_of *other = &together->needles[k];
             struct pair_row *row = &together->pairs[together->pair_count++];
-            *row = (struct pair_row){.combination = is_feasible, .names = {one->name, other->name}};
-            pair_measure(&row->pair, &one->list.bodies, chosen[i], &other->list.bodies, chosen[k],
-                         &together->test.margins);
-            pair_row_name(row, &one->bodies, &other->bodies);
+            *row = (struct pair_row){.combination = entry->combination.feasible ? index + 1 : 0,
+                                     .names = {one->name, other->name}};
+            const struct search_item *items[2] = {&one->list.items[chosen[i]], &other->list.items[chosen[k]]};
+            const struct body_list *bodies[2] = {one->list.parts[items[0]->part].bodies,
+                                                 other->list.parts[items[1]->part].bodies};
+            pair_measure(&row->pair, bodies[0], items[0]->index, bodies[1], items[1]->index, &together->test.margins);
+            pair_row_name(row, bodies[0]->bodies, bodies[1]->bodies);
             bool is_broken = !(row->pair.slack > 0);
             row->leeway = is_broken ? 0 : row->pair.slack / 2;
             int64_t value = is_broken ? 0 : pair_value(&row->pair, PAIR_LEEWAY);
             if (value < least) {
                 least = value;
-                out->leeway_of[0] = i;
-                out->leeway_of[1] = k;
+                of[0] = i;
+                of[1] = k;
             }
         }
     }
+    return least;
+}
+
+/* Sets an entry's combination: its places, and what its needles and pairs have. */
+static conus_status place_all(conus_together *together, size_t index)
+{
+    struct entry *entry = &together->entries[index];
+    conus_combination *out = &entry->combination;
+    size_t of[2] = {SIZE_MAX, SIZE_MAX};
+    int64_t least = INT64_MAX;
+    int64_t sum = 0;
+    int64_t depth = 0;
+    out->chosen = entry->chosen;
+    for (size_t i = 0; i < together->count; i++) {
+        const struct needle_of *needle = &together->needles[i];
+        const struct search_item *item = &needle->list.items[entry->answer.chosen[i]];
+        const struct search_part *part = &needle->list.parts[item->part];
+        const conus_planned *place = place_of(together, entry, i);
+        if (!needle->given && !is_same(place, item)) {
+            return fail_changed(needle);
+        }
+        entry->chosen[i] = (conus_chosen){place, item->number, part->question};
+        sum += item->leeway;
+        depth += item->depth;
+        if (part->has_leeway && item->leeway < least) {
+            least = item->leeway;
+            of[0] = i;
+        }
+    }
+    least = measure_pairs(together, of, index, least);
+    for (size_t i = 0; i < 2 && of[i] < SIZE_MAX; i++) {
+        buffer_format(&entry->leeway_of, "%s%s", i ? "/" : "", together->needles[of[i]].name);
+    }
+    out->leeway_of = of[0] < SIZE_MAX ? entry->leeway_of.data : NULL;
     out->sum = NM * (double)sum;
     out->depth = NM * (double)depth;
     out->leeway = least < INT64_MAX ? NM * (double)least : NAN;
-    return CONUS_OK;
+    out->bound = isnan(out->leeway) || !out->feasible ? NAN : NM * (double)entry->bound;
+    return buffer_status(&entry->leeway_of);
 }
 
-/* Whether the answer is proven, and else what none exceeds. */
-static void judge_answer(conus_together *together)
+/* Places all entries. */
+static conus_status place_entries(conus_together *together)
 {
-    conus_combination *out = &together->combination;
-    int64_t most = together->answer.most > together->answer.least ? together->answer.most : together->answer.least;
-    out->proven = together->is_best && !together->was_cancelled;
+    conus_status status = CONUS_OK;
+    size_t pairs = together->count * together->count * together->entry_count + 1;
+    for (size_t q = 0; q < together->question_count && !status; q++) {
+        status = together->entry_count ? find_places(together, &together->questions[q]) : status;
+    }
+    together->pairs = status ? NULL : memory_zeroed(pairs, sizeof *together->pairs);
+    status = status || together->pairs ? status : CONUS_ERROR_MEMORY;
+    for (size_t n = 0; n < together->entry_count && !status; n++) {
+        status = place_all(together, n);
+    }
+    return status;
+}
+
+/* Whether the next entry is proven, and what none exceeds. */
+static void judge_entry(conus_together *together)
+{
+    struct entry *entry = next_entry(together);
+    int64_t most = entry->answer.most > entry->answer.least ? entry->answer.most : entry->answer.least;
+    bool is_proven = together->is_best && !together->was_cancelled;
     for (size_t i = 0; i < together->count; i++) {
         const struct needle_of *needle = &together->needles[i];
-        bool lacks = lacks_candidates(together, i);
-        int64_t floor = needle->has_leeway ? needle->floor : INT64_MAX;
-        out->proven = out->proven && !lacks;
-        most = lacks && floor > most ? floor : most;
+        is_proven = is_proven && !lacks_candidates(together, i);
+        for (size_t q = 0; q < needle->question_count && !needle->given; q++) {
+            const struct question_of *question = &together->questions[needle->questions[q]];
+            int64_t floor = question->has_leeway ? question->floor : INT64_MAX;
+            most = lacks_above(question, together->cuts[i]) && floor > most ? floor : most;
+        }
     }
     /* Lists may have grown since the last search that was whole. */
     most = together->was_cancelled ? INT64_MAX : most;
-    int64_t limit = most_of_all(together);
-    most = most < limit ? most : limit;
-    out->bound = isnan(out->leeway) ? NAN : out->proven ? out->leeway : NM * (double)most;
+    int64_t limit = most_of_next(together);
+    entry->bound = is_proven ? entry->answer.least : most < limit ? most : limit;
+    bool are_before = !together->entry_count || entry[-1].combination.proven;
+    entry->combination.feasible = true;
+    entry->combination.proven = is_proven && are_before;
+    entry->combination.nodes = together->nodes;
 }
 
 static void describe_needles(conus_together *together)
 {
     for (size_t i = 0; i < together->count; i++) {
         const struct needle_of *needle = &together->needles[i];
-        bool has = needle->has_leeway && needle->list.bodies.count && !has_none(needle);
-        conus_placed *placed = &together->placed[i];
-        placed->name = needle->name;
-        placed->given = needle->given;
-        placed->plan = needle->plan;
-        placed->pose = placed->pose ? placed->pose : needle->place;
-        placed->radius = needle->bodies.radius[0];
-        placed->shanks = needle->bodies.shanks[0];
-        placed->shank_count = needle->bodies.shaft_count;
-        placed->parts = needle->bodies.parts;
-        placed->part_count = needle->bodies.count - needle->bodies.shaft_count;
-        placed->largest = has ? NM * (double)largest_of(needle) : NAN;
-        placed->cut = has && together->has_answer ? NM * (double)together->cuts[i] : NAN;
+        bool has = needle->has_leeway && needle->list.count && !has_none(needle);
+        bool has_cut = has && together->entries[0].combination.feasible;
+        together->placed[i] = (conus_placed){.name = needle->name,
+                                             .given = needle->given ? &needle->place : NULL,
+                                             .questions = needle->questions,
+                                             .question_count = needle->question_count,
+                                             .largest = has ? NM * (double)largest_of(needle) : NAN,
+                                             .cut = has_cut ? NM * (double)together->cuts[i] : NAN};
     }
+    for (size_t q = 0; q < together->question_count; q++) {
+        const struct question_of *question = &together->questions[q];
+        const struct bodies *bodies = &question->bodies;
+        together->answered[q] = (conus_answered){.needles = question->needles,
+                                                 .needle_count = question->needle_count,
+                                                 .once = question->once,
+                                                 .plan = question->plan,
+                                                 .radius = bodies->radius[0],
+                                                 .shanks = bodies->shanks[0],
+                                                 .shank_count = bodies->shaft_count,
+                                                 .parts = bodies->parts,
+                                                 .part_count = bodies->count - bodies->shaft_count};
+    }
+}
+
+/* Lists combinations until there are enough, or no more. All entries share the effort. */
+static conus_status search_entries(conus_together *together)
+{
+    conus_status status = CONUS_OK;
+    bool is_over = false;
+    for (uint64_t left = together->options.top; left && !is_over && !status; left--) {
+        int64_t cuts[NEEDLE_LIMIT];
+        const uint64_t effort = together->options.effort;
+        memcpy(cuts, together->cuts, sizeof cuts);
+        together->limit = together->nodes + (effort > together->nodes ? effort - together->nodes : 0) / left;
+        status = search_entry(together);
+        for (size_t i = 0; i < together->count; i++) {
+            together->is_none = together->is_none && !lacks_candidates(together, i);
+        }
+        if (!status && together->has_answer) {
+            judge_entry(together);
+            together->entry_count++;
+        } else if (together->entry_count) {
+            status = status == CONUS_ERROR_CANCELLED ? CONUS_OK : status;
+            together->entries[together->entry_count - 1].combination.last = !status && together->is_none;
+            memcpy(together->cuts, together->is_none ? together->cuts : cuts, sizeof cuts);
+        }
+        is_over = together->was_cancelled || !together->has_answer;
+    }
+    return status;
 }
 
 static conus_status answer(conus_together *together)
@@ -594,31 +951,21 @@ static conus_status answer(conus_together *together)
     for (size_t i = 0; i < together->count; i++) {
         are_all_given = are_all_given && together->needles[i].given;
         lacks_one = lacks_one || has_none(&together->needles[i]);
-        together->lists[i] = together->needles[i].list;
     }
-    conus_status status = lacks_one ? CONUS_OK : search_all(together);
+    conus_status status = lacks_one ? CONUS_OK : search_entries(together);
     if (status) {
         return status;
     }
-    bool is_none = lacks_one || together->is_none;
-    for (size_t i = 0; i < together->count; i++) {
-        is_none = is_none && (lacks_one || !lacks_candidates(together, i));
+    bool is_none = !together->entry_count && (lacks_one || together->is_none);
+    if (is_none && are_all_given) { /* what breaks is shown */
+        together->entries[together->entry_count++].combination.nodes = together->nodes;
     }
-    for (size_t i = 0; i < together->count && together->has_answer && !status; i++) {
-        struct needle_of *needle = &together->needles[i];
-        status = needle->given ? status : find_place(needle, &needle->items[together->answer.chosen[i]]);
-    }
-    if (!status && (together->has_answer || are_all_given)) {
-        status = place_all(together, together->has_answer);
-    }
-    if (!status && together->has_answer) {
-        judge_answer(together);
-    }
+    status = place_entries(together);
     describe_needles(together);
-    return status || together->has_answer || !is_none ? status : explain(together);
+    return status || !is_none ? status : explain(together);
 }
 
-conus_status conus_plan_together(conus_together **out, const conus_needle *needles, size_t count,
+conus_status conus_plan_together(conus_together **out, const conus_question *questions, size_t count,
                                  const conus_together_options *options)
 {
     conus_together *together = memory_zeroed(1, sizeof *together);
@@ -626,30 +973,54 @@ conus_status conus_plan_together(conus_together **out, const conus_needle *needl
         return CONUS_ERROR_MEMORY;
     }
     conus_status status = check_options(together, options);
-    status = status ? status : init_needles(together, needles, count);
+    status = status ? status : init_questions(together, questions, count);
+    status = status ? status : check_list(together);
+    status = status ? status : take_given(together);
+    status = status ? status : begin_needles(together);
     status = status ? status : answer(together);
     if (status) {
         conus_together_destroy(together);
         return status;
     }
+    together->options.given = NULL; /* the caller's */
     *out = together;
     return CONUS_OK;
 }
 
 void conus_together_destroy(conus_together *together)
 {
-    for (size_t i = 0; together && i < together->count; i++) {
-        memory_free(together->needles[i].name);
-        conus_plan_destroy(together->needles[i].plan);
-        finish_list(&together->needles[i]);
+    if (!together) {
+        return;
     }
-    memory_free(together ? together->pairs : NULL);
+    for (size_t q = 0; q < together->question_count; q++) {
+        struct question_of *question = &together->questions[q];
+        for (size_t n = 0; n < question->place_count; n++) {
+            plan_copy_finish(&question->places[n]);
+        }
+        memory_free(question->places);
+        memory_free(question->name);
+        conus_plan_destroy(question->plan);
+        finish_list(question);
+    }
+    for (size_t i = 0; i < together->count; i++) {
+        struct needle_of *needle = &together->needles[i];
+        plan_copy_finish(&needle->place);
+        body_list_finish(&needle->bodies);
+        memory_free(needle->joined);
+        memory_free(needle->name);
+    }
+    for (size_t n = 0; n < together->entry_count; n++) {
+        buffer_finish(&together->entries[n].leeway_of);
+    }
+    memory_free(together->entries);
+    memory_free(together->listed);
+    memory_free(together->pairs);
     memory_free(together);
 }
 
-const conus_combination *conus_together_combination(const conus_together *together)
+const conus_combination *conus_together_combination(const conus_together *together, size_t index)
 {
-    return together->has_combination ? &together->combination : NULL;
+    return index < together->entry_count ? &together->entries[index].combination : NULL;
 }
 
 const conus_together_options *conus_together_asked(const conus_together *together)
@@ -667,6 +1038,11 @@ const conus_placed *conus_together_needle(const conus_together *together, size_t
     return index < conus_together_count(together) ? &together->placed[index] : NULL;
 }
 
+const conus_answered *conus_together_question(const conus_together *together, size_t index)
+{
+    return index < together->question_count ? &together->answered[index] : NULL;
+}
+
 const conus_conflict *conus_together_conflict(const conus_together *together)
 {
     return together->has_conflict ? &together->conflict : NULL;
@@ -674,7 +1050,7 @@ const conus_conflict *conus_together_conflict(const conus_together *together)
 
 conus_status conus_together_pairs(conus_table **out, const conus_together *together)
 {
-    const conus_selector *selector = together->needles[0].selector;
+    const conus_selector *selector = together->questions[0].selector;
     const struct table_source source = {selector->atlas, &selector->frame};
     return table_create(out, &source, &pair_fields, &(const struct table_question){0}, together->pairs,
                         sizeof *together->pairs, together->pair_count);

@@ -260,12 +260,13 @@ void report_plan_finish(struct report_plan *plan)
 
 void report_needles_finish(struct report_needles *needles)
 {
-    for (size_t i = 0; i < needles->count; i++) {
-        report_plan_finish(&needles->at[i].plan);
-        memory_free(needles->at[i].places);
+    for (size_t i = 0; i < needles->question_count; i++) {
+        report_plan_finish(&needles->questions[i].plan);
+        memory_free(needles->questions[i].places);
     }
-    memory_free(needles->at);
-    memory_free(needles->leeway_of);
+    memory_free(needles->questions);
+    memory_free((void *)needles->at);
+    memory_free((void *)needles->combinations);
     memory_free(needles->columns);
 }
 

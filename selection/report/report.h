@@ -21,7 +21,9 @@ struct report_planned {
     conus_kind kind; /**< Kind and object begin every row; this one has none. */
     uint32_t object;
     size_t constraint;         /**< Index in the plan. */
-    size_t needle;             /**< Index of the needle, of several together. */
+    size_t needle;             /**< Index of the needle, of several together, */
+    size_t question;           /**< of the question that it answers, */
+    size_t combination;        /**< and of its combination. */
     const conus_planned *pose; /**< The plan's. */
     uint64_t order;            /**< Number of the depth, from 1. */
     double depth, distance;    /**< mm from the apex; of the axis there from the structure. */
@@ -52,22 +54,24 @@ struct report_plan {
     struct buffer words; /**< All texts that are made for them. */
 };
 
-/** A needle of several together. */
-struct report_needle {
-    const conus_placed *placed;
+/** A question of several needles together. */
+struct report_question {
+    const conus_answered *answered;
     struct report_plan plan;
     size_t *places; /**< [report_needles.column_count] Index of the column in the plan's; SIZE_MAX = it has none. */
 };
 
 /** Several needles together, with the columns that some of them have. */
 struct report_needles {
-    struct report_needle *at; /**< [count] */
+    struct report_question *questions; /**< [question_count] */
+    size_t question_count;
+    const conus_placed **at; /**< [count] */
     size_t count;
+    const conus_combination **combinations; /**< [combination_count] */
+    size_t combination_count;
     const conus_together_options *asked;
-    const conus_combination *combination; /**< NULL = there is none. */
-    const conus_conflict *conflict;       /**< Likewise. */
-    char *leeway_of;                      /**< "A", "A/B"; NULL = nothing has one. */
-    struct report_column *columns;        /**< [column_count] Their offset is their index. */
+    const conus_conflict *conflict; /**< NULL = there is none. */
+    struct report_column *columns;  /**< [column_count] Their offset is their index. */
     size_t column_count;
 };
 
@@ -179,7 +183,7 @@ void report_clear(conus_report *report);
 /** The plan whose pose a row is about. */
 static inline const struct report_plan *report_plan_of(const conus_report *report, const struct report_row *row)
 {
-    return report->needles.count ? &report->needles.at[row->planned.needle].plan : &report->plan;
+    return report->needles.count ? &report->needles.questions[row->planned.question].plan : &report->plan;
 }
 
 /** Whether two queries are about one pose. */

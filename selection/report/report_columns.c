@@ -292,70 +292,68 @@ static struct cell get_target(const conus_report *report, const struct report_ro
 
 /* Of several needles together: the combination, of which each row is a needle. */
 
+static const conus_combination *combination_of(const conus_report *report, const struct report_row *row)
+{
+    return report->needles.combinations[row->planned.combination];
+}
+
 static struct cell get_combination(const conus_report *report, const struct report_row *row)
 {
-    (void)row;
-    return integer_cell(report->needles.combination->feasible);
+    return integer_cell(combination_of(report, row)->feasible ? row->planned.combination + 1 : 0);
 }
 
 static struct cell get_proven(const conus_report *report, const struct report_row *row)
 {
-    (void)row;
-    const conus_combination *combination = report->needles.combination;
+    const conus_combination *combination = combination_of(report, row);
     return combination->feasible ? integer_cell(combination->proven) : no_cell();
 }
 
 static struct cell get_all_leeway(const conus_report *report, const struct report_row *row)
 {
-    (void)row;
-    return number_cell(report->needles.combination->leeway);
+    return number_cell(combination_of(report, row)->leeway);
 }
 
 static struct cell get_all_leeway_of(const conus_report *report, const struct report_row *row)
 {
-    (void)row;
-    return text_cell(report->needles.leeway_of);
+    return text_cell(combination_of(report, row)->leeway_of);
 }
 
 static struct cell get_all_bound(const conus_report *report, const struct report_row *row)
 {
-    (void)row;
-    return number_cell(report->needles.combination->bound);
+    return number_cell(combination_of(report, row)->bound);
 }
 
 static struct cell get_all_sum(const conus_report *report, const struct report_row *row)
 {
-    (void)row;
-    return number_cell(report->needles.combination->sum);
+    return number_cell(combination_of(report, row)->sum);
 }
 
 static struct cell get_all_depth(const conus_report *report, const struct report_row *row)
 {
-    (void)row;
-    return number_cell(report->needles.combination->depth);
+    return number_cell(combination_of(report, row)->depth);
 }
 
 static struct cell get_needle(const conus_report *report, const struct report_row *row)
 {
-    return text_cell(report->needles.at[row->planned.needle].placed->name);
+    return text_cell(report->needles.at[row->planned.needle]->name);
 }
 
 static struct cell get_needle_row(const conus_report *report, const struct report_row *row)
 {
     (void)report;
-    return integer_cell(row->planned.needle + 1);
+    return integer_cell(row->planned.question + 1);
 }
 
 static const struct report_column needle_columns[] = {
     {"combination", NULL, "number of the combination, from 1; 0 of one that breaks something", .get = get_combination},
-    {"proven", NULL, "1 if it is proven that no combination is better, else 0", .get = get_proven},
+    {"proven", NULL, "1 if it is proven that no combination that may stand there is better, else 0", .get = get_proven},
     {"all_leeway_mm", "mm", "the least leeway of all needles and pairs", .get = get_all_leeway},
     {"all_leeway_of", NULL, "the needle that has it, or both of the pair", NAMED(get_all_leeway_of)},
-    {"all_bound", "mm", "no combination has a larger least leeway", .get = get_all_bound},
+    {"all_bound", "mm", "no combination that may stand there has a larger least leeway", .get = get_all_bound},
     {"all_sum_mm", "mm", "sum of the needles' leeways", .get = get_all_sum},
     {"all_depth_mm", "mm", "sum of the needles' depths", .get = get_all_depth},
     {"needle", NULL, "name of the needle", NAMED(get_needle)},
-    {"row", NULL, "number of its row in the table of needles, from 1", .get = get_needle_row},
+    {"row", NULL, "number of the row of the table that it answers, from 1", .get = get_needle_row},
 };
 
 static const struct report_column plan_columns[] = {
@@ -965,9 +963,9 @@ struct cell report_cell(const conus_report *report, const struct report_column *
             return column->get(report, row);
         }
         if (column->home == HOME_NEEDLE) {
-            const struct report_needle *needle = &report->needles.at[row->planned.needle];
-            size_t place = needle->places[column->offset];
-            return place < SIZE_MAX ? report_cell(report, &needle->plan.columns[place], row) : no_cell();
+            const struct report_question *question = &report->needles.questions[row->planned.question];
+            size_t place = question->places[column->offset];
+            return place < SIZE_MAX ? report_cell(report, &question->plan.columns[place], row) : no_cell();
         }
         if (column->home == HOME_TABLE) {
             return table_cell(&table_columns(row->of_table.table)[column->offset], row->of_table.index);

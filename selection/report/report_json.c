@@ -486,32 +486,38 @@ static json_t *json_from_part(const conus_part *part)
                      part->high);
 }
 
-/* The question of a needle, and how many candidates answer it. */
-static json_t *json_from_question(const struct report_needle *needle)
+/* A question, and how many candidates answer it. */
+static json_t *json_from_question(const struct report_needles *needles, size_t index)
 {
-    const conus_placed *placed = needle->placed;
+    const struct report_question *question = &needles->questions[index];
+    const conus_answered *answered = question->answered;
+    json_t *names = json_array();
     json_t *shanks = json_array();
     json_t *parts = json_array();
     json_t *constraints = json_array();
     json_t *funnel = json_array();
     bool whole = true;
-    for (size_t i = 0; i < placed->shank_count; i++) {
-        json_t *shank = json_pack("[f, f]", placed->shanks[2 * i], placed->shanks[2 * i + 1]);
+    for (size_t i = 0; i < answered->needle_count; i++) {
+        json_t *name = json_from_text(needles->at[answered->needles[i]]->name);
+        whole = json_array_append_new(names, name) == 0 && whole;
+    }
+    for (size_t i = 0; i < answered->shank_count; i++) {
+        json_t *shank = json_pack("[f, f]", answered->shanks[2 * i], answered->shanks[2 * i + 1]);
         whole = json_array_append_new(shanks, shank) == 0 && whole;
     }
-    for (size_t i = 0; i < placed->part_count; i++) {
-        whole = json_array_append_new(parts, json_from_part(&placed->parts[i])) == 0 && whole;
+    for (size_t i = 0; i < answered->part_count; i++) {
+        whole = json_array_append_new(parts, json_from_part(&answered->parts[i])) == 0 && whole;
     }
-    for (size_t i = 0; i < needle->plan.count; i++) {
-        const struct report_constraint *constraint = &needle->plan.constraints[i];
+    for (size_t i = 0; i < question->plan.count; i++) {
+        const struct report_constraint *constraint = &question->plan.constraints[i];
         whole = json_array_append_new(constraints, json_from_constraint(constraint)) == 0 && whole;
         whole = json_array_append_new(funnel, json_integer((json_int_t)constraint->left)) == 0 && whole;
     }
-    json_t *object = json_pack("{s: [o], s: f, s: o, s: o, s: I, s: I, s: o, s: o, s: I}", "needles",
-                               json_from_text(placed->name), "radius_mm", placed->radius, "shanks", shanks, "parts",
-                               parts, "candidates", (json_int_t)needle->plan.candidates, "no_candidates",
-                               (json_int_t)needle->plan.rejected, "constraints", constraints, "funnel", funnel,
-                               "feasible", (json_int_t)needle->plan.constraints[needle->plan.count - 1].left);
+    json_t *object = json_pack("{s: o, s: b, s: f, s: o, s: o, s: I, s: I, s: o, s: o, s: I}", "needles", names, "once",
+                               answered->once, "radius_mm", answered->radius, "shanks", shanks, "parts", parts,
+                               "candidates", (json_int_t)question->plan.candidates, "no_candidates",
+                               (json_int_t)question->plan.rejected, "constraints", constraints, "funnel", funnel,
+                               "feasible", (json_int_t)question->plan.constraints[question->plan.count - 1].left);
     return whole_or_null(object, whole);
 }
 
@@ -522,7 +528,7 @@ static json_t *json_from_conflict(const struct report_needles *needles)
     json_t *names = conflict ? json_array() : NULL;
     bool whole = true;
     for (size_t i = 0; conflict && i < conflict->count; i++) {
-        const conus_placed *placed = needles->at[conflict->needles[i]].placed;
+        const conus_placed *placed = needles->at[conflict->needles[i]];
         whole = json_array_append_new(names, json_from_text(placed->name)) == 0 && whole;
     }
     return !conflict ? json_null()
@@ -532,31 +538,49 @@ static json_t *json_from_conflict(const struct report_needles *needles)
                                      whole);
 }
 
+/* The combinations that hold. *nodes: of the search. */
+static json_t *json_from_combinations(uint64_t *nodes, const struct report_needles *needles)
+{
+    json_t *list = json_array();
+    bool whole = true;
+    for (size_t n = 0; n < needles->combination_count; n++) {
+        const conus_combination *combination = needles->combinations[n];
+        *nodes = combination->nodes;
+        if (combination->feasible) {
+            json_t *entry = json_pack("{s: b, s: o, s: b}", "proven", combination->proven, "bound_mm",
+                                      json_from_end(combination->bound), "last", combination->last);
+            whole = json_array_append_new(list, entry) == 0 && whole;
+        }
+    }
+    return whole_or_null(list, whole);
+}
+
 static bool add_needles(json_t *root, const struct report_needles *needles)
 {
     json_t *rows = json_array();
     json_t *list = json_array();
-    json_t *combinations = json_array();
-    const conus_combination *combination = needles->combination;
+    const conus_together_options *asked = needles->asked;
+    uint64_t nodes = 0;
+    json_t *combinations = json_from_combinations(&nodes, needles);
     bool whole = true;
     for (size_t i = 0; i < needles->count; i++) {
-        const conus_placed *placed = needles->at[i].placed;
+        const conus_placed *placed = needles->at[i];
         json_t *needle =
-            json_pack("{s: o, s: b, s: o, s: o}", "name", json_from_text(placed->name), "given", placed->given,
+            json_pack("{s: o, s: b, s: o, s: o}", "name", json_from_text(placed->name), "given", placed->given != NULL,
                       "largest_leeway_mm", json_from_end(placed->largest), "cut_mm", json_from_end(placed->cut));
-        whole = json_array_append_new(rows, json_from_question(&needles->at[i])) == 0 && whole;
         whole = json_array_append_new(list, needle) == 0 && whole;
     }
-    if (combination && combination->feasible) {
-        json_t *entry =
-            json_pack("{s: b, s: o}", "proven", combination->proven, "bound_mm", json_from_end(combination->bound));
-        whole = json_array_append_new(combinations, entry) == 0 && whole;
+    for (size_t i = 0; i < needles->question_count; i++) {
+        whole = json_array_append_new(rows, json_from_question(needles, i)) == 0 && whole;
     }
-    json_t *object =
-        json_pack("{s: s, s: {s: f, s: f}, s: f, s: I, s: o, s: o, s: o, s: o}", "rank", "leeway,sum,-depth", "between",
-                  "shafts_mm", needles->asked->between, "parts_mm", needles->asked->parts, "entry_distance_mm",
-                  needles->asked->entry_distance, "nodes", combination ? (json_int_t)combination->nodes : 0, "rows",
-                  rows, "needles", list, "combinations", combinations, "conflict", json_from_conflict(needles));
+    json_t *diverse = asked->top == 1
+                          ? json_null()
+                          : json_pack("{s: f, s: I}", "apart_mm", asked->diverse, "needles", (json_int_t)asked->differ);
+    json_t *object = json_pack("{s: s, s: {s: f, s: f}, s: f, s: I, s: o, s: I, s: o, s: o, s: o, s: o}", "rank",
+                               "leeway,sum,-depth", "between", "shafts_mm", asked->between, "parts_mm", asked->parts,
+                               "entry_distance_mm", asked->entry_distance, "top", (json_int_t)asked->top, "diverse",
+                               diverse, "nodes", (json_int_t)nodes, "rows", rows, "needles", list, "combinations",
+                               combinations, "conflict", json_from_conflict(needles));
     return put_value(root, "Plan", whole_or_null(object, whole));
 }
 

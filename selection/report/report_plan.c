@@ -72,25 +72,46 @@ static bool read_line(char out[CELL_SIZE], const conus_report *report, const str
 }
 
 /* "combination 1: leeway 3.19 mm (A/B), sum 47.2 mm; proven: ..." */
-static void write_combination(struct buffer *out, const struct report_needles *needles)
+static void write_combination(struct buffer *out, const conus_combination *combination, size_t number)
 {
-    const conus_combination *combination = needles->combination;
+    const char *others = number > 1 ? "no other one that differs enough from those before it" : "none";
     if (!combination->feasible) {
         buffer_text(out, "these needles break something\n");
         return;
     }
-    buffer_text(out, "combination 1: ");
-    if (needles->leeway_of) {
-        buffer_format(out, "leeway %.2f mm (%s), ", combination->leeway, needles->leeway_of);
+    buffer_format(out, "%scombination %zu: ", number > 1 ? "\n" : "", number);
+    if (combination->leeway_of) {
+        buffer_format(out, "leeway %.2f mm (%s), ", combination->leeway, combination->leeway_of);
     }
     buffer_format(out, "sum %.2f mm; ", combination->sum);
     if (combination->proven) {
-        buffer_text(out, "proven: none has a larger leeway, and with that a larger sum\n");
-    } else if (needles->leeway_of) {
-        buffer_format(out, "not proven: none has a leeway of more than %.2f mm\n", combination->bound);
+        buffer_format(out, "proven: %s has a larger leeway, and with that a larger sum\n", others);
+    } else if (combination->leeway_of) {
+        buffer_format(out, "not proven: %s has a leeway of more than %.2f mm\n", others, combination->bound);
     } else {
         buffer_text(out, "not proven\n");
     }
+}
+
+/* Writes a line of the table. */
+static void write_line(struct buffer *out, const conus_report *report, const struct report_columns *columns,
+                       const int *widths, size_t line)
+{
+    char text[CELL_SIZE];
+    const char *gap = "";
+    for (size_t c = 0; c < columns->count; c++) {
+        bool is_name = columns->at[c]->type == COLUMN_NAME;
+        read_line(text, report, columns->at[c], line);
+        if (widths[c]) {
+            buffer_format(out, "%s%*s", gap, is_name ? 0 : widths[c] - table_wider(0, text), "");
+            table_write_name(out, text, is_name ? widths[c] : table_wider(0, text));
+            gap = "  ";
+        }
+    }
+    while (out->size && out->data[out->size - 1] == ' ') {
+        out->size--;
+    }
+    buffer_text(out, "\n");
 }
 
 void report_write_plan(struct buffer *out, const conus_report *report)
@@ -100,9 +121,6 @@ void report_write_plan(struct buffer *out, const conus_report *report)
     size_t lines = report->row_count ? report->row_count + 2 : 0;
     struct report_columns columns;
     report_list_columns(&columns, report);
-    if (lines && report->options.rows == CONUS_ROWS_NEEDLES) {
-        write_combination(out, &report->needles);
-    }
     if (report->options.rows == CONUS_ROWS_PLAN) { /* the rank first */
         const struct report_column *query = columns.at[0];
         columns.at[0] = columns.at[1];
@@ -117,21 +135,18 @@ void report_write_plan(struct buffer *out, const conus_report *report)
         }
         widths[c] = is_empty || is_left_out(report, columns.at[c]) ? 0 : widths[c];
     }
-    for (size_t i = 0; i < lines; i++) {
-        const char *gap = "";
-        for (size_t c = 0; c < columns.count; c++) {
-            bool is_name = columns.at[c]->type == COLUMN_NAME;
-            read_line(text, report, columns.at[c], i);
-            if (widths[c]) {
-                buffer_format(out, "%s%*s", gap, is_name ? 0 : widths[c] - table_wider(0, text), "");
-                table_write_name(out, text, is_name ? widths[c] : table_wider(0, text));
-                gap = "  ";
-            }
+    /* Of needles a table for each combination. */
+    size_t each = report->needles.count ? report->needles.count : lines;
+    for (size_t first = 2; first < lines; first += each) {
+        size_t n = report->rows[first - 2].planned.combination;
+        if (report->needles.count) {
+            write_combination(out, report->needles.combinations[n], n + 1);
         }
-        while (out->size && out->data[out->size - 1] == ' ') {
-            out->size--;
+        write_line(out, report, &columns, widths, 0);
+        write_line(out, report, &columns, widths, 1);
+        for (size_t i = first; i < lines && i < first + each; i++) {
+            write_line(out, report, &columns, widths, i);
         }
-        buffer_text(out, "\n");
     }
     buffer_text(out, lines                        ? ""
                      : report->needles.count == 0 ? "(no pose holds all constraints)\n"

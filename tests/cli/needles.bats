@@ -92,6 +92,71 @@ column() {
     jq -e '[.Inputs[].path] | index("a.tsv") and index("needles.tsv")' threads-1.json
 }
 
+# What combinations differ in: of A 1 mm, of B 2 and 3 mm, of C 1 and 2 mm. The leeway of each is that of its nearest
+# pair: (4 - 1.5 - 0.1) / 2, (4 - 1 - 1 - 0.1) / 2, (3 - 1.5 - 0.1) / 2.
+@test "further combinations differ from those before, and are proven" {
+    needles
+    answers $N --between 0.1 --top 3 --diverse 1 -q --format tsv --pairs pairs.tsv --poses-out best.tsv
+    [ "$(column combination <<<"$output")" = "1 1 1 2 2 2 3 3 3" ]
+    [ "$(column query <<<"$output")" = "a-0 b-4 c--4 a-0 b-4 c--3 a-1 b-4 c--3" ]
+    [ "$(column proven <<<"$output")" = "1 1 1 1 1 1 1 1 1" ]
+    [ "$(column all_leeway_mm <<<"$output")" = "1.2 1.2 1.2 0.95 0.95 0.95 0.7 0.7 0.7" ]
+    [ "$(column all_leeway_of <<<"$output" | cut -d ' ' -f 1,4,7)" = "A/B A/C A/B" ]
+    [ "$(column combination pairs.tsv)" = "1 1 1 2 2 2 3 3 3" ]
+    [ "$(cut -f 1 best.tsv | tr -d '"\n')" = "query_id1-A1-B1-C2-A2-B2-C3-A3-B3-C" ]
+    run -0 --separate-stderr conus $N --between 0.1 --top 9 --diverse 1,2 -o few.tsv
+    [ "$(column query few.tsv)" = "a-0 b-4 c--4 a-1 b-4 c--3 a-0 b-2 c--3" ] # 1.2, 0.7, 0.2
+    [[ "$stderr" == *"conus: note: 3 of 9 combinations: no other one differs by so much"* ]]
+    jq -e '.Plan | .top == 9 and .diverse == {apart_mm: 1, needles: 2} and .needles[0].cut_mm == 0' few.json
+    jq -e '.Plan.combinations | map(.last) == [false, false, true]' few.json
+    conus verify few.tsv
+    conus cite few.tsv | tr '\n' ' ' >cited
+    grep -qF 'differ from all before it in 2 or more needles, by 1 mm or more' cited
+    grep -qF 'constraints: A: at least 2 mm of the axis in U (2 of 2 hold); B: ' cited
+    # 1 mm is not 1.5 mm: B moves by 2 mm, C by 2 and 3 mm to where it has no leeway
+    answers $N --between 0.1 --top 3 --diverse 1.5 -q --format tsv
+    [ "$(column query <<<"$output")" = "a-0 b-4 c--4 a-0 b-2 c--3 a-0 b-2 c--6" ]
+}
+
+# P and Q are alike: the one with the smaller number comes first. R has two rows, and both are its alternatives; the rows
+# of b.tsv are answered once. Of a-0 and a-1 the distance is 1 mm, no more than b-1 from these.
+@test "needles may have alternatives, be alike, and answer a row once" {
+    needles
+    printf 'needle\tposes\nQ,P\tall.tsv\n' >alike.tsv
+    poses all 0 1 4
+    answers plan u-shape.nii.gz --needles alike.tsv --reach U,length=2 -q --format tsv --poses-out best.tsv
+    [ "$(column needle <<<"$output")" = "Q P" ]
+    [ "$(column query <<<"$output")" = "all-0 all-4" ] # leeways of 4 and 2, the pair's is 2
+    [ "$(column row <<<"$output")" = "1 1" ]
+    # the same two places the other way round are no other combination
+    answers plan u-shape.nii.gz --needles alike.tsv --reach U,length=2 -q --format tsv --top 3 --diverse 0
+    [ "$(column query <<<"$output")" = "all-0 all-4 all-1 all-4 all-0 all-1" ]
+    run -0 --separate-stderr conus plan u-shape.nii.gz --needles alike.tsv --reach U,length=2 --top 3 --diverse 0,2
+    [[ "$stderr" == *"conus: note: 1 of 3 combinations: no other one differs by so much"* ]]
+    printf 'needle\tposes\tonce\tradius\nR\ta.tsv\t\t0.5\nR, S\tb.tsv\t1\t0.25\nS\tc.tsv\t0\tn/a\n' >several.tsv
+    conus plan u-shape.nii.gz --needles several.tsv --reach U,length=2 -q -o plan.tsv --pairs pairs.tsv
+    [ "$(column needle plan.tsv)" = "R S" ]
+    [ "$(column proven plan.tsv)" = "1 1" ]
+    # R at a-1: 3.5 of its own; S at c--3: 3; 4 mm apart, 0.5 mm thick: 1.75. At b-2, 2.75 of its own, 5 mm: 2.375
+    [ "$(column query plan.tsv)" = "b-2 c--3" ]
+    [ "$(column row plan.tsv)" = "2 3" ]
+    [ "$(column all_leeway_mm plan.tsv)" = "2.375 2.375" ]
+    jq -e '.Plan.rows | map(.needles) == [["R"], ["R", "S"], ["S"]] and map(.once) == [false, true, false]' plan.json
+    conus verify plan.tsv
+    # with b.tsv alone, once, there is no place for both
+    printf 'needle\tposes\tonce\nR,S\tb.tsv\t1\n' >once.tsv
+    run -0 --separate-stderr conus plan u-shape.nii.gz --needles once.tsv --reach U,length=2
+    [[ "$stderr" == *"conus: R, S: no combination: neither another margin"* ]]
+    sed -i 's/\t1$/\t0/' once.tsv
+    answers plan u-shape.nii.gz --needles once.tsv --reach U,length=2 -q --format tsv
+    [ "$(column query <<<"$output")" = "b-1 b-4" ]
+    # a given needle is of its first row
+    printf 'query_id\tx\ty\tz\tdx\tdy\tdz\tfar\nS\t40\t3\t5\t-1\t0\t0\t26\n' >given.tsv
+    answers plan u-shape.nii.gz --needles several.tsv --reach U,length=2 -q --format tsv --given given.tsv
+    [ "$(column row <<<"$output")" = "1 2" ]
+    [ "$(column query <<<"$output")" = "a-0 S" ]
+}
+
 @test "without a combination the needles are named that are in each other's way" {
     needles
     run -0 --separate-stderr conus $N --between 3 --format tsv
@@ -236,10 +301,24 @@ table() { # LINE...
     refused 'needles.tsv: line 2: no needle' $N
     table 'needle\tposes' 'n/a\ta.tsv'
     refused 'needles.tsv: line 2: no needle' $N
-    table 'needle\tposes' 'A,B\ta.tsv'
-    refused 'line 2: needle A,B: a name of one needle' $N
-    table 'needle\tposes' 'A\ta.tsv' 'A\tb.tsv'
-    refused 'line 3: needle A is in line 2, too' $N
+    for names in 'A,' ',A' 'A,,B' ' ' 'A,n/a'; do
+        table 'needle\tposes' "$names\ta.tsv"
+        refused 'needles.tsv: line 2: no needle' $N
+    done
+    table 'needle\tposes' 'A/B\ta.tsv'
+    refused 'line 2: needle A/B: a name without "/"' $N
+    table 'needle\tposes' 'A, B,A\ta.tsv'
+    refused 'line 2: needle A is named twice' $N
+    table 'needle\tposes\tonce' 'A,B\ta.tsv\tyes'
+    refused 'needles.tsv: line 2: once: yes is neither 0 nor 1' $N
+    table 'needle\tposes\tonce' 'A,B\ta.tsv\t2'
+    refused 'needles.tsv: line 2: once: 2 is neither 0 nor 1' $N
+    table 'needle\tposes\tonces' 'A,B\ta.tsv\t1'
+    refused 'column onces: did you mean once?' $N
+    table 'needle\tposes' 'A,B,C,D,E,F,G,H,I\ta.tsv' 'J,K,L,M,N,O,P,Q\tb.tsv'
+    refused 'needles.tsv: more than 16 needles' $N
+    { echo -e 'needle\tposes'; for i in {1..65}; do echo -e "A\ta.tsv"; done; } >needles.tsv
+    refused 'needles.tsv: more than 64 rows' $N
     table 'needle\tposes' 'A'
     refused 'needles.tsv: line 2: no candidates given' $N
     table 'needle\tposes' 'A\ta.tsv\tb.tsv'
@@ -275,7 +354,20 @@ table() { # LINE...
     refused '--entry-distance' $N --entry-distance 101
     refused '--between has no effect without --needles' plan u-shape.nii.gz --poses a.tsv --reach U --between 5
     refused '--part has no effect without --needles' plan u-shape.nii.gz --poses a.tsv --reach U --part 1,0:5
-    for option in '--top 3' '--rank depth' '--infeasible' '--constraints c.tsv' '--tolerance t.tsv' '--jitter 1,1' '--score depth'; do
+    refused '--top 3 of combinations: say by how much they have to differ: --diverse MM' $N --top 3
+    refused '--diverse has no effect without --top above 1' $N --diverse 3
+    refused '--diverse has no effect without --top above 1' $N --diverse 3 --top 1
+    refused '--diverse has no effect without --needles' plan u-shape.nii.gz --poses a.tsv --reach U --top 2 --diverse 3
+    for top in all 0 101 2.5 -1; do
+        refused "--top: \"$top\": of combinations 1 to 100 can be listed" $N --top=$top --diverse 1
+    done
+    for diverse in x 1,0 1,17 1,1.5 1,2,3 nan 1, ,1; do
+        refused "--diverse: \"$diverse\" is not MM[,COUNT], with a COUNT of 1 to 16 needles" $N --top 2 --diverse "$diverse"
+    done
+    refused '--diverse: -1: allowed are 0 to 100 mm' $N --top 2 --diverse=-1
+    refused '--diverse: 101: allowed are 0 to 100 mm' $N --top 2 --diverse 101
+    refused '--diverse: in 2 needles, but there are 1' $N --top 2 --diverse 1,2
+    for option in '--rank depth' '--infeasible' '--constraints c.tsv' '--tolerance t.tsv' '--jitter 1,1' '--score depth'; do
         refused 'exclude each other' $N $option
     done
     printf 'query_id\tx\ty\tz\tdx\tdy\tdz\tfar\nZ\t40\t3\t5\t-1\t0\t0\t26\n' >given.tsv

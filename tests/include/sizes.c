@@ -86,10 +86,11 @@ SIZE(conus_plan_faults, 24);
 SIZE(conus_tolerance, 80);
 SIZE(conus_tolerance_options, 120);
 SIZE(conus_part, 48);
-SIZE(conus_needle, 96);
-SIZE(conus_together_options, 56);
+SIZE(conus_question, 96);
+SIZE(conus_together_options, 96);
+SIZE(conus_chosen, 24);
 SIZE(conus_combination, 64);
-SIZE(conus_placed, 96);
+SIZE(conus_placed, 48);
 SIZE(conus_conflict, 32);
 #endif
 

@@ -82,10 +82,23 @@ static const struct sentence of_rows[] = {
     {"of=coverages", VOLUME},
     {"of=clusters", VOLUME " Voxels with a face, an edge or a corner in common were one cluster"
                            "{Question.options.threshold?; its local maxima were at least 8 mm apart}."},
-    {"Plan", "A needle{Settings.radius_mm? with a radius of @ mm|, its axis,} was tried at {Plan.candidates} candidate "
-             "poses " CONUS " Constraints were {Plan.constraints}. {Plan.funnel.last} poses hold all of them (Eq. 21 "
-             "and 22 of conus's documentation), and were ranked by {Question.options.rank|leeway,-depth}. The leeway "
-             "of a pose is a distance for which is proven that no pose whose axis is off by less breaks a constraint."},
+    {"Plan.needles",
+     "Needles were planned together " CONUS
+     " Candidate poses of each had to hold its constraints: {Plan.rows}. Any two "
+     "needles had to be farther apart than {Plan.between.shafts_mm} mm{Plan.between.parts_mm?, their parts than @ mm}"
+     "{Plan.entry_distance_mm?, and their positions @ mm or more}. The leeway of a combination is a distance for which "
+     "is proven that nothing breaks while no point of any needle is off by more; sought was the largest one, and with "
+     "that the largest sum of the needles' own ones (Eq. 25 to 28 of conus's documentation)."},
+    {"Plan.diverse", " Each further combination is the best of those that differ from all before it in "
+                     "{Plan.diverse.needles} or more needles, by {Plan.diverse.apart_mm} mm or more at the position or "
+                     "the far end."},
+    {"Plan.combinations.last.proven",
+     " It was proven that none is better{Plan.diverse?, for each one that is listed}."},
+    {"Plan !Plan.needles",
+     "A needle{Settings.radius_mm? with a radius of @ mm|, its axis,} was tried at {Plan.candidates} candidate "
+     "poses " CONUS " Constraints were {Plan.constraints}. {Plan.funnel.last} poses hold all of them (Eq. 21 "
+     "and 22 of conus's documentation), and were ranked by {Question.options.rank|leeway,-depth}. The leeway "
+     "of a pose is a distance for which is proven that no pose whose axis is off by less breaks a constraint."},
     {0},
 };
 
@@ -173,7 +186,8 @@ static const struct sentence of_item[] = {
     {"!asked low high", "{name} (from {low} to below {high})"},
     {"!asked low !high", "{name} (from {low})"},
     {"!asked !low high", "{name} (to below {high})"},
-    {"!asked !low !high", "{name} (all values)"},
+    {"!asked !low !high !needles", "{name} (all values)"},
+    {"needles", "{needles.0}: {constraints} ({feasible} of {candidates} hold)"},
     {0},
 };
 

@@ -11,10 +11,11 @@
 #include <math.h>
 #include <string.h>
 
-/* By so much a margin is exceeded where it holds, and missed where an entry's distance still holds, mm. */
+/* By so much a margin is exceeded where it holds, and missed where a distance of entries or of combinations still
+ * holds, mm. */
 static const double TOUCH = 1e-9;
 
-enum { ORIGIN = 0, BODIES = 3, END = 0, WAY = 3, SQUARE = 6, PER_BODY = 7 };
+enum { ORIGIN = 0, TIP = 3, BODIES = 6, END = 0, WAY = 3, SQUARE = 6, PER_BODY = 7 };
 
 static conus_status check_part(const conus_part *part, size_t number)
 {
@@ -97,8 +98,10 @@ static void find_ends(double out[2][3], const struct bodies *bodies, size_t body
 
 void body_list_set(struct body_list *list, size_t index, const conus_planned *pose)
 {
+    const double *m = pose->pose.world_from_device;
     for (size_t a = 0; a < 3; a++) {
-        column(list, ORIGIN + a)[index] = pose->pose.world_from_device[12 + a];
+        column(list, ORIGIN + a)[index] = m[12 + a];
+        column(list, TIP + a)[index] = m[12 + a] - pose->far * m[8 + a];
     }
     for (size_t body = 0; body < list->bodies->count; body++) {
         double ends[2][3];
@@ -112,6 +115,26 @@ void body_list_set(struct body_list *list, size_t index, const conus_planned *po
         }
         column(list, of_body(body) + SQUARE)[index] = square;
     }
+}
+
+/* mm between two points of candidates: their positions, or their far ends. */
+static double points_distance(const struct body_list *list, size_t index, const struct body_list *other,
+                              size_t other_index, size_t point)
+{
+    double way[3];
+    for (size_t a = 0; a < 3; a++) {
+        way[a] = column(list, point + a)[index] - column(other, point + a)[other_index];
+    }
+    return vec3_length(way);
+}
+
+bool bodies_are_near(const struct body_list *list, size_t index, const struct body_list *other, size_t other_index,
+                     double apart)
+{
+    double least = apart - TOUCH;
+    return (list == other && index == other_index) ||
+           (points_distance(list, index, other, other_index, ORIGIN) < least &&
+            points_distance(list, index, other, other_index, TIP) < least);
 }
 
 static void read_body(double at[3], double way[3], const struct body_list *list, size_t index, size_t body)
@@ -142,10 +165,10 @@ static double axes_distance(double at[3], double other_at[3], const struct body_
     return distance <= TOUCH ? 0 : distance;
 }
 
-void pair_measure(struct pair *out, const struct body_list *list, size_t index, const struct body_list *other,
-                  size_t other_index, const struct margins *margins)
+/* Measures in the order that is given. */
+static void measure_in_order(struct pair *out, const struct body_list *list, size_t index,
+                             const struct body_list *other, size_t other_index, const struct margins *margins)
 {
-    double way[3];
     *out = (struct pair){.slack = INFINITY, .shafts = INFINITY, .parts = INFINITY};
     for (size_t i = 0; i < list->bodies->count; i++) {
         for (size_t k = 0; k < other->bodies->count; k++) {
@@ -162,10 +185,31 @@ void pair_measure(struct pair *out, const struct body_list *list, size_t index, 
             }
         }
     }
-    for (size_t a = 0; a < 3; a++) {
-        way[a] = column(list, ORIGIN + a)[index] - column(other, ORIGIN + a)[other_index];
+    out->entries = points_distance(list, index, other, other_index, ORIGIN);
+}
+
+static void swap_points(double a[3], double b[3])
+{
+    for (size_t k = 0; k < 3; k++) {
+        double kept = a[k];
+        a[k] = b[k];
+        b[k] = kept;
     }
-    out->entries = vec3_length(way);
+}
+
+void pair_measure(struct pair *out, const struct body_list *list, size_t index, const struct body_list *other,
+                  size_t other_index, const struct margins *margins)
+{
+    /* In one order, so that it is the same to the last bit whichever needle asks. */
+    if (list < other || (list == other && index <= other_index)) {
+        measure_in_order(out, list, index, other, other_index, margins);
+        return;
+    }
+    measure_in_order(out, other, other_index, list, index, margins);
+    size_t body = out->nearest.body;
+    out->nearest.body = out->nearest.other;
+    out->nearest.other = body;
+    swap_points(out->nearest.at, out->nearest.other_at);
 }
 
 int64_t nanometres(double mm)
@@ -293,10 +337,7 @@ void pair_row(uint64_t *bits, double *scratch, const struct body_list *list, siz
         struct pair pair;
         bool goes = scratch[i] > 0;
         if (scratch[i] == 0) {
-            /* In one order, so that it is the same to the last bit whichever needle asks. */
-            bool is_first = list < other;
-            pair_measure(&pair, is_first ? list : other, is_first ? index : i, is_first ? other : list,
-                         is_first ? i : index, &test->margins);
+            pair_measure(&pair, list, index, other, i, &test->margins);
             goes = pair_goes(&pair, test);
         }
         bits[i / 64] |= (uint64_t)goes << (i % 64);

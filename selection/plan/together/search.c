@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A domain is a bit set of a list's candidates, in its order: the first bit is its best. Where the first ones of all
  * needles go together they are the answer of a node. Else, of the needles among them that conflict, the one with the
- * fewest candidates left is placed. What the first ones add up to bounds all that is below a node. */
+ * fewest candidates left is placed. What the first ones add up to bounds all that is below a node. Where they differ
+ * too little from a combination that is listed a node is split: a needle differs from it, or it does not. */
 #include "selection/plan/together/together.h"
 
 #include "base/memory.h"
@@ -33,7 +34,12 @@ struct search {
     uint64_t ***rows[NEEDLE_LIMIT]; /* Of a candidate [count], one for each other needle: NULL until it is asked for. */
     size_t row_bytes;
     double *scratch;
-    struct node nodes[NEEDLE_LIMIT + 1];
+    uint64_t *bits;                             /* likewise, of one part */
+    size_t parts[NEEDLE_LIMIT][QUESTION_LIMIT]; /* So many of the used ones are of each part. */
+    struct node **nodes;                        /* [depths] NULL until one is needed. */
+    size_t depths;                              /* A needle is placed once, and split once for each that is listed. */
+    size_t listed, differ;                      /* From each of so many combinations so many needles differ at least. */
+    uint64_t *alike[NEEDLE_LIMIT];              /* [listed][words] Candidates that do not. */
     struct pair_test test;
     bool any_will_do, was_cancelled, is_spent;
     bool has_best;
@@ -63,10 +69,15 @@ static size_t words_of(size_t count)
     return (count + WORD - 1) / WORD;
 }
 
+static bool has_bit(const uint64_t *bits, size_t at)
+{
+    return bits[at / WORD] >> at % WORD & 1;
+}
+
 static void forget_rows(struct search *search)
 {
     for (size_t i = 0; i < search->count && search->row_bytes; i++) {
-        for (size_t c = 0; search->rows[i] && c < search->lists[i].bodies.count; c++) {
+        for (size_t c = 0; search->rows[i] && c < search->lists[i].count; c++) {
             for (size_t k = 0; search->rows[i][c] && k < search->count; k++) {
                 memory_free(search->rows[i][c][k]);
             }
@@ -77,8 +88,41 @@ static void forget_rows(struct search *search)
     search->row_bytes = 0;
 }
 
-conus_status joint_create(struct search **out, const struct search_list *lists, size_t count, uint64_t effort,
-                          conus_progress progress, void *progress_user)
+static const struct search_part *part_of(const struct search_list *list, size_t candidate)
+{
+    return &list->parts[list->items[candidate].part];
+}
+
+/* Whether two candidates are the same, or near each other. */
+static bool are_near(const struct search_list *list, size_t candidate, const struct search_list *other,
+                     size_t other_candidate, double apart)
+{
+    return bodies_are_near(part_of(list, candidate)->bodies, list->items[candidate].index,
+                           part_of(other, other_candidate)->bodies, other->items[other_candidate].index, apart);
+}
+
+/* Sets which candidates of a needle do not differ from those of the listed combinations: from that of any needle that
+ * is alike. */
+static conus_status find_alike(struct search *search, size_t needle, const struct search_variety *variety)
+{
+    const struct search_list *list = &search->lists[needle];
+    size_t words = words_of(list->count);
+    uint64_t *bits = search->alike[needle] = memory_zeroed(words * variety->count, sizeof *bits);
+    for (size_t n = 0; bits && n < variety->count; n++, bits += words) {
+        for (size_t k = 0; k < search->count; k++) {
+            const struct search_list *other = &search->lists[k];
+            for (size_t c = 0; c < list->count && other->kin == list->kin; c++) {
+                bool is_near = are_near(list, c, other, variety->chosen[n][k], variety->apart);
+                bits[c / WORD] |= (uint64_t)is_near << c % WORD;
+            }
+        }
+    }
+    return search->alike[needle] ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+conus_status joint_create(struct search **out, const struct search_list *lists, size_t count,
+                          const struct search_variety *variety, uint64_t effort, conus_progress progress,
+                          void *progress_user)
 {
     struct search *search = memory_zeroed(1, sizeof *search);
     if (!search) {
@@ -89,20 +133,22 @@ conus_status joint_create(struct search **out, const struct search_list *lists, 
     search->effort = effort;
     search->progress = progress;
     search->progress_user = progress_user;
+    search->listed = variety->count;
+    search->differ = variety->differ;
+    search->depths = count + 1 + count * variety->count;
+    search->nodes = memory_zeroed(search->depths, sizeof(struct node *));
     size_t most = 0;
-    bool whole = true;
-    for (size_t i = 0; i < count; i++) {
-        size_t size = lists[i].bodies.count;
+    conus_status status = search->nodes ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; i < count && !status; i++) {
+        size_t size = lists[i].count;
         most = size > most ? size : most;
         search->rows[i] = memory_zeroed(size, sizeof(uint64_t **));
-        whole = whole && search->rows[i];
-        for (size_t k = 0; k <= count && whole; k++) {
-            search->nodes[k].domains[i] = memory_zeroed(words_of(size), sizeof(uint64_t));
-            whole = search->nodes[k].domains[i];
-        }
+        status = search->rows[i] ? CONUS_OK : CONUS_ERROR_MEMORY;
+        status = status || !variety->count ? status : find_alike(search, i, variety);
     }
-    search->scratch = whole ? memory_raw(most, sizeof *search->scratch) : NULL;
-    if (!search->scratch) {
+    search->scratch = status ? NULL : memory_raw(most, sizeof *search->scratch);
+    search->bits = status ? NULL : memory_raw(words_of(most), sizeof *search->bits);
+    if (!search->scratch || !search->bits) {
         joint_destroy(search);
         return CONUS_ERROR_MEMORY;
     }
@@ -117,19 +163,72 @@ void joint_destroy(struct search *search)
     }
     search->row_bytes = 1;
     forget_rows(search);
+    for (size_t k = 0; search->nodes && k < search->depths; k++) {
+        for (size_t i = 0; search->nodes[k] && i < search->count; i++) {
+            memory_free(search->nodes[k]->domains[i]);
+        }
+        memory_free(search->nodes[k]);
+    }
     for (size_t i = 0; i < search->count; i++) {
         memory_free((void *)search->rows[i]);
-        for (size_t k = 0; k <= search->count; k++) {
-            memory_free(search->nodes[k].domains[i]);
-        }
+        memory_free(search->alike[i]);
     }
+    memory_free((void *)search->nodes);
     memory_free(search->scratch);
+    memory_free(search->bits);
     memory_free(search);
+}
+
+/* The node at a depth; NULL without memory. */
+static struct node *node_at(struct search *search, size_t depth)
+{
+    struct node **node = &search->nodes[depth];
+    bool whole = *node || (*node = memory_zeroed(1, sizeof **node));
+    for (size_t i = 0; i < search->count && whole; i++) {
+        uint64_t **domain = &(*node)->domains[i];
+        whole = *domain || (*domain = memory_zeroed(words_of(search->lists[i].count), sizeof **domain));
+    }
+    return whole ? *node : NULL;
 }
 
 uint64_t joint_nodes(const struct search *search)
 {
     return search->visited;
+}
+
+/* Whether two candidates are not for both needles at once: of a question that is answered once, or of alike needles
+ * not in their order. */
+static bool is_barred(const struct search *search, size_t needle, size_t candidate, size_t other,
+                      size_t other_candidate)
+{
+    const struct search_list *list = &search->lists[needle];
+    const struct search_list *to = &search->lists[other];
+    const struct search_part *part = part_of(list, candidate);
+    uint64_t low = needle < other ? list->items[candidate].number : to->items[other_candidate].number;
+    uint64_t high = needle < other ? to->items[other_candidate].number : list->items[candidate].number;
+    return (part->once && part->question == part_of(to, other_candidate)->question) ||
+           (list->kin == to->kin && low >= high);
+}
+
+static void fill_row(uint64_t *bits, struct search *search, size_t needle, size_t candidate, size_t other)
+{
+    const struct search_list *list = &search->lists[needle];
+    const struct search_list *to = &search->lists[other];
+    const struct search_part *part = part_of(list, candidate);
+    const size_t used = search->used[other];
+    bool is_one = to->part_count == 1;
+    memset(bits, 0, words_of(used) * sizeof *bits);
+    for (size_t p = 0; p < to->part_count; p++) {
+        pair_row(is_one ? bits : search->bits, search->scratch, part->bodies, list->items[candidate].index,
+                 to->parts[p].bodies, search->parts[other][p], &search->test);
+        for (size_t c = 0; c < used && !is_one; c++) {
+            bool goes = to->items[c].part == p && has_bit(search->bits, to->items[c].index);
+            bits[c / WORD] |= (uint64_t)goes << c % WORD;
+        }
+    }
+    for (size_t c = 0; c < used && (part->once || list->kin == to->kin); c++) {
+        bits[c / WORD] &= ~((uint64_t)is_barred(search, needle, candidate, other, c) << c % WORD);
+    }
 }
 
 /* Which candidates of another needle go with one; NULL without memory. The oldest rows make room for it. */
@@ -146,8 +245,7 @@ static const uint64_t *row_of(struct search *search, size_t needle, size_t candi
     uint64_t **row = &(*rows)[other];
     if (!*row && (*row = memory_raw(words_of(search->used[other]), sizeof **row))) {
         search->row_bytes += bytes;
-        pair_row(*row, search->scratch, &search->lists[needle].bodies, candidate, &search->lists[other].bodies,
-                 search->used[other], &search->test);
+        fill_row(*row, search, needle, candidate, other);
     }
     return *row;
 }
@@ -211,7 +309,7 @@ static conus_status find_next(size_t *next, struct search *search, const struct 
                 if (!row) {
                     return CONUS_ERROR_MEMORY;
                 }
-                conflicts |= row[node->at[k] / WORD] >> node->at[k] % WORD & 1 ? 0 : both;
+                conflicts |= has_bit(row, node->at[k]) ? 0 : both;
             }
         }
     }
@@ -223,6 +321,81 @@ static conus_status find_next(size_t *next, struct search *search, const struct 
         }
     }
     return CONUS_OK;
+}
+
+static const uint64_t *alike_of(const struct search *search, size_t needle, size_t listed)
+{
+    return search->alike[needle] + listed * words_of(search->lists[needle].count);
+}
+
+/* The first candidate of a needle that is left and differs from a listed combination; SIZE_MAX = none. */
+static size_t first_other(const struct search *search, const struct node *node, size_t needle, size_t listed)
+{
+    const uint64_t *alike = alike_of(search, needle, listed);
+    if (node->placed >> needle & 1) {
+        return has_bit(alike, node->at[needle]) ? SIZE_MAX : node->at[needle];
+    }
+    for (size_t w = 0; w < words_of(search->used[needle]); w++) {
+        uint64_t bits = node->domains[needle][w] & ~alike[w];
+        if (bits) {
+            return WORD * w + (size_t)__builtin_ctzll(bits);
+        }
+    }
+    return SIZE_MAX;
+}
+
+/* So many needles may be as in a listed combination. */
+static size_t most_alike(const struct search *search)
+{
+    size_t count = (size_t)__builtin_popcount(search->among);
+    return count > search->differ ? count - search->differ : 0;
+}
+
+/* Leaves those candidates of a needle that differ from a listed combination, or those that do not. */
+static void keep(struct search *search, struct node *node, size_t needle, size_t listed, bool differs)
+{
+    const uint64_t *alike = alike_of(search, needle, listed);
+    for (size_t w = 0; w < words_of(search->used[needle]); w++) {
+        node->domains[needle][w] &= differs ? ~alike[w] : alike[w];
+    }
+}
+
+/* Where all the needles that may be as in a listed combination are, the others differ from it. False where more are. */
+static bool keep_variety(struct search *search, struct node *node)
+{
+    for (size_t n = 0; n < search->listed; n++) {
+        uint32_t open = 0;
+        for (size_t i = 0; i < search->count; i++) {
+            open |= (uint32_t)(is_among(search, i) && first_other(search, node, i, n) < SIZE_MAX) << i;
+        }
+        size_t same = (size_t)__builtin_popcount(search->among & ~open);
+        if (same > most_alike(search)) {
+            return false;
+        }
+        for (size_t i = 0; i < search->count && same == most_alike(search); i++) {
+            if (open >> i & 1 && !(node->placed >> i & 1)) {
+                keep(search, node, i, n, true);
+            }
+        }
+    }
+    return true;
+}
+
+/* Finds the first ones of a node whose domains are set. False where a needle has none. */
+static bool settle(struct search *search, struct node *node)
+{
+    bool is_possible = keep_variety(search, node);
+    for (size_t i = 0; i < search->count && is_possible; i++) {
+        if (is_among(search, i) && !(node->placed >> i & 1)) {
+            size_t w = 0;
+            while (w < words_of(search->used[i]) && !node->domains[i][w]) {
+                w++;
+            }
+            is_possible = w < words_of(search->used[i]);
+            node->at[i] = is_possible ? WORD * w + (size_t)__builtin_ctzll(node->domains[i][w]) : SIZE_MAX;
+        }
+    }
+    return is_possible;
 }
 
 /* Places a candidate. *is_possible: the other needles have candidates that go with it. */
@@ -241,15 +414,13 @@ static conus_status place(struct node *out, bool *is_possible, struct search *se
         if (!row) {
             return CONUS_ERROR_MEMORY;
         }
-        size_t first = SIZE_MAX;
+        uint64_t any = 0;
         for (size_t w = 0; w < words_of(search->used[i]); w++) {
-            uint64_t bits = node->domains[i][w] & row[w];
-            out->domains[i][w] = bits;
-            first = first == SIZE_MAX && bits ? WORD * w + (size_t)__builtin_ctzll(bits) : first;
+            any |= out->domains[i][w] = node->domains[i][w] & row[w];
         }
-        out->at[i] = first;
-        *is_possible = first < SIZE_MAX;
+        *is_possible = any;
     }
+    *is_possible = *is_possible && settle(search, out);
     return CONUS_OK;
 }
 
@@ -271,9 +442,12 @@ static conus_status visit(struct search *search, size_t depth);
 /* Visits a node with each candidate of a needle, as long as it may be better. */
 static conus_status visit_each(struct search *search, size_t depth, size_t needle)
 {
-    const struct node *node = &search->nodes[depth];
-    struct node *next = &search->nodes[depth + 1];
+    const struct node *node = search->nodes[depth];
+    struct node *next = node_at(search, depth + 1);
     size_t at[NEEDLE_LIMIT];
+    if (!next) {
+        return CONUS_ERROR_MEMORY;
+    }
     memcpy(at, node->at, sizeof at);
     for (size_t w = 0; w < words_of(search->used[needle]); w++) {
         for (uint64_t bits = node->domains[needle][w]; bits; bits &= bits - 1) {
@@ -296,12 +470,64 @@ static conus_status visit_each(struct search *search, size_t depth, size_t needl
     return CONUS_OK;
 }
 
+/* Whether the first ones of a node differ too little from a listed combination, and then the needle to split: the one
+ * that loses least where it differs; SIZE_MAX = none can. */
+static bool is_listed(size_t *listed, size_t *needle, const struct search *search, const struct node *node)
+{
+    for (size_t n = 0; n < search->listed; n++) {
+        size_t same = 0;
+        int64_t least = INT64_MAX;
+        *listed = n;
+        *needle = SIZE_MAX;
+        for (size_t i = 0; i < search->count; i++) {
+            if (is_among(search, i) && has_bit(alike_of(search, i, n), node->at[i])) {
+                const struct search_item *items = search->lists[i].items;
+                size_t other = first_other(search, node, i, n);
+                int64_t loss = other < SIZE_MAX ? items[node->at[i]].leeway - items[other].leeway : INT64_MAX;
+                *needle = loss < least ? i : *needle;
+                least = loss < least ? loss : least;
+                same++;
+            }
+        }
+        if (same > most_alike(search)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Visits a node where a needle differs from a listed combination, and then where it does not. */
+static conus_status split(struct search *search, size_t depth, size_t needle, size_t listed)
+{
+    const struct node *node = search->nodes[depth];
+    struct node *next = node_at(search, depth + 1);
+    conus_status status = next ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (int i = 0; i < 2 && !status && !is_over(search); i++) {
+        next->placed = node->placed;
+        memcpy(next->at, node->at, sizeof next->at);
+        for (size_t k = 0; k < search->count; k++) {
+            if (is_among(search, k)) {
+                memcpy(next->domains[k], node->domains[k], words_of(search->used[k]) * sizeof(uint64_t));
+            }
+        }
+        keep(search, next, needle, listed, i == 0);
+        if (settle(search, next) && is_worth(search, next->at)) {
+            status = visit(search, depth + 1);
+        }
+    }
+    return status;
+}
+
 static conus_status visit(struct search *search, size_t depth)
 {
-    const struct node *node = &search->nodes[depth];
+    const struct node *node = search->nodes[depth];
     size_t next = SIZE_MAX;
+    size_t listed = 0;
     if (!may_go_on(search)) {
         return CONUS_OK;
+    }
+    if (is_listed(&listed, &next, search, node)) {
+        return next < SIZE_MAX ? split(search, depth, next, listed) : CONUS_OK;
     }
     conus_status status = find_next(&next, search, node);
     if (!status && next == SIZE_MAX) {
@@ -312,28 +538,32 @@ static conus_status visit(struct search *search, size_t depth)
     return status || next == SIZE_MAX ? status : visit_each(search, depth, next);
 }
 
-/* How many candidates of a list may be in what is looked for: with the least leeway, and with a sum of that of the best
- * or more. */
-static size_t find_used(const struct search *search, size_t needle, int64_t least, int64_t all)
+/* Begins a domain with what may be in what is looked for: with the least leeway, and with a sum of that of the best or
+ * more. False where that is nothing. */
+static bool begin_domain(struct search *search, struct node *root, size_t needle, int64_t least, int64_t all)
 {
     const struct search_list *list = &search->lists[needle];
-    size_t low = 0;
-    size_t high = list->bodies.count;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        int64_t leeway = list->items[middle].leeway;
-        bool is_used = (!list->has_leeway || leeway >= least) &&
+    size_t *used = &search->used[needle];
+    *used = 0;
+    memset(root->domains[needle], 0, words_of(list->count) * sizeof(uint64_t));
+    memset(search->parts[needle], 0, sizeof search->parts[needle]);
+    for (size_t c = 0; c < list->count; c++) {
+        int64_t leeway = list->items[c].leeway;
+        bool is_used = (!part_of(list, c)->has_leeway || leeway >= least) &&
                        (!search->has_best || all - list->items[0].leeway + leeway >= search->best.sum);
-        low = is_used ? middle + 1 : low;
-        high = is_used ? high : middle;
+        root->domains[needle][c / WORD] |= (uint64_t)is_used << c % WORD;
+        *used = is_used ? c + 1 : *used;
     }
-    return low;
+    for (size_t c = 0; c < *used; c++) {
+        search->parts[needle][list->items[c].part]++;
+    }
+    return *used;
 }
 
 /* Searches all that may be better than the best. */
 static conus_status run(struct search *search, uint64_t nodes)
 {
-    struct node *root = &search->nodes[0];
+    struct node *root = node_at(search, 0);
     int64_t least = search->test.quantity == PAIR_LEEWAY ? search->test.least : INT64_MIN;
     int64_t all = 0;
     bool is_possible = true;
@@ -341,23 +571,21 @@ static conus_status run(struct search *search, uint64_t nodes)
     search->limit = left < nodes ? search->effort : search->visited + nodes;
     search->is_spent = search->visited >= search->limit;
     forget_rows(search);
+    if (!root) {
+        return CONUS_ERROR_MEMORY;
+    }
     root->placed = 0;
     for (size_t i = 0; i < search->count; i++) {
-        bool has_items = search->lists[i].bodies.count;
+        bool has_items = search->lists[i].count;
         all += is_among(search, i) && has_items ? search->lists[i].items[0].leeway : 0;
         is_possible = is_possible && (has_items || !is_among(search, i));
     }
     for (size_t i = 0; i < search->count && is_possible; i++) {
         if (is_among(search, i)) {
-            search->used[i] = find_used(search, i, least, all);
-            root->at[i] = 0;
-            is_possible = search->used[i];
-            memset(root->domains[i], 0, words_of(search->used[i]) * sizeof(uint64_t));
-            for (size_t c = 0; c < search->used[i]; c++) {
-                root->domains[i][c / WORD] |= UINT64_C(1) << c % WORD;
-            }
+            is_possible = begin_domain(search, root, i, least, all);
         }
     }
+    is_possible = is_possible && settle(search, root);
     return is_possible && !search->is_spent && is_worth(search, root->at) ? visit(search, 0) : CONUS_OK;
 }
 
@@ -371,12 +599,14 @@ static int64_t least_of(const struct search *search)
         }
         const struct search_list *list = &search->lists[i];
         int64_t own = list->items[search->chosen[i]].leeway;
-        bool counts = list->has_leeway && search->test.quantity == PAIR_LEEWAY;
+        bool counts = part_of(list, search->chosen[i])->has_leeway && search->test.quantity == PAIR_LEEWAY;
         least = counts && own < least ? own : least;
         for (size_t k = i + 1; k < search->count; k++) {
             if (is_among(search, k)) {
+                const struct search_list *other = &search->lists[k];
                 struct pair pair;
-                pair_measure(&pair, &list->bodies, search->chosen[i], &search->lists[k].bodies, search->chosen[k],
+                pair_measure(&pair, part_of(list, search->chosen[i])->bodies, list->items[search->chosen[i]].index,
+                             part_of(other, search->chosen[k])->bodies, other->items[search->chosen[k]].index,
                              &search->test.margins);
                 int64_t value = pair_value(&pair, search->test.quantity);
                 least = value < least ? value : least;

@@ -26,13 +26,18 @@ conus_status bodies_init(struct bodies *out, double radius, const double *shanks
 struct body_list {
     const struct bodies *bodies;
     size_t count;
-    double *numbers; /**< [3 + 7 bodies->count][count] The device's position; of each body one end, the way to the
-                        other one, and the square of that way's length. */
+    double *numbers; /**< [6 + 7 bodies->count][count] The device's position, the far end; of each body one end, the way
+                        to the other one, and the square of that way's length. */
 };
 
 conus_status body_list_init(struct body_list *out, const struct bodies *bodies, size_t count);
 void body_list_finish(struct body_list *list);
 void body_list_set(struct body_list *list, size_t index, const conus_planned *pose);
+
+/** Whether two candidates are the same, or neither their positions nor their far ends are @p apart mm or more from each
+ * other. */
+bool bodies_are_near(const struct body_list *list, size_t index, const struct body_list *other, size_t other_index,
+                     double apart);
 
 /** The margins of pairs, mm. */
 struct margins {
@@ -80,7 +85,7 @@ int64_t pair_value(const struct pair *pair, enum pair_quantity quantity);
 /** Whether the pair goes together. */
 bool pair_goes(const struct pair *pair, const struct pair_test *test);
 
-/** Sets the bits of the first @p count candidates of another list that go with candidate @p index. @p scratch has room
+/** Sets the bits of the first @p count bodies of another list that go with body @p index. @p scratch has room
  * for @p count numbers. */
 void pair_row(uint64_t *bits, double *scratch, const struct body_list *list, size_t index,
               const struct body_list *other, size_t count, const struct pair_test *test);
@@ -108,21 +113,32 @@ void pair_row_name(struct pair_row *row, const struct bodies *bodies, const stru
 /* The best combination of one candidate of each list: depth first, with bits for what goes together, and with bounds
  * that prove it. */
 
-enum { NEEDLE_LIMIT = 16 };
+enum { NEEDLE_LIMIT = 16, QUESTION_LIMIT = 64 };
 
 /** A candidate, in whole nanometres. */
 struct search_item {
     int64_t leeway; /**< 0 without one. */
     int64_t depth;
     uint64_t number;
-    size_t index; /**< The caller's. */
+    size_t index; /**< Of its bodies in those of its part. */
+    uint32_t part;
+};
+
+/** The candidates of a needle that answer one question. */
+struct search_part {
+    const struct body_list *bodies;
+    size_t question;
+    bool once;       /**< No other needle answers it. */
+    bool has_leeway; /**< Else they do not count for the least one. */
 };
 
 /** The candidates of a needle: the largest leeway first, of equal ones the least depth, then the least number. */
 struct search_list {
-    const struct search_item *items; /**< [bodies.count] */
-    bool has_leeway;                 /**< Else it does not count for the least one. */
-    struct body_list bodies;         /**< Those of the items, in their order. */
+    const struct search_item *items; /**< [count] Those of a part are in the order of its bodies. */
+    size_t count;
+    struct search_part parts[QUESTION_LIMIT];
+    size_t part_count;
+    size_t kin; /**< Needles with the same one are alike: their numbers rise strictly. */
 };
 
 /** Compares items in that order, for order_sort(). */
@@ -130,9 +146,18 @@ int search_item_compare(const void *a, const void *b);
 
 struct search;
 
+/** Combinations that are listed: from each of them the next one differs in so many needles. */
+struct search_variety {
+    const size_t (*chosen)[NEEDLE_LIMIT]; /**< [count] Indices into the lists. */
+    size_t count;
+    double apart;  /**< By another candidate whose position or far end is so far off, mm. */
+    size_t differ; /**< At least 1. */
+};
+
 /** @p lists must outlive it. Ends with joint_destroy(). @p progress false ends the search. */
-conus_status joint_create(struct search **out, const struct search_list *lists, size_t count, uint64_t effort,
-                          conus_progress progress, void *progress_user);
+conus_status joint_create(struct search **out, const struct search_list *lists, size_t count,
+                          const struct search_variety *variety, uint64_t effort, conus_progress progress,
+                          void *progress_user);
 void joint_destroy(struct search *search);
 
 /** What was found of some lists. */
