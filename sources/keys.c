@@ -127,6 +127,7 @@ static const struct source_key rows[] = {
      .allowed = "allowed are any, all and whole numbers above 0"},
     {KEY_BIAS, "bias", KEYS_WEIGHT, IS_NUMBERS, .least = 2, .most = 2, .any_order = true, .low = -45, .high = 45,
      .allowed = "two numbers X:Y are needed, degrees to the right and up, from -45 to 45"},
+    {KEY_ABOVE, "above", KEYS_WEIGHT, .allowed = "a weight is needed, or P% or P%area"},
     {KEY_POWER, "power", KEYS_PRIOR, IS_NUMBERS, .least = 1, .most = 1, .low = 0.01, .high = 100,
      .allowed = "allowed is a number from 0.01 to 100"},
 };

@@ -88,6 +88,7 @@ enum source_key_id {
     KEY_MARGIN,
     KEY_SHANK,
     KEY_BIAS,
+    KEY_ABOVE,
     KEY_POWER,
 };
 
