@@ -524,11 +524,32 @@ int settings_weight(struct aim_settings *aim, struct engine_settings *settings, 
     return settings_weight_region(aim, settings, arguments);
 }
 
+/* The longest edge of voxels of areas, mm; 0 where there are none. */
+static double longest_edge(const conus_atlas *atlas)
+{
+    const conus_volume_info *info;
+    double longest = 0;
+    for (size_t i = 0; (info = conus_atlas_volume(atlas, i)); i++) {
+        for (size_t a = 0; a < 3 && info->role == CONUS_ROLE_PARCELLATION; a++) {
+            longest = fmax(longest, info->spacing[a]);
+        }
+    }
+    return longest;
+}
+
 void settings_say_weight(const struct aim_settings *aim, const struct engine_settings *settings,
-                         const struct common_settings *common)
+                         const struct common_settings *common, const conus_atlas *atlas)
 {
     if (!settings->made) {
         return;
+    }
+    const double finest = conus_weight_finest(settings->made);
+    if (finest < longest_edge(atlas) / 2) {
+        say_note(
+            CONUS_SEVERITY_NOTE, common->quiet,
+            "the weight changes within %.2g mm, and voxels are %.3g mm long: a voxel counts whole, so doses at the "
+            "rim are coarse",
+            finest, longest_edge(atlas));
     }
     const double sigma = conus_weight_sigma(settings->made);
     const double angle = settings_angle(aim, settings);

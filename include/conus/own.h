@@ -887,6 +887,13 @@ CONUS_API double conus_weight_at(const conus_weight *weight, double x, double z)
 CONUS_API double conus_weight_largest(const conus_weight *weight, double x, const double range[2]);
 
 /**
+ * Gives the shortest length in which a weight changes.
+ * @param weight The weight.
+ * @return mm; infinity of one by angle alone, and of hard.
+ */
+CONUS_API double conus_weight_finest(const conus_weight *weight);
+
+/**
  * Names the region that the weight is of.
  * @param weight The weight.
  * @return "cone", "cylinder", "ball", or "any".

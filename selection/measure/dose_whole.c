@@ -73,7 +73,7 @@ static double radial(const struct slice *slice, double rim)
     const conus_weight *weight = slice->weight;
     double sum = 0;
     double from = 0;
-    for (size_t i = 0; i < weight->counts[0] && from < rim; i++) {
+    for (size_t i = 0; weight->at && i < weight->counts[0] && from < rim; i++) {
         const double to = fmin(radius_of(slice, weight->at[i]), rim);
         sum += to > from ? panel(slice, from, to) : 0;
         from = fmax(from, to);
@@ -133,11 +133,11 @@ static double over_range(const struct slice *slice, const struct region *region,
 static double by_depth(const struct slice *slice, const struct region *region)
 {
     const conus_weight *weight = slice->weight;
-    const double *depth = weight->at + weight->counts[0];
     double sum = 0;
     if (!weight->at) {
         return over_range(slice, region, region->near, region->far);
     }
+    const double *depth = weight->at + weight->counts[0];
     for (size_t k = 1; k < weight->counts[1]; k++) {
         const double from = fmax(depth[k - 1], region->near);
         const double to = fmin(depth[k], region->far);

@@ -374,6 +374,11 @@ double conus_weight_sigma(const conus_weight *weight)
     return weight->facts.sigma;
 }
 
+double conus_weight_finest(const conus_weight *weight)
+{
+    return fmin(weight->facts.by == WEIGHT_BY_ANGLE ? INFINITY : weight->finest[0], weight->finest[1]);
+}
+
 const char *conus_weight_region(const conus_weight *weight)
 {
     static const char *const names[] = {[WEIGHT_BY_NOTHING] = "any",
@@ -396,17 +401,20 @@ bool conus_weight_range(double out[2], const conus_weight *weight)
 
 double weight_held(const conus_weight *weight, double x, double z)
 {
-    const size_t *counts = weight->counts;
-    const double *depth = weight->at + counts[0];
-    return !weight->at ? weight_value(weight, x, z)
-                       : weight_value(weight, fmin(x, depth[-1]), fmin(fmax(z, depth[0]), depth[counts[1] - 1]));
+    if (!weight->at) {
+        return weight_value(weight, x, z);
+    }
+    const double *depth = weight->at + weight->counts[0];
+    return weight_value(weight, fmin(x, depth[-1]), fmin(fmax(z, depth[0]), depth[weight->counts[1] - 1]));
 }
 
 bool weight_covers(const conus_weight *weight, double x, double z)
 {
+    if (!weight->at) {
+        return true;
+    }
     const double *depth = weight->at + weight->counts[0];
-    return !weight->at ||
-           (x <= depth[-1] && (!weight->facts.by_depth || (z >= depth[0] && z <= depth[weight->counts[1] - 1])));
+    return x <= depth[-1] && (!weight->facts.by_depth || (z >= depth[0] && z <= depth[weight->counts[1] - 1]));
 }
 
 conus_status weight_check_region(const conus_weight *weight, bool is_ball, bool is_cylinder)
@@ -437,7 +445,7 @@ double conus_weight_at(const conus_weight *weight, double x, double z)
 static double largest_at(const conus_weight *weight, double x, double z)
 {
     double largest = fmax(weight_value(weight, 0, z), weight_value(weight, x, z));
-    for (size_t i = 0; i < weight->counts[0] && weight->at[i] <= x; i++) {
+    for (size_t i = 0; weight->at && i < weight->counts[0] && weight->at[i] <= x; i++) {
         largest = fmax(largest, weight_value(weight, weight->at[i], z));
     }
     return largest;
@@ -451,7 +459,7 @@ double weight_largest(const conus_weight *weight, const double rim[2], const dou
     for (size_t k = 0; k < 2 && (k == 0 || weight->at); k++) {
         largest = fmax(largest, largest_at(weight, rim[1] > 0 ? rim[0] + rim[1] * ends[k] : rim[0], ends[k]));
     }
-    for (size_t k = 0; k < weight->counts[1]; k++) {
+    for (size_t k = 0; weight->at && k < weight->counts[1]; k++) {
         const double z = weight->at[weight->counts[0] + k];
         if (z >= range[0] && z <= range[1]) {
             largest = fmax(largest, largest_at(weight, rim[0] + rim[1] * z, z));

@@ -452,3 +452,15 @@ def test_rows_are_the_same_for_all_threads_and_parts_and_verify(tmp_path):
         assert frame.groupby("query")["dose_share"].sum().to_numpy() == pytest.approx(1, abs=1e-7)
     text = call_conus("cite", tmp_path / "rows.tsv").stdout.decode().replace("\n", " ")
     assert "a focus 60 mm deep, which falls to half at a width of 4 mm and a length of 20 mm" in text and "(Eq. 33)" in text
+
+
+@needs_aal
+@pytest.mark.parametrize("weight, options, said", [
+    ("fibre=0.1:0.39", [], b"the weight changes within 0.05 mm, and voxels are 1 mm long"), ("coil=20:18", [], b""),
+    ("coil=20:18", ["--range=0,30"], b"at the far end of the range, 30 mm, the weight is 35 % of its largest"),
+    ("coil=20:18", ["--radius=18"], b"at the rim of the cylinder the weight is 50 % of its largest"),
+    ("hard", ["--layers=all"], b"the region has no far end, so doses have no share"),
+])
+def test_notes(weight, options, said):
+    done = call_conus("query", AAL, "--origin=-60,-85,60", "--toward=-25,-35,35", "--weight", weight, *options)
+    assert not done.returncode and (said in done.stderr if said else b"the weight" not in done.stderr)
