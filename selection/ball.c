@@ -47,28 +47,40 @@ static conus_status answer_ball(conus_selection *selection, conus_selector *sele
     status = status ? status : census_prepare(&selector->census, selector->atlas, selector->labels);
     status = status ? status : near_prepare(&selector->near, selector->atlas);
     status = status ? status : selector_prepare_tracts(selector);
+    const conus_weight *weight = selector->options.weight;
+    if (!status && weight) {
+        status = doses_prepare(&selector->doses, selector->atlas, selector->tract_index);
+    }
     if (status) {
         return status;
     }
     census_take(&selector->census, selector->atlas, &selection->region);
     near_take(&selector->near, selector->atlas, &selection->region);
-    const struct gathering gathering = {.atlas = selector->atlas,
-                                        .cone = &selection->cone,
-                                        .evidence = &selection->evidence,
-                                        .census = &selector->census,
-                                        .near = &selector->near,
-                                        .tracts = selector_take_tracts(selector, &selection->region),
-                                        .tract_index = selector->tract_index,
-                                        .solids = &selector->solids,
-                                        .region = &selection->region,
-                                        .whole = selector->whole,
-                                        .group = level_group(selector->level)};
+    struct gathering gathering = {.atlas = selector->atlas,
+                                  .cone = &selection->cone,
+                                  .evidence = &selection->evidence,
+                                  .census = &selector->census,
+                                  .near = &selector->near,
+                                  .tracts = selector_take_tracts(selector, &selection->region),
+                                  .tract_index = selector->tract_index,
+                                  .solids = &selector->solids,
+                                  .region = &selection->region,
+                                  .weight = weight,
+                                  .whole = selector->whole,
+                                  .group = level_group(selector->level)};
+    if (weight) {
+        doses_take(&selector->doses, &gathering);
+        gathering.doses = &selector->doses;
+    }
     status = statistics_gather(&selection->statistics, &gathering, &selector->tally);
     status = status ? status : selection_regroup(selection, selector->level);
     status = status ? status : ranking_parse(&share, NULL);
     if (!status) {
         selection_set_kinds(selection);
         set_shares(selection);
+        if (weight) {
+            doses_share(selection->statistics.results, selection->statistics.count, &selector->doses, selector->atlas);
+        }
         score_rank(&selection->statistics, &share, &view);
     }
     return status;
@@ -267,6 +279,11 @@ double conus_selection_ball(const conus_selection *selection)
 
 conus_status conus_select_ball(conus_selection **out, conus_selector *selector, const double centre[3], double radius)
 {
+    const conus_weight *weight = selector->options.weight;
+    conus_status status = weight_check_region(weight, true, false);
+    if (status) {
+        return status;
+    }
     if (selector->range[1] > 0) {
         return fail(CONUS_ERROR_ARGUMENT, "a ball has no axis, along which a range of depths could be");
     }
@@ -274,6 +291,7 @@ conus_status conus_select_ball(conus_selection **out, conus_selector *selector, 
         return fail(CONUS_ERROR_ARGUMENT, "point: (%g, %g, %g), finite numbers are needed", centre[0], centre[1],
                     centre[2]);
     }
+    radius = radius == 0 && weight && weight->facts.by == WEIGHT_BY_DISTANCE ? weight->facts.own : radius;
     if (!(radius >= 0 && isfinite(radius))) {
         return fail(CONUS_ERROR_ARGUMENT,
                     "radius: %g mm, allowed are 0 (what is at the point, or else the nearest) and more", radius);

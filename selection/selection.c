@@ -275,6 +275,7 @@ conus_status selection_begin(conus_selection **out, conus_selector *selector, co
                         .range = {selector->range[0], selector->range[1]}};
     conus_status status = pose_settle(&cone.pose, pose->world_from_device);
     status = status ? status : cone_check(&cone);
+    status = status ? status : weight_check_region(options->weight, false, options->radius > 0);
     if (status) {
         return status;
     }
@@ -316,7 +317,8 @@ conus_status selection_complete(conus_selection *selection, conus_selector *sele
     conus_status status = aperture_prepare(&selector->aperture, &selection->cone); /* another's may have come between */
     status = status ? status : tally_prepare(&selector->tally, selector->atlas->object_count);
     const conus_weight *weight = selector->options.weight;
-    if (!status && weight) {
+    const bool of_rays = weight && !weight->facts.by_depth;
+    if (!status && of_rays) {
         status = soft_prepare(&selector->soft, weight, &selector->aperture, &selection->cone);
     }
     if (!status && selection->has_layers) {
@@ -326,26 +328,37 @@ conus_status selection_complete(conus_selection *selection, conus_selector *sele
             status = selector_prepare_tracts(selector);
         }
     }
+    if (!status && weight && selection->has_layers) {
+        status = doses_prepare(&selector->doses, selector->atlas, selector->tract_index);
+    }
     if (!status) {
-        const struct gathering gathering = {
+        struct gathering gathering = {
             .atlas = selector->atlas,
             .cone = &selection->cone,
             .aperture = &selector->aperture,
             .evidence = &selection->evidence,
-            .soft = weight ? &selector->soft : NULL,
+            .soft = of_rays ? &selector->soft : NULL,
             .layers = selection->has_layers ? &selection->layers : NULL,
             .census = selection->has_layers ? &selector->census : NULL,
             .tracts = selection->has_layers ? selector_take_tracts(selector, &selection->region) : NULL,
             .tract_index = selector->tract_index,
             .solids = selection->has_layers ? &selector->solids : NULL,
             .region = &selection->region,
+            .weight = weight,
             .whole = selector->whole,
             .group = level_group(selector->level)};
+        if (weight && selection->has_layers) {
+            doses_take(&selector->doses, &gathering);
+            gathering.doses = &selector->doses;
+        }
         status = statistics_gather(&selection->statistics, &gathering, &selector->tally);
     }
     status = status ? status : selection_regroup(selection, selector->level);
     if (!status) {
         selection_set_kinds(selection);
+    }
+    if (!status && weight && selection->has_layers) {
+        doses_share(selection->statistics.results, selection->statistics.count, &selector->doses, selector->atlas);
     }
     if (!status && selector->has_posterior) {
         prior_apply(selection->statistics.results, selection->statistics.count, &selector->prior, &selection->cone);

@@ -78,7 +78,8 @@ struct conus_selector {
     struct engine *axis; /**< The engine for axes, exact and on the CPU; NULL until selector_prepare_axis(). */
     bool owns_axis;      /**< It is neither the engine nor another selector's. */
     struct aperture aperture;
-    struct soft soft;             /**< With a weight. */
+    struct soft soft;             /**< With a weight of rays. */
+    struct doses doses;           /**< With a weight. */
     struct prior prior;           /**< Where has_posterior. */
     bool has_posterior;           /**< A prior was given, or the score needs it. */
     struct tally tally;           /**< Prepared for the atlas's objects. */

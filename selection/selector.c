@@ -52,11 +52,17 @@ static conus_status check_weight(const conus_selector *selector)
                : selector->ranking.info.needs_weight ? fail(CONUS_ERROR_ARGUMENT, "score: %s needs a weight", score)
                                                      : CONUS_OK;
     }
-    enum weight_by by = options->weight->facts.by;
-    if (by == WEIGHT_BY_ANGLE && options->radius > 0) {
+    const struct weight_facts *facts = &options->weight->facts;
+    const bool is_of_rays = !facts->by_depth && facts->by != WEIGHT_BY_DISTANCE;
+    if (facts->by == WEIGHT_BY_ANGLE && options->radius > 0) {
         return fail(CONUS_ERROR_ARGUMENT, "weight: an angle needs a cone, and a radius makes a cylinder");
     }
-    return by == WEIGHT_BY_OFFSET && options->radius == 0
+    if (!is_of_rays && (options->prior || selector->ranking.needs_rays)) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: %s needs a weight of rays, and this one depends on %s",
+                    options->prior ? "prior" : "score", options->prior ? "the posterior" : score,
+                    facts->by_depth ? "the depth" : "the distance from a point");
+    }
+    return facts->by == WEIGHT_BY_OFFSET && !facts->by_depth && options->radius == 0
                ? fail(CONUS_ERROR_ARGUMENT, "weight: an offset needs a cylinder, which has a radius")
                : CONUS_OK;
 }
@@ -132,6 +138,9 @@ conus_status conus_selector_create(conus_selector **out, const conus_atlas *atla
     selector->options = *options_of(conus_selector_options, options);
     selector->options.resolution =
         selector->options.resolution ? selector->options.resolution : CONUS_RESOLUTION_DEFAULT;
+    if (selector->options.weight && selector->options.weight->facts.by_depth) {
+        selector->options.layers = CONUS_LAYERS_ALL;
+    }
     conus_status status = frame_of_options(&selector->frame, selector->options.frame, CONUS_SPACE_RAS);
     selector->options.frame = NULL; /* the caller's may end */
     status = status ? status : selector_prepare_ranking(selector);
@@ -293,6 +302,7 @@ void conus_selector_destroy(conus_selector *selector)
         memory_free(selector->on_border);
         aperture_finish(&selector->aperture);
         soft_finish(&selector->soft);
+        doses_finish(&selector->doses);
         tally_finish(&selector->tally);
         census_finish(&selector->census);
         near_finish(&selector->near);

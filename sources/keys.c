@@ -136,6 +136,8 @@ static const struct source_key rows[] = {
      .allowed = A_POINT},
     {KEY_RPA, "rpa", KEYS_SCALP, IS_NUMBERS, .least = 3, .most = 3, .any_order = true, .low = -1e9, .high = 1e9,
      .allowed = A_POINT},
+
+    {KEY_ABOVE, "above", KEYS_WEIGHT, .allowed = "a weight is needed, or P% or P%area"},
     {KEY_POWER, "power", KEYS_PRIOR, IS_NUMBERS, .least = 1, .most = 1, .low = 0.01, .high = 100,
      .allowed = "allowed is a number from 0.01 to 100"},
 };

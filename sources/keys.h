@@ -93,6 +93,8 @@ enum source_key_id {
     KEY_INION,
     KEY_LPA,
     KEY_RPA,
+
+    KEY_ABOVE,
     KEY_POWER,
 };
 

@@ -642,7 +642,8 @@ static int answer_query(struct query_run *run)
         return code;
     }
     request_say_notes(request);
-    settings_say_weight(&request->settings->aim, &request->settings->engine, &request->settings->common);
+    settings_say_weight(&request->settings->aim, &request->settings->engine, &request->settings->common,
+                        request->atlases.items[0].atlas);
     atlases_say_open(&request->atlases, &request->settings->engine, &request->settings->common);
     request_say_aims(request);
     bool are_added = option_given(request->arguments, "streamlines") || option_given(request->arguments, "pathway");

@@ -261,15 +261,18 @@ const struct option shape_options[] = {
 };
 
 const struct option weight_options[] = {
-    {OPTION_VALUED("weight", struct engine_settings, weight, "FORM|FILE[,bias=X:Y]"),
+    {OPTION_VALUED("weight", struct engine_settings, weight, "FORM|FILE[,bias=X:Y][,above=LEVEL]"),
      .help =
-         "weigh the rays: hard (all alike), gauss=DEGREES (as a hand or tracker is off by so much about each of two "
+         "weigh the cone: hard (all alike), gauss=DEGREES (as a hand or tracker is off by so much about each of two "
          "axes, 0.01 to 20, or gauss=vr-controller:W, a published error, of a target W degrees wide; the cone opens to "
-         "8 times as much unless --angle says otherwise), or a table with "
-         "columns weight and angle_deg or offset_mm; bias: the device points X degrees to its right and Y up of "
-         "what is meant",
-     .words = "soft, Gaussian, uncertainty, pointing, VR", .role = OPTION_READS_NAMES,
-     .flags = OPTION_OF_CONE | OPTION_OF_RAYS, .holds = HOLDS_TEXT},
+         "8 times as much unless --angle says otherwise), coil=D:W (mm; half every D of depth, and W off the axis), "
+         "focus=F:L:A (mm; F deep, half its largest L wide and A long), fibre=R:NA[:S:K:N] (mm, and per mm: light in "
+         "tissue), or a table with columns weight and angle_deg, offset_mm or distance_mm, and perhaps depth_mm; what "
+         "depends on the depth brings --layers all and its own region; bias: the device points X degrees to its right "
+         "and Y up of what is meant; above: a weight, P% of the largest in the cone or P%area of the largest in areas, "
+         "from which on volume counts as above (50%area)",
+     .words = "soft, Gaussian, uncertainty, pointing, VR, dose, field, TMS, ultrasound, optogenetics, light",
+     .role = OPTION_READS_NAMES, .holds = HOLDS_TEXT},
     {OPTION_VALUED("prior", struct engine_settings, prior, "equal|size|FILE[,power=G]"),
      .help = "with --weight, how probable it is that each object is meant: each object as often, each direction as "
              "often, or as a table with columns name or index, and prior, says (1 of others); G is the exponent of "
@@ -539,6 +542,50 @@ bool settings_check_shape(const struct aim_settings *settings, const struct engi
     return true;
 }
 
+/* Sets the angle or radius, the depths and the layers of the weight's own region, where no option says so. */
+static int settings_weight_region(struct aim_settings *aim, struct engine_settings *settings,
+                                  const struct arguments *arguments)
+{
+    const double angle = conus_weight_angle(settings->made);
+    const double radius = conus_weight_radius(settings->made);
+    const bool has_depth = conus_weight_needs_layers(settings->made);
+    const bool has_angle = option_given(arguments, "angle") && aim->angle != 0;
+    double range[2];
+    if (!isnan(angle) && settings->radius > 0) {
+        return print_usage_error("--weight: an angle needs a cone, and --radius makes a cylinder");
+    }
+    if (!isnan(radius) && has_angle && !has_depth) {
+        return print_usage_error("--weight: an offset needs a cylinder, and --angle makes a cone");
+    }
+    if (has_depth && option_given(arguments, "layers") && settings->layers == CONUS_LAYERS_VISIBLE) {
+        return print_usage_error("--weight: it depends on the depth, which needs --layers all");
+    }
+    if (!isnan(angle) && !option_given(arguments, "angle")) {
+        aim->angle = angle;
+    }
+    if (!isnan(radius) && settings->radius == 0 && !has_angle) {
+        settings->radius = radius;
+    }
+    if (has_depth) {
+        settings->layers = CONUS_LAYERS_ALL;
+    }
+    if (conus_weight_range(range, settings->made) && !option_given(arguments, "range")) {
+        memcpy(settings->range.ends, range, sizeof range);
+    }
+    return EXIT_DONE;
+}
+
+/* The largest W at a distance from the axis. */
+static double largest_along(const conus_weight *weight, double side, const double range[2])
+{
+    enum { STEPS = 64 };
+    double largest = 0;
+    for (int i = 0; i <= STEPS; i++) {
+        largest = fmax(largest, conus_weight_at(weight, side, range[0] + (range[1] - range[0]) * i / STEPS));
+    }
+    return largest;
+}
+
 int settings_weight(struct aim_settings *aim, struct engine_settings *settings, const struct arguments *arguments)
 {
     const char *const texts[] = {settings->weight, settings->prior};
@@ -557,28 +604,35 @@ int settings_weight(struct aim_settings *aim, struct engine_settings *settings, 
         return status == CONUS_ERROR_ARGUMENT ? print_usage_error("--weight: %s", conus_message())
                                               : print_status(status);
     }
-    const double angle = conus_weight_angle(settings->made);
-    const double radius = conus_weight_radius(settings->made);
-    if (!isnan(angle) && settings->radius > 0) {
-        return print_usage_error("--weight: an angle needs a cone, and --radius makes a cylinder");
+    return settings_weight_region(aim, settings, arguments);
+}
+
+/* The longest edge of voxels of areas, mm; 0 where there are none. */
+static double longest_edge(const conus_atlas *atlas)
+{
+    const conus_volume_info *info;
+    double longest = 0;
+    for (size_t i = 0; (info = conus_atlas_volume(atlas, i)); i++) {
+        for (size_t a = 0; a < 3 && info->role == CONUS_ROLE_PARCELLATION; a++) {
+            longest = fmax(longest, info->spacing[a]);
+        }
     }
-    if (!isnan(radius) && option_given(arguments, "angle") && aim->angle != 0) {
-        return print_usage_error("--weight: an offset needs a cylinder, and --angle makes a cone");
-    }
-    if (!isnan(angle) && !option_given(arguments, "angle")) {
-        aim->angle = angle;
-    }
-    if (!isnan(radius) && settings->radius == 0) {
-        settings->radius = radius;
-    }
-    return EXIT_DONE;
+    return longest;
 }
 
 void settings_say_weight(const struct aim_settings *aim, const struct engine_settings *settings,
-                         const struct common_settings *common)
+                         const struct common_settings *common, const conus_atlas *atlas)
 {
     if (!settings->made) {
         return;
+    }
+    const double finest = conus_weight_finest(settings->made);
+    if (finest < longest_edge(atlas) / 2) {
+        say_note(
+            CONUS_SEVERITY_NOTE, common->quiet,
+            "the weight changes within %.2g mm, and voxels are %.3g mm long: a voxel counts whole, so doses at the "
+            "rim are coarse",
+            finest, longest_edge(atlas));
     }
     const double sigma = conus_weight_sigma(settings->made);
     const double angle = settings_angle(aim, settings);
@@ -588,8 +642,16 @@ void settings_say_weight(const struct aim_settings *aim, const struct engine_set
     const double own = is_cone ? conus_weight_angle(settings->made) : conus_weight_radius(settings->made);
     const double side = is_cone ? angle / 2 : settings->radius;
     const double corner = settings->aperture == CONUS_APERTURE_SQUARE ? sqrt(2) * side : side; /* or a bit less */
-    const double largest = conus_weight_largest(settings->made, corner);
-    const double rim = isnan(own) ? 0 : conus_weight_at(settings->made, side) / largest;
+    const double *range = settings->range.ends;
+    const double largest = conus_weight_largest(settings->made, corner, range);
+    const double rim = isnan(own) ? 0 : largest_along(settings->made, side, range) / largest;
+    const double end =
+        range[1] > 0 && conus_weight_needs_layers(settings->made)
+            ? conus_weight_largest(settings->made, corner, (const double[]){range[1], range[1]}) / largest
+            : 0;
+    const char *shape = is_cone                                                    ? "cone"
+                        : strcmp(conus_weight_region(settings->made), "ball") == 0 ? "ball"
+                                                                                   : "cylinder";
     if (sigma > 0 && pixels < 2) {
         say_note(
             CONUS_SEVERITY_NOTE, common->quiet,
@@ -599,15 +661,25 @@ void settings_say_weight(const struct aim_settings *aim, const struct engine_set
     }
     if (largest == 0) {
         say_note(CONUS_SEVERITY_WARNING, common->quiet,
-                 "the weight is 0 everywhere in a %s of %g %s: no object has one", is_cone ? "cone" : "cylinder",
-                 is_cone ? angle : side, is_cone ? "degrees" : "mm");
+                 "the weight is 0 everywhere in a %s of %g %s: no object has one", shape, is_cone ? angle : side,
+                 is_cone ? "degrees" : "mm");
     } else if (rim > 0.05) {
         char fills[64];
-        snprintf(fills, sizeof fills, sigma > 0 ? "it fills %g degrees" : "its table ends at %g %s",
-                 is_cone && sigma == 0 ? own / 2 : own, is_cone ? "degrees" : "mm");
+        const bool is_table = settings->weight_file[0];
+        snprintf(fills, sizeof fills, is_table ? "its table ends at %g %s" : "it fills %g %s",
+                 is_cone && is_table ? own / 2 : own, is_cone ? "degrees" : "mm");
         say_note(CONUS_SEVERITY_NOTE, common->quiet,
-                 "at the rim of the %s the weight is %.0f %% of its largest, and beyond nothing counts; %s",
-                 is_cone ? "cone" : "cylinder", 100 * rim, fills);
+                 "at the rim of the %s the weight is %.0f %% of its largest, and beyond nothing counts; %s", shape,
+                 100 * rim, fills);
+    } else if (end > 0.05) {
+        say_note(CONUS_SEVERITY_NOTE, common->quiet,
+                 "at the far end of the range, %g mm, the weight is %.0f %% of its largest, and beyond nothing counts",
+                 range[1], 100 * end);
+    }
+    if (largest > 0 && settings->layers == CONUS_LAYERS_ALL && range[1] == 0 && shape[0] != 'b' &&
+        !settings->range.to_target) {
+        say_note(CONUS_SEVERITY_NOTE, common->quiet,
+                 "the region has no far end, so doses have no share; --range NEAR:FAR ends it");
     }
 }
 

@@ -187,9 +187,10 @@ bool settings_check_shape(const struct aim_settings *settings, const struct engi
 int settings_weight(struct aim_settings *aim, struct engine_settings *settings, const struct arguments *arguments);
 void settings_weight_finish(struct engine_settings *settings);
 
-/** Prints notes about a weight that the cone cuts off, or that few rays share, unless --quiet. */
+/** Prints notes about a weight that the cone cuts off, that few rays share, or that is finer than the voxels of @p
+ * atlas, unless --quiet. */
 void settings_say_weight(const struct aim_settings *aim, const struct engine_settings *settings,
-                         const struct common_settings *common);
+                         const struct common_settings *common, const conus_atlas *atlas);
 
 /** Whether there is such a score, and what it needs; prints an error if not. */
 bool settings_check_score(const struct engine_settings *settings, bool has_history);

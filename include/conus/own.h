@@ -892,18 +892,34 @@ CONUS_CHECKED conus_status conus_report_take(const char **text, size_t *size, co
 /**
  * Gives a weight at a place.
  * @param weight The weight.
- * @param x Degrees off the axis, or mm from it.
+ * @param x Degrees off the axis, mm from it, or mm from a ball's centre.
+ * @param z mm along the axis; nothing of a weight that does not depend on it.
  * @return 0 or more.
  */
-CONUS_API double conus_weight_at(const conus_weight *weight, double x);
+CONUS_API double conus_weight_at(const conus_weight *weight, double x, double z);
 
 /**
  * Gives the largest weight from the axis to a place.
  * @param weight The weight.
  * @param x As for conus_weight_at().
+ * @param range Between which depths, mm; both 0 = all.
  * @return 0 or more.
  */
-CONUS_API double conus_weight_largest(const conus_weight *weight, double x);
+CONUS_API double conus_weight_largest(const conus_weight *weight, double x, const double range[2]);
+
+/**
+ * Gives the shortest length in which a weight changes.
+ * @param weight The weight.
+ * @return mm; infinity of one by angle alone, and of hard.
+ */
+CONUS_API double conus_weight_finest(const conus_weight *weight);
+
+/**
+ * Names the region that the weight is of.
+ * @param weight The weight.
+ * @return "cone", "cylinder", "ball", or "any".
+ */
+CONUS_API const char *conus_weight_region(const conus_weight *weight);
 
 /**
  * Gives the standard deviation of gauss.

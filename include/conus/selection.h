@@ -57,10 +57,13 @@ typedef struct conus_weight conus_weight;
 /**
  * Reads a weight.
  * @param[out] out The weight; end it with conus_weight_destroy().
- * @param text "hard" (all rays count alike); "gauss=2" (as the axis's tilt has a standard deviation of 2 degrees about
- * each of two axes, 0.01 to 20), or "gauss=vr-controller:4" (by a published error of tilt alone, Eq. 29); or the path
- * of a table with columns weight and angle_deg (off the axis, for cones) or offset_mm (from it, for cylinders). Behind
- * gauss and a table by angle ",bias=X:Y": the device points X degrees to its right and Y degrees up of what is meant.
+ * @param text A form or the path of a table (Eq. 30); docs/commands.md, --weight, has all of them. "hard": all counts
+ * alike. "gauss=2": as the axis's tilt has a standard deviation of 2 degrees about each of two axes, or
+ * "gauss=vr-controller:4", by a published error of tilt alone (Eq. 29). "coil=d:w", "focus=f:l:a" and
+ * "fibre=r:NA[:S:K:n]" depend on the depth. A table has columns weight and angle_deg (off the axis), offset_mm (from
+ * it) or distance_mm (from a ball's centre), and perhaps depth_mm. Behind gauss and a table by angle ",bias=X:Y": the
+ * device points X degrees to its right and Y degrees up of what is meant. Behind any ",above=": from which weight on a
+ * place counts as above (Eq. 33).
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an unknown form and numbers out of their ranges; #CONUS_ERROR_IO;
  * #CONUS_ERROR_DATA for another table.
  */
@@ -80,11 +83,26 @@ CONUS_API void conus_weight_destroy(conus_weight *weight);
 CONUS_API double conus_weight_angle(const conus_weight *weight);
 
 /**
- * Gives the radius of the cylinder that the weight fills.
+ * Gives the radius of the cylinder or ball that the weight fills.
  * @param weight The weight.
- * @return mm; NaN of one that fills no cylinder of its own.
+ * @return mm; NaN of one that fills neither.
  */
 CONUS_API double conus_weight_radius(const conus_weight *weight);
+
+/**
+ * Gives the depths that the weight fills.
+ * @param[out] out Nearest and farthest, mm; both 0 where it has none.
+ * @param weight The weight.
+ * @return Whether it has some.
+ */
+CONUS_API bool conus_weight_range(double out[2], const conus_weight *weight);
+
+/**
+ * Says whether the weight depends on the depth, so that it is none of rays.
+ * @param weight The weight.
+ * @return Then a selector has all layers, whatever its options say.
+ */
+CONUS_API bool conus_weight_needs_layers(const conus_weight *weight);
 
 /** How a selector answers. */
 typedef struct conus_selector_options {
@@ -248,6 +266,17 @@ typedef struct conus_result {
     double weight;       /**< Its part of the weights of all rays (Eq. 31); all parts sum to 1. */
     double weight_error; /**< Standard error of that, of the pixels at its outline. */
     double posterior;    /**< Of what pixels of a cone hit first: the probability that it is meant (Eq. 32). */
+
+    /* With a weight, and CONUS_LAYERS_ALL or in a ball (Eq. 33); else NaN. */
+    double dose;        /**< Integral of the weight over its part in the cone, mm^3, or of a bundle along its
+                             streamlines, mm, times the weight's unit. */
+    double dose_share;  /**< As a part of that of the whole cone; NaN of a bundle, and where that has no end. */
+    double mean_weight; /**< Dose by volume or length. */
+    double max_weight;  /**< Largest weight in it; */
+    double max_at[3];   /**< where, world mm. */
+    double above;       /**< mm^3 of it, or of a bundle streamlines, with a weight of the level or more. */
+    double above_share; /**< As a part of that of the whole cone. */
+    double value_dose;  /**< For a pathway: the integral of value times weight. */
 } conus_result;
 
 /**

@@ -153,7 +153,8 @@ def _ordered(results: Array, query: Array, order: str, by_entry: bool) -> Array:
 
 
 def _columns(
-    atlas: Atlas, results: Array, layers: bool, space: Optional[Space], weights: Sequence[str]
+    atlas: Atlas, results: Array, layers: bool, space: Optional[Space], weights: Sequence[str],
+    has_doses: bool = False
 ) -> dict[str, Any]:
     """The columns of ``conus query``, of results; what is n/a there is missing."""
     unassigned = results["object"] == 0
@@ -178,6 +179,11 @@ def _columns(
         if atlas.objects.has_bundles:
             columns.update(_bundle_columns(results, space))
     columns.update({name: results[name] for name in weights})
+    if weights and (layers or has_doses):
+        doses = ("dose", "dose_share", "mean_weight", "max_weight")
+        columns.update({name: results[name] for name in doses})
+        columns.update(points_of("max_", results["max_at"], space))
+        columns.update({name: results[name] for name in ("above", "above_share", "value_dose")})
     columns["contact_value"] = results["contact_value"]
     return columns
 
@@ -545,7 +551,8 @@ class Answers:
         import pandas
 
         query, results = self._rows(order)
-        columns = {**of_poses(self._queries, query), **_columns(self.atlas, results, self._layers, self.space, self._weights)}
+        columns = {**of_poses(self._queries, query),
+                   **_columns(self.atlas, results, self._layers, self.space, self._weights, self._points is not None)}
         if self._points:
             _of_points(columns, results, self._points[0][query], self._points[1], self.space)
         return with_errors(pandas.DataFrame(columns, copy=False), query, self._queries, self.errors)

@@ -588,7 +588,7 @@ def _state_of_file(argument: str, given: Any) -> Any:
 
 
 def _weight_columns(weight: Optional[str], score: Optional[str], prior: Optional[str]) -> list[str]:
-    """The columns that a weight brings."""
+    """The columns that a weight brings to what is seen."""
     has_posterior = prior is not None or "posterior" in (score or "")
     return [] if weight is None else ["weight", "weight_error"] + ["posterior"] * has_posterior
 
@@ -604,7 +604,8 @@ class Selector(Guarded):
     atlas
         The atlas that is asked.
     layers
-        "visible", what rays hit first, or "all" that they pass, with volumes and path lengths.
+        "visible", what rays hit first, or "all" that they pass, with volumes and path lengths. None is
+        "visible", but "all" with a weight that depends on the depth.
     resolution
         n of the n x n rays, 1 to 1024; 0 = the default, 64.
     range
@@ -619,8 +620,8 @@ class Selector(Guarded):
     bregma
         With space="bregma": where bregma lies in CCF, (AP, DV, ML) in micrometres.
     weight
-        As ``--weight`` of ``conus query``: "gauss=2", "gauss=2,bias=1:0", or the path of a table. The
-        angle of :meth:`select` is its own unless given.
+        As ``--weight`` of ``conus query``: "gauss=2", "gauss=2,bias=1:0", "coil=20:18", or the path of a
+        table. The angle of :meth:`select`, and radius and range, are its own unless given.
     prior
         As ``--prior``: "equal", "size" or the path of a table, and perhaps ",power=2".
     """
@@ -629,7 +630,7 @@ class Selector(Guarded):
         self,
         atlas: Atlas,
         *,
-        layers: str = "visible",
+        layers: Optional[str] = None,
         resolution: int = 0,
         range: tuple[float, float] = (0, 0),
         radius: float = 0,
@@ -648,7 +649,11 @@ class Selector(Guarded):
         options = ffi.new("conus_selector_options *")
         words = [optional(written, "level", level), optional(utf8, "score", score), optional(utf8, "prior", prior)]
         options.weight = self._weight = _weight_of(weight)
+        by_depth = weight is not None and bool(lib.conus_weight_needs_layers(self._weight))
+        layers = ("all" if by_depth else "visible") if layers is None else layers
         options.layers = choice("layers", layers, ("visible", "all"))
+        if by_depth and layers == "visible":
+            raise ArgumentError("weight: it depends on the depth, which needs layers=\"all\"")
         options.aperture = choice("aperture", aperture, ("circle", "square"))
         options.sampling = choice("sampling", sampling, ("exact", "slices"))
         options.engine = choice("engine", engine, ("auto", "rays", "gl"))
@@ -657,6 +662,8 @@ class Selector(Guarded):
         if weight is not None and options.radius == 0:
             own = lib.conus_weight_radius(self._weight)
             options.radius = 0 if math.isnan(own) else own
+        if weight is not None and tuple(options.range) == (0, 0):
+            lib.conus_weight_range(options.range, self._weight)
         options.slice_fraction = real("slice_fraction", slice_fraction)
         options.level, options.score, options.prior = words
         self._weights = _weight_columns(weight, score, prior)
@@ -823,6 +830,8 @@ class Selector(Guarded):
         options, findings = ffi.new("conus_many_options *"), ffi.new("conus_pose_findings *")
         options.threads = 0 if threads is None else whole("threads", threads)
         options.radius = real("radius", radius)
+        if options.radius == 0 and self._weight and ffi.string(lib.conus_weight_region(self._weight)) == b"ball":
+            options.radius = lib.conus_weight_radius(self._weight)
         with telling(progress, "point", len(at)) as tell:
             collector = _Collector(len(at), tell)
             state = Callback(collector.take)

@@ -149,7 +149,9 @@ conus_status conus_select_many(conus_pose_findings *findings, conus_selector *se
         return fail(CONUS_ERROR_ARGUMENT, "radius: %g mm, allowed are 0 (what is at the point) and more",
                     run.options.radius);
     }
+    const bool are_points = !run.poses.matrix && !run.poses.direction;
     conus_status status = batch_check_options(&run.options.threads, &run.options.block, &run.options.angle, selector);
+    status = status ? status : weight_check_region(selector->options.weight, are_points, selector->options.radius > 0);
     if (status) {
         return status;
     }

@@ -318,6 +318,47 @@ struct clearance_question {
 void clearance_take(struct clearance *clearance, const struct clearance_question *question,
                     const struct needle *needle);
 
+/* How much of a weight falls on each object of a region (Eq. 33). */
+
+struct gathering;
+
+/** Sums of one object. Voxels are an object's own, rays those of what it is reported as. */
+struct dose {
+    bool touched;
+    double voxels, values,
+        voxels_above;                 /**< Sums of W, and of W times value, over its voxels; cells above the level. */
+    double rays, on_rays, rays_above; /**< Of a surface what of it rays pass, or of its volume in a ball, of a bundle
+                                           lengths: alone, times W, and above the level. */
+    uint32_t lines_above;             /**< Streamlines of a bundle that come to places above the level. */
+    double largest;                   /**< The largest W; */
+    double at[3];                     /**< where, world mm, */
+    size_t voxel;                     /**< in which voxel: of equal ones the lowest. */
+    uint32_t last_pixel;              /**< The last one whose ray passes it, and how far it is counted, mm. */
+    double last_exit;
+};
+
+/** Kept between regions. A zeroed one is ready for doses_prepare(). */
+struct doses {
+    struct dose *of; /**< [object_count + 1] Those that are touched. */
+    uint32_t *touched;
+    size_t touched_count, object_count;
+    uint32_t *seen;  /**< [streamline_count of the index] Number of the last region in which it was above the level. */
+    uint32_t region; /**< Number of the last one. */
+    double whole, whole_above; /**< Integrals over the last region; infinite where it has no end. */
+    double level;              /**< W from which on a place is above; NaN where there is none. */
+    struct region measured;    /**< Whose integrals these are, */
+    double measured_level;     /**< and with which level. */
+};
+
+conus_status doses_prepare(struct doses *doses, const conus_atlas *atlas, const struct tract_index *index);
+void doses_finish(struct doses *doses);
+
+/** Forgets the last region's doses and takes those of the region of @p gathering, whose census was taken. */
+void doses_take(struct doses *doses, const struct gathering *gathering);
+
+/** Sets shares, and the row of what is unassigned, of @p count results whose doses are set. */
+void doses_share(conus_result *results, size_t count, const struct doses *doses, const conus_atlas *atlas);
+
 /* From evidence to one result per object hit. */
 
 struct statistics {
@@ -355,6 +396,8 @@ struct gathering {
     const struct tract_index *tract_index;
     const struct solids *solids; /**< Surfaces whose inside is counted; with a census. NULL = none. */
     const struct region *region; /**< In which it is; with solids.                                 */
+    const conus_weight *weight;  /**< NULL = none. */
+    const struct doses *doses;   /**< With a weight and a census; taken. Else NULL. */
     const double *whole;         /**< [object_count + 1] Whole volumes of the objects, with layers, mm^3.  */
     const uint32_t *group;       /**< [object_count + 1] As what each object is reported; NULL = itself. */
 };

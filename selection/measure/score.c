@@ -137,6 +137,18 @@ static double by_posterior(const conus_result *result, const struct score_view *
     return result->posterior;
 }
 
+static double by_dose(const conus_result *result, const struct score_view *view)
+{
+    (void)view;
+    return result->dose;
+}
+
+static double by_dose_share(const conus_result *result, const struct score_view *view)
+{
+    (void)view;
+    return result->dose_share;
+}
+
 static const struct score scores[] = {
     {{.name = "share", .description = "part of the cone's solid angle, 0 to 1"}, .value = by_share},
     {{.name = "centre", .description = "closeness to the axis: 1 on it, 0 on the cone's surface, linear in the angle"},
@@ -180,12 +192,24 @@ static const struct score scores[] = {
      .value = by_smallest,
      .needs_border = true},
     {{.name = "weight", .description = "part of the weights of all rays, 0 to 1", .needs_weight = true},
-     .value = by_weight},
+     .value = by_weight,
+     .needs_rays = true},
     {{.name = "posterior",
       .description = "probability that it is meant, by its weight and a prior",
       .needs_weight = true},
      .value = by_posterior,
+     .needs_rays = true,
      .needs_posterior = true},
+    {{.name = "dose",
+      .description = "integral of the weight over its part in the cone",
+      .needs_layers = true,
+      .needs_weight = true},
+     .value = by_dose},
+    {{.name = "dose_share",
+      .description = "the same as a part of that of the whole cone, 0 to 1",
+      .needs_layers = true,
+      .needs_weight = true},
+     .value = by_dose_share},
 };
 
 enum { SCORE_COUNT = sizeof scores / sizeof scores[0] };
@@ -213,6 +237,7 @@ conus_status ranking_parse(struct ranking *out, const char *text)
             ranking.info.needs_history = ranking.info.needs_history || scores[i].info.needs_history;
             ranking.info.needs_layers = ranking.info.needs_layers || scores[i].info.needs_layers;
             ranking.info.needs_weight = ranking.info.needs_weight || scores[i].info.needs_weight;
+            ranking.needs_rays = ranking.needs_rays || scores[i].needs_rays;
             ranking.needs_posterior = ranking.needs_posterior || scores[i].needs_posterior;
             ranking.uses |= UINT32_C(1) << i;
             ranking.history |= scores[i].history;

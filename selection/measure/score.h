@@ -154,7 +154,7 @@ struct score {
     conus_score_info info;
     double (*value)(const conus_result *result, const struct score_view *view);
     unsigned history; /**< Parts of it that the score lives on; 0 unless info.needs_history. */
-    bool needs_border, needs_box, needs_posterior;
+    bool needs_border, needs_box, needs_rays, needs_posterior; /**< needs_rays: a weight of them. */
 };
 
 /** The ranking of a selector: a formula over the table's names. */
@@ -163,7 +163,7 @@ struct ranking {
     conus_score_info info; /**< Its needs; without name and description. */
     uint32_t uses;         /**< Bit n: the table's n-th score.         */
     unsigned history;      /**< The parts of a history that the scores use. */
-    bool needs_border, needs_box, needs_posterior;
+    bool needs_border, needs_box, needs_rays, needs_posterior;
 };
 
 /** Parses a name or formula, NULL = the default. CONUS_ERROR_ARGUMENT says what is wrong with it. */

@@ -42,6 +42,7 @@ struct tallied {
     double point[3];                      /* the nearest point, where the question is what is near */
     double point_value;                   /* the value at the nearest point */
     const struct tract_part *streamlines; /* of a bundle, in the cone; NULL = none, or not counted */
+    struct dose dose;                     /* of its voxels, mm^3 in place of their number */
 };
 
 /* The sums of the whole cone. */
@@ -89,7 +90,8 @@ static struct tallied *touch(struct tally *tally, uint32_t object)
                                     .last_pixel = NO_PIXEL,
                                     .entry = INFINITY,
                                     .nearest = INFINITY,
-                                    .maximum = -INFINITY};
+                                    .maximum = -INFINITY,
+                                    .dose = {.largest = -1}};
         tally->touched[tally->touched_count++] = object;
     }
     return tallied;
@@ -245,6 +247,25 @@ static void add_intervals(struct tally *tally, const struct gathering *gathering
     }
 }
 
+/* Keeps the larger one of two largest weights, of equal ones that of the lower voxel. */
+static void keep_largest(struct dose *to, const struct dose *from)
+{
+    if (from->largest > to->largest || (from->largest == to->largest && from->voxel < to->voxel)) {
+        to->largest = from->largest;
+        to->voxel = from->voxel;
+        memcpy(to->at, from->at, sizeof to->at);
+    }
+}
+
+/* The doses of voxels of so many mm^3 each. */
+static void add_dose(struct dose *to, const struct dose *from, double mm3)
+{
+    to->voxels += from->voxels * mm3;
+    to->values += from->values * mm3;
+    to->voxels_above += from->voxels_above * mm3;
+    keep_largest(to, from);
+}
+
 static void add_census(struct tally *tally, const struct gathering *gathering)
 {
     const struct census *census = gathering->census;
@@ -264,6 +285,9 @@ static void add_census(struct tally *tally, const struct gathering *gathering)
         to->voxels += count->voxels;
         to->mm3 += (double)count->voxels * space_voxel_mm3(&volume->info);
         to->in_grid = true;
+        if (gathering->doses) {
+            add_dose(&to->dose, &gathering->doses->of[number], space_voxel_mm3(&volume->info));
+        }
     }
     if (parcellation) {
         struct tallied *nothing = touch(tally, 0);
@@ -321,12 +345,47 @@ static void add_solids(struct tally *tally, const struct gathering *gathering)
     }
 }
 
-/* mm^3 in the cone: voxels are counted, surfaces measured by their triangles. Where these enclose no known volume, it
- * comes from the rays; `total` is the weight of all of them. */
-static double volume_of(const struct tallied *object, const struct gathering *gathering, double total)
+/* mm^3 of surfaces in the cone, measured by their triangles. Where these enclose no known volume, it comes from the
+ * rays; `total` is the weight of all of them. */
+static double surface_of(const struct tallied *object, const struct gathering *gathering, double total)
 {
     double from_rays = object->volume > 0 ? object->volume / total * cone_cross_section(gathering->cone) : 0;
-    return object->mm3 + (object->is_solid ? object->solid : from_rays);
+    return object->is_solid ? object->solid : from_rays;
+}
+
+/* mm^3 in the cone: voxels are counted. */
+static double volume_of(const struct tallied *object, const struct gathering *gathering, double total)
+{
+    return object->mm3 + surface_of(object, gathering, total);
+}
+
+/* What is no voxel, mm^3 or mm, has the mean of W on its rays or along its streamlines; without a ray it is not known.
+ */
+static void describe_dose(conus_result *result, const struct tallied *object, const struct gathering *gathering,
+                          double total)
+{
+    static const struct dose none = {.largest = -1};
+    const struct doses *doses = gathering->doses;
+    const struct dose *passed = doses->of[result->object].touched ? &doses->of[result->object] : &none;
+    const bool is_bundle = object->streamlines;
+    const double extent = is_bundle ? result->length : surface_of(object, gathering, total);
+    const double part = extent != 0 ? extent / passed->rays : 0;
+    const bool is_known = extent == 0 || passed->rays > 0;
+    struct dose sum = object->dose;
+    keep_largest(&sum, passed);
+    result->dose = is_known ? sum.voxels + passed->on_rays * part : NAN;
+    result->above = !is_known || isnan(doses->level) ? NAN
+                    : is_bundle                      ? passed->lines_above
+                                                     : sum.voxels_above + passed->rays_above * part;
+    const double whole = is_bundle ? extent : result->volume;
+    result->mean_weight = whole > 0 ? result->dose / whole : NAN;
+    if (sum.largest >= 0) {
+        result->max_weight = sum.largest;
+        memcpy(result->max_at, sum.at, sizeof result->max_at);
+    }
+    if (atlas_object_is_scalar(gathering->atlas, result->object)) {
+        result->value_dose = sum.values;
+    }
 }
 
 /* A fraction that only rounding has made more than 1 is 1. */
@@ -366,6 +425,9 @@ conus_result statistics_empty_result(uint32_t number)
     result.centroid[0] = result.centroid[1] = result.centroid[2] = NAN;
     result.contact_value = NAN;
     result.weight = result.weight_error = result.posterior = NAN;
+    result.dose = result.dose_share = result.mean_weight = result.max_weight = NAN;
+    result.max_at[0] = result.max_at[1] = result.max_at[2] = NAN;
+    result.above = result.above_share = result.value_dose = NAN;
     result.length = result.near[0] = result.near[1] = result.near[2] = result.along = NAN;
     return result;
 }
@@ -429,6 +491,9 @@ static conus_result describe(uint32_t number, const struct tallied *object, cons
             result.along =
                 tract_index_along(gathering->tract_index, gathering->atlas, result.object, object->streamlines);
         }
+    }
+    if (gathering->doses && number && (!isnan(result.volume) || object->streamlines)) {
+        describe_dose(&result, object, gathering, totals->weight);
     }
     return result;
 }

@@ -283,7 +283,8 @@ struct report_column {
     bool layers_only;    /**< Only in reports of all layers. */
     bool moved_only;     /**< Only of an atlas that was moved. */
     bool weights_only;   /**< Only with a weight, */
-    bool posterior_only; /**< or a posterior. */
+    bool posterior_only; /**< a posterior, */
+    bool doses_only;     /**< or a weight, and all layers or points. */
     bool bundles_only;   /**< Only where an atlas has bundles. */
     bool unless_zeros;   /**< Only where some row is not 0. */
     struct cell (*get)(const conus_report *report, const struct report_row *row);

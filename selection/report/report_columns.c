@@ -45,6 +45,8 @@ unsigned report_needs_met(const conus_report *report, const struct report_row *r
 #define OF_BUNDLE(kind, member)                                                                                        \
     OF_ROW(kind, result.member), .needs = NEEDS_BUNDLE, .layers_only = true, .bundles_only = true
 
+#define OF_DOSE(kind, member) OF_ROW(kind, result.member), .needs = NEEDS_CENSUS, .doses_only = true
+
 static struct cell get_query(const conus_report *report, const struct report_row *row)
 {
     return text_cell(report->queries[row->query].id);
@@ -176,6 +178,22 @@ static const struct report_column answer_columns[] = {
      OF_ROW(NUMBER, result.weight_error), .weights_only = true},
     {"posterior", NULL, "probability that it is meant, of what is hit first", OF_ROW(NUMBER, result.posterior),
      .posterior_only = true},
+    {"dose", NULL, "integral of the weight over its part in the cone: mm^3, of a bundle mm, times the weight's unit",
+     OF_DOSE(NUMBER, dose)},
+    {"dose_share", NULL, "the same as a part of that of the whole cone; areas and unassigned sum to 1",
+     OF_DOSE(NUMBER, dose_share)},
+    {"mean_weight", NULL, "its dose by its volume, or the length of its streamlines, in the cone",
+     OF_DOSE(NUMBER, mean_weight)},
+    {"max_weight", NULL, "the largest weight in it: at voxels' centres, on rays or streamlines",
+     OF_DOSE(NUMBER, max_weight)},
+    {"max_x", "mm", "where that is, x", OF_DOSE(X, max_at)},
+    {"max_y", "mm", "the same, y", OF_DOSE(Y, max_at)},
+    {"max_z", "mm", "the same, z", OF_DOSE(Z, max_at)},
+    {"above", NULL, "mm^3 of it, or streamlines of a bundle, where the weight is at the level or above",
+     OF_DOSE(NUMBER, above)},
+    {"above_share", NULL, "that volume as a part of that in the whole cone", OF_DOSE(NUMBER, above_share)},
+    {"value_dose", NULL, "integral of its value times the weight, of a pathway or an area of probabilities",
+     OF_DOSE(NUMBER, value_dose)},
     {"contact_value", NULL,
      "value of the voxel at the contact, of a pathway, or probability there of an area of probabilities",
      OF_ROW(NUMBER, result.contact_value)},
@@ -739,13 +757,18 @@ static bool has_bundles(const conus_report *report)
     return report;
 }
 
+static bool has_doses(const conus_report *report)
+{
+    return report->weight.form && (report->selector.layers || report->options.points);
+}
+
 static void list_table(struct report_columns *out, const conus_report *report, const struct report_column *table,
                        size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         if ((report->selector.layers || !table[i].layers_only) && (report->atlas->is_moved || !table[i].moved_only) &&
-            (!table[i].weights_only || report->weight.form) && (!table[i].posterior_only || report->prior.power > 0) &&
-            (!table[i].bundles_only || has_bundles(report))) {
+            (!table[i].weights_only || report->weight.form) && (!table[i].doses_only || has_doses(report)) &&
+            (!table[i].posterior_only || report->prior.power > 0) && (!table[i].bundles_only || has_bundles(report))) {
             list_column(out, &table[i]);
         }
     }

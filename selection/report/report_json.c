@@ -297,12 +297,28 @@ static bool add_weight(json_t *settings, const conus_report *report)
     if (!weight->form) {
         return true;
     }
+    static const char *const levels[] = {
+        [ABOVE_AREAS] = "largest_in_areas", [ABOVE_LARGEST] = "largest", [ABOVE_LEVEL] = "weight"};
+    static const char *const owns[] = {[WEIGHT_BY_ANGLE] = "own_angle_deg",
+                                       [WEIGHT_BY_OFFSET] = "own_radius_mm",
+                                       [WEIGHT_BY_DISTANCE] = "own_ball_mm"};
     json_t *entry = json_pack("{s: s}", "form", weight->form);
+    json_t *numbers = json_array();
+    for (size_t i = 0; i < weight->number_count; i++) {
+        (void)json_array_append_new(numbers, json_real(weight->numbers[i]));
+    }
     const bool is_angle = weight->by == WEIGHT_BY_ANGLE;
+    const bool has_doses = report->selector.layers || report->options.points;
     bool whole =
-        entry && (weight->sigma == 0 || put_value(entry, "sigma_deg", json_real(weight->sigma))) &&
+        entry && json_array_size(numbers) == weight->number_count && put_value(entry, "numbers", numbers) &&
+        (weight->sigma == 0 || put_value(entry, "sigma_deg", json_real(weight->sigma))) &&
         (weight->rows == 0 || put_value(entry, "rows", json_integer((json_int_t)weight->rows))) &&
-        (weight->own == 0 || put_value(entry, is_angle ? "own_angle_deg" : "own_radius_mm", json_real(weight->own))) &&
+        (!weight->unit[0] || put_value(entry, "unit", json_string(weight->unit))) &&
+        (weight->own == 0 || put_value(entry, owns[weight->by], json_real(weight->own))) &&
+        (weight->depth[1] == 0 ||
+         put_value(entry, "own_range_mm", json_pack("[f, f]", weight->depth[0], weight->depth[1]))) &&
+        (!has_doses ||
+         put_value(entry, "above", json_pack("{s: s, s: f}", "of", levels[weight->above], "level", weight->level))) &&
         (!is_angle || put_value(entry, "bias_deg", json_pack("[f, f]", weight->bias[0], weight->bias[1]))) &&
         (!weight->error.name || put_value(entry, "error",
                                           json_pack("{s: s, s: s, s: s}", "name", weight->error.name, "measured",

@@ -222,15 +222,45 @@ static void write_number(struct buffer *out, int width, int digits, double value
     }
 }
 
-/* In percent, behind the pixels, with a weight. */
-static void write_weight(struct buffer *out, const conus_report *report, const conus_result *result)
+static void write_short(struct buffer *out, double value)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%.4g", value);
+    buffer_format(out, "  %9s", isfinite(value) ? text : "-");
+}
+
+/* The dose's share, the mean weight and the volume above the level, where there is a weight. */
+static void write_dose(struct buffer *out, const conus_report *report, const conus_result *result)
 {
     if (report->weight.form) {
+        write_number(out, 6, 1, 100 * result->dose_share, " %");
+        write_short(out, result->mean_weight);
+        write_short(out, result->above);
+    }
+}
+
+static void write_dose_header(struct buffer *out, const conus_report *report, bool is_first)
+{
+    if (report->weight.form) {
+        buffer_format(out, "  %8s  %9s  %9s", is_first ? "dose" : "of all", is_first ? "mean" : "weight",
+                      is_first ? "above" : "mm^3");
+    }
+}
+
+/* In percent, behind the pixels, with a weight of rays. */
+static void write_weight(struct buffer *out, const conus_report *report, const conus_result *result)
+{
+    if (report->weight.form && !report->weight.by_depth) {
         write_number(out, 6, 1, 100 * result->weight, " %");
         write_number(out, 5, 1, 100 * result->weight_error, "");
     }
     if (report->prior.power > 0 && result->object) {
         write_number(out, 7, 1, 100 * result->posterior, " %");
+    } else if (report->prior.power > 0 && report->selector.layers) {
+        buffer_format(out, "  %9s", "");
+    }
+    if (report->selector.layers) {
+        write_dose(out, report, result);
     }
 }
 
@@ -248,11 +278,14 @@ static void write_label_header(struct buffer *out, const conus_report *report, i
 {
     buffer_format(out, "%4s  %-*s  %10s  %8s  %6s", is_first ? "rank" : "", width, is_first ? "name" : "",
                   is_first ? "label" : "", is_first ? "share" : "of cone", is_first ? "pixels" : below_pixels);
-    if (report->weight.form) {
+    if (report->weight.form && !report->weight.by_depth) {
         buffer_format(out, "  %8s  %5s", is_first ? "weight" : "of all", is_first ? "error" : "%");
     }
     if (report->prior.power > 0) {
         buffer_format(out, "  %9s", is_first ? "posterior" : "");
+    }
+    if (report->selector.layers) {
+        write_dose_header(out, report, is_first);
     }
 }
 
@@ -392,6 +425,7 @@ static void write_ball_result(struct buffer *out, const conus_report *report, co
     report_point(report, contact);
     write_rank(out, report, result, width);
     write_number(out, 6, 2, 100 * result->share, " %");
+    write_dose(out, report, result);
     buffer_format(out, "  %8llu", (unsigned long long)result->voxels);
     write_volume(out, result->volume);
     if (result->object) {
@@ -408,12 +442,17 @@ static void write_ball_result(struct buffer *out, const conus_report *report, co
 static void write_ball_header(struct buffer *out, const conus_report *report, int width)
 {
     char axes[TABLE_AXES_SIZE];
-    static const char form[] = "%4s  %-*s  %10s  %8s  %8s  %9s  %8s";
-    buffer_format(out, form, "rank", width, "name", "label", "share", "voxels", "volume", "of whole");
+    static const char form[] = "  %8s  %9s  %8s";
+    static const char label[] = "%4s  %-*s  %10s  %8s";
+    buffer_format(out, label, "rank", width, "name", "label", "share");
+    write_dose_header(out, report, true);
+    buffer_format(out, form, "voxels", "volume", "of whole");
     write_mean_header(out, report, "mean");
     buffer_format(out, "  %8s  %26s", "distance", table_axes(axes, report, "nearest point"));
     end_header(out, report, "streamlines", "length");
-    buffer_format(out, form, "", width, "", "", "of ball", "", "mm^3", "area");
+    buffer_format(out, label, "", width, "", "", "of ball");
+    write_dose_header(out, report, false);
+    buffer_format(out, form, "", "mm^3", "area");
     write_mean_header(out, report, "value");
     buffer_format(out, "  %8s  %26s", "mm", conus_space_unit(report->frame.space));
     end_header(out, report, "in the ball", "mm");

@@ -93,7 +93,7 @@ static conus_status read_file(struct prior *out, const char *path, const conus_a
     for (size_t i = 0; i < count && !status; i++) {
         out->times[i] = 1;
     }
-    status = status ? status : rows_read(path, names, 3, take_row, &priors);
+    status = status ? status : rows_read(path, names, 3, take_row, &priors, NULL);
     memory_free(priors.is_given);
     return status || priors.rows ? status : fail(CONUS_ERROR_DATA, "%s: no rows, at least one is needed", path);
 }

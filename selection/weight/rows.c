@@ -36,7 +36,32 @@ static void read_header(struct job *job, struct named_cells *cells, struct text 
     }
 }
 
-conus_status rows_read(const char *path, const char *const *names, size_t count, rows_take *take, void *user)
+/* "# unit: V/m" */
+static void read_unit(char unit[32], struct text line)
+{
+    static const char key[] = "unit:";
+    line = text_trim(line);
+    while (line.size && (*line.data == '#' || *line.data == ' ')) {
+        line = (struct text){line.data + 1, line.size - 1};
+    }
+    if (text_starts(line, key)) {
+        line = text_trim((struct text){line.data + sizeof key - 1, line.size - (sizeof key - 1)});
+        (void)snprintf(unit, 32, "%.*s", (int)(line.size < 31 ? line.size : 31), line.data);
+    }
+}
+
+static void find_unit(char unit[32], struct text all)
+{
+    struct text line;
+    for (bool more = true; !unit[0] && text_field(&all, '\n', &more, &line);) {
+        if (line.size && *line.data == '#') {
+            read_unit(unit, line);
+        }
+    }
+}
+
+conus_status rows_read(const char *path, const char *const *names, size_t count, rows_take *take, void *user,
+                       char unit[32])
 {
     struct job job = {0};
     (void)job_in(&job, path, JOB_ALONE);
@@ -45,6 +70,9 @@ conus_status rows_read(const char *path, const char *const *names, size_t count,
     struct named_cells *cells = job_new(&job, struct named_cells);
     struct text line;
     bool has_header = false;
+    if (unit) {
+        find_unit(unit, rest);
+    }
     (void)job_in(&job, "line ", 0);
     for (size_t number = 0; job_ok(&job) && table_next_line(&rest, &line, &number); has_header = true) {
         job_at(&job, "line ", number);

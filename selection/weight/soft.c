@@ -43,7 +43,7 @@ static uint8_t sides_of(const bool *in_cone, uint32_t n, uint32_t i, uint32_t j)
 /* W of the rays at the distance r from the buffer's centre. */
 static double value_at(const conus_weight *weight, const struct cone *cone, double r)
 {
-    return weight->value(weight, cone->radius > 0 ? r * cone->radius : degrees_from_radians(cone_off_axis(cone, r)));
+    return weight_value(weight, cone->radius > 0 ? r * cone->radius : degrees_from_radians(cone_off_axis(cone, r)), 0);
 }
 
 conus_status soft_prepare(struct soft *soft, const conus_weight *weight, const struct aperture *aperture,

@@ -9,25 +9,69 @@
 #include "poses/rows/columns.h"
 #include "selection/cone/cone.h"
 
-/** What a weight depends on. */
-enum weight_by { WEIGHT_BY_NOTHING, WEIGHT_BY_ANGLE, WEIGHT_BY_OFFSET };
+/** What a weight depends on, beside perhaps the depth. */
+enum weight_by { WEIGHT_BY_NOTHING, WEIGHT_BY_ANGLE, WEIGHT_BY_OFFSET, WEIGHT_BY_DISTANCE };
+
+/** From which weight on a place counts as above (Eq. 33). */
+enum weight_above { ABOVE_AREAS, ABOVE_LARGEST, ABOVE_LEVEL };
+
+enum { WEIGHT_NUMBERS = 5 };
 
 /** What of a weight reports have. */
 struct weight_facts {
-    const char *form;       /**< "hard", "gauss" or "table". */
-    enum weight_by by;      /**< Degrees off the axis, or mm. */
+    const char *form;  /**< Its name, or "table". */
+    enum weight_by by; /**< Degrees off the axis, mm off it, or mm from a ball's centre. */
+    bool by_depth;     /**< And mm along the axis: it is no weight of rays. */
+    bool begins;       /**< It is 0 before depth 0, and not there. */
+    double numbers[WEIGHT_NUMBERS];
+    size_t number_count;    /**< Of a form. */
     double sigma;           /**< Of gauss, degrees; 0 of another. */
     conus_pose_error error; /**< Of gauss, by whose name it was given; else its name is NULL. */
     double bias[2];         /**< To the right and up, degrees. */
-    double own;  /**< Opening in degrees, or radius in mm, of the region outside of which it is 0; 0 = none. */
-    size_t rows; /**< Of a table. */
+    double own;      /**< Opening in degrees, or radius in mm, of the region outside of which it is 0; 0 = none. */
+    double depth[2]; /**< Where that begins and ends, mm; both 0 = it has no depths. */
+    size_t rows;     /**< Of a table. */
+    enum weight_above above;
+    double level;  /**< In W's unit, or part of the largest. */
+    char unit[32]; /**< Of W, of a table that says so; else "". */
 };
 
 struct conus_weight {
     struct weight_facts facts;
-    double (*value)(const conus_weight *weight, double x);
-    double *at, *values; /**< [rows] Ascending. */
+    double (*value)(const conus_weight *weight, double x, double z);
+    double finest[2]; /**< The shortest lengths in which it changes: degrees or mm across, and mm along the axis. */
+    size_t counts[2]; /**< Of a table: angles, offsets or distances; and depths, 1 where it has none. */
+    double *at;       /**< [counts[0]] Ascending; then [counts[1]] depths. */
+    double *values;   /**< [counts[1]][counts[0]] */
 };
+
+/** W at an angle (degrees), offset or distance, and a depth. */
+static inline double weight_value(const conus_weight *weight, double x, double z)
+{
+    return weight->value(weight, x, z);
+}
+
+/** The same, but a table is held beyond its ends. */
+double weight_held(const conus_weight *weight, double x, double z);
+
+/** Whether a place is none beyond a table's ends. */
+bool weight_covers(const conus_weight *weight, double x, double z);
+
+/** CONUS_ERROR_ARGUMENT where the weight (NULL = none) is not of such a region. */
+conus_status weight_check_region(const conus_weight *weight, bool is_ball, bool is_cylinder);
+
+/** The shortest length in which it changes across the axis at a depth, mm; infinite where it does not. */
+double weight_finest(const conus_weight *weight, double z);
+
+/** The largest W at the depths of @p range, from the axis to rim[0] + rim[1] times the depth. */
+double weight_largest(const conus_weight *weight, const double rim[2], const double range[2]);
+
+/** The place in the table of the last of @p count ascending numbers that is not above @p x, at most the last but one.
+ */
+size_t weight_place(const double *at, size_t count, double x);
+
+/** Reads a table, or gives what it finds wrong. */
+conus_status weight_read_table(conus_weight *out, const char *path);
 
 /** Turns the frame of a device that points off by the bias to where what is meant lies. */
 void weight_turn(conus_pose *pose, const conus_weight *weight);
@@ -71,7 +115,9 @@ void prior_apply(conus_result *results, size_t count, const struct prior *prior,
 /** Takes a row of a table. */
 typedef void rows_take(struct job *job, const struct named_cells *cells, void *user);
 
-/** Reads a file of at most 64 MiB: a header with some of @p count column names, and no others, and rows. */
-conus_status rows_read(const char *path, const char *const *names, size_t count, rows_take *take, void *user);
+/** Reads a file of at most 64 MiB: a header with some of @p count column names, and no others, and rows. Where a
+ * comment says "unit: X", @p unit becomes X, unless it is NULL. */
+conus_status rows_read(const char *path, const char *const *names, size_t count, rows_take *take, void *user,
+                       char unit[32]);
 
 #endif

@@ -53,7 +53,7 @@ SIZE(conus_brain_view, 40);
 SIZE(conus_name_gap, 40);
 SIZE(conus_name_check, 80);
 SIZE(conus_cut_plane, 72);
-SIZE(conus_result, 288);
+SIZE(conus_result, 368);
 SIZE(conus_evidence, 40);
 SIZE(conus_interval, 32);
 SIZE(conus_score_info, 24);

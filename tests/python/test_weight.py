@@ -189,8 +189,7 @@ def test_a_prior_of_a_file(tmp_path):
     ("angle_deg\tweight\n0\t1\n", "1 rows"),
     ("", "0 rows"),
     ("angle_deg\tweight\n0\t1\n1\t1\n0\t2\n", "angle_deg 0 is there twice"),
-    ("angle_deg\tdepth_mm\tweight\n0\t1\t1\n", "depth_mm\" is unknown"),
-    ("distance_mm\tweight\n0\t1\n1\t1\n", "distance_mm\" is unknown, allowed are angle_deg, offset_mm, weight$"),
+    ("angle_deg\tradius_mm\tweight\n0\t1\t1\n", "radius_mm\" is unknown, allowed are angle_deg, offset_mm, distance_mm, depth_mm, weight$"),
     ("angle_deg\toffset_mm\tweight\n0\t0\t1\n1\t1\t1\n", "needed"),
     ("angle_deg\n0\n1\n", "needed"),
     ("weight\n0\n1\n", "needed"),
@@ -206,13 +205,13 @@ def test_wrong_tables_are_data_errors(tmp_path, text, said):
 
 
 @pytest.mark.parametrize("options, said", [
-    ({"weight": "beam"}, "\"beam\" is unknown, allowed are hard, gauss, or a file"), ({"weight": "coil=20:18"}, "unknown"),
+    ({"weight": "beam"}, "\"beam\" is unknown, allowed are hard, gauss, coil, focus, fibre, or a file"), ({"weight": "coils=20:18"}, "unknown"),
     ({"weight": "gauss"}, "one number"), ({"weight": "gauss=vr-controler"}, "width of the target"),
     ({"weight": "gauss=vr-controller"}, "width of the target"), ({"weight": "gauss=tms-cap"}, "error of places, too"),
     ({"weight": "gauss=seeg-robot"}, "error of places, too"), ({"weight": "gauss=dbs"}, r"in one; jitter\(error=\) and plan\(jitter=\) take it"), ({"weight": "gauss=0"}, "0.01 to 20"), ({"weight": "gauss=inf"}, "0.01 to 20"),
-    ({"weight": "gauss=1,above=2"}, "above"), ({"weight": "hard,bias=1:1"}, "bias"), ({"weight": ""}, "unknown"),
+    ({"weight": "gauss=1,above=-2"}, "above"), ({"weight": "gauss=1,over=2"}, "allowed are bias, above"), ({"weight": "hard,bias=1:1"}, "bias"), ({"weight": ""}, "unknown"),
     ({"weight": "gauss=1,bias=1:2:3"}, "two numbers"), ({"weight": "gauss=1", "radius": 3}, "cylinder"), ({"prior": "size"}, "needs a weight"),
-    ({"score": "posterior"}, "needs a weight"), ({"score": "dose", "weight": "gauss=1"}, "unknown"),
+    ({"score": "posterior"}, "needs a weight"), ({"score": "doses", "weight": "gauss=1"}, "unknown"),
     ({"weight": "gauss=1", "prior": "often"}, "\"often\" is unknown"), ({"weight": "gauss=1", "prior": "size,power=0"}, "0.01"),
     ({"weight": "gauss=1", "prior": "size,power=2,power=3"}, "power is given twice"),
 ])
@@ -266,12 +265,14 @@ def test_hard_changes_no_byte(shape, pixels):
     asked = ["query", AAL, "--origin=-60,-150,40", "--toward=0,0,10", "--format=tsv", "-q", *shape, *pixels]
     plain, hard = (pandas.read_csv(io.BytesIO(call_conus(*asked, *more).stdout), sep="\t", dtype=str, keep_default_na=False)
                    for more in ([], ["--weight=hard"]))
-    assert list(hard.columns) == [*plain.columns[:-1], "weight", "weight_error", plain.columns[-1]]
+    doses = ["dose", "dose_share", "mean_weight", "max_weight", "max_x", "max_y", "max_z", "above", "above_share", "value_dose"]
+    doses = doses if "--layers=all" in shape else []
+    assert list(hard.columns) == [*plain.columns[:-1], "weight", "weight_error", *doses, plain.columns[-1]]
     assert hard[plain.columns].equals(plain) and hard["weight"].equals(plain["share"])
 
 
 @pytest.mark.parametrize("words, said", [
-    (["--weight=beam"], '--weight: "beam" is unknown, allowed are hard, gauss, or a file'),
+    (["--weight=beam"], '--weight: "beam" is unknown, allowed are hard, gauss, coil, focus, fibre, or a file'),
     (["--weight=gauss=30"], "--weight: gauss: 30 is out of range, allowed is 0.01 to 20 degrees"),
     (["--weight=gauss=2", "--radius=4"], "--weight: an angle needs a cone, and --radius makes a cylinder"),
     (["--prior=size"], "--prior has no effect without --weight"),

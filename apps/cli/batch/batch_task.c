@@ -388,7 +388,7 @@ static int build_task(struct task *task)
     atlases_say_notes(&task->atlases, &settings->common);
     atlases_say_spaces(&task->atlases, &settings->common);
     atlases_say_open(&task->atlases, &settings->engine, &settings->common);
-    settings_say_weight(&settings->aim, &settings->engine, &settings->common);
+    settings_say_weight(&settings->aim, &settings->engine, &settings->common, task->atlases.items[0].atlas);
     return EXIT_DONE;
 }
 

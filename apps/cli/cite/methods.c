@@ -128,8 +128,25 @@ static const struct sentence of_settings[] = {
      "probability that the axis, if it lies in the cone, meets it before any other (Eq. 30 and 31 of conus's "
      "documentation)."},
     {"Settings.weight.error", " This error is published, as {Settings.weight.error.measured} (see the references)."},
-    {"Settings.weight.form=table", " Rays were weighted by a table of {Settings.weight.rows} rows (Eq. 30 and 31 of "
-                                   "conus's documentation)."},
+    {"Settings.weight.form=table", " Places and rays were weighted by a table of {Settings.weight.rows} rows"
+                                   "{Settings.weight.unit?, in @} (Eq. 30 and 31 of conus's documentation)."},
+    {"Settings.weight.form=coil", " Places were weighted by a model of a coil's field, which falls by half every "
+                                  "{Settings.weight.numbers.0} mm of depth and {Settings.weight.numbers.1} mm off the "
+                                  "axis (Eq. 30 of conus's documentation); no field was simulated."},
+    {"Settings.weight.form=focus", " Places were weighted by a model of a focus {Settings.weight.numbers.0} mm deep, "
+                                   "which falls to half at a width of {Settings.weight.numbers.1} mm and a length of "
+                                   "{Settings.weight.numbers.2} mm (Eq. 30 of conus's documentation); no field was "
+                                   "simulated."},
+    {"Settings.weight.form=fibre",
+     " Places were weighted by a model of light from a fibre with a radius of {Settings.weight.numbers.0} mm and a "
+     "numerical aperture of {Settings.weight.numbers.1}, in tissue with a scattering of "
+     "{Settings.weight.numbers.2}/mm, "
+     "an absorption of {Settings.weight.numbers.3}/mm and a refractive index of {Settings.weight.numbers.4} (Foutz "
+     "2012 "
+     "as in cleo; Eq. 30 of conus's documentation); no light was simulated."},
+    {"Settings.weight.above",
+     " An object's dose is the integral of the weight over its part in the {tube?cylinder|cone "
+     "or ball} (Eq. 33)."},
     {"Settings.weight.bias_deg.0", "{biased? The device was taken to point {Settings.weight.bias_deg.0}° to its right "
                                    "and {Settings.weight.bias_deg.1}° up of what was meant.}"},
     {"Settings.prior", " The posterior of an object is the probability that it is meant, if "

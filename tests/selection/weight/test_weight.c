@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Weights of rays (Eq. 30): forms at single angles, and no memory. tests/python/test_weight.py tests Eq. 31 and Eq. 32
- * by an oracle and by samples, tests/python/test_errors.py Eq. 29. */
+/* Weights (Eq. 30): forms at single places, and no memory. tests/python/test_weight.py tests Eq. 31 and Eq. 32
+ * by an oracle and by samples, test_dose.py Eq. 33 by brute force, test_errors.py Eq. 29. */
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
 #include "conus/own.h"
@@ -27,8 +27,9 @@ static void gauss_is_a_density_per_solid_angle(void **state)
     (void)state;
     conus_weight *weight = NULL;
     assert_ok(conus_weight_create(&weight, "gauss=10,bias=3:-4"));
-    assert_near(conus_weight_at(weight, 0), 1, 0);
-    assert_near(conus_weight_at(weight, 20), exp(-2) * radians_from_degrees(20) / sin(radians_from_degrees(20)), 1e-15);
+    assert_near(conus_weight_at(weight, 0, 0), 1, 0);
+    assert_near(conus_weight_at(weight, 20, 0), exp(-2) * radians_from_degrees(20) / sin(radians_from_degrees(20)),
+                1e-15);
     assert_near(conus_weight_angle(weight), 80, 0);
     assert_near(conus_weight_sigma(weight), 10, 0);
     assert_true(isnan(conus_weight_radius(weight)));
@@ -43,15 +44,51 @@ static void a_table_is_linear_between_its_rows(void **state)
     assert_ok(conus_weight_create(&weight, write_file("offsets.csv", "weight,offset_mm\n4,3\n2,1\n0,7\n")));
     const double wanted[][2] = {{0, 2}, {1, 2}, {2, 3}, {3, 4}, {5, 2}, {7, 0}, {7.5, 0}};
     for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
-        assert_near(conus_weight_at(weight, wanted[i][0]), wanted[i][1], 1e-15);
+        assert_near(conus_weight_at(weight, wanted[i][0], 0), wanted[i][1], 1e-15);
     }
     const double largest[][2] = {{0.5, 2}, {1.5, 2.5}, {3, 4}, {6, 4}, {9, 4}};
     for (size_t i = 0; i < sizeof largest / sizeof largest[0]; i++) {
-        assert_near(conus_weight_largest(weight, largest[i][0]), largest[i][1], 1e-15);
+        assert_near(conus_weight_largest(weight, largest[i][0], (const double[]){0, 0}), largest[i][1], 1e-15);
     }
     assert_near(conus_weight_radius(weight), 7, 0);
     assert_true(isnan(conus_weight_angle(weight)));
     conus_weight_destroy(weight);
+}
+
+/* Half at d and at w; half its largest at half of l and a from the focus; 1 at the fibre's tip, 0 before it. */
+static void forms_with_depth_fall_by_half_where_they_say(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        double x, z, value, radius, range[2];
+    } wanted[] = {{"coil=20:9", 0, 20, 0.5, 27, {0, 180}},
+                  {"coil=20:9", 9, 0, 0.5, 27, {0, 180}},
+                  {"focus=50:4:20", 2, 50, 0.5, 6, {20, 80}},
+                  {"focus=50:4:20", 0, 60, 0.5, 6, {20, 80}},
+                  {"focus=10:4:20", 0, 10, 1, 6, {0, 40}}};
+    for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
+        conus_weight *weight = NULL;
+        double range[2];
+        assert_ok(conus_weight_create(&weight, wanted[i].text));
+        assert_near(conus_weight_at(weight, wanted[i].x, wanted[i].z), wanted[i].value, 1e-15);
+        assert_near(conus_weight_radius(weight), wanted[i].radius, 1e-12);
+        assert_true(conus_weight_range(range, weight) && conus_weight_needs_layers(weight));
+        assert_near(range[0], wanted[i].range[0], 1e-12);
+        assert_near(range[1], wanted[i].range[1], 1e-12);
+        assert_true(isnan(conus_weight_angle(weight)));
+        assert_near(conus_weight_largest(weight, 5, range),
+                    wanted[i].text[0] == 'c' ? 1 : conus_weight_at(weight, 0, i == 4 ? 10 : 50), 0);
+        conus_weight_destroy(weight);
+    }
+    conus_weight *fibre = NULL;
+    double range[2];
+    assert_ok(conus_weight_create(&fibre, "fibre=0.1:0.39"));
+    assert_true(conus_weight_range(range, fibre));
+    assert_near(conus_weight_at(fibre, 0, 0), 1, 1e-15);
+    assert_near(conus_weight_at(fibre, 0, -0.01), 0, 0);
+    assert_near(conus_weight_at(fibre, 0, range[1]), 1.0 / 512, 1e-9);
+    conus_weight_destroy(fibre);
 }
 
 /* Only what ends in a number of its second row is a table. */
@@ -114,8 +151,12 @@ static conus_status ask(void *data)
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
     conus_status status = conus_weight_create(&weight, poor->weight);
-    const conus_selector_options options = {
-        .weight = weight, .prior = poor->prior, .score = "posterior", .resolution = 24};
+    const conus_selector_options options = {.weight = weight,
+                                            .prior = poor->prior,
+                                            .score = "posterior",
+                                            .resolution = 24,
+                                            .layers = CONUS_LAYERS_ALL,
+                                            .range = {0, 200}};
     conus_pose pose;
     (void)!conus_pose_along(&pose, (double[]){0, 0, 150}, (double[]){0, 0, -1}, NULL);
     status = status ? status : conus_selector_create(&selector, poor->atlas, &options);
@@ -147,6 +188,7 @@ TEST_GROUP(weight)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(gauss_is_a_density_per_solid_angle),
         cmocka_unit_test(a_table_is_linear_between_its_rows),
+        cmocka_unit_test(forms_with_depth_fall_by_half_where_they_say),
         cmocka_unit_test(no_other_prefix_of_a_table_is_read),
         cmocka_unit_test(a_bias_is_taken_off_in_the_device_s_own_axes),
         cmocka_unit_test(paths_end_before_keys),
