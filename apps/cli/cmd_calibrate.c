@@ -193,7 +193,7 @@ static int answer_calibrate(struct calibration *calibration)
     }
     if (has_atlas) {
         request_say_notes(request);
-        settings_say_weight(&settings->aim, &settings->engine, &settings->common);
+        settings_say_weight(&settings->aim, &settings->engine, &settings->common, request->atlases.items[0].atlas);
     }
     return write_found(calibration);
 }
