@@ -22,7 +22,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         end > 0 && (!is_angle || end < 90) && conus_weight_at(weight, nextafter(end, INFINITY), range[0]) == 0;
     is_fine = is_fine && (!has_depth || conus_weight_at(weight, 0, nextafter(range[1], INFINITY)) == 0);
     for (int i = 0; i <= 256 && is_fine; i++) {
-        const double z = range[0] + (range[1] - range[0]) * (i / 16) / 16;
+        const int row = i / 16;
+        const double z = range[0] + (range[1] - range[0]) * row / 16;
         const double value = conus_weight_at(weight, end * (i % 16) / 16, z);
         is_fine = value >= 0 && value <= largest * (1 + 1e-15) && isfinite(largest);
     }
