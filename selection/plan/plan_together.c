@@ -957,12 +957,13 @@ static conus_status answer(conus_together *together)
         return status;
     }
     bool is_none = !together->entry_count && (lacks_one || together->is_none);
-    if (is_none && are_all_given) { /* what breaks is shown */
+    status = is_none ? explain(together) : status;
+    if (is_none && are_all_given) { /* what breaks is shown; once it is explained, since the search differs from it */
         together->entries[together->entry_count++].combination.nodes = together->nodes;
     }
-    status = place_entries(together);
+    status = status ? status : place_entries(together);
     describe_needles(together);
-    return status || !is_none ? status : explain(together);
+    return status;
 }
 
 conus_status conus_plan_together(conus_together **out, const conus_question *questions, size_t count,
