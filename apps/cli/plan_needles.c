@@ -400,6 +400,7 @@ static int read_table(struct planner *planner)
     const struct option *columns[COLUMN_LIMIT] = {0};
     size_t count = 0;
     size_t names = 0;
+    size_t onces = 0;
     char separator = '\t';
     for (size_t number = 1; text_line(&rest, &line) && !code; number++) {
         char *cells[COLUMN_LIMIT];
@@ -422,9 +423,13 @@ static int read_table(struct planner *planner)
         for (size_t i = 0; i < found && !count && !code; i++) {
             code = find_column(&columns[i], cells[i], planner) ? EXIT_DONE : EXIT_USAGE;
             names += !columns[i];
+            onces += columns[i] == &once_column;
         }
-        if (!code && names != 1) {
-            return print_usage_error(names ? "%s: two columns needle" : "%s: no column needle", path);
+        if (!code && (names != 1 || onces > 1)) {
+            return print_usage_error(!names      ? "%s: no column needle"
+                                     : names > 1 ? "%s: two columns needle"
+                                                 : "%s: two columns once",
+                                     path);
         }
         code = code || !count ? code : read_row(planner, cells, columns, count, number);
         count = found;

@@ -297,6 +297,8 @@ table() { # LINE...
     refused 'needles.tsv: no column needle' $N
     table 'needle\tneedle\tposes' 'A\tB\ta.tsv'
     refused 'needles.tsv: two columns needle' $N
+    table 'needle\tposes\tonce\tonce.1' 'A,B\ta.tsv\t1\t0'
+    refused 'needles.tsv: two columns once' $N
     table 'needle\tposes' '\ta.tsv'
     refused 'needles.tsv: line 2: no needle' $N
     table 'needle\tposes' 'n/a\ta.tsv'
