@@ -108,11 +108,13 @@ static conus_status check_list(conus_together *together)
     conus_together_options *options = &together->options;
     options->top = options->top ? options->top : 1;
     options->differ = options->differ ? options->differ : 1;
-    if (options->top > TOP_LIMIT || options->differ > together->count) {
-        return options->top > TOP_LIMIT ? fail(CONUS_ERROR_ARGUMENT, "top: %llu combinations, allowed are 1 to %d",
-                                               (unsigned long long)options->top, TOP_LIMIT)
-                                        : fail(CONUS_ERROR_ARGUMENT, "differ: in %llu needles, but there are %zu",
-                                               (unsigned long long)options->differ, together->count);
+    if (options->top > TOP_LIMIT) {
+        return fail(CONUS_ERROR_ARGUMENT, "top: %llu combinations, allowed are 1 to %d",
+                    (unsigned long long)options->top, TOP_LIMIT);
+    }
+    if (options->differ > together->count) {
+        return fail(CONUS_ERROR_ARGUMENT, "differ: in %llu needles, but there are %zu",
+                    (unsigned long long)options->differ, together->count);
     }
     together->entries = memory_zeroed((size_t)options->top, sizeof *together->entries);
     together->listed = memory_zeroed((size_t)options->top, sizeof *together->listed);
