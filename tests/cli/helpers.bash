@@ -73,8 +73,8 @@ is_conus() {
     [ "$(cat "/proc/$1/comm")" = "${program##*/}" ]
 }
 
-# catches_signals PID [PROGRAM]: whether the process is conus and handles SIGINT and SIGTERM. Its name is asked first: before
-# it is conus it is a bash, which handles both, too.
+# catches_signals PID [PROGRAM]: whether the process is conus and handles SIGINT and SIGTERM. Its name is asked first:
+# before it is conus it is a bash, which handles both, too.
 catches_signals() {
     local mask
     is_conus "$@" || return 1
