@@ -55,6 +55,7 @@ struct question_row {
     struct planner *planner;
     size_t line;
     const char *name; /* of its needles, with commas */
+    uint32_t needles; /* bits of them */
     bool once;
     char **words; /* [word_count] Of a command line; owned, but for the atlas behind them */
     int word_count;
@@ -323,13 +324,12 @@ static size_t find_needle(const struct planner *planner, const char *name)
 }
 
 /* Notes the needles of a row. */
-static int name_needles(struct planner *planner, const struct question_row *row)
+static int name_needles(struct planner *planner, struct question_row *row)
 {
     const char *path = planner->settings->needles.file;
     char *copy = strdup(row->name);
     char *rest = copy;
     char *name;
-    uint32_t seen = 0;
     int code = copy ? EXIT_DONE : print_no_memory();
     while (!code && (name = next_name(&rest))) {
         size_t at = find_needle(planner, name);
@@ -337,9 +337,10 @@ static int name_needles(struct planner *planner, const struct question_row *row)
                : strchr(name, '/')
                    ? print_usage_error("%s: line %zu: needle %s: a name without \"/\"", path, row->line, name)
                : at == NEEDLE_MOST ? print_usage_error("%s: more than %d needles", path, NEEDLE_MOST)
-               : seen >> at & 1    ? print_usage_error("%s: line %zu: needle %s is named twice", path, row->line, name)
-                                   : EXIT_DONE;
-        seen |= 1U << at;
+               : row->needles >> at & 1
+                   ? print_usage_error("%s: line %zu: needle %s is named twice", path, row->line, name)
+                   : EXIT_DONE;
+        row->needles |= 1U << at;
         if (!code && at == planner->name_count) {
             planner->names[at] = strdup(name);
             planner->name_count += planner->names[at] != NULL;
@@ -400,6 +401,7 @@ static int read_table(struct planner *planner)
     const struct option *columns[COLUMN_LIMIT] = {0};
     size_t count = 0;
     size_t names = 0;
+    size_t onces = 0;
     char separator = '\t';
     for (size_t number = 1; text_line(&rest, &line) && !code; number++) {
         char *cells[COLUMN_LIMIT];
@@ -422,9 +424,13 @@ static int read_table(struct planner *planner)
         for (size_t i = 0; i < found && !count && !code; i++) {
             code = find_column(&columns[i], cells[i], planner) ? EXIT_DONE : EXIT_USAGE;
             names += !columns[i];
+            onces += columns[i] == &once_column;
         }
-        if (!code && names != 1) {
-            return print_usage_error(names ? "%s: two columns needle" : "%s: no column needle", path);
+        if (!code && (names != 1 || onces > 1)) {
+            return print_usage_error(!names      ? "%s: no column needle"
+                                     : names > 1 ? "%s: two columns needle"
+                                                 : "%s: two columns once",
+                                     path);
         }
         code = code || !count ? code : read_row(planner, cells, columns, count, number);
         count = found;
@@ -582,38 +588,16 @@ static int open_rows(struct planner *planner)
     return code;
 }
 
-/* A needle of a row that is not given, in memory of the caller's; NULL = all are. */
-static const char *find_planned(char *cell, const struct planner *planner)
+/* Whether candidates are asked for by a row that has none of its own; given: bits of needles. */
+static int check_candidates(const struct planner *planner, const struct question_row *row, uint32_t given)
 {
-    char *rest = cell;
-    char *name;
-    while ((name = next_name(&rest))) {
-        size_t i = 0;
-        size_t count = conus_pose_list_count(planner->given);
-        while (i < count && strcmp(conus_pose_list_row(planner->given, i)->id, name) != 0) {
-            i++;
-        }
-        if (i == count) {
-            return name;
-        }
-    }
-    return NULL;
-}
-
-/* Whether candidates are asked for by a row that has none of its own. */
-static int check_candidates(const struct planner *planner, const struct question_row *row)
-{
-    char *cell = strdup(row->name);
-    const char *name = cell ? find_planned(cell, planner) : NULL;
-    int code =
-        !cell ? print_no_memory()
-        : name && row->is_given_alone
-            ? print_usage_error("%s: line %zu: no candidates given for %s: --poses FILE, or --from FILE "
-                                "--toward WHAT, or a pose of that name in %s",
-                                planner->settings->needles.file, row->line, name, planner->settings->needles.given)
-            : EXIT_DONE;
-    free(cell);
-    return code;
+    uint32_t planned = row->needles & ~given;
+    return planned && row->is_given_alone
+               ? print_usage_error("%s: line %zu: no candidates given for %s: --poses FILE, or --from FILE "
+                                   "--toward WHAT, or a pose of that name in %s",
+                                   planner->settings->needles.file, row->line, planner->names[__builtin_ctz(planned)],
+                                   planner->settings->needles.given)
+               : EXIT_DONE;
 }
 
 /* Takes the places of --given. */
@@ -647,7 +631,7 @@ static int take_given(struct planner *planner)
         planner->places[i] = *row;
     }
     for (size_t i = 0; i < planner->count && !code; i++) {
-        code = check_candidates(planner, &planner->rows[i]);
+        code = check_candidates(planner, &planner->rows[i], seen);
     }
     planner->options.given = planner->places;
     planner->options.given_count = count;

@@ -108,11 +108,13 @@ static conus_status check_list(conus_together *together)
     conus_together_options *options = &together->options;
     options->top = options->top ? options->top : 1;
     options->differ = options->differ ? options->differ : 1;
-    if (options->top > TOP_LIMIT || options->differ > together->count) {
-        return options->top > TOP_LIMIT ? fail(CONUS_ERROR_ARGUMENT, "top: %llu combinations, allowed are 1 to %d",
-                                               (unsigned long long)options->top, TOP_LIMIT)
-                                        : fail(CONUS_ERROR_ARGUMENT, "differ: in %llu needles, but there are %zu",
-                                               (unsigned long long)options->differ, together->count);
+    if (options->top > TOP_LIMIT) {
+        return fail(CONUS_ERROR_ARGUMENT, "top: %llu combinations, allowed are 1 to %d",
+                    (unsigned long long)options->top, TOP_LIMIT);
+    }
+    if (options->differ > together->count) {
+        return fail(CONUS_ERROR_ARGUMENT, "differ: in %llu needles, but there are %zu",
+                    (unsigned long long)options->differ, together->count);
     }
     together->entries = memory_zeroed((size_t)options->top, sizeof *together->entries);
     together->listed = memory_zeroed((size_t)options->top, sizeof *together->listed);
@@ -957,12 +959,13 @@ static conus_status answer(conus_together *together)
         return status;
     }
     bool is_none = !together->entry_count && (lacks_one || together->is_none);
-    if (is_none && are_all_given) { /* what breaks is shown */
+    status = is_none ? explain(together) : status;
+    if (is_none && are_all_given) { /* what breaks is shown; once it is explained, since the search differs from it */
         together->entries[together->entry_count++].combination.nodes = together->nodes;
     }
-    status = place_entries(together);
+    status = status ? status : place_entries(together);
     describe_needles(together);
-    return status || !is_none ? status : explain(together);
+    return status;
 }
 
 conus_status conus_plan_together(conus_together **out, const conus_question *questions, size_t count,

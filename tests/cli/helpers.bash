@@ -73,11 +73,13 @@ is_conus() {
     [ "$(cat "/proc/$1/comm")" = "${program##*/}" ]
 }
 
-# catches_signals PID [PROGRAM]: whether the process is conus and handles SIGINT.
+# catches_signals PID [PROGRAM]: whether the process is conus and handles SIGINT and SIGTERM. Its name is asked first:
+# before it is conus it is a bash, which handles both, too.
 catches_signals() {
     local mask
+    is_conus "$@" || return 1
     mask=$(sed -n 's/^SigCgt:[[:space:]]*/0x/p' "/proc/$1/status")
-    is_conus "$@" && [ $((mask >> 1 & 1)) -eq 1 ]
+    [ $((mask >> 1 & mask >> 14 & 1)) -eq 1 ]
 }
 
 # fill_progress: makes the pipe progress, which stays full as long as file descriptor 6 is open.

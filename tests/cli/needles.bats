@@ -143,6 +143,8 @@ column() {
     [ "$(column all_leeway_mm plan.tsv)" = "2.375 2.375" ]
     jq -e '.Plan.rows | map(.needles) == [["R"], ["R", "S"], ["S"]] and map(.once) == [false, true, false]' plan.json
     conus verify plan.tsv
+    conus cite plan.tsv | tr '\n' ' ' >said
+    grep -qF 'constraints: R: at least 2 mm of the axis in U (2 of 2 hold); R, S, for one needle only: at least' said
     # with b.tsv alone, once, there is no place for both
     printf 'needle\tposes\tonce\nR,S\tb.tsv\t1\n' >once.tsv
     run -0 --separate-stderr conus plan u-shape.nii.gz --needles once.tsv --reach U,length=2
@@ -297,6 +299,8 @@ table() { # LINE...
     refused 'needles.tsv: no column needle' $N
     table 'needle\tneedle\tposes' 'A\tB\ta.tsv'
     refused 'needles.tsv: two columns needle' $N
+    table 'needle\tposes\tonce\tonce.1' 'A,B\ta.tsv\t1\t0'
+    refused 'needles.tsv: two columns once' $N
     table 'needle\tposes' '\ta.tsv'
     refused 'needles.tsv: line 2: no needle' $N
     table 'needle\tposes' 'n/a\ta.tsv'

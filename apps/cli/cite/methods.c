@@ -204,7 +204,7 @@ static const struct sentence of_item[] = {
     {"!asked low !high", "{name} (from {low})"},
     {"!asked !low high", "{name} (to below {high})"},
     {"!asked !low !high !needles", "{name} (all values)"},
-    {"needles", "{needles.0}: {constraints} ({feasible} of {candidates} hold)"},
+    {"needles", "{needles}{once?, for one needle only}: {constraints} ({feasible} of {candidates} hold)"},
     {0},
 };
 
@@ -281,8 +281,12 @@ static void put_fact(FILE *out, const json_t *value)
     }
     json_array_foreach(value, index, item)
     {
-        fputs(index ? "; " : "", out);
-        put_sentences(out, item, of_item);
+        fputs(!index ? "" : json_is_string(item) ? ", " : "; ", out);
+        if (json_is_string(item)) {
+            put_fact(out, item);
+        } else {
+            put_sentences(out, item, of_item);
+        }
     }
 }
 

@@ -477,6 +477,40 @@ static size_t compare(const conus_together *together, struct oracle *oracle)
     return top;
 }
 
+/* Of a search that ended early, whatever it lists: no claim of it is wrong. Returns how many of them are proven. */
+static size_t expect_no_wrong_claim(const conus_together *together, struct oracle *oracle)
+{
+    const conus_combination *combination;
+    size_t n = 0;
+    size_t proven = 0;
+    bool is_over = conus_together_conflict(together);
+    oracle->listed_count = 0;
+    while ((combination = conus_together_combination(together, n++))) {
+        oracle->found = false;
+        enumerate(oracle, 0, INT64_MAX);
+        assert_true(oracle->found);
+        assert_true(nm(combination->leeway) <= oracle->least + 2 && oracle->least <= nm(combination->bound) + 2);
+        if (combination->proven) {
+            compare_one(combination, oracle);
+            proven++;
+        }
+        for (size_t i = 0; i < oracle->count; i++) {
+            size_t *at = &oracle->listed[oracle->listed_count][i];
+            for (*at = 0; oracle->needles[i].items[*at].number != combination->chosen[i].candidate; ++*at) {
+                assert_true(*at + 1 < oracle->needles[i].count);
+            }
+        }
+        oracle->listed_count++;
+        is_over = combination->last;
+    }
+    if (is_over) { /* there is none, or no other one */
+        oracle->found = false;
+        enumerate(oracle, 0, INT64_MAX);
+        assert_false(oracle->found);
+    }
+    return proven;
+}
+
 /* A part or none, and candidates, of each question. */
 static void fill_scene(struct scene *scene, uint64_t *seed, double most, bool is_coarse)
 {
@@ -500,6 +534,8 @@ static void fill_scene(struct scene *scene, uint64_t *seed, double most, bool is
 static void small_instances(uint64_t seed, const char *const (*named)[NEEDLES], size_t kinds_named, size_t trials)
 {
     size_t none = 0;
+    size_t proven = 0;
+    size_t unproven = 0;
     size_t kinds[4] = {0}; /* so many were listed, where three were asked for */
     for (size_t trial = 0; trial < trials; trial++) {
         struct scene scene;
@@ -531,8 +567,18 @@ static void small_instances(uint64_t seed, const char *const (*named)[NEEDLES], 
         none += !listed;
         kinds[listed] += options.top == 3;
         conus_together_destroy(together);
+        conus_together_options hasty = options;
+        hasty.effort = (uint64_t)2 << trial % 11;
+        assert_ok(conus_plan_together(&together, scene.needles, count, &hasty));
+        size_t of_these = expect_no_wrong_claim(together, &oracle);
+        proven += of_these;
+        unproven += conus_together_combination(together, of_these) != NULL;
+        conus_together_destroy(together);
         memory_free(needles);
         end_scene(&scene);
+    }
+    if (proven < trials / 12 || unproven < trials / 12) {
+        fail_msg("of hasty searches %zu combinations are proven, %zu end with one that is not", proven, unproven);
     }
     if (!(none > trials / 20 && none < 2 * trials / 3)) { /* both kinds are to be tried */
         fail_msg("%zu of %zu instances have no combination", none, trials);
@@ -743,6 +789,7 @@ static void the_leeway_of_a_pair(void **state)
 static void given_needles(void **state)
 {
     (void)state;
+    static const conus_constraint any_length = {.kind = CONUS_CONSTRAINT_LENGTH, .most = 100};
     uint64_t seed = 3;
     struct scene scene;
     make_scene(&scene, 2);
@@ -774,6 +821,29 @@ static void given_needles(void **state)
     assert_int_equal(conus_together_conflict(round)->count, 2);
     assert_true(isnan(conus_together_conflict(round)->entry_distance)); /* they overlap wherever they are */
     conus_together_destroy(round);
+    /* Of three that are given the last two are in one place: that others are to be listed, too, is not in their way. */
+    struct scene three;
+    make_scene(&three, 3);
+    for (size_t i = 0; i < 3; i++) {
+        three.candidates[i] = scene.candidates[0];
+    }
+    given[2] = given[0];
+    given[0].id = "C";
+    given[2].pose.world_from_device[13] = 40;
+    three.needles[0].constraints = &any_length;
+    three.needles[0].constraint_count = 1;
+    options = (conus_together_options){.given = given, .given_count = 3, .top = 3, .differ = 2};
+    assert_ok(conus_plan_together(&round, three.needles, 3, &options));
+    assert_int_equal(conus_together_conflict(round)->count, 2);
+    assert_int_equal(conus_together_conflict(round)->needles[0], 1);
+    assert_int_equal(conus_together_conflict(round)->needles[1], 2);
+    assert_near(conus_together_conflict(round)->between, -0.7, 1e-6); /* both radii */
+    conus_together_destroy(round);
+    end_scene(&three);
+    given[0] = given[1];
+    given[0].id = "A";
+    given[2].id = "B";
+    options = (conus_together_options){.given = given};
     round = NULL;
     options.given_count = 3;
     assert_fails(conus_plan_together(&round, scene.needles, 2, &options), CONUS_ERROR_ARGUMENT);
