@@ -40,7 +40,9 @@ struct report {
     char *folder; /* whole */
     char *text;   /* of the result */
     size_t size;
-    char *sidecar; /* its path */
+    char *sidecar;  /* its path */
+    char *recorded; /* its text */
+    size_t recorded_size;
     struct record record;
     struct results rows;
     struct replay replay;
@@ -260,30 +262,49 @@ static const char *not_drawn(const struct report *report)
                                                           : NULL;
 }
 
+/* A command line. */
+struct line {
+    char *words[ASKED + 16];
+    int count;
+    bool is_lost; /* a word, for want of memory */
+};
+
+static void put_word(struct line *line, const char *before, const char *word, const char *value)
+{
+    char *made = NULL;
+    if (asprintf(&made, "%s%s%s%s", before, word, value ? "=" : "", value ? value : "") < 0) {
+        line->is_lost = true;
+    } else {
+        line->words[line->count++] = made;
+    }
+}
+
 /* Asks conus render the recorded question, in the folder where it was asked; @p more are its last words. */
 static int draw(const struct report *report, const char *name, const char *const *more)
 {
     const struct arguments *asked = &report->replay.arguments;
-    char *words[ASKED + 16] = {strdup("conus"), strdup("render"), NULL};
+    struct line line = {0};
     char here[SYSTEM_PATH];
-    int count = 2;
+    char *path = path_in(report, name);
+    put_word(&line, "", "conus", NULL);
+    put_word(&line, "", "render", NULL);
     for (size_t i = 0; i < asked->use_count; i++) {
-        const struct option_use *use = &asked->uses[i];
-        if (is_asked(use->option) && asprintf(&words[count], "--%s%s%s", use->option->name, use->value ? "=" : "",
-                                              use->value ? use->value : "") > 0) {
-            count++;
+        if (is_asked(asked->uses[i].option)) {
+            put_word(&line, "--", asked->uses[i].option->name, asked->uses[i].value);
         }
     }
     for (; *more; more++) {
-        words[count++] = strdup(*more);
+        put_word(&line, "", *more, NULL);
     }
-    count += asprintf(&words[count], "--output=%s/%s", report->folder, name) > 0;
-    words[count++] = strdup("--");
-    words[count++] = strdup(asked->operands[0]);
+    put_word(&line, "--", "output", path);
+    put_word(&line, "", "--", NULL);
+    put_word(&line, "", asked->operands[0], NULL);
     struct arguments arguments = {0};
     void *settings = calloc(1, cmd_render.settings_size);
-    bool entered = settings && system_here(here) && system_enter(*report->ran ? report->ran : ".");
-    int code = entered ? options_parse(&arguments, settings, &cmd_render, NULL, count, words, 2) : print_no_memory();
+    bool entered =
+        path && !line.is_lost && settings && system_here(here) && system_enter(*report->ran ? report->ran : ".");
+    int code =
+        entered ? options_parse(&arguments, settings, &cmd_render, NULL, line.count, line.words, 2) : print_no_memory();
     if (code < 0) {
         code = cmd_render.run(settings, &arguments);
     }
@@ -292,8 +313,9 @@ static int draw(const struct report *report, const char *name, const char *const
         code = system_enter(here) ? code : print_system_error(here, "enter");
     }
     free(settings);
-    for (int i = 0; i < count; i++) {
-        free(words[i]);
+    free(path);
+    for (int i = 0; i < line.count; i++) {
+        free(line.words[i]);
     }
     return code;
 }
@@ -424,16 +446,6 @@ static int write_citation(char **said, const struct report *report, const char *
     return code;
 }
 
-static int write_sidecar(const struct report *report)
-{
-    char *text = NULL;
-    size_t size = 0;
-    int code = input_file_read(&text, &size, report->sidecar, INPUT_FILE, RECORD_LIMIT);
-    code = code ? code : write_file(report, path_name(report->sidecar), text, size);
-    free(text);
-    return code;
-}
-
 static int write_all(const struct report *report)
 {
     static const char *const brain[] = {"--size=1600x1200", "--style=print", "--quiet", NULL};
@@ -443,7 +455,7 @@ static int write_all(const struct report *report)
     char *methods = NULL;
     char *entries = NULL;
     int code = write_file(report, path_name(report->result), report->text, report->size);
-    code = code ? code : write_sidecar(report);
+    code = code ? code : write_file(report, path_name(report->sidecar), report->recorded, report->recorded_size);
     code = code ? code : write_citation(&methods, report, "methods.txt", false);
     code = code ? code : write_citation(&entries, report, "references.bib", true);
     code = code || undrawn ? code : draw(report, "brain.png", brain);
@@ -454,11 +466,23 @@ static int write_all(const struct report *report)
     return code;
 }
 
+/* Whether the report has another file of the result's name. */
+static bool is_taken(const char *result)
+{
+    static const char *const own[] = {"report.html", "methods.txt", "references.bib", "brain.png", "cuts.png"};
+    bool is = false;
+    for (size_t i = 0; i < sizeof own / sizeof *own; i++) {
+        is = is || strcmp(path_name(result), own[i]) == 0;
+    }
+    return is;
+}
+
 /* Reads the result and the record of how it was made. */
 static int read_result(struct report *report, const struct command *const *commands)
 {
-    char *record = NULL;
-    size_t size = 0;
+    if (is_taken(report->result)) {
+        return print_data_error("%s: a report has a file of its own of this name", report->result);
+    }
     int code = input_file_read(&report->text, &report->size, report->result, INPUT_FILE, LIMIT);
     code = code ? code : results_parse(&report->rows, report->result, report->text, report->size);
     if (code) {
@@ -468,9 +492,8 @@ static int read_result(struct report *report, const struct command *const *comma
     if (!report->sidecar) {
         return print_data_error("%s: no .json of conus is beside it, which says how it was made", report->result);
     }
-    code = input_file_read(&record, &size, report->sidecar, INPUT_FILE, RECORD_LIMIT);
-    const char *bad = code ? NULL : record_parse(&report->record, record, size);
-    free(record);
+    code = input_file_read(&report->recorded, &report->recorded_size, report->sidecar, INPUT_FILE, RECORD_LIMIT);
+    const char *bad = code ? NULL : record_parse(&report->record, report->recorded, report->recorded_size);
     if (code || bad) {
         return code ? code : print_data_error("%s: %s", report->sidecar, bad);
     }
@@ -517,6 +540,7 @@ static int run_report(const void *given, const struct arguments *arguments)
     record_finish(&report.record);
     results_finish(&report.rows);
     free(report.sidecar);
+    free(report.recorded);
     free(report.folder);
     free(report.text);
     free(report.ran);

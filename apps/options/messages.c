@@ -35,10 +35,16 @@ void make_plain_line(char *text)
 
 void message_drop_quotes(char *line)
 {
-    while ((line = strchr(line, '"'))) {
-        char *end = line + 1 + strcspn(line + 1, "\"");
-        memmove(line + 1, end, strlen(end) + 1);
-        line += 1 + (line[1] == '"');
+    char *first = strpbrk(line, "\"<");
+    char *last = first;
+    bool is_open = false;
+    for (char *mark = first; mark; mark = strpbrk(mark + 1, "\"<>")) {
+        is_open = *mark == '<' || (*mark == '"' && !is_open);
+        last = mark;
+    }
+    if (first) {
+        last = is_open ? last + strlen(last) : last;
+        memmove(first + 1, last, strlen(last) + 1);
     }
 }
 

@@ -43,7 +43,8 @@ const char *error_line(void);
 /** Makes a text harmless for whatever shows it, in place: one line, without control characters. */
 void make_plain_line(char *text);
 
-/** Leaves out what stands in quotation marks, in place: words of files, which may be of somebody else. */
+/** Leaves out, in place, what stands from the first to the last quotation mark, or mark of XML: words of files, which
+ * may be of somebody else and hold such marks. */
 void message_drop_quotes(char *line);
 
 /** print_error_line(), and EXIT_USAGE. */

@@ -145,6 +145,35 @@ static void an_area_smaller_than_a_cube_has_a_surface(void **state)
     conus_atlas_destroy(atlas);
 }
 
+static double all(const double world[3])
+{
+    (void)world;
+    return 1;
+}
+
+/* Areas at the border of their image, of one voxel, a line and a plane, however large the voxels are. */
+static void every_shape_of_an_image_is_closed(void **state)
+{
+    (void)state;
+    static const size_t dims[][3] = {{1, 1, 1}, {80, 1, 1}, {1, 40, 60}, {3, 4, 5}};
+    static const double sizes[][3] = {{1, 1, 1}, {1e-3, 1e-3, 1e-3}, {1e3, 1e3, 1e3}, {1, 1, 20}};
+    for (size_t i = 0; i < 16; i++) {
+        const conus_volume_info grid = picture_grid(dims[i / 4], sizes[i % 4], picture_identity);
+        conus_atlas *atlas = picture_atlas(&grid, all, NULL, NULL);
+        struct nets nets;
+        assert_ok(nets_make(&nets, atlas, 90));
+        struct mesh mesh = take_surface(&nets, 1);
+        bool is_closed = false;
+        assert_ok(mesh_is_closed(&is_closed, &mesh));
+        assert_true(is_closed);
+        assert_ok(mesh_measure(&mesh.shape, &mesh));
+        assert_true(mesh.shape.volume_mm3 > 0);
+        mesh_finish(&mesh);
+        nets_finish(&nets);
+        conus_atlas_destroy(atlas);
+    }
+}
+
 static void meshes_are_as_they_are(void **state)
 {
     (void)state;
@@ -207,6 +236,7 @@ TEST_GROUP(nets)
         cmocka_unit_test(normals_face_outside),
         cmocka_unit_test(neighbours_share_their_border),
         cmocka_unit_test(an_area_smaller_than_a_cube_has_a_surface),
+        cmocka_unit_test(every_shape_of_an_image_is_closed),
         cmocka_unit_test(meshes_are_as_they_are),
         cmocka_unit_test(what_has_no_surface_is_refused),
         cmocka_unit_test(every_failing_allocation_is_survived),

@@ -33,7 +33,10 @@ def make_files():
     with open("root/sub/poses.tsv", "w", encoding="utf-8") as file:
         file.write("query_id\tx\ty\tz\tdx\tdy\tdz\na\t0\t0\t60\t0\t0\t-1\n")
     os.symlink(os.path.abspath("outside"), "root/out")
+    with open("root/secret.xml", "w", encoding="utf-8") as file:
+        file.write(f'<{SECRET} a="{SECRET}">"{SECRET}</{SECRET}>\n')
     os.symlink(os.path.abspath("outside/secret.txt"), "root/out.txt")
+    os.symlink(os.path.abspath("outside/secret.txt"), "root/(out)")
     os.symlink(os.path.abspath("outside/missing.txt"), "root/dangling.txt")
 
 
@@ -116,13 +119,17 @@ def transcript():
             ({"atlas": "nested.nii.gz", "only": ["@sub/names.txt"]}, "a list in a file"),
             ({"atlas": "nested.nii.gz", "only": ["sub/names.txt"]}, "is a file"),
             *(({"atlas": path}, "is not in a folder") for path in (
-                outside, "../outside/secret.txt", "out/secret.txt", "out.txt", "dangling.txt", "sub/../../outside", "/etc/passwd", "/")),
+                outside, "../outside/secret.txt", "out/secret.txt", "out.txt", "(out)", "a/" * 2000 + "..", "dangling.txt",
+                "sub/../../outside", "/etc/passwd", "/")),
             *(({"atlas": "nested.nii.gz", "labels": f"{begin}{outside}{end}"}, "is not in a folder")
-              for begin in ("", "label=", "x,name=", "x:", "x;", "file://", "x|") for end in ("", ",name=a"))):
+              for begin in ("", "label=", "x,name=", "x:", "x;", "file://", "x|") for end in ("", ",name=a")),
+            ({"atlas": "nested.nii.gz", "labels": "label=(out)"}, "is not in a folder"),
+            *(({"atlas": path, **AIM}, "a/a") for path in ("a/" * 2040, ("a/" * 32 + ",") * 62))):  # neither deep nor slow
         (reply,) = ask(call("query", members))
         assert reply["result"]["isError"] is True and why in text(reply), (members, text(reply))
         assert SECRET not in text(reply)
-    for members in ({"atlas": "nested.nii.gz", **AIM, "labels": "secret.txt"}, {"atlas": "secret.txt", **AIM}):
+    for members in ({"atlas": "nested.nii.gz", **AIM, "labels": "secret.txt"}, {"atlas": "secret.txt", **AIM},
+                    {"atlas": "nested.nii.gz", **AIM, "labels": "secret.xml,name=x"}, {"atlas": "nested.nii.gz", "pose": "secret.xml"}):
         (reply,) = ask(call("query", members))
         assert SECRET[:4] not in json.dumps(reply), text(reply)
 

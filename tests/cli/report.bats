@@ -81,6 +81,8 @@ has_all() {
     [[ $output == *differ* ]]
     conus sweep nested.nii.gz "${aim[@]}" -q -o sweep.tsv
     fails 3 'a report is made of the answers of conus query, batch and overlap' report sweep.tsv -o folder
+    conus query nested.nii.gz "${aim[@]}" -q --format tsv -o methods.txt
+    fails 3 'methods.txt: a report has a file of its own of this name' report methods.txt -o folder
     printf 'query\tname\n' >alone.tsv
     fails 3 'alone.tsv' report alone.tsv -o folder
     [ ! -e folder ]

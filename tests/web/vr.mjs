@@ -428,6 +428,46 @@ test("a hand that is not seen asks nothing, and the panel says so", { skip }, as
   });
   assert.equal(found.asked, 0);
   assert.ok(found.words.some((text) => text.endsWith("old: no hand is seen")), `${found.words}`);
+  // A press then holds nothing; as soon as the hand is back, what it points at, and not what it did before.
+  const held = await page.evaluate(async () => {
+    const hand = window.device.controllers.right;
+    const press = async () => {
+      hand.updateButtonValue("trigger", 1);
+      await window.frame(2);
+      hand.updateButtonValue("trigger", 0);
+      await window.frame(2);
+    };
+    await press();
+    const words = window.panel;
+    await new Promise((done) => { setTimeout(done, 700); });
+    window.isLost = false;
+    await window.frame(2);
+    await press();
+    return { words, question: await window.settled() };
+  });
+  assert.ok(held.words.every((text) => !text.endsWith("held")), `${held.words}`);
+  const free = await page.evaluate(async () => {
+    window.device.controllers.right.updateButtonValue("trigger", 1);
+    await window.frame(2);
+    window.device.controllers.right.updateButtonValue("trigger", 0);
+    return window.settled();
+  });
+  assert.deepEqual(held.question, free); // where the hand still is
+});
+
+test("another atlas is not shown by the surfaces of the one before, nor its name given to the poses of that", { skip }, async (t) => {
+  const page = await visit(t);
+  await enter(page);
+  await page.evaluate(() => window.settled());
+  run("phantom", "sphere", "-o", ".", "--size", "24");
+  await page.locator("#files").setInputFiles(path.join(folder, "sphere.nii.gz"));
+  await page.locator('[data-enter="immersive-vr"]:enabled').waitFor();
+  await page.waitForFunction(() => !window.device.activeSession, null, WAIT);
+  await page.waitForFunction(() => document.querySelector("#atlas").textContent.includes("sphere"), null, WAIT);
+  const [download] = await Promise.all([page.waitForEvent("download"), page.locator('[data-save="poses"]').click()]);
+  assert.match(fs.readFileSync(await download.path(), "utf8"), /^# conus batch aal\.nii\.gz --poses conus-aal-/);
+  await enter(page);
+  await leave(page);
 });
 
 test(`in and out ${ENTRIES} times, and again after the context was lost`, { skip, timeout: 1800000 }, async (t) => {

@@ -56,20 +56,21 @@ static bool check_text(struct calling *calling, const char *member, const char *
         return refuse_call(calling, "%s: a text of %zu bytes", member, strlen(text));
     }
     if (*text == '-') {
-        return refuse_call(calling, "%s: \"%s\" begins with \"-\"; numbers are given as [X, Y, Z]", member, text);
+        return refuse_call(calling, "%s: \"%.200s\" begins with \"-\"; numbers are given as [X, Y, Z]", member, text);
     }
     if (at && (at == text || strchr(", ", at[-1]) || role == OPTION_READS_NAMES)) {
-        return refuse_call(calling, "%s: \"%s\": a list in a file is not read; names are given as they are", member,
+        return refuse_call(calling, "%s: \"%.200s\": a list in a file is not read; names are given as they are", member,
                            text);
     }
     if (!mcp_roots_have(calling->call->roots, text)) {
-        return refuse_call(calling,
-                           "%s: \"%s\" is not in a folder that conus mcp may read, or has more than %d words; conus "
-                           "mcp --root FOLDER says which folders it may",
-                           member, text, MCP_PIECES);
+        return refuse_call(
+            calling,
+            "%s: \"%.200s\" is not in a folder that conus mcp may read, or has more than %d words; conus "
+            "mcp --root FOLDER says which folders it may",
+            member, text, MCP_PIECES);
     }
     return (role != OPTION_READS_NAMES || !system_allows(text, 0)) ||
-           refuse_call(calling, "%s: \"%s\" is a file; names are given as they are", member, text);
+           refuse_call(calling, "%s: \"%.200s\" is a file; names are given as they are", member, text);
 }
 
 static bool put_text(struct calling *calling, const char *member, const char *name, const json_t *value,

@@ -98,12 +98,18 @@ static bool leads_in(const struct mcp_roots *roots, char *path)
     if (system_real_path(real, path)) {
         return lies_within(roots, real);
     }
-    if (has_way_up(path) || system_stat_link(&info, path)) {
-        return false;
+    bool is_there = !has_way_up(path);
+    bool is_real = is_there && system_real_path(real, strchr(SYSTEM_SEPARATORS, *path) ? "/" : ".");
+    for (size_t end = 1; is_there && is_real && path[end - 1]; end++) {
+        const char after = path[end];
+        if (!after || strchr(SYSTEM_SEPARATORS, after)) {
+            path[end] = '\0';
+            is_there = system_stat_link(&info, path);
+            is_real = !is_there || system_real_path(real, path);
+            path[end] = after;
+        }
     }
-    char *above = path_cut(path);
-    return above ? leads_in(roots, *path ? path : memcpy(path, "/", 2))
-                 : system_real_path(real, ".") && lies_within(roots, real);
+    return is_real && lies_within(roots, real);
 }
 
 /* What may stand in a path without being the end of another word. */
@@ -112,10 +118,10 @@ static bool is_of_path(char c)
     return isalnum((unsigned char)c) || (unsigned char)c >= 0x80 || strchr("._-" SYSTEM_SEPARATORS, c);
 }
 
-/* Whether a word begins at text[at]; "a / b" is a quotient. */
+/* Whether a word may begin at text[at], also by what stands in no path but this one; "a / b" is a quotient. */
 static bool may_begin(const char *text, size_t at)
 {
-    return !at || (!is_of_path(text[at - 1]) && is_of_path(text[at]) && strncmp(text + at, "/ ", 2) != 0);
+    return !at || (!is_of_path(text[at - 1]) && strncmp(text + at, "/ ", 2) != 0);
 }
 
 bool mcp_roots_have(const struct mcp_roots *roots, const char *text)

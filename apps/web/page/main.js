@@ -74,7 +74,10 @@ function ask(call, data = {}, give = []) {
 worker.onmessage = ({ data }) => {
   const { done, failed } = waiting.get(data.id);
   waiting.delete(data.id);
-  if (data.objects) edition++;
+  if (data.objects) {
+    edition++;
+    headset?.session?.end(); // which shows the atlas before
+  }
   if (data.error === undefined) done(data);
   else failed(new Error(inPage(data.error)));
 };
@@ -782,8 +785,9 @@ const enter = (mode) => attempt(async () => {
   });
   const { low, high } = atlas;
   const entered = headset = new Headset(here, {
-    question: { ...question }, low, high,
-    ask: async (asked) => describeFor(await ask("draw", { question: asked, cuts: [], view: null, chosen: 0, given: [] })),
+    question: { ...question }, low, high, file: atlasFile, name: atlas.name,
+    ask: async (asked) => describeFor(await ask("draw", { question: asked, cuts: [], view: null, chosen: 0, given: [] })
+      .catch(({ message }) => ({ refused: message, depth: 0, rows: "", hits: [] }))),
     hold: (held) => {
       mend("");
       question = held;
@@ -834,8 +838,9 @@ for (const button of buttons) button.onclick = () => enter(/** @type {any} */ (b
 
 /** What was asked in the headset, as tables that the commands in their first lines answer: one for each kind of question. */
 function savePoses() {
-  const name = atlas.name.replace(/\..*/, "");
-  for (const [kind, lines] of headset?.record ?? []) {
+  if (!headset) return;
+  const { name: whole, file: atlasFile } = headset.page, name = whole.replace(/\..*/, ""); // of the atlas that was asked
+  for (const [kind, lines] of headset.record) {
     const [layers, resolution] = kind.split("-");
     const file = `conus-${name}-${kind}.tsv`;
     const head = `# conus batch ${quoted(atlasFile)} --poses ${file} --layers ${layers} --resolution ${resolution} -o rows.tsv\n${["name", "time_s", "x", "y", "z", "tx", "ty", "tz", "angle", "trigger"].join("\t")}\n`;

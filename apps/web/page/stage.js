@@ -131,6 +131,8 @@ export class Stage {
   take([positions, normals, objects, corners, outer, first], isClosed) {
     const { gl } = this;
     for (const buffer of this.buffers ?? []) gl.deleteBuffer(buffer);
+    for (const array of [this.whole, this.outer]) gl.deleteVertexArray(array ?? null); // which keep buffers
+    this.pending = [];
     const buffers = this.buffers = [positions, normals, objects, corners, outer].map((bytes, i) => {
       const target = i < 3 ? gl.ARRAY_BUFFER : gl.ELEMENT_ARRAY_BUFFER, buffer = gl.createBuffer();
       gl.bindBuffer(target, buffer);

@@ -10,6 +10,7 @@ import { Board, SIZE } from "./board.js";
 
 const REACH = 100; // mm from the apex to the target that is asked: beyond, 0.001 mm is less than 0.0006 degrees
 const DELAY = 150; // ms before a press, which itself moves the hand (Eq. 12)
+const GAP = 500; // ms without a hand, and what it pointed at before is no more
 const REST = 150; // ms within so many m and so much of a direction, and the hand rests
 const STILL = [0.005, 0.026];
 const ROUGH = 16; // rays a side while the hand moves
@@ -37,7 +38,7 @@ class OneEuro {
   step(seconds, p) {
     const past = seconds - this.time;
     this.time = seconds;
-    if (!(past > 0 && past < 0.5)) {
+    if (!(past > 0 && past < GAP / 1000)) {
       this.speed.fill(0);
       this.x.set(p);
       return;
@@ -74,7 +75,7 @@ const p = point(), q = point(), r = point();
 const a = matrix(), b = matrix(), c = matrix();
 
 export class Headset {
-  /** @param {import("./stage.js").Stage} stage @param {{question: Question, low: number[], high: number[], ask: (question: Question) => Promise<Answer>, hold: (question: Question) => void, ended: () => void}} page */
+  /** @param {import("./stage.js").Stage} stage @param {{question: Question, low: number[], high: number[], file: string, name: string, ask: (question: Question) => Promise<Answer>, hold: (question: Question) => void, ended: () => void}} page */
   constructor(stage, page) {
     this.stage = stage;
     this.page = page;
@@ -117,6 +118,8 @@ export class Headset {
     /** @type {any} */
     this.opening = null; // the second hand that makes the cone wider
     this.openingAt = 0;
+    /** @type {any} */
+    this.pinching = null; // the transient pointer that does not press a button
     this.pressed = [false, false]; // A or X, B or Y
     this.hasTurned = false; // since the stick was last in its middle
     this.eye = point();
@@ -170,12 +173,12 @@ export class Headset {
 
   /** @param {any} event */
   press({ inputSource, frame }) {
-    if (this.session.visibilityState !== "visible" || !this.canPoint(inputSource)) return;
+    if (!this.space || this.session.visibilityState !== "visible" || !this.canPoint(inputSource)) return;
     const ray = frame.getPose(inputSource.targetRaySpace, this.space);
     const button = ray ? this.buttonAt(ray.transform.matrix) : "";
     if (button) this.use(button);
     else if (inputSource.hand && this.touches(inputSource, frame)) this.grips[this.sideOf(inputSource)] = inputSource;
-    else if (inputSource.targetRayMode === "transient-pointer") this.held = null; // and its end holds
+    else if (inputSource.targetRayMode === "transient-pointer") [this.held, this.pinching] = [null, inputSource]; // and its end holds
     else if (inputSource !== this.source && inputSource.hand) [this.opening, this.openingAt] = [inputSource, NaN];
     else if (inputSource !== this.source) [this.hand, this.held] = [inputSource.handedness, null];
     else this.hold();
@@ -186,13 +189,14 @@ export class Headset {
   release({ inputSource }) {
     if (inputSource === this.opening) this.opening = null;
     if (inputSource.hand) this.grips[this.sideOf(inputSource)] = null;
-    if (inputSource.targetRayMode === "transient-pointer" && inputSource === this.source && !this.held) this.hold();
+    if (inputSource === this.pinching && inputSource === this.source && !this.held) this.hold();
+    if (inputSource === this.pinching) this.pinching = null;
     this.say();
   }
 
   /** Holds what was pointed at before the press, or lets go. */
   hold() {
-    if (this.held || !this.hasAimed) {
+    if (this.held || !this.hasAimed || this.isOld) {
       this.held = null;
       return;
     }
@@ -200,7 +204,8 @@ export class Headset {
     let found = this.past[this.newest];
     for (let i = 0; i < MOMENTS && found.time > now - DELAY; i++) {
       const before = this.past[(this.newest + MOMENTS - i) % MOMENTS];
-      if (before.time > -Infinity) found = before;
+      if (found.time - before.time > GAP) break;
+      found = before;
     }
     this.held = Float64Array.from(found.numbers);
     this.page.hold(this.questionOf(this.held, true));
