@@ -159,12 +159,16 @@ def test_other_scalps_are_refused(tmp_path):
     points, triangles = ellipsoid(shape.axes, shape.centre)
     write(tmp_path / "scalp.surf.gii", points, triangles)
     write(tmp_path / "open.surf.gii", points, triangles[5:])
+    write(tmp_path / "metres.surf.gii", points / 1000, triangles)
+    write(tmp_path / "cm.surf.gii", points / 10, triangles)
     good = option("scalp.surf.gii", landmarks)
     far = option("scalp.surf.gii", {**landmarks, "Nz": landmarks["Nz"] + [0, 25, 0]})
     exchanged = option("scalp.surf.gii", {**landmarks, "LPA": landmarks["RPA"], "RPA": landmarks["LPA"]})
     turned = option("scalp.surf.gii", {**landmarks, "Nz": landmarks["Iz"], "Iz": landmarks["Nz"]})
     for words, code, message in [
         (["--scalp", far], 3, "mm from the surface, allowed are 20"), (["--scalp", exchanged], 3, "lpa"), (["--scalp", turned], 3, "inion"),
+        (["--scalp", option("metres.surf.gii", {name: at / 1000 for name, at in landmarks.items()})], 3, "are they in mm?"),
+        (["--scalp", option("cm.surf.gii", {name: at / 10 for name, at in landmarks.items()})], 3, "mm apart, allowed are 50 to 400"),
         (["--scalp", option("open.surf.gii", landmarks)], 3, "not closed"), (["F9", "--scalp", good], 2, "below the ring of 10 %"),
         (["--scalp", "scalp.surf.gii"], 2, "nasion is missing"), (["--scalp", good.split(",rpa")[0]], 2, "rpa is missing"),
         (["--scalp", good + ":4"], 2, "X:Y:Z"), (["--scalp", good.replace("lpa=", "ear=")], 2, "ear"),
