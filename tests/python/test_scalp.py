@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Positions on a scalp (Eq. 35): an ellipsoid, whose sections are ellipses, by this file's own arcs."""
+import json
 import os
 import subprocess
 
@@ -149,7 +150,9 @@ def test_a_query_takes_the_position_of_the_scalp(tmp_path):
         done = subprocess.run([os.environ["CONUS"], "query", tmp_path / "own.nii", *words, "--inward", "--scalp", scalp],
                               capture_output=True, check=False)
         assert done.returncode == 2 and b"--scalp" in done.stderr, done.stderr
-    assert "on a scalp by sections" in " ".join(call_conus("cite", tmp_path / "c3.tsv").stdout.decode().split())
+    for result in ("c3.tsv", "answer.tsv"):
+        assert "on a scalp by sections" in " ".join(call_conus("cite", tmp_path / result).stdout.decode().split())
+    assert json.loads((tmp_path / "answer.json").read_text())["Places"][0]["head"] == "own"
     for result in ("c3.tsv", "answer.tsv"):
         assert b"identical" in call_conus("verify", tmp_path / result).stdout
 
