@@ -24,8 +24,9 @@ void conus_place_text(char out[CONUS_PLACE_TEXT], const conus_place *place, cons
     if (place->kind == CONUS_PLACE_INNER) {
         snprintf(depth, sizeof depth, ", %.*f mm inside", place->depth < 1 ? 3 : 1, place->depth);
     }
-    snprintf(out, CONUS_PLACE_TEXT, "%s%.300s%s(%.*f, %.*f, %.*f)%s%s%s", kinds[place->kind], place->name,
-             *place->name ? ": " : "", decimals, at[0], decimals, at[1], decimals, at[2], depth,
+    snprintf(out, CONUS_PLACE_TEXT, "%s%.300s%s%s(%.*f, %.*f, %.*f)%s%s%s", kinds[place->kind], place->name,
+             place->is_on_scalp ? " on the scalp given" : "", *place->name ? ": " : "", decimals, at[0], decimals,
+             at[1], decimals, at[2], depth,
              place->is_doubtful ? ", in MNI, where it is not known that the atlas lies" : "",
              !place->is_also_named                ? ""
              : place->kind == CONUS_PLACE_NUMBERS ? ", the numbers; an area is called so, too"

@@ -10,7 +10,8 @@
 #include <string.h>
 
 static const double LANDMARK_FAR = 20, NORMAL_NEAR = 5, SETTLED = 0.01; /* mm */
-static const double POINT_FAR = 2; /* mm: a section goes through its three points */
+static const double POINT_FAR = 2;                    /* mm: a section goes through its three points */
+static const double HEAD_LEAST = 50, HEAD_MOST = 400; /* mm, from ear to ear and from nasion to inion */
 enum { STEPS = 100 };
 
 /* A section through three positions, and the names at its parts. In this order: each needs those above. */
@@ -388,6 +389,15 @@ static conus_status add_landmarks(double out[LANDMARKS][3], conus_scalp *scalp, 
         return fail(CONUS_ERROR_DATA, "scalp: %s: in RAS mm x grows to the right, and y to the front",
                     out[LEFT][0] < out[RIGHT][0] ? "the inion is in front of the nasion"
                                                  : "the left ear (lpa) is on the right of the right one");
+    }
+    for (int k = 0; k < LANDMARKS; k += 2) {
+        double way[3];
+        vec3_sub(way, out[k + 1], out[k]);
+        const double size = vec3_length(way);
+        if (!(size >= HEAD_LEAST && size <= HEAD_MOST)) {
+            return fail(CONUS_ERROR_DATA, "scalp: %s and %s are %.3g mm apart, allowed are %g to %g: are they in mm?",
+                        names[k], names[k + 1], size, HEAD_LEAST, HEAD_MOST);
+        }
     }
     return CONUS_OK;
 }

@@ -316,6 +316,7 @@ typedef struct conus_place {
                               it is not known, and of other kinds. */
     bool is_also_named;    /**< The words also name something else: numbers an area, an area a position. */
     bool is_doubtful;      /**< They say MNI, and it is not known whether the atlas lies there. */
+    bool is_on_scalp;      /**< #CONUS_PLACE_POSITION: found on a scalp, not on the head of MNI 152. */
 } conus_place;
 
 typedef struct conus_scalp conus_scalp; /**< Somebody's scalp, with the positions of the 10-10 system on it. */

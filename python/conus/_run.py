@@ -126,7 +126,7 @@ def positions(*names: str, **options: Any) -> Any:
     names
         Their names; none for all.
     options
-        Those of the program: ``out``, ``handle``.
+        Those of the program: ``out``, ``handle``, ``scalp``.
 
     Returns
     -------

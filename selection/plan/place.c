@@ -78,6 +78,7 @@ static conus_status take_scalp_position(struct finding *finding, const struct po
     conus_status status = position_on_scalp(&own, finding->options->scalp, position);
     if (!status) {
         take_position(finding, &own);
+        finding->place.is_on_scalp = true;
     }
     return status;
 }

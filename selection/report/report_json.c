@@ -651,6 +651,7 @@ static json_t *json_from_places(const conus_report *report)
         whole = whole && (!object || object->kind != CONUS_KIND_AREA ||
                           put_value(item, "index", json_integer((json_int_t)object->label)));
         whole = whole && (place->kind != CONUS_PLACE_INNER || put_value(item, "inside_mm", json_real(place->depth)));
+        whole = whole && (!place->is_on_scalp || put_value(item, "head", json_string("own")));
         whole = json_array_append_new(list, item) == 0 && whole;
     }
     return whole_or_null(list, whole);

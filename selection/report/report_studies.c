@@ -241,7 +241,11 @@ static void write_calibration_foot(struct buffer *out, const conus_report *repor
     (void)report;
     const double *value = conus_table_numbers(query->table, "value");
     const double *p = conus_table_numbers(query->table, "p");
-    buffer_format(out, "to copy: --weight gauss=%.4g,bias=%.4g:%.4g\n", value[2], value[0], value[1]);
+    if (value[2] >= 0.01 && value[2] <= 20 && fmax(fabs(value[0]), fabs(value[1])) <= 45) {
+        buffer_format(out, "to copy: --weight gauss=%.4g,bias=%.4g:%.4g\n", value[2], value[0], value[1]);
+    } else {
+        buffer_text(out, "no --weight has such errors: sigma is 0.01 to 20 degrees, and the bias up to 45\n");
+    }
     if (p[5] < 0.05) {
         buffer_format(out, "the errors are hardly normal (kurtosis, p = %.2g)\n", p[5]);
     }

@@ -13,8 +13,8 @@
 
 /* Standard deviation of the template's normals, degrees: 4.5 from those of Colin 27's scalp in the median. */
 static const double NORMAL_ERROR = 3.8;
-/* Cosine of 15 degrees: a normal within so much of straight back has no backwards beside it. */
-static const double STRAIGHT_BACK = 0.9659258262890683;
+/* Cosine of 15 degrees: a normal within so much of straight back or front has no backwards beside it. */
+static const double STRAIGHT = 0.9659258262890683;
 
 struct row {
     struct table_object object; /* none */
@@ -50,18 +50,21 @@ static int side_of(const char *name)
     return last < '0' || last > '9' ? 0 : (last - '0') % 2 ? -1 : 1;
 }
 
-/* Up, away from a handle that points backwards, turned by so many degrees to the position's side. */
+/* Up, away from a handle that points backwards, turned by so many degrees to the position's side. Seen from outside,
+ * left is clockwise from backwards all over the head, also where the normal points down; from up at the back it is not.
+ */
 static void turn_handle(double up[3], const char *name, const double outward[3], double degrees)
 {
-    const bool is_back = -outward[1] > STRAIGHT_BACK;
-    double back[3] = {0, is_back ? 0 : -1, is_back ? 1 : 0};
-    double left[3];
+    const bool is_up = fabs(outward[1]) > STRAIGHT;
+    double back[3] = {0, is_up ? 0 : -1, is_up ? 1 : 0};
+    double across[3];
     vec3_add_scaled(back, back, -vec3_dot(back, outward), outward);
     (void)vec3_normalise(back, back);
-    vec3_cross(left, outward, back);
-    const double turn = radians_from_degrees(degrees) * (left[0] < 0 ? 1 : -1) * (side_of(name) > 0 ? -1 : 1);
+    vec3_cross(across, outward, back);
+    const double turn =
+        radians_from_degrees(degrees) * (outward[1] < -STRAIGHT ? 1 : -1) * (side_of(name) > 0 ? -1 : 1);
     vec3_scale(up, back, -cos(turn));
-    vec3_add_scaled(up, up, -sin(turn), left);
+    vec3_add_scaled(up, up, -sin(turn), across);
 }
 
 conus_status conus_position_pose(conus_pose *out, const conus_place *place, const conus_position_options *options)

@@ -94,6 +94,10 @@ def test_people_get_the_weight_to_copy(tmp_path):
     weight = f"gauss={value['sigma']:.4g},bias={value['bias_x']:.4g}:{value['bias_y']:.4g}"
     assert f"to copy: --weight {weight}\n" in text
     assert "hardly" not in text
+    for sigma, bias in [((23, 23), (0, 0)), ((0.001, 0.001), (0, 0)), ((1, 1), (50, 0))]:  # which --weight refuses
+        make_trials(9, 100, sigma, bias)[0].to_csv(tmp_path / "odd.tsv", sep="\t", index=False)
+        text = call_conus("calibrate", "--poses", tmp_path / "odd.tsv").stdout.decode()
+        assert "to copy" not in text and "no --weight has such errors" in text
     flat, _ = make_trials(10, 100, (3, 0.5))
     flat.to_csv(tmp_path / "flat.tsv", sep="\t", index=False)
     text = call_conus("calibrate", "--poses", tmp_path / "flat.tsv").stdout.decode()
@@ -194,9 +198,13 @@ def refused(tmp_path, text, *options, atlas=False):
     (HEAD + GOOD.replace("\t1\n", "\t77\n"), ("--weight", "gauss=2"), True, 3, "trials.tsv:2: "),
     (HEAD + GOOD.replace("\t1\n", "\t\n"), ("--weight", "gauss=2"), True, 3, "trials.tsv:2: "),
     (HEAD + GOOD, ("--weight", "table.tsv"), True, 3, "table.tsv"),
+    *[(HEAD + GOOD, ("--weight", weight), True, 2, "--weight: posteriors are of cones")
+      for weight in ("offsets.tsv", "depths.tsv", "coil=20:18", "focus=50:4:10", "fibre=0.1:0.39")],
 ])
 def test_bad_trials_are_refused(tmp_path, text, options, atlas, code, message):
     (tmp_path / "table.tsv").write_text("offset_mm\tweight\n0\t1\n")
+    (tmp_path / "offsets.tsv").write_text("offset_mm\tweight\n0\t1\n5\t0.5\n")
+    (tmp_path / "depths.tsv").write_text("angle_deg\tdepth_mm\tweight\n0\t0\t1\n5\t0\t1\n0\t9\t1\n5\t9\t1\n")
     found, said = refused(tmp_path, text, *options, atlas=atlas)
     assert message in said
     assert found == code, said

@@ -19,14 +19,15 @@ def vectors(rows, letter):
 
 
 def wanted_handle(name, outward, degrees):
-    """The handle by Eq. 35, in spherical geometry: backwards along the scalp, then turned to the side."""
-    back = np.array([0.0, -1, 0]) if -outward[1] < np.cos(np.radians(15)) else np.array([0.0, 0, 1])
+    """The handle by Eq. 35: backwards, turned to its side (Rodrigues' formula), clockwise to the left if seen from outside."""
+    is_up = abs(outward[1]) > np.cos(np.radians(15))
+    back = np.array([0.0, 0, 1] if is_up else [0.0, -1, 0])
     back = back - (back @ outward) * outward
     back /= np.linalg.norm(back)
-    side = np.cross(back, outward)
-    right = name[-1] in "02468"
-    side = side if (side[0] > 0) == right else -side
-    return np.cos(np.radians(degrees)) * back + np.sin(np.radians(degrees)) * side
+    turn = degrees if name[-1] in "02468" else -degrees  # to the right, seen from outside counterclockwise
+    turn = np.radians(-turn if is_up and outward[1] < 0 else turn)
+    k = np.array([[0, -outward[2], outward[1]], [outward[2], 0, -outward[0]], [-outward[1], outward[0], 0]])
+    return back + np.sin(turn) * k @ back + (1 - np.cos(turn)) * k @ k @ back
 
 
 @pytest.mark.parametrize("degrees, out", [(0, 0), (45, 10), (-90, -3)])
@@ -48,7 +49,16 @@ def test_a_coil_at_c3_points_backwards_and_to_the_left():
     c3, c4 = (-vectors(conus.positions(name, handle=45), "u")[0] for name in ("C3", "c4"))
     assert c3[0] < -0.3 and c3[1] < -0.5
     assert c4[0] > 0.3 and c4[1] < -0.5
-    assert (-vectors(conus.positions("Oz", handle=0), "u")[0])[2] > 0.9
+    assert (-vectors(conus.positions("Oz", "Fpz", handle=0), "u")[:, 2] > 0.9).all()
+    back, front = -vectors(conus.positions("Oz", "Fpz", handle=90), "u")
+    assert back[0] < -0.9 and front[0] < -0.9
+
+
+def test_handles_at_the_sides_point_down():
+    """Where a normal points down a little, as at T7 and P7, too: outwards of an ear is down, not up."""
+    names = ["F7", "FT7", "T7", "TP7", "P7", "PO7", "F8", "FT8", "T8", "TP8", "P8", "PO8"]
+    assert (-vectors(conus.positions(*names, handle=45), "u")[:, 2] < -0.6).all()
+    assert (-vectors(conus.positions(*names, handle=-45), "u")[:, 2] > 0.6).all()
 
 
 def test_older_names_and_mistakes():

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Positions on a scalp (Eq. 35): an ellipsoid, whose sections are ellipses, by this file's own arcs."""
+import json
 import os
 import subprocess
 
@@ -149,7 +150,9 @@ def test_a_query_takes_the_position_of_the_scalp(tmp_path):
         done = subprocess.run([os.environ["CONUS"], "query", tmp_path / "own.nii", *words, "--inward", "--scalp", scalp],
                               capture_output=True, check=False)
         assert done.returncode == 2 and b"--scalp" in done.stderr, done.stderr
-    assert "on a scalp by sections" in " ".join(call_conus("cite", tmp_path / "c3.tsv").stdout.decode().split())
+    for result in ("c3.tsv", "answer.tsv"):
+        assert "on a scalp by sections" in " ".join(call_conus("cite", tmp_path / result).stdout.decode().split())
+    assert json.loads((tmp_path / "answer.json").read_text())["Places"][0]["head"] == "own"
     for result in ("c3.tsv", "answer.tsv"):
         assert b"identical" in call_conus("verify", tmp_path / result).stdout
 
@@ -159,12 +162,16 @@ def test_other_scalps_are_refused(tmp_path):
     points, triangles = ellipsoid(shape.axes, shape.centre)
     write(tmp_path / "scalp.surf.gii", points, triangles)
     write(tmp_path / "open.surf.gii", points, triangles[5:])
+    write(tmp_path / "metres.surf.gii", points / 1000, triangles)
+    write(tmp_path / "cm.surf.gii", points / 10, triangles)
     good = option("scalp.surf.gii", landmarks)
     far = option("scalp.surf.gii", {**landmarks, "Nz": landmarks["Nz"] + [0, 25, 0]})
     exchanged = option("scalp.surf.gii", {**landmarks, "LPA": landmarks["RPA"], "RPA": landmarks["LPA"]})
     turned = option("scalp.surf.gii", {**landmarks, "Nz": landmarks["Iz"], "Iz": landmarks["Nz"]})
     for words, code, message in [
         (["--scalp", far], 3, "mm from the surface, allowed are 20"), (["--scalp", exchanged], 3, "lpa"), (["--scalp", turned], 3, "inion"),
+        (["--scalp", option("metres.surf.gii", {name: at / 1000 for name, at in landmarks.items()})], 3, "are they in mm?"),
+        (["--scalp", option("cm.surf.gii", {name: at / 10 for name, at in landmarks.items()})], 3, "mm apart, allowed are 50 to 400"),
         (["--scalp", option("open.surf.gii", landmarks)], 3, "not closed"), (["F9", "--scalp", good], 2, "below the ring of 10 %"),
         (["--scalp", "scalp.surf.gii"], 2, "nasion is missing"), (["--scalp", good.split(",rpa")[0]], 2, "rpa is missing"),
         (["--scalp", good + ":4"], 2, "X:Y:Z"), (["--scalp", good.replace("lpa=", "ear=")], 2, "ear"),

@@ -161,6 +161,8 @@ static const struct sentence of_settings[] = {
     {"Question.options.jitter Plan", " Probabilities to break nothing were estimated" FROM_SAMPLES
                                      ": {Question.options.jitter} (options of conus plan)."},
     {"Settings.error", " These errors are published, as {Settings.error.measured} (see the references)."},
+    {"Places.0.head=own", " The position {Places.0.name} was found on a scalp by sections through its landmarks, at "
+                          "fractions of their lengths (Eq. 35 of conus's documentation)."},
     {"Question.options.summary",
      " Reported are the object that ranks first, the runner-up and the difference of their scores."},
     {"Space.orientation=CCF", " Positions were those of the Allen CCF, AP, DV and ML in µm from its corner."},
