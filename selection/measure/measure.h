@@ -341,7 +341,7 @@ struct dose {
 struct doses {
     struct dose *of; /**< [object_count + 1] Those that are touched. */
     uint32_t *touched;
-    size_t touched_count, object_count;
+    size_t touched_count;
     uint32_t *seen;  /**< [streamline_count of the index] Number of the last region in which it was above the level. */
     uint32_t region; /**< Number of the last one. */
     double whole, whole_above; /**< Integrals over the last region; infinite where it has no end. */
