@@ -350,6 +350,9 @@ struct doses {
     double measured_level;     /**< and with which level. */
 };
 
+/** Keeps the larger one of the largest weight and @p value at @p world, of equal ones that of the lower voxel. */
+void dose_note_largest(struct dose *dose, double value, const double world[3], size_t voxel);
+
 conus_status doses_prepare(struct doses *doses, const conus_atlas *atlas, const struct tract_index *index);
 void doses_finish(struct doses *doses);
 
