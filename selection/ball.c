@@ -280,7 +280,7 @@ double conus_selection_ball(const conus_selection *selection)
 conus_status conus_select_ball(conus_selection **out, conus_selector *selector, const double centre[3], double radius)
 {
     const conus_weight *weight = selector->options.weight;
-    conus_status status = weight_check_region(weight, true, false);
+    conus_status status = weight_check_region(&selector->options, true);
     if (status) {
         return status;
     }
@@ -292,6 +292,9 @@ conus_status conus_select_ball(conus_selection **out, conus_selector *selector, 
                     centre[2]);
     }
     radius = radius == 0 && weight && weight->facts.by == WEIGHT_BY_DISTANCE ? weight->facts.own : radius;
+    if (radius == 0 && weight) {
+        return fail(CONUS_ERROR_ARGUMENT, "weight: a point has no dose; a ball has, with a radius");
+    }
     if (!(radius >= 0 && isfinite(radius))) {
         return fail(CONUS_ERROR_ARGUMENT,
                     "radius: %g mm, allowed are 0 (what is at the point, or else the nearest) and more", radius);

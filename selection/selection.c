@@ -275,7 +275,7 @@ conus_status selection_begin(conus_selection **out, conus_selector *selector, co
                         .range = {selector->range[0], selector->range[1]}};
     conus_status status = pose_settle(&cone.pose, pose->world_from_device);
     status = status ? status : cone_check(&cone);
-    status = status ? status : weight_check_region(options->weight, false, options->radius > 0);
+    status = status ? status : weight_check_region(options, false);
     if (status) {
         return status;
     }

@@ -561,10 +561,19 @@ static int settings_weight_region(struct aim_settings *aim, struct engine_settin
     if (!isnan(radius) && has_angle && !has_depth) {
         return print_usage_error("--weight: an offset needs a cylinder, and --angle makes a cone");
     }
-    if (has_depth && option_given(arguments, "layers") && settings->layers == CONUS_LAYERS_VISIBLE) {
+    if (aim->aperture > 0 && (has_depth || !isnan(radius))) {
+        return print_usage_error("--weight: its depths and mm are from the device, and a beam is a cone that "
+                                 "begins at its focus");
+    }
+    if ((has_depth || !isnan(radius)) && !option_find(arguments->command, "radius")) {
+        return print_usage_error("--weight: conus %s needs one of directions: hard, gauss, or a table by angle_deg",
+                                 arguments->command->name);
+    }
+    if (has_depth && option_restated(arguments, "layers")) { /* visible */
         return print_usage_error("--weight: it depends on the depth, which needs --layers all");
     }
     if (!isnan(angle) && !option_given(arguments, "angle")) {
+        option_warn_restated(arguments, "angle", "weight");
         aim->angle = angle;
     }
     if (!isnan(radius) && settings->radius == 0 && !has_angle) {
@@ -644,7 +653,8 @@ void settings_say_weight(const struct aim_settings *aim, const struct engine_set
     const double pixels = sigma * resolution / angle;
     const bool is_cone = settings->radius == 0;
     const double own = is_cone ? conus_weight_angle(settings->made) : conus_weight_radius(settings->made);
-    const double side = is_cone ? angle / 2 : settings->radius;
+    const bool is_slanted = is_cone && !isnan(conus_weight_radius(settings->made)); /* mm, whatever the depth */
+    const double side = is_slanted ? INFINITY : is_cone ? angle / 2 : settings->radius;
     const double corner = settings->aperture == CONUS_APERTURE_SQUARE ? sqrt(2) * side : side; /* or a bit less */
     const double *range = settings->range.ends;
     const double largest = conus_weight_largest(settings->made, corner, range);
@@ -683,7 +693,7 @@ void settings_say_weight(const struct aim_settings *aim, const struct engine_set
     if (largest > 0 && settings->layers == CONUS_LAYERS_ALL && range[1] == 0 && shape[0] != 'b' &&
         !settings->range.to_target) {
         say_note(CONUS_SEVERITY_NOTE, common->quiet,
-                 "the region has no far end, so doses have no share; --range NEAR:FAR ends it");
+                 "the region has no far end, so doses have no share; --range NEAR,FAR ends it");
     }
 }
 

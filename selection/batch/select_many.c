@@ -151,7 +151,7 @@ conus_status conus_select_many(conus_pose_findings *findings, conus_selector *se
     }
     const bool are_points = !run.poses.matrix && !run.poses.direction;
     conus_status status = batch_check_options(&run.options.threads, &run.options.block, &run.options.angle, selector);
-    status = status ? status : weight_check_region(selector->options.weight, are_points, selector->options.radius > 0);
+    status = status ? status : weight_check_region(&selector->options, are_points);
     if (status) {
         return status;
     }

@@ -169,7 +169,7 @@ static double part_above(const struct cells *cells, const double centre[3], bool
     return differs ? (double)count / (ABOVE_PARTS * ABOVE_PARTS * ABOVE_PARTS) : inside;
 }
 
-static void note_largest(struct dose *dose, double value, const double world[3], size_t voxel)
+void dose_note_largest(struct dose *dose, double value, const double world[3], size_t voxel)
 {
     if (value > dose->largest || (value == dose->largest && voxel < dose->voxel)) {
         dose->largest = value;
@@ -200,7 +200,7 @@ static void add_voxel(const struct cells *cells, const struct volume *volume, co
     if (there >= dose->largest) {
         double world[3];
         mat4_point(world, volume->info.world_from_voxel, index);
-        note_largest(dose, there, world, at[0] + volume->info.dim[0] * (at[1] + volume->info.dim[1] * at[2]));
+        dose_note_largest(dose, there, world, at[0] + volume->info.dim[0] * (at[1] + volume->info.dim[1] * at[2]));
     }
 }
 
@@ -284,7 +284,7 @@ static void note_on_line(const struct field *field, struct dose *dose, const dou
             vec3_add_scaled(world, world, v[1], region->up);
             vec3_add_scaled(world, world, v[2], region->axis);
         }
-        note_largest(dose, value, world, 0);
+        dose_note_largest(dose, value, world, 0);
     }
 }
 
@@ -371,7 +371,7 @@ static void add_solids(const struct field *field)
                 dose->rays += shell;
                 dose->on_rays += shell * value;
                 if (shell > 0 && value > dose->largest) {
-                    note_largest(dose, value, (const double[]){NAN, NAN, NAN}, 0);
+                    dose_note_largest(dose, value, (const double[]){NAN, NAN, NAN}, 0);
                 }
             } else {
                 dose->rays_above += value >= field->level ? shell : 0;
@@ -457,7 +457,7 @@ static void add_run(void *user, const struct tract_run *run, const struct tract_
         if (isnan(field->level)) {
             dose->rays += run_dose.rays;
             dose->on_rays += run_dose.on_rays;
-            note_largest(dose, run_dose.largest, run_dose.at, (size_t)run->point);
+            dose_note_largest(dose, run_dose.largest, run_dose.at, (size_t)run->point);
         } else {
             dose->lines_above += is_first;
         }

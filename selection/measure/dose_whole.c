@@ -115,11 +115,12 @@ static double over_depths(const struct slice *given, const struct region *region
     return sum * (to - from);
 }
 
-/* Between two depths where W is smooth, in panels of the shortest length, or more where it is cut at a level. */
-static double over_range(const struct slice *slice, const struct region *region, double from, double to)
+/* Between two depths where W is smooth, in panels of the shortest length, or more where it is cut at a level, of which
+ * there are `LEVEL_PANELS` in the length `all`. */
+static double over_range(const struct slice *slice, const struct region *region, double from, double to, double all)
 {
     const conus_weight *weight = slice->weight;
-    const double length = fmin(weight->finest[1], isnan(slice->level) ? INFINITY : (to - from) / LEVEL_PANELS);
+    const double length = fmin(weight->finest[1], isnan(slice->level) ? INFINITY : all / LEVEL_PANELS);
     const double panels = weight->at && isnan(slice->level) ? 1 : fmin(ceil((to - from) / length), MOST_PANELS);
     const double step = (to - from) / panels;
     double sum = 0;
@@ -135,13 +136,14 @@ static double by_depth(const struct slice *slice, const struct region *region)
     const conus_weight *weight = slice->weight;
     double sum = 0;
     if (!weight->at) {
-        return over_range(slice, region, region->near, region->far);
+        return over_range(slice, region, region->near, region->far, region->far - region->near);
     }
     const double *depth = weight->at + weight->counts[0];
+    const double all = fmin(depth[weight->counts[1] - 1], region->far) - fmax(depth[0], region->near);
     for (size_t k = 1; k < weight->counts[1]; k++) {
         const double from = fmax(depth[k - 1], region->near);
         const double to = fmin(depth[k], region->far);
-        sum += from < to ? over_range(slice, region, from, to) : 0;
+        sum += from < to ? over_range(slice, region, from, to, all) : 0;
     }
     return sum;
 }

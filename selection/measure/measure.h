@@ -341,7 +341,7 @@ struct dose {
 struct doses {
     struct dose *of; /**< [object_count + 1] Those that are touched. */
     uint32_t *touched;
-    size_t touched_count, object_count;
+    size_t touched_count;
     uint32_t *seen;  /**< [streamline_count of the index] Number of the last region in which it was above the level. */
     uint32_t region; /**< Number of the last one. */
     double whole, whole_above; /**< Integrals over the last region; infinite where it has no end. */
@@ -349,6 +349,9 @@ struct doses {
     struct region measured;    /**< Whose integrals these are, */
     double measured_level;     /**< and with which level. */
 };
+
+/** Keeps the larger one of the largest weight and @p value at @p world, of equal ones that of the lower voxel. */
+void dose_note_largest(struct dose *dose, double value, const double world[3], size_t voxel);
 
 conus_status doses_prepare(struct doses *doses, const conus_atlas *atlas, const struct tract_index *index);
 void doses_finish(struct doses *doses);

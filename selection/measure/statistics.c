@@ -247,23 +247,13 @@ static void add_intervals(struct tally *tally, const struct gathering *gathering
     }
 }
 
-/* Keeps the larger one of two largest weights, of equal ones that of the lower voxel. */
-static void keep_largest(struct dose *to, const struct dose *from)
-{
-    if (from->largest > to->largest || (from->largest == to->largest && from->voxel < to->voxel)) {
-        to->largest = from->largest;
-        to->voxel = from->voxel;
-        memcpy(to->at, from->at, sizeof to->at);
-    }
-}
-
 /* The doses of voxels of so many mm^3 each. */
 static void add_dose(struct dose *to, const struct dose *from, double mm3)
 {
     to->voxels += from->voxels * mm3;
     to->values += from->values * mm3;
     to->voxels_above += from->voxels_above * mm3;
-    keep_largest(to, from);
+    dose_note_largest(to, from->largest, from->at, from->voxel);
 }
 
 static void add_census(struct tally *tally, const struct gathering *gathering)
@@ -372,7 +362,7 @@ static void describe_dose(conus_result *result, const struct tallied *object, co
     const double part = extent != 0 ? extent / passed->rays : 0;
     const bool is_known = extent == 0 || passed->rays > 0;
     struct dose sum = object->dose;
-    keep_largest(&sum, passed);
+    dose_note_largest(&sum, passed->largest, passed->at, passed->voxel);
     result->dose = is_known ? sum.voxels + passed->on_rays * part : NAN;
     result->above = !is_known || isnan(doses->level) ? NAN
                     : is_bundle                      ? passed->lines_above

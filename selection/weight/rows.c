@@ -36,28 +36,33 @@ static void read_header(struct job *job, struct named_cells *cells, struct text 
     }
 }
 
-/* "# unit: V/m" */
-static void read_unit(char unit[32], struct text line)
+/* "# unit: V/m"; false where it is too long, no UTF-8 or not the one before. */
+static bool read_unit(char unit[32], struct text line)
 {
     static const char key[] = "unit:";
     line = text_trim(line);
     while (line.size && (*line.data == '#' || *line.data == ' ')) {
         line = (struct text){line.data + 1, line.size - 1};
     }
-    if (text_starts(line, key)) {
-        line = text_trim((struct text){line.data + sizeof key - 1, line.size - (sizeof key - 1)});
-        (void)snprintf(unit, 32, "%.*s", (int)(line.size < 31 ? line.size : 31), line.data);
+    if (!text_starts(line, key)) {
+        return true;
     }
+    line = text_trim((struct text){line.data + sizeof key - 1, line.size - (sizeof key - 1)});
+    if (line.size > 31 || !text_is_utf8(line) || (unit[0] && !text_equal(line, unit))) {
+        return false;
+    }
+    (void)snprintf(unit, 32, "%.*s", (int)line.size, line.data);
+    return true;
 }
 
-static void find_unit(char unit[32], struct text all)
+static bool find_unit(char unit[32], struct text all)
 {
     struct text line;
-    for (bool more = true; !unit[0] && text_field(&all, '\n', &more, &line);) {
-        if (line.size && *line.data == '#') {
-            read_unit(unit, line);
-        }
+    bool is_one = true;
+    for (bool more = true; is_one && text_field(&all, '\n', &more, &line);) {
+        is_one = !line.size || *line.data != '#' || read_unit(unit, line);
     }
+    return is_one;
 }
 
 conus_status rows_read(const char *path, const char *const *names, size_t count, rows_take *take, void *user,
@@ -70,8 +75,8 @@ conus_status rows_read(const char *path, const char *const *names, size_t count,
     struct named_cells *cells = job_new(&job, struct named_cells);
     struct text line;
     bool has_header = false;
-    if (unit) {
-        find_unit(unit, rest);
+    if (unit && job_ok(&job) && !find_unit(unit, rest)) {
+        job_bad(&job, "unit: it has more than 31 bytes, is no UTF-8, or differs from one before");
     }
     (void)job_in(&job, "line ", 0);
     for (size_t number = 0; job_ok(&job) && table_next_line(&rest, &line, &number); has_header = true) {

@@ -315,6 +315,7 @@ static conus_status read_above(struct weight_facts *facts, struct text text)
     }
     facts->above = of_areas ? ABOVE_AREAS : unit.size ? ABOVE_LARGEST : ABOVE_LEVEL;
     facts->level = unit.size ? level / 100 : level;
+    facts->has_above = true;
     return CONUS_OK;
 }
 
@@ -417,17 +418,21 @@ bool weight_covers(const conus_weight *weight, double x, double z)
     return x <= depth[-1] && (!weight->facts.by_depth || (z >= depth[0] && z <= depth[weight->counts[1] - 1]));
 }
 
-conus_status weight_check_region(const conus_weight *weight, bool is_ball, bool is_cylinder)
+conus_status weight_check_region(const conus_selector_options *options, bool is_ball)
 {
+    const conus_weight *weight = options->weight;
     const enum weight_by by = weight ? weight->facts.by : WEIGHT_BY_NOTHING;
     if (is_ball && (by == WEIGHT_BY_ANGLE || by == WEIGHT_BY_OFFSET)) {
         return fail(CONUS_ERROR_ARGUMENT,
                     "weight: %s has an axis, which a point has not; hard and tables by distance_mm have none",
                     weight->facts.form);
     }
+    if (weight && weight->facts.has_above && !is_ball && !options->layers) {
+        return fail(CONUS_ERROR_ARGUMENT, "weight: above has no effect without doses, which need all layers");
+    }
     return !is_ball && by == WEIGHT_BY_DISTANCE
                ? fail(CONUS_ERROR_ARGUMENT, "weight: distance_mm is from a point, and this pose makes a %s",
-                      is_cylinder ? "cylinder" : "cone")
+                      options->radius > 0 ? "cylinder" : "cone")
                : CONUS_OK;
 }
 

@@ -31,6 +31,7 @@ struct weight_facts {
     double own;      /**< Opening in degrees, or radius in mm, of the region outside of which it is 0; 0 = none. */
     double depth[2]; /**< Where that begins and ends, mm; both 0 = it has no depths. */
     size_t rows;     /**< Of a table. */
+    bool has_above;  /**< The next two were given. */
     enum weight_above above;
     double level;  /**< In W's unit, or part of the largest. */
     char unit[32]; /**< Of W, of a table that says so; else "". */
@@ -57,8 +58,8 @@ double weight_held(const conus_weight *weight, double x, double z);
 /** Whether a place is none beyond a table's ends. */
 bool weight_covers(const conus_weight *weight, double x, double z);
 
-/** CONUS_ERROR_ARGUMENT where the weight (NULL = none) is not of such a region. */
-conus_status weight_check_region(const conus_weight *weight, bool is_ball, bool is_cylinder);
+/** CONUS_ERROR_ARGUMENT where the weight of @p options is not of such a region, or its level counts nothing there. */
+conus_status weight_check_region(const conus_selector_options *options, bool is_ball);
 
 /** The shortest length in which it changes across the axis at a depth, mm; infinite where it does not. */
 double weight_finest(const conus_weight *weight, double z);

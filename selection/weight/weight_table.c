@@ -84,6 +84,11 @@ size_t weight_place(const double *at, size_t count, double x)
 {
     size_t low = 0;
     size_t high = count - 1;
+    const double part = (x - at[0]) / (at[high] - at[0]);
+    const size_t guess = part > 0 && part < 1 ? (size_t)(part * (double)high) : 0; /* of equal steps */
+    if (guess < high && at[guess] < x && x <= at[guess + 1]) {
+        return guess;
+    }
     while (high - low > 1) {
         size_t middle = low + (high - low) / 2;
         *(at[middle] < x ? &low : &high) = middle;

@@ -3,6 +3,8 @@
 conus."""
 import io
 import math
+import os
+import subprocess
 
 import nibabel
 import numpy as np
@@ -196,6 +198,18 @@ def test_a_table_of_a_form_is_the_form(tmp_path):
         assert row["dose"] == pytest.approx(found[int(row["object"])]["dose"], rel=0.005)
     # the whole: the integral of z dV over the cone is pi tan^2(10 degrees) (60^4 - 10^4) / 4
     assert hits.results["dose"].sum() == pytest.approx(math.pi * math.tan(math.radians(10)) ** 2 * (60**4 - 10**4) / 4, rel=1e-6)
+
+
+def test_a_ring_in_a_cone_is_no_weight_of_0(tmp_path):
+    """Offsets are mm at every depth: a cone of 12 degrees reaches 12 mm off its axis, though half of it is 6 degrees."""
+    labels, affine = voxels(reach=100, edges=(3, 3, 3))
+    nibabel.save(nibabel.Nifti1Image(labels, affine), tmp_path / "a.nii")
+    path = table_of(tmp_path / "ring.tsv", lambda r, z: np.interp(r, [0, 8, 9, 20], [0, 0, 1, 0]) + 0 * z, np.array([0.0, 8, 9, 20]), np.array([10.0, 180]))
+    far = TIP + ALONG
+    done = call_conus("query", tmp_path / "a.nii", "--labels-anyway", "--origin=%g,%g,%g" % tuple(TIP), "--toward=%.9g,%.9g,%.9g" % tuple(far),
+                      "--angle=12", f"--weight={path}", "--format=tsv")
+    rows = pandas.read_csv(io.BytesIO(done.stdout), sep="\t", na_values="n/a", keep_default_na=False)
+    assert done.returncode == 0 and rows["dose"].max() > 0 and b"0 everywhere" not in done.stderr
 
 
 @pytest.mark.parametrize("square", [False, True])
@@ -396,10 +410,13 @@ def test_wrong_words_are_refused(options, said):
     ("distance_mm\tdepth_mm\tweight\n0\t1\t1\n1\t1\t1\n", conus.DataError, "no axis and no depth_mm"),
     ("offset_mm\tdepth_mm\tweight\n0\t0\t1\n1\tnan\t1\n", conus.DataError, "depth_mm: \"nan\" is not a finite number"),
     ("distance_mm\toffset_mm\tweight\n0\t1\t1\n1\t1\t1\n", conus.DataError, "are needed"),
+    ("# unit: V/m\n# unit: MPa\noffset_mm\tweight\n0\t1\n1\t1\n", conus.DataError, "unit: it has more than 31 bytes, is no UTF-8, or differs"),
+    ("# unit: 01234567890123456789012345678901\noffset_mm\tweight\n0\t1\n1\t1\n", conus.DataError, "unit"),
+    ("# unit: \udcff\noffset_mm\tweight\n0\t1\n1\t1\n", conus.DataError, "unit"),
 ])
 def test_wrong_tables_are_refused(tmp_path, text, error, said):
     labels, affine = voxels()
-    (tmp_path / "field.tsv").write_text(text)
+    (tmp_path / "field.tsv").write_bytes(text.encode(errors="surrogateescape"))
     with pytest.raises(error, match=said):
         conus.load(labels, affine).selector(weight=str(tmp_path / "field.tsv"))
 
@@ -420,6 +437,30 @@ def test_a_distance_needs_a_point_and_an_axis_none(tmp_path):
     many, one = atlas.selector(weight=str(tmp_path / "w.tsv")).near_many([TIP]).to_dataframe(), atlas.selector(weight=str(tmp_path / "w.tsv")).near(TIP).to_dataframe()
     doses = ["dose", "dose_share", "mean_weight", "max_weight", "max_x", "max_y", "max_z", "above", "above_share", "value_dose"]
     pandas.testing.assert_frame_equal(many[doses], one[doses])
+
+
+def test_a_weight_that_counts_nothing_is_refused():
+    labels, affine = voxels(reach=40)
+    atlas = conus.load(labels, affine)
+    with pytest.raises(conus.ArgumentError, match="above has no effect without doses"):
+        atlas.select(TIP, direction=ALONG, weight="gauss=2,above=50%")
+    with pytest.raises(conus.ArgumentError, match="a point has no dose"):
+        atlas.selector(weight="hard").near(TIP)
+    assert atlas.selector(weight="hard,above=50%").near(TIP, 30).to_dataframe()["above"].notna().all()
+
+
+@needs_aal
+@pytest.mark.parametrize("command, weight, options, said", [
+    ("query", "coil=20:18", ["--origin=0,0,90", "--direction=0,0,-1", "--layers=visible"], b"needs --layers all"),
+    ("query", "coil=20:18", ["--focus=0,0,0", "--transducer=0,0,90", "--aperture-diameter=40"], b"begins at its focus"),
+    ("calibrate", "coil=20:18", ["--poses=none.tsv"], b"needs one of directions"),
+    ("calibrate", "ball.tsv", ["--poses=none.tsv"], b"needs one of directions"),
+])
+def test_a_command_that_has_no_such_weight_says_so(tmp_path, command, weight, options, said):
+    (tmp_path / "ball.tsv").write_text("distance_mm\tweight\n0\t1\n5\t1\n")
+    weight = tmp_path / weight if weight.endswith("tsv") else weight
+    done = subprocess.run([os.environ["CONUS"], command, AAL, f"--weight={weight}", *options], capture_output=True, check=False)
+    assert done.returncode == 2 and said in done.stderr
 
 
 @needs_aal
@@ -459,7 +500,8 @@ def test_rows_are_the_same_for_all_threads_and_parts_and_verify(tmp_path):
     ("fibre=0.1:0.39", [], b"the weight changes within 0.05 mm, and voxels are 1 mm long"), ("coil=20:18", [], b""),
     ("coil=20:18", ["--range=0,30"], b"at the far end of the range, 30 mm, the weight is 35 % of its largest"),
     ("coil=20:18", ["--radius=18"], b"at the rim of the cylinder the weight is 50 % of its largest"),
-    ("hard", ["--layers=all"], b"the region has no far end, so doses have no share"),
+    ("hard", ["--layers=all"], b"the region has no far end, so doses have no share; --range NEAR,FAR ends it"),
+    ("gauss=2", ["--angle=10"], b"--angle 10 is the default, and has no effect beside --weight"),
 ])
 def test_notes(weight, options, said):
     done = call_conus("query", AAL, "--origin=-60,-85,60", "--toward=-25,-35,35", "--weight", weight, *options)
