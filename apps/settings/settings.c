@@ -551,10 +551,6 @@ static int settings_weight_region(struct aim_settings *aim, struct engine_settin
     const bool has_depth = conus_weight_needs_layers(settings->made);
     const bool has_angle = option_given(arguments, "angle") && aim->angle != 0;
     double range[2];
-    if (!option_find(arguments->command, "range") && (!isnan(radius) || has_depth)) { /* conus calibrate */
-        return print_usage_error(
-            "--weight: posteriors are of cones, whose weight is hard, gauss or by angle_deg alone");
-    }
     if (!isnan(angle) && settings->radius > 0) {
         return print_usage_error("--weight: an angle needs a cone, and --radius makes a cylinder");
     }

@@ -198,7 +198,7 @@ def refused(tmp_path, text, *options, atlas=False):
     (HEAD + GOOD.replace("\t1\n", "\t77\n"), ("--weight", "gauss=2"), True, 3, "trials.tsv:2: "),
     (HEAD + GOOD.replace("\t1\n", "\t\n"), ("--weight", "gauss=2"), True, 3, "trials.tsv:2: "),
     (HEAD + GOOD, ("--weight", "table.tsv"), True, 3, "table.tsv"),
-    *[(HEAD + GOOD, ("--weight", weight), True, 2, "--weight: posteriors are of cones")
+    *[(HEAD + GOOD, ("--weight", weight), True, 2, "--weight: conus calibrate needs one of directions")
       for weight in ("offsets.tsv", "depths.tsv", "coil=20:18", "focus=50:4:10", "fibre=0.1:0.39")],
 ])
 def test_bad_trials_are_refused(tmp_path, text, options, atlas, code, message):
