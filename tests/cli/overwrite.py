@@ -8,6 +8,7 @@ An output that is not in a row of ROWS fails; the rows of `conus help --json` sa
 import concurrent.futures
 import gzip
 import json
+import math
 import os
 import shutil
 import struct
@@ -54,6 +55,10 @@ ROWS = [
      {"output": ".tsv", "poses-out": ".mrk.json"}, [*ATLAS, "poses.tsv", "list.txt"]),
     ("plan u-shape.nii.gz --needles needles.tsv --given given.tsv --reach Ball",
      {"output": ".tsv", "pairs": ".tsv", "poses-out": ".tsv"}, [*ATLAS, "needles.tsv", "poses.tsv", "given.tsv"]),
+    ("calibrate --poses trials.tsv", {"output": ".tsv", "sidecar": ".json"}, ["trials.tsv"]),
+    ("calibrate u-shape.nii.gz --poses trials.tsv --weight gauss=2", {"output": ".tsv"}, [*ATLAS, "trials.tsv"]),
+    ("positions C3 --scalp head.surf.gii,nasion=0:90:0,inion=0:-90:0,lpa=-90:0:0,rpa=90:0:0", {"output": ".tsv", "sidecar": ".json"},
+     ["head.surf.gii"]),
     (f"render u-shape.nii.gz {AIM} --context grey.nii.gz --size 16x16 --camera camera.txt --palette palette.txt --transfer transfer.txt",
      {"output": ".png", "caption": ".txt"}, [*ATLAS, "grey.nii.gz", "camera.txt", "palette.txt", "transfer.txt"]),
     ("pack both.atlas.json --labels own.tsv --context region.nii.gz", {"output": ".conus"},
@@ -82,6 +87,23 @@ def run(folder, words, **more):
     return subprocess.run([CONUS, *words], cwd=folder, capture_output=True, text=True, check=False, **more)
 
 
+def ball(radius, bands):
+    """Points and triangles of a closed ball: a pole, rings, a pole."""
+    around = 2 * bands
+    rings = [[math.pi * i / bands, 2 * math.pi * k / around] for i in range(1, bands) for k in range(around)]
+    points = [(0, 0, radius), *((radius * math.sin(t) * math.cos(f), radius * math.sin(t) * math.sin(f), radius * math.cos(t))
+                                for t, f in rings), (0, 0, -radius)]
+    last = len(points) - 1
+    triangles = []
+    for k in range(around):
+        after = (k + 1) % around
+        triangles += [(0, 1 + k, 1 + after), (last, last - around + after, last - around + k)]
+        for i in range(bands - 2):
+            a, b = 1 + i * around + k, 1 + i * around + after
+            triangles += [(a, a + around, b + around), (a, b + around, b)]
+    return points, triangles
+
+
 def make_inputs(folder):
     def write(name, text):
         with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
@@ -107,6 +129,8 @@ def make_inputs(folder):
     write("list.txt", "U\nBall\n")
     write("poses.tsv", "query_id\tx\ty\tz\tdx\tdy\tdz\tfar\n" + "".join(f"p{i}\t40\t{i}\t0\t-1\t0\t0\t45\n" for i in range(4)))
     write("track.tsv", "time_s\tx\ty\tz\tdx\tdy\tdz\n" + "".join(f"{i}\t40\t{i}\t0\t-1\t0\t0\n" for i in range(3)))
+    write("trials.tsv", "x\ty\tz\tdx\tdy\tdz\taim_x\taim_y\taim_z\tmeant\n" + "".join(
+        f"40\t0\t0\t-60\t{n % 3}\t{n % 5}\t0\t0\t0\tU\n" for n in range(12)))
     write("apart.tsv", "query_id\tx\ty\tz\tdx\tdy\tdz\tfar\na\t40\t0\t40\t-1\t0\t0\t30\n")
     write("needles.tsv", "needle\tposes\nA\tposes.tsv\nB\tposes.tsv\n")
     write("given.tsv", "query_id\tx\ty\tz\tdx\tdy\tdz\tfar\nB\t40\t0\t2\t-1\t0\t0\t45\n")
@@ -122,6 +146,7 @@ def make_inputs(folder):
     write("both.atlas.json", json.dumps({"conus_atlas": 1, "parcellation": {"file": "u-shape.nii.gz"},
                                          "context": {"file": "grey.nii.gz"}, "streamlines": [{"file": "bundle.tck"}]}))
     run(folder, "pack both.atlas.json -o both.conus".split()).check_returncode()
+    write("head.surf.gii", gifti(*ball(90, 60)))
     signs = [(20, 0, 0), (-20, 0, 0), (0, 20, 0), (0, -20, 0), (0, 0, 20), (0, 0, -20)]
     write("skin.func.gii", gifti(signs, [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]))
 

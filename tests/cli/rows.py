@@ -28,7 +28,7 @@ QUESTIONS = {
     "plan": "nested.nii.gz --poses poses.tsv --length 1,100 --depth 60 -o out/a.tsv", "info": "nested.nii.gz",
     "atlases": "", "render": f"{AIM} --engine rays --size 64x48 -o out/a.png", "mesh": "nested.nii.gz -o out",
     "manifest": "folder", "phantom": "sphere -o out", "diff": "rows.tsv rows.tsv", "verify": "rows.tsv",
-    "cite": "rows.tsv", "pack": "nested.nii.gz -o out/a.conus",
+    "calibrate": "--poses trials.tsv -o out/a.tsv", "positions": "C3 F4 -o out/a.tsv", "cite": "rows.tsv", "pack": "nested.nii.gz -o out/a.conus",
     "page": "nested.nii.gz --template template.html -o out/a.html", "mcp": "", "report": "rows.tsv -o report",
 }
 NEEDS = {
@@ -37,7 +37,7 @@ NEEDS = {
     "endpoint-radius": "--streamlines bundle.tck --connectivity out/b.tsv --layers all", "turn": None, "fill": "--cuts axial",
 }
 OWN = {("connect", "endpoint-radius"): "--connectivity out/b.tsv", ("page", "angle"): None,  # which is in its link
-       ("plan", "angle"): "--reach Core,share=0.001"}
+       ("plan", "angle"): "--reach Core,share=0.001", ("calibrate", "angle"): "nested.nii.gz --weight hard"}
 
 
 def run(folder, words):
@@ -52,7 +52,9 @@ def make_inputs(folder):
     os.mkdir(f"{folder}/folder")
     shutil.copy(f"{folder}/nested.nii.gz", f"{folder}/folder")
     rows = "query_id\ttime_s\tx\ty\tz\tdx\tdy\tdz\na\t0\t0\t0\t60\t0\t0\t-1\nb\t1\t60\t0\t0\t-1\t0\t0\n"
-    for name, text in (("poses.tsv", rows), ("template.html", "<p><!-- atlas --></p>")):
+    trials = "x\ty\tz\tdx\tdy\tdz\taim_x\taim_y\taim_z\tmeant\n" + "".join(
+        f"0\t0\t0\t{n % 3}\t{n % 5 - 2}\t-60\t0\t0\t-60\tCore\n" for n in range(12))
+    for name, text in (("poses.tsv", rows), ("trials.tsv", trials), ("template.html", "<p><!-- atlas --></p>")):
         with open(f"{folder}/{name}", "w", encoding="utf-8") as file:
             file.write(text)
     assert run(folder, f"query {AIM} -o rows.tsv".split())[0] == 0
