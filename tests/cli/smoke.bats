@@ -32,6 +32,8 @@ of_rows() {
     overlap) echo "nested.nii.gz region.nii.gz" ;;
     connect) echo "nested.nii.gz --streamlines bundle/bundle.tck" ;;
     plan) echo "nested.nii.gz --poses needles.tsv --reach Core" ;;
+    calibrate) echo "--poses trials.csv" ;;
+    positions) echo "C3 F4" ;;
     info) echo surfaces ;;
     atlases) echo ;;
     render) echo "surfaces ${aim[*]} --size 64x48 --engine rays -o picture.png" ;;
@@ -50,6 +52,7 @@ of_rows() {
     atlas
     answers phantom bundle -o bundle
     printf 'query_id\tx\ty\tz\tdx\tdy\tdz\tfar\na\t0\t0\t90\t0\t0\t-1\t99\n' >needles.tsv
+    { echo "x,y,z,dx,dy,dz,aim_x,aim_y,aim_z" && for n in {1..6}; do echo "0,0,0,$((n % 3)),$((n % 2)),-60,0,0,-60"; done; } >trials.csv
     printf '<p><!-- atlas --></p>' >template.html
     answers query nested.nii.gz "${aim[@]}" --mask region.nii.gz --quiet -o rows.tsv
     conus help --json | jq -r '.commands[] | select(.name | IN("view", "mcp") | not) | .name as $command | .options as $options
