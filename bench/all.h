@@ -13,8 +13,8 @@ conus_status bench_all(struct bench *bench, json_t *settings, const struct bench
 
 /* The JSON of conus-bench: machine, settings, measurements, and whether each ratio keeps its bound. */
 
-/** The JSON of everything measured: docs/benchmarks.md, "What is written". @p load is the load at the start; @p
- * scenarios is {name: settings} of each that ran, borrowed. NULL if memory runs out. */
+/** The JSON of everything measured. @p load is the load at the start; @p scenarios is {name: settings} of each that
+ * ran, borrowed. NULL if memory runs out. */
 json_t *report_create(const struct bench *bench, const json_t *scenarios, double load);
 
 /** Settings of one scenario as they go into the JSON; NULL if memory runs out. */
