@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The rate at which thin objects in a cone are found: by the census of Eq. 10, by rays, and on the planes of Eq. 7.
- * This test keeps the table in docs/model.md true. Each tube is alone in its grid, so that nothing hides it. */
+ * This test keeps the figures in docs/model.md true. Each tube is alone in its grid, so that nothing hides it. */
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"

@@ -11,7 +11,7 @@
 
 #include <string.h>
 
-/* The cost of the paper's planes (Eq. 7) against the exact walk (Eq. 5): this test keeps the table in docs/model.md
+/* The cost of the paper's planes (Eq. 7) against the exact walk (Eq. 5): this test keeps the figures in docs/model.md
  * true. */
 enum { POSES = 64, RESOLUTION = 16 };
 

@@ -194,7 +194,7 @@ static double mean_path_error(double edge, uint32_t n)
 }
 
 /* The mean over the pixels is a midpoint rule over a disc whose rim is cut to pixels: its error falls about as 1/n, and
- * with the voxels' edge (the table in docs/model.md, Eq. 10). */
+ * with the voxels' edge (docs/model.md, Eq. 10). */
 static void mean_paths_converge(void **state)
 {
     (void)state;
