@@ -199,27 +199,6 @@ static void the_document_lists_the_values_of_a_session(void **state)
     assert_int_equal(count_lines("## Values of a session", "* `"), PROPERTY_COUNT);
 }
 
-static void the_document_lists_the_keys(void **state)
-{
-    const struct key *key;
-    size_t count = 0;
-    bool fine = true;
-    (void)state;
-    read_document();
-    for (size_t i = 0; (key = keys_row(i)); i++) {
-        char name[KEY_LIMIT];
-        char line[600];
-        snprintf(line, sizeof line, "* `%s`: %s.", keys_shown(name, key), key->help ? key->help : "");
-        if (key->help && !strstr(flowing, line)) {
-            print_error("docs/viewer.md lacks: %s\n", line);
-            fine = false;
-        }
-        count += key->help != NULL;
-    }
-    assert_true(fine);
-    assert_int_equal(count_lines("## All keys", "* `"), count);
-}
-
 /* The section about scripts has each command at the beginning of a piece of code, and no other command. */
 static void the_document_lists_the_commands_of_scripts(void **state)
 {
@@ -274,7 +253,6 @@ TEST_GROUP(properties)
         cmocka_unit_test(values_that_no_row_allows_are_refused),
         cmocka_unit_test(values_missing_from_a_session),
         cmocka_unit_test(the_document_lists_the_values_of_a_session),
-        cmocka_unit_test(the_document_lists_the_keys),
         cmocka_unit_test(the_document_lists_the_commands_of_scripts),
         cmocka_unit_test(tips_name_the_keys_of_the_table),
     };
