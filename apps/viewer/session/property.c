@@ -376,7 +376,8 @@ static void list_names(char *out, size_t size, const struct property *property)
     }
 }
 
-void property_allowed(char out[PROPERTY_REASON], const struct property *property)
+/* The values that it may have: "exact or slices", "3 numbers from 0 to 180". */
+static void property_allowed(char out[PROPERTY_REASON], const struct property *property)
 {
     if (property->name_of) {
         snprintf(out, PROPERTY_REASON, "the name of a column");

@@ -154,8 +154,6 @@ struct json_t *property_json(const struct property *property, const double numbe
 /** False where @p value is not what the row allows: @p why says what is, in one line. */
 bool property_read(double out[PROPERTY_NUMBERS], const struct property *property, const struct json_t *value,
                    char why[PROPERTY_REASON]);
-/** The values that it may have: "exact or slices", "3 numbers from 0 to 180". */
-void property_allowed(char out[PROPERTY_REASON], const struct property *property);
 /** Says why a session is refused, in one line; false. */
 bool session_refuse(char why[PROPERTY_REASON], const char *format, ...) __attribute__((format(printf, 2, 3)));
 
