@@ -64,7 +64,7 @@ static const struct row {
     {"ras/lps/dicom/itk", WEAK, SIGNS, NULL, NULL},
     {"rai/lpi/las/lai/rpi/rps/ral/lar", ALONE, 0, NULL, why_code},
     {"asr/ars/ari/ali/pri/psr/sra/srp/sla/slp/sar/ira/irp/ilp/iar/ial/lsa/lia/ria", CAPITALS, 0, NULL, why_code},
-    {"ipr/ipl/spr/spl/asl/pir/pil/als/ail/prs/pls/pli/psl/sal/ila/rsa/rsp/lsp", WEAK, 0, NULL,
+    {"aps/asp/pas/psa/ipr/ipl/spr/spl/asl/pir/pil/als/ail/prs/pls/pli/psl/sal/ila/rsa/rsp/lsp", WEAK, 0, NULL,
      why_code}, /* also names of areas, with or without a side, methods, diseases; lip, air and rip are words */
 };
 
@@ -457,6 +457,7 @@ struct named_axes {
     int axis[NAMED], side[NAMED]; /* in its order; two names of one axis beside each other are of no side */
     int letter[NAMED];            /* 0: x */
     size_t count, letters;        /* count may be more */
+    size_t words;                 /* that name axes */
     size_t units, minuses;        /* minuses: letters behind one */
     size_t defined;               /* letters: "L, left; R, right; A, anterior; P, posterior" */
     bool of_voxels;
@@ -466,6 +467,7 @@ struct named_axes {
     bool is_positive; /* "left is positive", "left +" */
     bool is_alone;    /* one axis or two: "x is left", or what turns some */
     bool has_other;   /* other_words, or what turns axes */
+    bool are_odd;     /* three, and not of three axes: "order: A P S" */
     bool are_words;   /* of the closed list, all of them */
 };
 
@@ -488,6 +490,7 @@ static void add_axis(struct named_axes *out, int axis, int side, bool is_spelled
         out->side[last + 1] = side;
     }
     out->is_spelled = out->is_spelled || is_spelled;
+    out->words++;
 }
 
 static void add_letter(struct named_axes *out, int letter)
@@ -610,9 +613,11 @@ static bool find_axes(struct named_axes *out, const struct sentence *sentence)
         (out->is_positive || out->is_negative) && !has_token(sentence, "peak/max");     /* not of an effect */
     bool is_side = out->axis[0] == 0 && has_sign && (out->letters || out->side[0] < 0); /* "L +", not "r < 0" */
     bool is_few = (out->is_spelled || is_side) && out->count && out->count < NAMED;
+    out->are_odd = out->words == NAMED && out->count > 1 && !has_all(out->axis, out->count) && !out->letters &&
+                   (!out->is_spelled || has_token(sentence, "order/ordered"));
     out->are_words = all;
     out->is_alone = out->is_turned || (is_few && (out->letters == out->count || (out->count == 1 && has_sign)));
-    return all && (out->is_alone || out->of_voxels || are_letters || are_named || out->units >= NAMED);
+    return all && (out->is_alone || out->of_voxels || out->are_odd || are_letters || are_named || out->units >= NAMED);
 }
 
 /* "x is left, y is posterior", "left is positive": the sign of one axis, or of two. */
@@ -686,6 +691,9 @@ static void keep_axes(struct space_words *words, const struct named_axes *named)
         words->axes = SPACE_AXES_VOXELS;
     } else if (is_ras || (is_lps && (are_letters || !named->is_spelled))) {
         keep(words, text_from(is_ras ? "RAS" : "LPS"), &(struct row){.brain = SIGNS});
+    } else if (named->are_odd) {
+        words->axes = SPACE_AXES_ORDERED; /* in none that a space has */
+        memset(words->order, 0, sizeof words->order);
     } else if (!are_plain && (are_named || are_letters)) {
         const int *order = are_named ? named->axis : named->letter;
         words->axes = SPACE_AXES_ORDERED;
@@ -743,7 +751,9 @@ static void hear_sentence(struct space_words *words, struct text text, bool of_c
             if (is_heard(&sentence, i, &rows[r], of_coordinates)) {
                 const struct text last = sentence.tokens[i + token_phrase(&sentence, i, rows[r].words) - 1];
                 keep(out, (struct text){token.data, (size_t)(last.data + last.size - token.data)}, &rows[r]);
-            } else if (rows[r].brain == SIGNS && text_equal(token, "LPS")) {
+            } else if (rows[r].brain == SIGNS && text_equal_ignoring_case(token, "lps") &&
+                       (is_upper(token) ||
+                        (has_context(&sentence, i, 1, of_codes) && !has_token(&sentence, of_images)))) {
                 out->may_be_lps = true;
             }
         }
