@@ -330,7 +330,7 @@ static void find_families(struct head *head, const char *const letters[3])
 {
     const size_t size = strlen(letters[0]);
     for (size_t i = 0; i < head->line.count; i++) {
-        for (int letter = 0; letter < 3; letter++) {
+        for (int letter = 0; letter < 2; letter++) { /* two of the three are needed */
             const char *name = head->names[i];
             for (const char *at = strstr(name, letters[letter]); at; at = strstr(at + 1, letters[letter])) {
                 size_t from = (size_t)(at - name);
@@ -344,8 +344,7 @@ static void find_families(struct head *head, const char *const letters[3])
                     columns[k] = find_name(head, found[k], 0);
                     count += columns[k] != COLUMN_NONE;
                 }
-                bool is_first = letter == 0 || columns[0] == COLUMN_NONE; /* the others' letters find it again */
-                is_first = is_first && (letter < 2 || columns[1] == COLUMN_NONE) && columns[letter] == i;
+                bool is_first = columns[letter] == i && (!letter || columns[0] == COLUMN_NONE);
                 if ((before && after) || count < 2 || !is_first) {
                     continue;
                 }
@@ -957,48 +956,40 @@ static struct text column_meant(const struct columns *columns, const char *field
     return meant;
 }
 
-/* Lists the columns, with suggestions for unknown ones; or the unknown ones only. */
-static void list_columns(struct buffer *out, const struct head *head, bool known)
+/* Whether something is read from a column. */
+static bool is_read(const struct columns *out, size_t column)
 {
+    bool is_known = out->role_of[column] != ROLES || out->pairs == column + 1 || out->place == column + 1 ||
+                    (out->place && out->place_side == column + 1);
+    for (size_t k = 0; k < out->kept_count; k++) {
+        is_known = is_known || out->kept[k] == column;
+    }
+    return is_known;
+}
+
+/* The columns, or only those that are not read, with suggestions for these, as a text of the job. */
+static const char *shown_columns(const struct head *head, bool all)
+{
+    struct buffer list = {0};
     size_t count = 0;
     for (size_t i = 0; i < head->line.given; i++) {
-        bool is_known = head->out->role_of[i] != ROLES || head->out->pairs == i + 1 || head->out->place == i + 1 ||
-                        (head->out->place && head->out->place_side == i + 1);
-        for (size_t k = 0; k < head->out->kept_count; k++) {
-            is_known = is_known || head->out->kept[k] == i;
-        }
-        if ((is_known && !known) || count++ >= SHOWN) {
+        const bool is_known = is_read(head->out, i);
+        if ((is_known && !all) || count++ >= SHOWN) {
             continue;
         }
-        struct text cell = head->line.cells[i];
         const struct text meant = is_known ? (struct text){"", 0} : column_meant(head->out, head->names[i]);
-        buffer_format(out, "%s\"%.*s\"", count > 1 ? ", " : "", POSE_QUOTE(cell));
+        buffer_format(&list, "%s\"%.*s\"", count > 1 ? ", " : "", POSE_QUOTE(head->line.cells[i]));
         if (meant.size) {
-            buffer_format(out, " (did you mean %.*s?)", TEXT_SHOW(meant, COLUMN_NAME_SIZE));
+            buffer_format(&list, " (did you mean %.*s?)", TEXT_SHOW(meant, COLUMN_NAME_SIZE));
         }
     }
     if (count > SHOWN) {
-        buffer_format(out, " and %zu more", count - SHOWN);
+        buffer_format(&list, " and %zu more", count - SHOWN);
     }
-}
-
-/* With a list of all or of unknown columns, as a text of the job. */
-static const char *shown_columns(const struct head *head, bool known)
-{
-    struct buffer list = {0};
-    list_columns(&list, head, known);
     const char *shown =
         JOB_CALL(head->job, buffer_status(&list)) ? job_copy(head->job, (struct text){list.data, list.size}) : "";
     buffer_finish(&list);
     return shown;
-}
-
-static void note_unknown(const struct head *head)
-{
-    const char *list = shown_columns(head, false);
-    if (list[0]) {
-        job_note(head->job, "columns passed over: %s", list);
-    }
 }
 
 /* Whether depths without a unit are longer in all rows than the atlas, which they were not in um. */
@@ -1386,8 +1377,7 @@ static bool fits_with(char reading[COLUMN_NAME_SIZE * 4], struct head *head, con
     if (is_longer) {
         put_nameless(line, at);
     } else {
-        line->count = --line->given;
-        memmove(line->cells + at, line->cells + at + 1, (line->given - at) * sizeof line->cells[0]);
+        take_cells(line, at, 1);
     }
     find_columns(head);
     show_reading(reading, head, row);
@@ -1827,8 +1817,9 @@ static void plan(struct head *head, bool *is_short)
         find_row_names(head);
         out->said.may_be_lps |= says_lps(head);
         find_kept(head);
-        if (!out->is_bids) {
-            note_unknown(head);
+        const char *unread = out->is_bids ? "" : shown_columns(head, false);
+        if (unread[0]) {
+            job_note(head->job, "columns passed over: %s", unread);
         }
     }
 }
