@@ -187,6 +187,10 @@ size_t text_character(struct text text);
  * the five bytes that it has none for. */
 size_t text_from_windows(char out[4], unsigned char byte);
 
+/** Writes the UTF-16 @p wide, its high bytes first if @p is_big, as UTF-8 into @p out of so many bytes, up to 3 for 2
+ * of the text, and says how many there are: whole characters. Half a pair of surrogates is U+FFFD. */
+size_t text_from_utf16(char *out, size_t size, struct text wide, bool is_big);
+
 /** A copy of @p text for results: as UTF-8 (a byte that is none of it is taken as Windows-1252, as is a control of
  * U+0080 to U+009F, which such bytes become on a wrong way), plain as text_make_plain() makes it. End it with
  * memory_free(); NULL without memory. */

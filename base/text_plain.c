@@ -38,6 +38,33 @@ bool text_is_utf8(struct text text)
     return true;
 }
 
+static size_t put_character(char out[4], uint32_t code)
+{
+    static const unsigned char firsts[] = {0, 0, 0xc0, 0xe0, 0xf0};
+    const size_t length = code < 0x80 ? 1 : code < 0x800 ? 2 : code < 0x10000 ? 3 : 4;
+    for (size_t i = length; i-- > 1; code >>= 6) {
+        out[i] = (char)(0x80 | (code & 0x3f));
+    }
+    out[0] = (char)(firsts[length] | code);
+    return length;
+}
+
+size_t text_from_utf16(char *out, size_t size, struct text wide, bool is_big)
+{
+    const unsigned char *bytes = (const unsigned char *)wide.data;
+    size_t written = 0;
+    for (size_t i = 0; i + 1 < wide.size && written + 4 <= size; i += 2) {
+        const uint32_t unit = (uint32_t)bytes[i + !is_big] << 8 | bytes[i + is_big];
+        const uint32_t low = i + 3 < wide.size ? (uint32_t)bytes[i + 2 + !is_big] << 8 | bytes[i + 2 + is_big] : 0;
+        bool is_pair = unit >> 10 == 0x36 && low >> 10 == 0x37;
+        written += put_character(out + written, is_pair            ? 0x10000 + ((unit & 0x3ff) << 10) + (low & 0x3ff)
+                                                : unit >> 11 == 27 ? 0xfffd
+                                                                   : unit);
+        i += is_pair ? 2 : 0;
+    }
+    return written;
+}
+
 size_t text_from_windows(char out[4], unsigned char byte)
 {
     static const uint16_t letters[32] = {0x20ac, 0,      0x201a, 0x0192, 0x201e, 0x2026, 0x2020, 0x2021,
@@ -45,12 +72,8 @@ size_t text_from_windows(char out[4], unsigned char byte)
                                          0,      0x2018, 0x2019, 0x201c, 0x201d, 0x2022, 0x2013, 0x2014,
                                          0x02dc, 0x2122, 0x0161, 0x203a, 0x0153, 0,      0x017e, 0x0178};
     unsigned code = byte >= 0xa0 ? byte : letters[byte & 31] ? letters[byte & 31] : 0xfffd;
-    size_t length = code < 0x800 ? 2 : 3;
-    out[0] = (char)(length == 2 ? 0xc0 | code >> 6 : 0xe0 | code >> 12);
-    out[1] = (char)(0x80 | (code >> (length == 2 ? 0 : 6) & 0x3f));
-    out[2] = (char)(length == 2 ? '\0' : 0x80 | (code & 0x3f));
-    out[3] = '\0';
-    return length;
+    memset(out, 0, 4);
+    return put_character(out, code);
 }
 
 /* The character that a valid sequence of `length` bytes means. */

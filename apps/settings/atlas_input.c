@@ -18,24 +18,23 @@
 
 /* One --pathway, or several with bands of one file. */
 struct pathway_option {
-    char *text;              /* The text that the others point into. */
-    const char *given;       /* As it was given: borrowed. */
-    char *path;              /* With ",volume=K" and the like at its end, as the library wants it. */
-    const char *name, *unit; /* NULL if not given. */
-    double threshold;        /* 0 if not given. */
-    conus_band *bands;       /* [band_count], in the order in which they were given; names point into texts. */
-    size_t band_count;
+    char *text;                    /* The text that the others point into. */
+    const char *given;             /* As it was given: borrowed. */
+    char *path;                    /* With ",volume=K" and the like at its end, as the library wants it. */
+    conus_band *bands;             /* Those of the options, in the order in which they were given. */
+    conus_pathway_options options; /* Names point into texts. */
 };
 
 static bool add_bands(struct pathway_option *pathway, const conus_band *bands, size_t count)
 {
-    conus_band *all = realloc(pathway->bands, (pathway->band_count + count) * sizeof *all);
+    conus_band *all = realloc(pathway->bands, (pathway->options.band_count + count) * sizeof *all);
     if (!all) {
         return refuse("--pathway: not enough memory");
     }
-    memcpy(all + pathway->band_count, bands, count * sizeof *bands);
+    memcpy(all + pathway->options.band_count, bands, count * sizeof *bands);
     pathway->bands = all;
-    pathway->band_count += count;
+    pathway->options.bands = all;
+    pathway->options.band_count += count;
     return true;
 }
 
@@ -78,17 +77,17 @@ static bool pathway_option_parse(struct pathway_option *out, const char *text)
     }
     out->path = out->text + size;
     keys_keep(out->path, out->text, &keys, KEYS_VOLUME);
-    out->name = keys_string(&keys, KEY_NAME);
-    out->unit = keys_string(&keys, KEY_UNIT);
-    out->threshold = keys_value(&keys, KEY_THRESHOLD)->numbers[0];
+    out->options = (conus_pathway_options){.threshold = keys_value(&keys, KEY_THRESHOLD)->numbers[0],
+                                           .name = keys_string(&keys, KEY_NAME),
+                                           .unit = keys_string(&keys, KEY_UNIT)};
     for (size_t i = 0; i < keys.count; i++) {
         const struct key_value *key = &keys.values[i];
         if (key->id == KEY_BAND && !read_band(out, out->text + (key->text.data - out->text))) {
             return false;
         }
     }
-    const char *other = out->threshold > 0 ? "threshold" : out->name ? "name" : NULL;
-    if (out->band_count && other) {
+    const char *other = out->options.threshold > 0 ? "threshold" : out->options.name ? "name" : NULL;
+    if (out->options.band_count && other) {
         return refuse("--pathway: band= and %s= exclude each other: a band has its own", other);
     }
     return true;
@@ -102,11 +101,9 @@ static conus_file_space file_space_of(const struct source_keys *keys)
 }
 
 struct streamlines_option {
-    char *path;       /* Its text, which is cut where the file's name ends. */
-    const char *name; /* NULL if not given. */
-    double radius;    /* mm; 0 if not given. */
-    bool moves;       /* With the atlas. */
-    conus_file_space space;
+    char *path; /* Its text, which is cut where the file's name ends. */
+    bool moves; /* With the atlas. */
+    conus_streamlines_options options;
 };
 
 /* Takes `text` apart; prints an error and returns false where that is no tractogram with its keys. End `out` in
@@ -118,10 +115,10 @@ static bool streamlines_option_parse(struct streamlines_option *out, const char 
     if (!option_cut_keys(&keys, "streamlines", out->path, KEYS_STREAMLINES)) {
         return false;
     }
-    out->name = keys_string(&keys, KEY_NAME);
-    out->radius = keys_value(&keys, KEY_RADIUS)->numbers[0];
     out->moves = keys.given & KEY_BIT(KEY_MOVES);
-    out->space = file_space_of(&keys);
+    out->options = (conus_streamlines_options){.radius = keys_value(&keys, KEY_RADIUS)->numbers[0],
+                                               .name = keys_string(&keys, KEY_NAME),
+                                               .space = file_space_of(&keys)};
     return true;
 }
 
@@ -192,13 +189,14 @@ static size_t parse_pathways(struct pathway_option *pathways, const struct optio
         }
         for (size_t k = 0; k < i && !joined; k++) {
             struct pathway_option *first = &pathways[k];
-            joined = first->band_count && pathways[i].band_count && strcmp(first->path, pathways[i].path) == 0;
-            if (joined && !add_bands(first, pathways[i].bands, pathways[i].band_count)) {
+            const size_t bands = pathways[i].options.band_count;
+            joined = first->options.band_count && bands && strcmp(first->path, pathways[i].path) == 0;
+            if (joined && !add_bands(first, pathways[i].bands, bands)) {
                 return SIZE_MAX;
             }
         }
         pathways[i].given = joined ? NULL : pathways[i].given;
-        pathways[i].band_count = joined ? 0 : pathways[i].band_count;
+        pathways[i].options.band_count *= !joined;
         count += !joined;
     }
     return count;
@@ -209,20 +207,15 @@ static int add_pathways(conus_atlas *atlas, const struct pathway_option *pathway
     const struct atlas_settings *settings = progress->settings;
     int code = EXIT_DONE;
     for (size_t i = 0; !code && i < settings->pathways.count; i++) {
-        const struct pathway_option *pathway = &pathways[i];
-        if (!pathway->given) {
+        if (!pathways[i].given) {
             continue;
         }
-        if (!begin_file(progress, pathway->given)) {
+        if (!begin_file(progress, pathways[i].given)) {
             return EXIT_DATA;
         }
-        const conus_pathway_options options = {.threshold = pathway->threshold,
-                                               .name = pathway->name,
-                                               .unit = pathway->unit,
-                                               .max_memory = settings->max_memory,
-                                               .bands = pathway->bands,
-                                               .band_count = pathway->band_count};
-        code = print_status(conus_atlas_add_pathway(atlas, pathway->path, &options));
+        conus_pathway_options own = pathways[i].options;
+        own.max_memory = settings->max_memory;
+        code = print_status(conus_atlas_add_pathway(atlas, pathways[i].path, &own));
     }
     return code;
 }
@@ -235,10 +228,8 @@ static int add_streamlines(conus_atlas *atlas, const struct streamlines_option *
     int code = EXIT_DONE;
     for (size_t i = 0; !code && i < settings->streamlines.count; i++) {
         if (options[i].moves == moves) {
-            const conus_streamlines_options own = {.radius = options[i].radius,
-                                                   .name = options[i].name,
-                                                   .space = options[i].space,
-                                                   .max_memory = settings->max_memory};
+            conus_streamlines_options own = options[i].options;
+            own.max_memory = settings->max_memory;
             struct tract_shelf *shelf = settings->shelf;
             const conus_tractogram *kept = NULL;
             if (!(shelf && tract_shelf_has(shelf, options[i].path, own.space)) &&

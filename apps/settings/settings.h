@@ -17,7 +17,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Options that several commands share, and what they ask the library for. */
+/* Options that several commands share, and what they ask the library for. A function that returns an int gives the exit
+ * code, and prints an error unless that is 0; one that returns a bool and checks prints an error where it is false. */
 
 struct atlases;
 struct named_places;
@@ -131,19 +132,19 @@ void settings_point_error(char out[256], const struct engine_settings *engine, c
 double settings_point_radius(const struct engine_settings *engine, const conus_pose_row *row, bool has_no_place);
 
 /** Adds how poses are asked that are no plain cones: beams, or points. *out is that; "" = they are. @p space is the one
- * that the file of points states, "" where it states none. Returns the exit code and prints an error unless it is 0. */
+ * that the file of points states, "" where it states none. */
 int settings_understood(char out[96], struct named_places *places, const struct aim_settings *aim,
                         const struct engine_settings *engine, bool has_points, bool has_radii, const char *space);
 
-/** Whether the options that aim a cone go together; prints an error if not. @p aim_needed: there must be a cone. */
+/** Whether the options that aim a cone go together. @p aim_needed: there must be a cone. */
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed);
 
 /** The pose at the first of two places, the values of @p options, that points at the second, which is *distance mm
- * away; @p up and @p distance may be NULL. Returns the exit code and prints an error unless it is 0. */
+ * away; @p up and @p distance may be NULL. */
 int settings_pose_toward(conus_pose *out, double *distance, struct named_places *places, const char *const options[2],
                          const char *const texts[2], const double up[3]);
 
-/** The pose of --origin with --toward or --direction, or of --focus; *target is NaN where it has none. Likewise. */
+/** The pose of --origin with --toward or --direction, or of --focus; *target is NaN where it has none. */
 int settings_pose(conus_pose *out, double *target, struct named_places *places, const struct aim_settings *settings,
                   const struct arguments *arguments);
 
@@ -152,7 +153,7 @@ extern const struct option stance_options[];
 conus_position_options settings_stance(const struct aim_settings *settings, const struct arguments *arguments);
 
 /** Loads --scalp, whose landmarks are in the space of @p frame, NULL = the world; *path, its file, is the caller's to
- * free(). Neither where it is not given. Returns the exit code and prints an error unless it is 0. */
+ * free(). Neither where it is not given. */
 int settings_scalp(conus_scalp **out, char **path, const struct aim_settings *settings, const conus_frame *frame);
 
 /** Says that a round cone does not see the handle, where nothing else does. */
@@ -167,8 +168,7 @@ void settings_say_handle(const struct arguments *arguments, const struct engine_
 const char *settings_level_file(const struct engine_settings *settings);
 
 /** Angle, degrees, and range of the pose of the options, whose target is so far away: of a beam those from the focus to
- * the transducer; the range ends at --toward where --range says so, and else is NaN, for that of the selector. Returns
- * the exit code and prints an error unless it is 0. */
+ * the transducer; the range ends at --toward where --range says so, and else is NaN, for that of the selector. */
 int settings_pose_cone(double *angle, double range[2], double target, const struct aim_settings *aim,
                        const struct engine_settings *engine);
 
@@ -178,12 +178,12 @@ struct depth_range settings_range(const struct aim_settings *aim, const struct e
 /** --angle in degrees, or its default; of a cylinder 0. */
 double settings_angle(const struct aim_settings *settings, const struct engine_settings *engine);
 
-/** Whether angle and radius go together; prints an error if not. */
+/** Whether angle and radius go together. */
 bool settings_check_shape(const struct aim_settings *settings, const struct engine_settings *engine,
                           const struct arguments *arguments);
 
-/** Makes the weight of --weight and, where no option says so, sets the angle or radius of its own region. Returns the
- * exit code and prints an error unless it is 0; settings_weight_finish() ends both in any case. */
+/** Makes the weight of --weight and, where no option says so, sets the angle or radius of its own region.
+ * The caller ends both with settings_weight_finish(), in any case. */
 int settings_weight(struct aim_settings *aim, struct engine_settings *settings, const struct arguments *arguments);
 void settings_weight_finish(struct engine_settings *settings);
 
@@ -192,7 +192,7 @@ void settings_weight_finish(struct engine_settings *settings);
 void settings_say_weight(const struct aim_settings *aim, const struct engine_settings *settings,
                          const struct common_settings *common, const conus_atlas *atlas);
 
-/** Whether there is such a score, and what it needs; prints an error if not. */
+/** Whether there is such a score, and what it needs. */
 bool settings_check_score(const struct engine_settings *settings, bool has_history);
 
 /** The options of the library for the engine; a beam of @p aim, NULL = none, has all layers. @p common chooses whether
@@ -218,8 +218,7 @@ extern const struct option axis_options[]; /**< axis_settings */
 /** mm of --clearance where its key does not say others. */
 enum { CLEARANCE_WITHIN = 10 };
 
-/** Reads --contacts; the count is 0 if it was not given (NULL). Returns the exit code and prints an error unless it is
- * 0. */
+/** Reads --contacts; the count is 0 if it was not given (NULL). */
 int settings_contacts(conus_contacts *out, const char *text);
 
 /** Finds the published error that --jitter names. False where it names none: then it prints an error, unless @p text is
@@ -232,14 +231,14 @@ bool settings_jitter(conus_jitter_options *out, const char *text, uint32_t sampl
 
 extern const struct option space_options[]; /**< space_settings */
 
-/** Whether the options go together; prints an error if not. */
+/** Whether the options go together. */
 bool space_settings_check(const struct arguments *arguments, const struct space_settings *settings);
 
 /** Whether positions are found only once the atlas is loaded. */
 bool space_settings_needs_atlas(const struct space_settings *settings);
 
-/** Finds where the space lies in all of the @p atlases, which must be one place. Returns the exit code and prints an
- * error unless it is 0; unless @p quiet, says where the atlas calls the right side left. */
+/** Finds where the space lies in all of the @p atlases, which must be one place. Unless @p quiet, says where the atlas
+ * calls the right side left. */
 int space_settings_frame(conus_frame *out, const struct atlases *atlases, const struct space_settings *settings,
                          bool quiet);
 
@@ -275,8 +274,7 @@ struct atlas_name {
 };
 
 /** Finds out what @p text means: a file or folder of that path, or else the installed atlas of that name. @p text must
- * outlive @p out. Returns the exit code and prints an error unless it is 0; @p out is the caller's to finish in every
- * case. */
+ * outlive @p out. @p out is the caller's to finish in every case. */
 int atlas_name_find(struct atlas_name *out, const char *text);
 /** The same of a context: a surface is always a path. */
 int context_name_find(struct atlas_name *out, const char *text);
@@ -285,18 +283,18 @@ void atlas_name_finish(struct atlas_name *name);
 /** The labels to load it with: those of --labels, @p given, or else those of the installed atlas; NULL = none. */
 const char *atlas_name_labels(const struct atlas_name *name, const char *given);
 
-/** Loads the atlas, a path or the name of an installed one, and adds its pathways and streamlines. Returns the exit
- * code and prints an error unless it is 0, or the settings' progress cancelled. */
+/** Loads the atlas, a path or the name of an installed one, and adds its pathways and streamlines. The exit
+ * code is not 0, without a message, where the settings' progress cancelled. */
 int atlas_input_load(conus_atlas **out, const char *path, const struct atlas_settings *settings);
 
 /** Whether @p why is the library's message about an image that is no atlas but may be drawn around one. */
 bool atlas_input_is_image(const char *why);
 
-/** Sets the context, unless @p path is NULL; @p blocks 0 = it does not block. Gives the exit code likewise. */
+/** Sets the context, unless @p path is NULL; @p blocks 0 = it does not block. */
 int atlas_input_load_context(conus_atlas *atlas, const char *path, double blocks,
                              const struct atlas_settings *settings);
 
-/** Sets each file as a context: a volume replaces the one before, surfaces add up. Gives the exit code likewise. */
+/** Sets each file as a context: a volume replaces the one before, surfaces add up. */
 int context_choice_load(conus_atlas *atlas, const struct context_choice *choice, const struct atlas_settings *settings);
 
 /** Whether one of the files is no surface. */
@@ -324,21 +322,19 @@ enum { ATLAS_PREFIX_SIZE = 256 };
 /** Writes to @p out the beginning of a message about one of several atlases, "NAME: "; "" if there is only one. */
 const char *atlases_prefix(char out[ATLAS_PREFIX_SIZE], const struct named_atlas *atlas);
 
-/** Loads @p path and those of --atlas, each with its @p context (NULL = none). Returns the exit code and prints an
- * error unless it is 0. @p out, which the caller zeroes but for shares_streamlines, is the caller's to atlases_finish()
- * in any case. */
+/** Loads @p path and those of --atlas, each with its @p context (NULL = none). @p out, which the caller zeroes but for
+ * shares_streamlines, is the caller's to atlases_finish() in any case. */
 int atlases_load(struct atlases *out, const char *path, const struct atlas_settings *settings,
                  const struct context_settings *context);
-/** Only finds their names; each atlas is then to be loaded, or put there. Gives the exit code likewise. */
+/** Only finds their names; each atlas is then to be loaded, or put there. */
 int atlases_name(struct atlases *out, const char *path, const struct atlas_settings *settings);
 /** Loads those that are not there yet, each with its @p context (NULL = none). --labels, --pathway, --only and --hide
- * apply to the first atlas only; so does --streamlines, unless shared. Gives the exit code likewise. */
+ * apply to the first atlas only; so does --streamlines, unless shared. */
 int atlases_load_all(struct atlases *atlases, const struct atlas_settings *settings,
                      const struct context_settings *context);
 void atlases_finish(struct atlases *atlases);
 
-/** Whether a sidecar can hold the names of all files that were read. Returns the exit code and prints an error unless
- * it is 0. */
+/** Whether a sidecar can hold the names of all files that were read. */
 int atlases_check_names(const struct atlases *atlases);
 
 /** Whether the headers of two volumes, NULL = none, name different spaces. */
@@ -392,15 +388,15 @@ struct named_places {
 void named_places_finish(struct named_places *places);
 
 /** Finds the point that @p text, the value of the option @p option, means, world mm; @p other as of
- * conus_place_options. Returns the exit code and prints an error unless it is 0. */
+ * conus_place_options. */
 int named_places_find(double out[3], struct named_places *places, const char *option, const char *text,
                       const double *other);
 
-/** Finds both ends of an axis, one of which may be near:AREA. Likewise. */
+/** Finds both ends of an axis, one of which may be near:AREA. */
 int named_places_find_ends(double origin[3], double toward[3], struct named_places *places,
                            const char *const options[2], const char *const texts[2]);
 
-/** Keeps how @p text, of the option @p option, was understood: as @p place, or else a sentence. Likewise. */
+/** Keeps how @p text, of the option @p option, was understood: as @p place, or else a sentence. */
 int named_places_add(struct named_places *places, const char *option, const char *text, const conus_place *place);
 
 /** Says each of those that are kept, a note a line, but what is about the whole question. */
@@ -431,7 +427,7 @@ struct kept_names {
     char text[KEPT_SIZE];
 };
 
-/** Splits --keep. Returns the exit code and prints an error unless it is 0. */
+/** Splits --keep. */
 int keep_settings_names(struct kept_names *out, const struct keep_settings *settings);
 
 extern const struct option pose_file_options[]; /**< pose_file_settings */
@@ -467,14 +463,14 @@ int pose_settings_print_error(conus_status status, const char *path, const char 
                               const struct arguments *arguments);
 
 /** Whether @p electrodes, the table that the poses came from (NULL = another format), is there for a @p format that
- * adds columns to it. Returns the exit code and prints an error unless it is 0. */
+ * adds columns to it. */
 int pose_settings_check_electrodes(conus_format format, const char *electrodes, const char *path);
 
-/** Loads the probe; *out is NULL where there is none. Returns the exit code and prints an error unless it is 0. */
+/** Loads the probe; *out is NULL where there is none. */
 int probe_settings_load(conus_probe **out, const struct probe_settings *settings, uint64_t max_memory);
 
 /** What marks the rows of answers to a list of poses: their numbers where ids repeat or there are times, which then are
- * marked, too. Returns the exit code and prints an error unless it is 0. */
+ * marked, too. */
 int pose_settings_mark_list(conus_row_marks *out, const conus_pose_list *poses);
 
 /** The same of a stream, just opened. The table @p path is read once more where it names its rows; where it is no file
@@ -488,8 +484,7 @@ const char *pose_settings_row_error(const conus_pose_row *row);
 /** Says, unless --quiet, that there is no pose in the file. */
 void pose_settings_say_none(const char *path, const struct common_settings *common);
 
-/** Whether the poses' space can be that of each atlas, and says the notes about them, *said of them. Returns the exit
- * code and prints an error unless it is 0. */
+/** Whether the poses' space can be that of each atlas, and says the notes about them, *said of them. */
 int pose_settings_match_stream(size_t *said, conus_pose_stream *poses, const char *path, const struct atlases *atlases,
                                const struct pose_file_settings *settings, const struct common_settings *common);
 /** Warns of points that lie far from the areas, or positions of a cap, that they are called as, in any of the atlases.
@@ -526,9 +521,9 @@ struct constraint_settings {
 };
 
 /** Reads the options about constraints, if there are any. @p out is the caller's to constraints_finish() in any case.
- * Returns the exit code and prints an error unless it is 0. */
+ */
 int constraints_parse(struct constraints *out, const struct arguments *arguments);
-/** Gives the contacts of --contacts, NULL = not given, to the constraints that count them. Likewise. */
+/** Gives the contacts of --contacts, NULL = not given, to the constraints that count them. */
 int constraints_take_contacts(struct constraints *constraints, const char *text);
 /** Whether there are any; @p arguments may be NULL. */
 bool constraints_are_given(const struct arguments *arguments);
@@ -545,7 +540,7 @@ struct pose_places {
 };
 
 /** Turns directions into the world, and loads the needles of --apart, whose poses are in the space of the frame, too.
- * Poses without a far end of their own have @p far, mm; 0 = none. Likewise. */
+ * Poses without a far end of their own have @p far, mm; 0 = none. */
 int constraints_place(struct constraints *constraints, const struct pose_places *places, double far);
 
 /* Options of programs that receive poses from a tracker by OpenIGTLink. */
@@ -566,7 +561,7 @@ extern const struct option screen_options_table[];  /**< station_settings, too: 
 
 extern const struct option second_options_table[]; /**< station_settings, too: a second tool that points */
 
-/** Whether the options go together, and name addresses; prints an error if not. */
+/** Whether the options go together, and name addresses. */
 bool station_settings_check(const struct station_settings *settings, const struct arguments *arguments);
 
 /** The same for a command with the screen's options, */
@@ -575,11 +570,10 @@ bool station_settings_check_screen(const struct station_settings *settings, cons
 /** and for one with the options of a second tool as well. */
 bool station_settings_check_second(const struct station_settings *settings, const struct arguments *arguments);
 
-/** Starts a station where --listen or --connect was given, else leaves *out NULL. Returns the exit code and prints an
- * error unless it is 0. */
+/** Starts a station where --listen or --connect was given, else leaves *out NULL. */
 int station_settings_start(struct station **out, const struct station_settings *settings);
 
-/** Starts one that connects to @p address, HOST[:PORT], in place of that of --listen or --connect. Likewise. */
+/** Starts one that connects to @p address, HOST[:PORT], in place of that of --listen or --connect. */
 int station_settings_connect(struct station **out, const struct station_settings *settings, const char *address);
 
 /** The same for --second-listen or --second-connect: the second tool's own station; without them both tools share the

@@ -640,45 +640,13 @@ double matlab_number(const struct matlab_array *array, size_t index)
     return is_signed ? (double)whole : (double)(uint64_t)whole;
 }
 
-static size_t put_character(char out[4], uint32_t c)
-{
-    if (c < 0x80) {
-        out[0] = (char)c;
-        return 1;
-    }
-    size_t size = c < 0x800 ? 2 : c < 0x10000 ? 3 : 4;
-    static const uint8_t first[] = {0, 0, 0xc0, 0xe0, 0xf0};
-    for (size_t i = size; i-- > 1; c >>= 6) {
-        out[i] = (char)(0x80 | (c & 0x3f));
-    }
-    out[0] = (char)(first[size] | c);
-    return size;
-}
-
-/* Code units of two bytes; a pair of surrogates is one character. */
-static size_t put_units(char *out, size_t size, const struct matlab_array *array)
-{
-    size_t used = 0;
-    for (size_t i = 0; i < array->bytes.size / 2 && used + 4 <= size; i++) {
-        uint32_t unit = order_u16(at(array->bytes) + 2 * i, array->swapped);
-        if (unit >> 10 == 0x36 && i + 1 < array->bytes.size / 2) {
-            uint32_t low = order_u16(at(array->bytes) + 2 * i + 2, array->swapped);
-            bool is_pair = low >> 10 == 0x37;
-            unit = is_pair ? 0x10000 + ((unit & 0x3ff) << 10) + (low & 0x3ff) : unit;
-            i += is_pair;
-        }
-        used += put_character(out + used, unit);
-    }
-    return used;
-}
-
 struct text matlab_text(char *out, size_t size, const struct matlab_array *array)
 {
     if (!array || array->kind != MATLAB_CHAR || array->rows != 1) {
         return (struct text){"", 0};
     }
     if (array->type == UTF16 || array->type == UINT16 || array->type == INT16) {
-        return (struct text){out, put_units(out, size, array)};
+        return (struct text){out, text_from_utf16(out, size, array->bytes, array->swapped == BIG_ENDIAN_IS_SWAPPED)};
     }
     size_t used = value_size[array->type] != 1 ? 0 : array->bytes.size < size ? array->bytes.size : size;
     memcpy(out, array->bytes.data, used);

@@ -202,6 +202,20 @@ static void check_kind(struct job *job, const struct record *record)
     }
 }
 
+/* Of the header before a file, or of its entry, whose fields stand so many bytes later. */
+static struct record read_record(const uint8_t *from, size_t later, const char *name)
+{
+    from += later;
+    const size_t size = u16_at(from + 26);
+    return (struct record){.flags = u16_at(from + 6),
+                           .method = u16_at(from + 8),
+                           .checksum = u32_at(from + 14),
+                           .stored = u32_at(from + 18),
+                           .size = u32_at(from + 22),
+                           .name = {name, size},
+                           .extra = {name + size, u16_at(from + 28)}};
+}
+
 /* The header before a file, which lies before `end`; sizes and checksum may stand behind the file instead. Gives where
  * the file begins, 0 after a failure. */
 static size_t zip_check_header(struct job *job, const uint8_t *data, const struct record *entry, uint64_t end)
@@ -218,14 +232,7 @@ static size_t zip_check_header(struct job *job, const uint8_t *data, const struc
         bad_entry(job, entry->name, "reaches into the central directory");
         return 0;
     }
-    const char *name = (const char *)header + LOCAL_SIZE;
-    struct record local = {.flags = u16_at(header + 6),
-                           .method = u16_at(header + 8),
-                           .checksum = u32_at(header + 14),
-                           .stored = u32_at(header + 18),
-                           .size = u32_at(header + 22),
-                           .name = {name, u16_at(header + 26)},
-                           .extra = {name + u16_at(header + 26), u16_at(header + 28)}};
+    struct record local = read_record(header, 0, (const char *)header + LOCAL_SIZE);
     bool behind = entry->flags & FLAG_SIZES_BEHIND;
     if ((local.flags ^ entry->flags) & (FLAG_ENCRYPTED | FLAG_SIZES_BEHIND) || local.method != entry->method ||
         text_compare(local.name, entry->name) != 0 ||
@@ -242,21 +249,13 @@ static struct zip_entry read_entry(struct job *job, uint64_t *place, const uint8
 {
     const uint8_t *from = (const uint8_t *)rest->data;
     bool there = rest->size >= CENTRAL_SIZE && u32_at(from) == CENTRAL;
-    size_t name = there ? u16_at(from + 28) : 0;
-    size_t extra = there ? u16_at(from + 30) : 0;
-    size_t whole = there ? CENTRAL_SIZE + name + extra + u16_at(from + 32) : 0;
+    size_t whole = there ? CENTRAL_SIZE + (size_t)u16_at(from + 28) + u16_at(from + 30) + u16_at(from + 32) : 0;
     if (!there || whole > rest->size) {
         job_bad(job, "zip: the central directory has fewer files than it says");
         return (struct zip_entry){0};
     }
-    struct record record = {.flags = u16_at(from + 8),
-                            .method = u16_at(from + 10),
-                            .checksum = u32_at(from + 16),
-                            .stored = u32_at(from + 20),
-                            .size = u32_at(from + 24),
-                            .header_at = u32_at(from + 42),
-                            .name = {rest->data + CENTRAL_SIZE, name},
-                            .extra = {rest->data + CENTRAL_SIZE + name, extra}};
+    struct record record = read_record(from, 2, rest->data + CENTRAL_SIZE);
+    record.header_at = u32_at(from + 42);
     bool wide = widen(&record);
     check_kind(job, &record);
     if (!wide) {

@@ -45,17 +45,6 @@ bool pose_ibl_is(json_t *root)
     return json_object_get(root, picks_key) || has_channels(root);
 }
 
-/* From ML, AP, DV to the frame's space. The file counts from its own bregma, the frame perhaps from another. */
-static void find_point(double world[3], const struct reading *reading, const double mlapdv[3])
-{
-    const conus_frame *frame = reading->to->options->frame;
-    const double *o = reading->bregma;
-    const double *b = frame->bregma;
-    const double ccf[3] = {o[1] - mlapdv[1], o[2] - mlapdv[2], o[0] + mlapdv[0]};
-    const double mm[3] = {(b[0] - ccf[0]) / 1000, (ccf[2] - b[2]) / 1000, (b[1] - ccf[1]) / 1000};
-    (void)JOB_CALL(reading->job, conus_frame_to_world(world, frame, frame->space == CONUS_SPACE_CCF ? ccf : mm));
-}
-
 /* Rows are numbered, for the file has no lines that matter. */
 static void add_point(struct reading *reading, const json_t *const values[3], struct text id)
 {
@@ -71,7 +60,9 @@ static void add_point(struct reading *reading, const json_t *const values[3], st
     for (int i = 0; i < 3 && job_ok(reading->job); i++) {
         reading->farthest = fmax(reading->farthest, fabs(numbers[i]));
     }
-    find_point(world, reading, numbers);
+    const double *o = reading->bregma; /* the file's own, the frame perhaps counts from another */
+    const double ccf[3] = {o[1] - numbers[1], o[2] - numbers[2], o[0] + numbers[0]};
+    (void)JOB_CALL(reading->job, pose_point_of_ccf(world, ccf, reading->to->options->frame));
     const char *bad = attempt_end(reading->job, &attempt, ATTEMPT_TRY);
     pose_add_point(reading->to, reading->to->list->count + 1, world, false, id, bad);
 }

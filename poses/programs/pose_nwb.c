@@ -197,13 +197,11 @@ static void judge(struct job *job, struct table *table)
 static conus_status find_point(double world[AXES], const struct table *table, const conus_frame *frame,
                                const double p[AXES])
 {
-    const double *b = frame->bregma;
     double ccf[AXES];
     for (size_t i = 0; i < AXES; i++) {
-        ccf[i] = p[i] * table->um + (table->from_bregma ? b[i] : 0);
+        ccf[i] = p[i] * table->um + (table->from_bregma ? frame->bregma[i] : 0);
     }
-    const double mm[AXES] = {(b[0] - ccf[0]) / 1000, (ccf[2] - b[2]) / 1000, (b[1] - ccf[1]) / 1000};
-    return conus_frame_to_world(world, frame, frame->space == CONUS_SPACE_CCF ? ccf : mm);
+    return pose_point_of_ccf(world, ccf, frame);
 }
 
 static void add_electrode(const struct pose_reading *to, const struct table *table, size_t index)

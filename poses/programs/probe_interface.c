@@ -7,7 +7,6 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
-#include "base/order.h"
 #include "conus/own.h"
 #include "poses/rows/pose_row.h"
 
@@ -324,17 +323,10 @@ static void read_probe(struct reading *reading)
     }
 }
 
-static int by_id(const void *a, const void *b)
+/* Whether the key is there already; adds it. */
+static bool is_again(struct job *job, struct name_set *keys, const char *key)
 {
-    return strcmp(((const conus_probe_contact *)a)->id, ((const conus_probe_contact *)b)->id);
-}
-
-static int by_channel(const void *a, const void *b)
-{
-    const conus_probe_contact *x = a;
-    const conus_probe_contact *y = b;
-    int order = (x->index > y->index) - (x->index < y->index);
-    return order ? order : (x->channel > y->channel) - (x->channel < y->channel);
+    return job_ok(job) && (name_set_find(keys, key) || !JOB_CALL(job, name_set_add(keys, key, 0)));
 }
 
 /* Contacts have names of their own, and those of a probe that are wired have channels of their own. */
@@ -342,25 +334,21 @@ static void check_unique(conus_probe *probe)
 {
     struct job *job = &probe->job;
     const struct job_mark mark = job_mark(job);
-    size_t count = probe->count;
-    conus_probe_contact *sorted = job_array(job, &count, sizeof *sorted);
-    if (!sorted) {
-        return;
-    }
-    memcpy(sorted, probe->contacts, count * sizeof *sorted);
-    order_sort(sorted, count, sizeof *sorted, by_id);
-    for (size_t i = 1; i < count; i++) {
-        if (!by_id(&sorted[i - 1], &sorted[i])) {
-            job_bad(job, "contact_ids: two contacts are called \"%s\"", sorted[i].id);
+    struct name_set ids = {0};
+    struct name_set channels = {0};
+    for (size_t i = 0; i < probe->count && job_ok(job); i++) {
+        const conus_probe_contact *contact = &probe->contacts[i];
+        const char *key = job_format(job, "%zu:%lld", contact->index, (long long)contact->channel);
+        if (is_again(job, &ids, contact->id)) {
+            job_bad(job, "contact_ids: two contacts are called \"%s\"", contact->id);
+        }
+        if (contact->channel >= 0 && is_again(job, &channels, key)) {
+            job_bad(job, "device_channel_indices: two contacts of %s have the channel %lld", contact->probe,
+                    (long long)contact->channel);
         }
     }
-    order_sort(sorted, count, sizeof *sorted, by_channel);
-    for (size_t i = 1; i < count; i++) {
-        if (sorted[i].channel >= 0 && !by_channel(&sorted[i - 1], &sorted[i])) {
-            job_bad(job, "device_channel_indices: two contacts of %s have the channel %lld", sorted[i].probe,
-                    (long long)sorted[i].channel);
-        }
-    }
+    name_set_finish(&ids);
+    name_set_finish(&channels);
     job_release(job, mark);
 }
 

@@ -232,22 +232,16 @@ static const char not_of_point[] = "eye/ear/field/response/task/contrast/conditi
 /* The columns whose cells all say a side, whatever their header, or some below one that is called so. */
 static void find_side_columns(struct census *out, const struct head *head)
 {
-    static const char neither[] = "midline/mid/both/bilateral/m/b";
     for (size_t i = 0; i < head->line.count && out->column_count < SIDE_COLUMNS && head->out->has_header; i++) {
         struct text name = text_from(head->names[i]);
         struct text word;
         bool is_called = strstr(head->names[i], "hemi") || strcmp(head->names[i], "side") == 0;
-        bool all = head->out->role_of[i] == ROLES;
-        size_t sides = 0;
+        const struct column_cells *cells = &head->cells[i];
+        bool all = head->out->role_of[i] == ROLES && (is_called || cells->sides + cells->middles == cells->given);
         while (text_word(&name, &word)) {
             all = all && !text_is_one_of(word, limbs, false) && !text_is_one_of(word, not_of_point, false);
         }
-        for (size_t r = 0; all && r < head->row_count; r++) {
-            const struct text cell = columns_cell(head, r, i);
-            sides += sides_of_name(cell) != 0;
-            all = is_called || columns_is_absent(cell) || sides_of_name(cell) || text_is_one_of(cell, neither, false);
-        }
-        if (all && sides) {
+        if (all && cells->sides) {
             out->columns[out->column_count++] = i;
         }
     }

@@ -183,28 +183,24 @@ static conus_status pose_from_values(conus_pose_row *row, const struct columns *
     }
     double *x = v + ROLE_X;
     double *t = v + ROLE_TX;
-    double *aim = v + ROLE_AIM;
-    vec3_scale(x, x, columns->scale);
-    vec3_scale(t, t, columns->scale);
-    vec3_scale(aim, aim, columns->scale);
     conus_space space = isnan(v[ROLE_SPACE]) ? columns->space : (conus_space)v[ROLE_SPACE];
     conus_frame own = *options->frame;
-    double *const points[] = {x, aim};
-    for (size_t i = 0; i < 2 && columns->is_mlapdv; i++) {
-        const double ml = points[i][0];
-        points[i][0] = points[i][1];
-        points[i][1] = ml;
-    }
     conus_status status = space == options->space ? CONUS_OK : conus_frame_find(&own, NULL, space, NULL);
-    status = status || columns->has[ROLE_M00] ? status : conus_frame_to_world(x, &own, x);
-    status = status || !columns->has[ROLE_TX] ? status : conus_frame_to_world(t, &own, t);
-    status = status || !columns->has[ROLE_AIM] || !isfinite(aim[0] + aim[1] + aim[2])
-                 ? status
-                 : conus_frame_to_world(aim, &own, aim);
-    if (columns->moves) {
-        space_move_from_mni305(x);
-        space_move_from_mni305(t);
-        space_move_from_mni305(aim);
+    const struct {
+        double *at;
+        bool is_there;
+    } points[] = {{x, !columns->has[ROLE_M00]}, {t, columns->has[ROLE_TX]}, {v + ROLE_AIM, columns->has[ROLE_AIM]}};
+    for (size_t i = 0; i < 3; i++) {
+        double *p = points[i].at;
+        const double scaled[3] = {columns->scale * p[0], columns->scale * p[1], columns->scale * p[2]};
+        p[0] = scaled[columns->is_mlapdv];
+        p[1] = scaled[!columns->is_mlapdv];
+        p[2] = scaled[2];
+        bool is_known = points[i].is_there && (i < 2 || isfinite(p[0] + p[1] + p[2]));
+        status = status || !is_known ? status : conus_frame_to_world(p, &own, p);
+        if (columns->moves) {
+            space_move_from_mni305(p);
+        }
     }
     if (status || columns->is_of_points) {
         return status ? status : pose_of_point(out, x);
@@ -335,14 +331,8 @@ static void set_name(struct pose_name *name, struct text line, struct text cell,
     if (!is_quoted && !contact.size) {
         return;
     }
-    size_t size = 0;
-    for (size_t i = 0; i < cell.size && size < sizeof name->own; i++) {
-        name->own[size++] = cell.data[i];
-        i += is_quoted && cell.data[i] == '"'; /* and the one behind it */
-    }
-    for (size_t i = 0; i < contact.size && size < sizeof name->own; i++) {
-        name->own[size++] = contact.data[i];
-    }
+    size_t size = kept_text_put(name->own, sizeof name->own, &(struct kept_text){cell, is_quoted});
+    size += kept_text_put(name->own + size, sizeof name->own - size, &(struct kept_text){contact, false});
     name->text = (struct text){name->own, size};
 }
 

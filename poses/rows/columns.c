@@ -330,7 +330,7 @@ static void find_families(struct head *head, const char *const letters[3])
 {
     const size_t size = strlen(letters[0]);
     for (size_t i = 0; i < head->line.count; i++) {
-        for (int letter = 0; letter < 3; letter++) {
+        for (int letter = 0; letter < 2; letter++) { /* two of the three are needed */
             const char *name = head->names[i];
             for (const char *at = strstr(name, letters[letter]); at; at = strstr(at + 1, letters[letter])) {
                 size_t from = (size_t)(at - name);
@@ -344,8 +344,7 @@ static void find_families(struct head *head, const char *const letters[3])
                     columns[k] = find_name(head, found[k], 0);
                     count += columns[k] != COLUMN_NONE;
                 }
-                bool is_first = letter == 0 || columns[0] == COLUMN_NONE; /* the others' letters find it again */
-                is_first = is_first && (letter < 2 || columns[1] == COLUMN_NONE) && columns[letter] == i;
+                bool is_first = columns[letter] == i && (!letter || columns[0] == COLUMN_NONE);
                 if ((before && after) || count < 2 || !is_first) {
                     continue;
                 }
@@ -555,11 +554,7 @@ static void find_roles(struct head *head)
     size_t electrode = find_name(head, "electrode", 0);
     size_t contact = find_name(head, "contact", 0);
     if (electrode != COLUMN_NONE && contact != COLUMN_NONE && head->out->role_of[electrode] == ROLE_NAME) {
-        size_t r = 0;
-        while (r < head->row_count && !columns_cell(head, r, electrode).size) {
-            r++;
-        }
-        bool is_empty = r == head->row_count && r;
+        bool is_empty = head->row_count && !head->cells[electrode].filled;
         if (is_empty) {
             drop_role(head, ROLE_NAME);
         }
@@ -575,17 +570,6 @@ static void find_roles(struct head *head)
     }
 }
 
-/* Whether a cell of the column is a number. */
-static bool has_number(const struct head *head, size_t column)
-{
-    double value;
-    size_t r = 0;
-    while (r < head->row_count && !table_number(&value, &head->out->table, columns_cell(head, r, column))) {
-        r++;
-    }
-    return r < head->row_count;
-}
-
 /* A column beside a position, without a role, that says that rows are more than points, or no axis straight down. */
 static void refuse_turned(struct head *head, const struct family *position)
 {
@@ -595,7 +579,7 @@ static void refuse_turned(struct head *head, const struct family *position)
         bool is_beside = family->kind == UNKNOWN && position->kind != OF_SPACE && is_whole(family);
         bool is_end = head->out->is_bids && family->kind >= TARGET && family->kind <= QUATERNION && is_whole(family);
         for (size_t k = 0; k < 3 && is_end; k++) { /* of nothing but n/a it is none */
-            is_end = has_number(head, family->at[k]);
+            is_end = head->cells[family->at[k]].numbers > 0;
         }
         FAULT_IF(is_end, head, "%s beside x y z: --poses-format table reads them; without them the rows are points",
                  FAMILY_SHOWN(head, family));
@@ -614,13 +598,13 @@ static void refuse_turned(struct head *head, const struct family *position)
             is_one = is_one || text_is_one_of(word, turned, true) ||
                      (is_straight && text_is_one_of(word, inclined, true) && strcmp(head->names[i], "angle") != 0);
         }
-        is_one = is_one && (!head->out->is_bids || has_number(head, i)); /* else names of shafts */
+        is_one = is_one && (!head->out->is_bids || head->cells[i].numbers); /* else names of shafts */
         for (size_t k = 0; is_one && k < head->family_count; k++) {
             const size_t *at = head->families[k].at;
             is_one = at[0] != i && at[1] != i && at[2] != i;
         }
         const bool is_read = head->out->is_bids && text_is_one_of(text_from(head->names[i]), read_in_tables, true);
-        FAULT_IF(is_read && !is_one && has_number(head, i), head,
+        FAULT_IF(is_read && !is_one && head->cells[i].numbers, head,
                  "column \"%.*s\" beside %s: --poses-format table reads it; without it the rows are points",
                  POSE_QUOTE(head->line.cells[i]), FAMILY_SHOWN(head, position));
         if (is_one) {
@@ -639,12 +623,7 @@ static void refuse_turned(struct head *head, const struct family *position)
 /* Whether the column is 0 in all rows of the head. */
 static bool is_all_zero(const struct head *head, size_t column)
 {
-    bool all = true;
-    for (size_t r = 0; r < head->row_count; r++) {
-        double value;
-        all = all && table_number(&value, &head->out->table, columns_cell(head, r, column)) && value == 0;
-    }
-    return all;
+    return head->cells[column].zeros == head->row_count;
 }
 
 /* The column that the user calls so; a fault where there is none, or where it stands twice. */
@@ -977,64 +956,49 @@ static struct text column_meant(const struct columns *columns, const char *field
     return meant;
 }
 
-/* Lists the columns, with suggestions for unknown ones; or the unknown ones only. */
-static void list_columns(struct buffer *out, const struct head *head, bool known)
+/* Whether something is read from a column. */
+static bool is_read(const struct columns *out, size_t column)
 {
+    bool is_known = out->role_of[column] != ROLES || out->pairs == column + 1 || out->place == column + 1 ||
+                    (out->place && out->place_side == column + 1);
+    for (size_t k = 0; k < out->kept_count; k++) {
+        is_known = is_known || out->kept[k] == column;
+    }
+    return is_known;
+}
+
+/* The columns, or only those that are not read, with suggestions for these, as a text of the job. */
+static const char *shown_columns(const struct head *head, bool all)
+{
+    struct buffer list = {0};
     size_t count = 0;
     for (size_t i = 0; i < head->line.given; i++) {
-        bool is_known = head->out->role_of[i] != ROLES || head->out->pairs == i + 1 || head->out->place == i + 1 ||
-                        (head->out->place && head->out->place_side == i + 1);
-        for (size_t k = 0; k < head->out->kept_count; k++) {
-            is_known = is_known || head->out->kept[k] == i;
-        }
-        if ((is_known && !known) || count++ >= SHOWN) {
+        const bool is_known = is_read(head->out, i);
+        if ((is_known && !all) || count++ >= SHOWN) {
             continue;
         }
-        struct text cell = head->line.cells[i];
         const struct text meant = is_known ? (struct text){"", 0} : column_meant(head->out, head->names[i]);
-        buffer_format(out, "%s\"%.*s\"", count > 1 ? ", " : "", POSE_QUOTE(cell));
+        buffer_format(&list, "%s\"%.*s\"", count > 1 ? ", " : "", POSE_QUOTE(head->line.cells[i]));
         if (meant.size) {
-            buffer_format(out, " (did you mean %.*s?)", TEXT_SHOW(meant, COLUMN_NAME_SIZE));
+            buffer_format(&list, " (did you mean %.*s?)", TEXT_SHOW(meant, COLUMN_NAME_SIZE));
         }
     }
     if (count > SHOWN) {
-        buffer_format(out, " and %zu more", count - SHOWN);
+        buffer_format(&list, " and %zu more", count - SHOWN);
     }
-}
-
-/* With a list of all or of unknown columns, as a text of the job. */
-static const char *shown_columns(const struct head *head, bool known)
-{
-    struct buffer list = {0};
-    list_columns(&list, head, known);
     const char *shown =
         JOB_CALL(head->job, buffer_status(&list)) ? job_copy(head->job, (struct text){list.data, list.size}) : "";
     buffer_finish(&list);
     return shown;
 }
 
-static void note_unknown(const struct head *head)
-{
-    const char *list = shown_columns(head, false);
-    if (list[0]) {
-        job_note(head->job, "columns passed over: %s", list);
-    }
-}
-
 /* Whether depths without a unit are longer in all rows than the atlas, which they were not in um. */
 static bool are_depths_long(const struct head *head)
 {
     const struct columns *out = head->out;
-    const double longest = head->options->longest;
     const uint8_t *depth = memchr(out->role_of, ROLE_DEPTH, sizeof out->role_of);
-    bool all = depth && longest > 0 && head->row_count && out->space != CONUS_SPACE_CCF &&
-               out->factor[ROLE_DEPTH] == 0 && out->scale == 0 && head->words.unit == 0;
-    for (size_t r = 0; all && r < head->row_count; r++) {
-        double value;
-        const struct text cell = columns_cell(head, r, (size_t)(depth - out->role_of));
-        all = table_number(&value, &out->table, cell) && value > longest && value <= 1000 * longest;
-    }
-    return all;
+    return depth && head->row_count && head->cells[depth - out->role_of].longs == head->row_count &&
+           out->space != CONUS_SPACE_CCF && out->factor[ROLE_DEPTH] == 0 && out->scale == 0 && head->words.unit == 0;
 }
 
 /* The words that answer all that is asked of a table of probes: its space, the angle, the unit of depths. */
@@ -1078,13 +1042,8 @@ static void refuse_lone_end(struct head *head)
     struct columns *out = head->out;
     for (size_t i = 0; out->is_of_points && !head->is_named && i < head->line.given; i++) {
         const char *s = head->names[i];
-        bool is_called = text_is_one_of(text_from(s), "target/entry", true) && out->role_of[i] == ROLES;
-        bool has_name = false;
-        for (size_t r = 0; is_called && !has_name && r < head->row_count; r++) {
-            double value;
-            const struct text cell = columns_cell(head, r, i);
-            has_name = !columns_is_absent(cell) && !table_number(&value, &out->table, cell);
-        }
+        bool has_name = head->cells[i].given > head->cells[i].numbers && out->role_of[i] == ROLES &&
+                        text_is_one_of(text_from(s), "target/entry", true);
         if (has_name && out->has[ROLE_NAME] && out->has[ROLE_X]) {
             FAULT(
                 head,
@@ -1102,11 +1061,9 @@ static void find_pairs(struct head *head)
 {
     struct columns *out = head->out;
     for (size_t column = 0; out->is_of_points && !head->is_named && column < out->count; column++) {
-        size_t found[3] = {0}; /* by enum columns_end */
-        for (size_t r = 0; out->role_of[column] >= ROLE_NAME && !found[END_NONE] && r < head->row_count; r++) {
-            found[columns_end_of(columns_cell(head, r, column))]++;
-        }
-        if (found[END_NONE] || !found[END_ENTRY] || !found[END_TARGET]) {
+        const size_t *ends = head->cells[column].ends;
+        if (out->role_of[column] < ROLE_NAME || !ends[END_ENTRY] || !ends[END_TARGET] ||
+            ends[END_ENTRY] + ends[END_TARGET] < head->row_count) {
             continue;
         }
         if (out->role_of[column] == ROLE_CONTACT) {
@@ -1123,27 +1080,9 @@ static void find_pairs(struct head *head)
 /* Whether the cells of a column are words of a space: all of them; in one that is `named` so at least one. */
 static bool is_of_spaces(const struct head *head, size_t column, bool named, bool strong)
 {
-    size_t heard = 0;
-    size_t others = 0;
-    for (size_t r = 0; (named || !others) && r < head->row_count; r++) {
-        struct space_words said;
-        const struct text cell = columns_cell(head, r, column);
-        bool is_one = space_words_hear_cell(&said, cell, strong) || text_is_one_of(cell, "ccf/bregma", false);
-        heard += is_one;
-        others += !is_one && !columns_is_absent(cell);
-    }
-    return heard && (named || !others);
-}
-
-/* Whether all cells of a column say voxels. */
-static bool is_of_voxels(const struct head *head, size_t column)
-{
-    bool all = head->row_count > 0;
-    for (size_t r = 0; all && r < head->row_count; r++) {
-        struct space_words said;
-        all = space_words_hear_cell(&said, columns_cell(head, r, column), false) && said.why == space_why_voxels;
-    }
-    return all;
+    const struct column_cells *cells = &head->cells[column];
+    const size_t heard = strong ? cells->strong : cells->spaces;
+    return heard && (named || heard == cells->given);
 }
 
 /* Columns whose cells say in which space or unit the positions of their rows are. */
@@ -1163,16 +1102,13 @@ static void find_spaces(struct head *head)
         bool is_space = strcmp(head->names[i], "space") == 0 && !out->is_bids;
         bool is_named = text_is_one_of(name, named, true);
         bool is_unit = text_is_one_of(name, of_units, true);
-        bool has_unit = false;
+        bool are_voxels = head->row_count && head->cells[i].voxels == head->row_count;
         if (out->role_of[i] != ROLES) {
             continue;
         }
-        for (size_t r = 0; is_unit && !has_unit && r < head->row_count; r++) {
-            has_unit = space_unit_mm(columns_cell(head, r, i)) != 0;
-        }
-        if (has_unit) {
+        if (is_unit && head->cells[i].units) {
             set_role(head, i, ROLE_UNIT);
-        } else if (is_space || (text_is_one_of(name, typed, true) && is_of_voxels(head, i)) ||
+        } else if (is_space || (text_is_one_of(name, typed, true) && are_voxels) ||
                    is_of_spaces(head, i, (is_named || is_unit) && !out->is_bids,
                                 !is_named && !is_unit && !text_is_one_of(name, loose, true))) {
             set_role(head, i, ROLE_SPACE);
@@ -1441,8 +1377,7 @@ static bool fits_with(char reading[COLUMN_NAME_SIZE * 4], struct head *head, con
     if (is_longer) {
         put_nameless(line, at);
     } else {
-        line->count = --line->given;
-        memmove(line->cells + at, line->cells + at + 1, (line->given - at) * sizeof line->cells[0]);
+        take_cells(line, at, 1);
     }
     find_columns(head);
     show_reading(reading, head, row);
@@ -1762,6 +1697,31 @@ static void plan_bare(struct head *head)
     }
 }
 
+static void count_cell(struct head *head, size_t column, struct text cell)
+{
+    static const char middles[] = "midline/mid/both/bilateral/m/b";
+    struct column_cells *cells = &head->cells[column];
+    struct space_words said;
+    double value;
+    bool is_number = table_number(&value, &head->out->table, cell);
+    bool is_place = text_is_one_of(cell, "ccf/bregma", false);
+    cells->filled += cell.size > 0;
+    cells->given += !columns_is_absent(cell);
+    cells->numbers += is_number;
+    cells->zeros += is_number && value == 0;
+    cells->longs += is_number && head->options->longest > 0 && value > head->options->longest &&
+                    value <= 1000 * head->options->longest;
+    if (!is_number) {
+        cells->strong += space_words_hear_cell(&said, cell, true) || is_place;
+        cells->spaces += space_words_hear_cell(&said, cell, false) || is_place;
+        cells->voxels += said.why == space_why_voxels;
+        cells->units += space_unit_mm(cell) != 0;
+        cells->sides += sides_of_name(cell) != 0;
+        cells->middles += text_is_one_of(cell, middles, false);
+        cells->ends[columns_end_of(cell)]++;
+    }
+}
+
 /* Takes the rows of the head to pieces, once. */
 static void find_rows(struct head *head)
 {
@@ -1776,8 +1736,9 @@ static void find_rows(struct head *head)
         struct head_row *row =
             list_add(head->job, &head->rows, &head->row_count, &head->row_capacity, sizeof *head->rows);
         *row = (struct head_row){cells, cells ? line.count : 0};
-        if (cells) {
-            memcpy(cells, line.cells, line.count * sizeof *cells);
+        for (size_t i = 0; cells && i < line.count; i++) {
+            cells[i] = line.cells[i];
+            count_cell(head, i, cells[i]);
         }
     }
     head->is_on_its_side = is_on_its_side(head);
@@ -1856,8 +1817,9 @@ static void plan(struct head *head, bool *is_short)
         find_row_names(head);
         out->said.may_be_lps |= says_lps(head);
         find_kept(head);
-        if (!out->is_bids) {
-            note_unknown(head);
+        const char *unread = out->is_bids ? "" : shown_columns(head, false);
+        if (unread[0]) {
+            job_note(head->job, "columns passed over: %s", unread);
         }
     }
 }

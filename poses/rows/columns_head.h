@@ -42,14 +42,25 @@ struct head_row {
     size_t count;
 };
 
+/** How many cells of a column of the head's rows are such. */
+struct column_cells {
+    size_t filled, given;         /**< Not empty; not absent (columns_is_absent()). */
+    size_t numbers, zeros, longs; /**< Longs: longer than the atlas as mm, which they were not as um. */
+    size_t units, voxels;         /**< Words of these. */
+    size_t spaces, strong;        /**< Words of a space; and those without another meaning. */
+    size_t sides, middles;        /**< Left or right; neither or both. */
+    size_t ends[3];               /**< By enum columns_end. */
+};
+
 struct head {
     struct job *job;
     struct table_line line; /**< The header, */
     struct text beside[2];  /**< without these words in front and behind. */
     struct head_row *rows;
     size_t row_count, row_capacity;
-    bool is_on_its_side; /**< Rows are called x, y and z. */
-    bool lacks_space;    /**< It has AP, ML and DV, which --space does not. */
+    struct column_cells cells[TABLE_CELLS]; /**< Of their columns. */
+    bool is_on_its_side;                    /**< Rows are called x, y and z. */
+    bool lacks_space;                       /**< It has AP, ML and DV, which --space does not. */
     char names[TABLE_CELLS][COLUMN_NAME_SIZE];
     double unit[TABLE_CELLS]; /**< mm, as space_unit_mm(). */
     struct family families[COLUMN_FAMILIES];

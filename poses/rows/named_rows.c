@@ -15,13 +15,9 @@
 enum { NAME_SIZE = 2 * POSE_ID_LIMIT, COMPARED = 500 };
 
 /* The text of a cell, without quotation marks around it and doubled ones in it, and a side behind it. */
-static void set_text(char out[NAME_SIZE], struct text cell, bool is_quoted, const char *side)
+static void set_text(char out[NAME_SIZE], const struct kept_text *cell, const char *side)
 {
-    size_t size = 0;
-    for (size_t i = 0; i < cell.size && size + 1 < NAME_SIZE - strlen(side); i++) {
-        out[size++] = cell.data[i];
-        i += is_quoted && cell.data[i] == '"';
-    }
+    const size_t size = kept_text_put(out, NAME_SIZE - strlen(side) - 1, cell);
     snprintf(out + size, NAME_SIZE - size, "%s", side);
 }
 
@@ -44,7 +40,7 @@ static bool is_name(struct head *head, struct text cell, bool may_be_number)
     struct place_words words = {.form = PLACE_NUMBERS};
     double number;
     uint32_t object;
-    set_text(text, cell, false, "");
+    set_text(text, &(struct kept_text){cell, false}, "");
     if (cell.size > POSE_ID_LIMIT || place_read(&words, cell) || words.form != PLACE_NAME || position_find(cell) ||
         !atlas) {
         return cell.size <= POSE_ID_LIMIT && words.form != PLACE_NUMBERS && (atlas || position_find(words.name));
@@ -219,7 +215,7 @@ conus_status named_rows_find(conus_pose_row *row, struct named_rows *known, cons
     const int own = sides_of_name(cell);
     const int stated = sides_of_name(name->side);
     bool has_side = own || !stated || place_read(&words, cell) || words.form > PLACE_NEAR || position_find(words.name);
-    set_text(text, cell, name->place.is_quoted, has_side ? "" : stated < 0 ? " left" : " right");
+    set_text(text, &name->place, has_side ? "" : stated < 0 ? " left" : " right");
     const struct known_name *found = name_set_find(&known->names, text);
     conus_status status = found ? CONUS_OK : find(known, text, row->line, options, notes);
     if (status) {

@@ -59,46 +59,6 @@ static ptrdiff_t read_some(const struct pose_lines *lines, char *at, size_t size
     }
 }
 
-/* Writes a character as UTF-8; its length. */
-static size_t put_character(char *out, uint32_t c)
-{
-    if (c < 0x80) {
-        out[0] = (char)c;
-        return 1;
-    }
-    size_t count = c < 0x800 ? 2 : c < 0x10000 ? 3 : 4;
-    static const unsigned char firsts[] = {0, 0, 0xC0, 0xE0, 0xF0};
-    for (size_t i = count; i-- > 1; c >>= 6) {
-        out[i] = (char)(0x80 | (c & 0x3F));
-    }
-    out[0] = (char)(firsts[count] | c);
-    return count;
-}
-
-/* UTF-16 as UTF-8: how much there is. Half a pair is U+FFFD. */
-static size_t narrow(char *out, struct text wide, bool is_big)
-{
-    size_t written = 0;
-    uint32_t high = 0; /* of a pair only this unit */
-    for (size_t i = 0; i + 1 < wide.size; i += 2) {
-        const uint32_t first = (unsigned char)wide.data[i + !is_big];
-        const uint32_t unit = first << 8 | (unsigned char)wide.data[i + is_big];
-        const uint32_t before = high;
-        bool is_half = unit >= 0xD800 && unit < 0xE000;
-        bool is_pair = before && unit >= 0xDC00 && is_half;
-        high = !before && is_half && unit < 0xDC00 ? unit : 0;
-        if (before && !is_pair) {
-            written += put_character(out + written, 0xFFFD);
-        }
-        if (!high) {
-            written += put_character(out + written, is_pair   ? 0x10000 + ((before - 0xD800) << 10) + (unit - 0xDC00)
-                                                    : is_half ? 0xFFFD
-                                                              : unit);
-        }
-    }
-    return written;
-}
-
 /* Reads once. A pipe that stays silent gives nothing. */
 static conus_status read_within(struct pose_lines *lines, int most_ms, bool *silent)
 {
@@ -149,7 +109,7 @@ static conus_status narrow_all(struct pose_lines *lines, bool is_big, uint64_t l
     conus_status status = pose_lines_rest(&wide, lines, limit);
     char *own = status ? NULL : memory_raw(2 * wide.size + 8, 1);
     if (own) {
-        lines->size = narrow(own, (struct text){wide.data, wide.size}, is_big);
+        lines->size = text_from_utf16(own, 2 * wide.size + 8, (struct text){wide.data, wide.size}, is_big);
         memory_free(lines->own);
         lines->own = own;
         lines->data = own;

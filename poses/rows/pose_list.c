@@ -18,6 +18,16 @@ static void free_kept(conus_pose_row *row, size_t count)
     row->kept = NULL;
 }
 
+size_t kept_text_put(char *out, size_t most, const struct kept_text *kept)
+{
+    size_t size = 0;
+    for (size_t i = 0; i < kept->text.size && size < most; i++) {
+        out[size++] = kept->text.data[i];
+        i += kept->is_quoted && kept->text.data[i] == '"'; /* and the one behind it */
+    }
+    return size;
+}
+
 conus_status pose_list_keep(conus_pose_list *list, const struct kept_text *texts, size_t count)
 {
     char **kept = memory_zeroed(count, sizeof *kept);
@@ -26,14 +36,11 @@ conus_status pose_list_keep(conus_pose_list *list, const struct kept_text *texts
     list->kept_count = count;
     row->kept = (const char *const *)kept;
     for (size_t i = 0; i < count && !status; i++) {
-        const struct text text = texts[i].text.data ? texts[i].text : text_from("");
-        size_t size = 0;
-        kept[i] = memory_text(text.data, text.size);
+        const struct text text = texts[i].text;
+        kept[i] = memory_text(text.size ? text.data : "", text.size);
         status = kept[i] ? CONUS_OK : CONUS_ERROR_MEMORY;
-        for (size_t k = 0; k < text.size && texts[i].is_quoted && !status; k++) {
-            kept[i][size++] = text.data[k];
-            k += text.data[k] == '"'; /* and the one behind it */
-            kept[i][size] = '\0';
+        if (!status) {
+            kept[i][kept_text_put(kept[i], text.size, &texts[i])] = '\0';
         }
     }
     return status;

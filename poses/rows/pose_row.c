@@ -166,6 +166,13 @@ conus_status pose_roll(conus_pose *pose, double turn)
     return status;
 }
 
+conus_status pose_point_of_ccf(double world[3], const double ccf[3], const conus_frame *frame)
+{
+    const double *b = frame->bregma;
+    const double mm[3] = {(b[0] - ccf[0]) / 1000, (ccf[2] - b[2]) / 1000, (b[1] - ccf[1]) / 1000};
+    return conus_frame_to_world(world, frame, frame->space == CONUS_SPACE_CCF ? ccf : mm);
+}
+
 conus_status pose_of_matrix(conus_pose *out, const double m[16], bool lps, conus_axis axis)
 {
     double ras[16];

@@ -23,6 +23,9 @@ struct kept_text {
     bool is_quoted; /**< Its marks are doubled. */
 };
 
+/** Writes it, with single marks and no zero behind it, up to @p most bytes; how many these are. */
+size_t kept_text_put(char *out, size_t most, const struct kept_text *kept);
+
 /** The formats of a text of poses, for messages. */
 #define POSE_FORMATS                                                                                                   \
     "a header line and one line per pose, a 4 x 4 matrix, lines of x y z, or another program's file (docs/formats.md)"
@@ -94,6 +97,10 @@ conus_status pose_along_tilts(conus_pose *out, const double origin[3], double ti
  * radians: theta = 0 points straight down. */
 conus_status pose_along_phi_theta(conus_pose *out, const double origin[3], double phi, double theta,
                                   const conus_frame *frame);
+
+/** A point of the CCF, micrometres AP, DV, ML, in the space of @p frame, which is of the CCF or from bregma, to the
+ * world. */
+conus_status pose_point_of_ccf(double world[3], const double ccf[3], const conus_frame *frame);
 
 /** A device's matrix, in LPS if @p lps, that points along its @p axis. */
 conus_status pose_of_matrix(conus_pose *out, const double m[16], bool lps, conus_axis axis);

@@ -64,7 +64,7 @@ static const struct row {
     {"ras/lps/dicom/itk", WEAK, SIGNS, NULL, NULL},
     {"rai/lpi/las/lai/rpi/rps/ral/lar", ALONE, 0, NULL, why_code},
     {"asr/ars/ari/ali/pri/psr/sra/srp/sla/slp/sar/ira/irp/ilp/iar/ial/lsa/lia/ria", CAPITALS, 0, NULL, why_code},
-    {"ipr/ipl/spr/spl/asl/pir/pil/als/ail/prs/pls/pli/psl/sal/ila/rsa/rsp/lsp", WEAK, 0, NULL,
+    {"aps/asp/pas/psa/ipr/ipl/spr/spl/asl/pir/pil/als/ail/prs/pls/pli/psl/sal/ila/rsa/rsp/lsp", WEAK, 0, NULL,
      why_code}, /* also names of areas, with or without a side, methods, diseases; lip, air and rip are words */
 };
 
@@ -159,6 +159,25 @@ static bool token_is(const struct sentence *sentence, size_t index, const char *
     return index < sentence->count && text_is_one_of(sentence->tokens[index], words, false);
 }
 
+/* How many of the tokens before this one, and from it on, are nothing but the words. */
+static size_t run_before(const struct sentence *sentence, size_t index, const char *words)
+{
+    size_t count = 0;
+    while (count < index && token_is(sentence, index - count - 1, words)) {
+        count++;
+    }
+    return count;
+}
+
+static size_t run_from(const struct sentence *sentence, size_t index, const char *words)
+{
+    size_t count = 0;
+    while (token_is(sentence, index + count, words)) {
+        count++;
+    }
+    return count;
+}
+
 /* How many tokens from this one on are one of the words, of which some are several tokens; 0: they are none. */
 static size_t token_phrase(const struct sentence *sentence, size_t index, const char *words)
 {
@@ -182,14 +201,10 @@ static size_t token_phrase(const struct sentence *sentence, size_t index, const 
 /* Whether a token is a word of one of the phrases. */
 static bool is_word_of(struct text token, const char *phrases)
 {
-    struct text rest = text_from(phrases);
-    struct text phrase;
-    struct text word;
     bool found = false;
-    for (bool more = true; !found && text_field(&rest, '/', &more, &phrase);) {
-        while (!found && text_word(&phrase, &word)) {
-            found = word.size == token.size && text_contains(word, token);
-        }
+    for (const char *at = phrases; !found && *at; at += strcspn(at, "/ "), at += *at != 0) {
+        const struct text word = {at, strcspn(at, "/ ")};
+        found = word.size == token.size && text_contains(word, token);
     }
     return found;
 }
@@ -197,10 +212,7 @@ static bool is_word_of(struct text token, const char *phrases)
 static bool is_context(const struct sentence *sentence, size_t index)
 {
     return token_is(sentence, index, "coordinate/coordinates/coords/position/positions/space/system/frame/xyz") ||
-           (token_is(sentence, index, "x") && token_is(sentence, index + 1, "y") &&
-            token_is(sentence, index + 2, "z")) ||
-           (token_is(sentence, index, "z") && index >= 2 && token_is(sentence, index - 1, "y")) ||
-           (token_is(sentence, index, "dv") && index >= 2 && token_is(sentence, index - 1, "ml"));
+           token_phrase(sentence, index, "x y z") || (index >= 2 && token_phrase(sentence, index - 1, "y z/ml dv"));
 }
 
 /* Words beside which voxels, RAS and LPS, or RPI, are those of positions, */
@@ -217,14 +229,8 @@ static const char of_images[] = "image/images/scan/scans/volume/volumes/voxel/vo
 static bool has_context(const struct sentence *sentence, size_t index, size_t count, const char *others)
 {
     static const char small[] = "in/the/are/is/of/unit/units/native/scanner/ras/lps/mni/mni152/not/g/t1/t1w";
-    size_t before = index;
-    size_t behind = index + count;
-    while (before && token_is(sentence, before - 1, small)) {
-        before--;
-    }
-    while (token_is(sentence, behind, small)) {
-        behind++;
-    }
+    const size_t before = index - run_before(sentence, index, small);
+    const size_t behind = index + count + run_from(sentence, index + count, small);
     return (before && (is_context(sentence, before - 1) || token_is(sentence, before - 1, others))) ||
            is_context(sentence, behind) || token_is(sentence, behind, others);
 }
@@ -272,10 +278,11 @@ static bool is_said_alone(const struct sentence *sentence, const struct text tok
     return is_one && is_alone(sentence, row->words);
 }
 
+/* Whether one of the phrases stands anywhere. */
 static bool has_token(const struct sentence *sentence, const char *words)
 {
     size_t i = 0;
-    while (i < sentence->count && !token_is(sentence, i, words)) {
+    while (i < sentence->count && !token_phrase(sentence, i, words)) {
         i++;
     }
     return i < sentence->count;
@@ -290,16 +297,10 @@ static bool is_behind_from(bool *origin, const struct sentence *sentence, size_t
                                  "bottom/image/volume/grid/0/the/a",
                       behind[] = "is/was/as/the",
                       of_signals[] = "signal/power/frequency/potential/potentials/latency/amplitude/phase/voltage";
-    size_t before = index;
-    size_t after = index + count;
+    const size_t before = index - run_before(sentence, index, others);
+    const size_t after = index + count + run_from(sentence, index + count, behind);
     bool near = index && token_is(sentence, index - 1, "from/to");
-    while (before && token_is(sentence, before - 1, others)) {
-        before--;
-    }
-    while (token_is(sentence, after, behind)) {
-        after++;
-    }
-    bool is_relative = before > 1 && token_is(sentence, before - 1, "to") && token_is(sentence, before - 2, "relative");
+    bool is_relative = before > 1 && token_phrase(sentence, before - 2, "relative to");
     *origin = (before && token_is(sentence, before - 1, "origin")) ||
               (is_relative && !has_token(sentence, of_signals)) ||
               (after > index + count && token_is(sentence, after, "origin"));
@@ -308,20 +309,15 @@ static bool is_behind_from(bool *origin, const struct sentence *sentence, size_t
 
 static bool is_heard(const struct sentence *sentence, size_t index, const struct row *row, bool of_coordinates)
 {
-    static const char mni[] = "mni/mni152";
     const size_t count = token_phrase(sentence, index, row->words);
     if (!count) {
         return false;
     }
     if (row->brain == POSE_BRAIN_TALAIRACH ||
         row->brain == POSE_BRAIN_MNI305) { /* brought to MNI, or a program's labels */
-        bool is_other = has_token(sentence, "label/labels/daemon") ||
-                        (index && token_is(sentence, index - 1, "from") && has_token(sentence, mni) &&
-                         has_token(sentence, "converted/transformed/brought"));
-        for (size_t i = 0; i < sentence->count; i++) {
-            is_other = is_other || (token_is(sentence, i, "to") && token_is(sentence, i + 1, mni));
-        }
-        return !is_other;
+        bool is_from = index && token_is(sentence, index - 1, "from") && has_token(sentence, "mni/mni152") &&
+                       has_token(sentence, "converted/transformed/brought");
+        return !is_from && !has_token(sentence, "label/labels/daemon/to mni/to mni152");
     }
     if (row->weight >= FROM) {
         bool at_origin;
@@ -457,6 +453,7 @@ struct named_axes {
     int axis[NAMED], side[NAMED]; /* in its order; two names of one axis beside each other are of no side */
     int letter[NAMED];            /* 0: x */
     size_t count, letters;        /* count may be more */
+    size_t words;                 /* that name axes */
     size_t units, minuses;        /* minuses: letters behind one */
     size_t defined;               /* letters: "L, left; R, right; A, anterior; P, posterior" */
     bool of_voxels;
@@ -466,6 +463,7 @@ struct named_axes {
     bool is_positive; /* "left is positive", "left +" */
     bool is_alone;    /* one axis or two: "x is left", or what turns some */
     bool has_other;   /* other_words, or what turns axes */
+    bool are_odd;     /* three, and not of three axes: "order: A P S" */
     bool are_words;   /* of the closed list, all of them */
 };
 
@@ -488,6 +486,7 @@ static void add_axis(struct named_axes *out, int axis, int side, bool is_spelled
         out->side[last + 1] = side;
     }
     out->is_spelled = out->is_spelled || is_spelled;
+    out->words++;
 }
 
 static void add_letter(struct named_axes *out, int letter)
@@ -610,9 +609,11 @@ static bool find_axes(struct named_axes *out, const struct sentence *sentence)
         (out->is_positive || out->is_negative) && !has_token(sentence, "peak/max");     /* not of an effect */
     bool is_side = out->axis[0] == 0 && has_sign && (out->letters || out->side[0] < 0); /* "L +", not "r < 0" */
     bool is_few = (out->is_spelled || is_side) && out->count && out->count < NAMED;
+    out->are_odd = out->words == NAMED && out->count > 1 && !has_all(out->axis, out->count) && !out->letters &&
+                   (!out->is_spelled || has_token(sentence, "order/ordered"));
     out->are_words = all;
     out->is_alone = out->is_turned || (is_few && (out->letters == out->count || (out->count == 1 && has_sign)));
-    return all && (out->is_alone || out->of_voxels || are_letters || are_named || out->units >= NAMED);
+    return all && (out->is_alone || out->of_voxels || out->are_odd || are_letters || are_named || out->units >= NAMED);
 }
 
 /* "x is left, y is posterior", "left is positive": the sign of one axis, or of two. */
@@ -686,6 +687,9 @@ static void keep_axes(struct space_words *words, const struct named_axes *named)
         words->axes = SPACE_AXES_VOXELS;
     } else if (is_ras || (is_lps && (are_letters || !named->is_spelled))) {
         keep(words, text_from(is_ras ? "RAS" : "LPS"), &(struct row){.brain = SIGNS});
+    } else if (named->are_odd) {
+        words->axes = SPACE_AXES_ORDERED; /* in none that a space has */
+        memset(words->order, 0, sizeof words->order);
     } else if (!are_plain && (are_named || are_letters)) {
         const int *order = are_named ? named->axis : named->letter;
         words->axes = SPACE_AXES_ORDERED;
@@ -708,7 +712,7 @@ static bool is_denied(const struct sentence *sentence, size_t index)
                                  "labelled/labeled/named/used/edit/final/change";
     enum { BEFORE = 6, BEHIND = 3 };
     bool found = (index && token_is(sentence, index - 1, "no/non/kein/keine/than/without/ohne")) ||
-                 (index > 1 && token_is(sentence, index - 1, "of") && token_is(sentence, index - 2, "instead"));
+                 (index > 1 && token_phrase(sentence, index - 2, "instead of"));
     for (size_t i = 0; i < sentence->count && !found; i++) {
         const char *from = sentence->tokens[i < index ? i : index].data;
         const char *to = sentence->tokens[i < index ? index : i].data;
@@ -743,7 +747,9 @@ static void hear_sentence(struct space_words *words, struct text text, bool of_c
             if (is_heard(&sentence, i, &rows[r], of_coordinates)) {
                 const struct text last = sentence.tokens[i + token_phrase(&sentence, i, rows[r].words) - 1];
                 keep(out, (struct text){token.data, (size_t)(last.data + last.size - token.data)}, &rows[r]);
-            } else if (rows[r].brain == SIGNS && text_equal(token, "LPS")) {
+            } else if (rows[r].brain == SIGNS && text_equal_ignoring_case(token, "lps") &&
+                       (is_upper(token) ||
+                        (has_context(&sentence, i, 1, of_codes) && !has_token(&sentence, of_images)))) {
                 out->may_be_lps = true;
             }
         }
