@@ -83,6 +83,13 @@ bool provenance_checksum(char out[SHA256_TEXT], const json_t *root)
     return text;
 }
 
+bool json_put(FILE *out, json_t *root, size_t flags)
+{
+    bool whole = root && !json_dumpf(root, out, flags) && fputc('\n', out) >= 0;
+    json_decref(root);
+    return whole;
+}
+
 char *provenance_path(const char *output)
 {
     bool is_table = path_ends_in(output, ".tsv") || path_ends_in(output, ".csv");

@@ -3,6 +3,7 @@
 #include "base/system/system.h"
 #include "conus/version.h"
 #include "options/messages.h"
+#include "options/provenance.h"
 #include "pages/pages.h"
 
 #include <stdlib.h>
@@ -147,9 +148,9 @@ json_t *pages_command(const struct command *command)
             json_array_append_new(options, option_json(command, option, title));
         }
     }
-    return json_pack("{s:s, s:s, s:s, s:o, s:s*, s:b, s:b, s:b, s:o*, s:s, s:o*, s:o}", "name", command->name, "summary",
-                     command->summary, "description", command->description, "operands", operands_of(command), "form",
-                     command->form, "answers", command->answers, "resumes", command->resumes, "other",
+    return json_pack("{s:s, s:s, s:s, s:o, s:s*, s:b, s:b, s:b, s:o*, s:s, s:o*, s:o}", "name", command->name,
+                     "summary", command->summary, "description", command->description, "operands", operands_of(command),
+                     "form", command->form, "answers", command->answers, "resumes", command->resumes, "other",
                      command->hand_over != NULL, "usage", text_of(help_usage, command), "examples", command->examples,
                      "notes", command->more_help ? text_of(put_more_help, command) : NULL, "options", options);
 }
@@ -168,13 +169,9 @@ bool pages_answer(int *code, const struct program *program, int count, char **wo
     for (size_t i = 0; (meaning = help_exit_code(i)); i++) {
         json_array_append_new(exits, json_string(meaning));
     }
-    json_t *root = json_pack("{s:s, s:s, s:s*, s:s*, s:o, s:o}", "program", program->name, "version", conus_version(),
-                             "summary", program->summary, "description", program->description, "exit_codes", exits,
-                             "commands", commands);
-    char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
-    *code = text ? EXIT_DONE : print_no_memory();
-    printf("%s\n", text ? text : "");
-    free(text);
-    json_decref(root);
+    json_t *root =
+        json_pack("{s:s, s:s, s:s*, s:s*, s:o, s:o}", "program", program->name, "version", conus_version(), "summary",
+                  program->summary, "description", program->description, "exit_codes", exits, "commands", commands);
+    *code = json_put(stdout, root, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) ? EXIT_DONE : print_no_memory();
     return true;
 }
