@@ -93,13 +93,6 @@ static json_t *answer_discover(const struct server *server, const json_t *member
     return kept(result);
 }
 
-static json_t *answer_ping(const struct server *server, const json_t *members)
-{
-    (void)server;
-    (void)members;
-    return json_object();
-}
-
 static json_t *answer_list(const struct server *server, const json_t *members)
 {
     (void)server;
@@ -135,9 +128,9 @@ static json_t *answer_call(const struct server *server, const json_t *members)
 
 static const struct {
     const char *name;
-    json_t *(*answer)(const struct server *server, const json_t *members);
+    json_t *(*answer)(const struct server *server, const json_t *members); /* NULL: with an empty object */
 } methods[] = {
-    {"initialize", answer_initialize}, {"server/discover", answer_discover}, {"ping", answer_ping},
+    {"initialize", answer_initialize}, {"server/discover", answer_discover}, {"ping", NULL},
     {"tools/list", answer_list},       {"tools/call", answer_call},
 };
 
@@ -161,7 +154,8 @@ static json_t *reply_to(const struct server *server, const json_t *message)
     for (size_t i = 0; id && i < sizeof methods / sizeof *methods; i++) {
         if (strcmp(method, methods[i].name) == 0) {
             return json_pack("{s:s, s:O, s:o}", "jsonrpc", "2.0", "id", id, "result",
-                             methods[i].answer(server, json_object_get(message, "params")));
+                             !methods[i].answer ? json_object()
+                                                : methods[i].answer(server, json_object_get(message, "params")));
         }
     }
     return id ? failure(id, NO_METHOD, "no such method") : NULL;

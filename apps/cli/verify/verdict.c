@@ -224,10 +224,9 @@ static bool find_files(struct checking *checking)
 static void list_difference(struct checking *checking, size_t line, const char *where, json_t *before, json_t *after)
 {
     if (checking->differing++ < LISTED) {
-        json_t *text = json_string(where);
         json_array_append_new(checking->differences,
                               json_pack("{s: I, s: o, s: o, s: o}", "line", (json_int_t)line, "where",
-                                        text ? text : json_null(), "recorded", before ? before : json_null(), "again",
+                                        json_from_text(where), "recorded", before ? before : json_null(), "again",
                                         after ? after : json_null()));
     } else {
         json_decref(before);
@@ -503,13 +502,6 @@ static void print_error(const struct checking *checking)
     const char *why = system_text_close(&text);
     print_error_line("%s: cannot be verified: %s", checking->result, why ? why : "not enough memory");
     free(text.data);
-}
-
-/* Bytes that are no UTF-8 become null. */
-static json_t *json_from_text(const char *text)
-{
-    json_t *string = text ? json_string(text) : NULL;
-    return string ? string : json_null();
 }
 
 static json_t *json_from_lines(const struct lines *lines)
