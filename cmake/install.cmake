@@ -25,19 +25,25 @@ configure_file(cmake/conus.pc.in conus.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/conus.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT devel)
 
 # Programs
-# Each that has tables of options writes its man pages and completions.
+# What is made of the tables of options of each: man pages and completions.
+find_program(CONUS_PAGES_PYTHON python3)
+if(NOT CONUS_PAGES_PYTHON)
+  message(STATUS "man pages, completions and descriptors are left out: there is no python3")
+endif()
 foreach(program IN ITEMS conus_cli conus-view conus-mesh conus-hdf5)
   if(NOT TARGET ${program})
     continue()
   endif()
   install(TARGETS ${program} COMPONENT runtime)
-  if(program MATCHES "mesh|hdf5" OR CMAKE_CROSSCOMPILING) # started by conus, no commands for people; or cannot write its pages here
+  if(program MATCHES "mesh|hdf5" OR CMAKE_CROSSCOMPILING OR NOT CONUS_PAGES_PYTHON) # started by conus, no commands for people; or does not run here
     continue()
   endif()
   set(name $<TARGET_FILE_BASE_NAME:${program}>)
   set(pages ${PROJECT_BINARY_DIR}/pages/${program})
-  add_custom_command(OUTPUT ${pages}.written COMMAND ${program} --write-pages ${pages} COMMAND ${CMAKE_COMMAND} -E touch ${pages}.written
-    DEPENDS ${program} COMMENT "Writing the pages of ${program}" VERBATIM)
+  add_custom_command(OUTPUT ${pages}.written
+    COMMAND ${CMAKE_COMMAND} -E env CONUS=$<TARGET_FILE:${program}> ${CONUS_PAGES_PYTHON} ${PROJECT_SOURCE_DIR}/scripts/pages ${pages}
+    COMMAND ${CMAKE_COMMAND} -E touch ${pages}.written
+    DEPENDS ${program} scripts/pages COMMENT "Writing the pages of ${program}" VERBATIM)
   add_custom_target(${program}_pages ALL DEPENDS ${pages}.written)
   install(DIRECTORY ${pages}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT runtime FILES_MATCHING PATTERN "*.1")
   install(FILES ${pages}/${name}.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME ${name}
@@ -60,11 +66,10 @@ endif()
 install(FILES packaging/matlab/conus.m DESTINATION ${CMAKE_INSTALL_DATADIR}/conus/matlab COMPONENT runtime)
 
 # 3D Slicer and Boutiques
-find_program(CONUS_DESCRIPTORS_PYTHON python3)
-if(CONUS_DESCRIPTORS_PYTHON AND TARGET conus_cli AND NOT CMAKE_CROSSCOMPILING)
+if(CONUS_PAGES_PYTHON AND TARGET conus_cli AND NOT CMAKE_CROSSCOMPILING)
   set(descriptors ${PROJECT_BINARY_DIR}/descriptors)
   add_custom_command(OUTPUT ${descriptors}.written
-    COMMAND ${CMAKE_COMMAND} -E env CONUS=$<TARGET_FILE:conus_cli> ${CONUS_DESCRIPTORS_PYTHON} ${PROJECT_SOURCE_DIR}/scripts/descriptors ${descriptors}
+    COMMAND ${CMAKE_COMMAND} -E env CONUS=$<TARGET_FILE:conus_cli> ${CONUS_PAGES_PYTHON} ${PROJECT_SOURCE_DIR}/scripts/descriptors ${descriptors}
     COMMAND ${CMAKE_COMMAND} -E touch ${descriptors}.written
     DEPENDS conus_cli scripts/descriptors COMMENT "Writing what Slicer and Boutiques read" VERBATIM)
   add_custom_target(conus_descriptors ALL DEPENDS ${descriptors}.written)

@@ -145,11 +145,9 @@ static conus_status load_mask(conus_roi **out, const char *path, const struct re
 /* A volume without a threshold, which these options do not have. */
 static int print_no_mask(conus_status status)
 {
-    if (status != CONUS_ERROR_ARGUMENT) {
-        return print_status(status);
-    }
-    print_error_line("%s; --from takes a mask, which has one value beside 0", conus_message());
-    return exit_code_of(status);
+    return status != CONUS_ERROR_ARGUMENT
+               ? print_status(status)
+               : print_status_line(status, "%s; --from takes a mask, which has one value beside 0", conus_message());
 }
 
 /* Points of a file or, of entries, voxels of a mask. */
@@ -173,11 +171,8 @@ static int load_points(struct place *place, const struct request *request, bool 
         conus_roi_destroy(mask);
         return of_mask ? print_status(of_mask) : EXIT_DONE;
     }
-    if (of_mask == CONUS_ERROR_ARGUMENT) { /* a volume, but no mask */
-        return print_no_mask(of_mask);
-    }
-    print_error_line("%s", why);
-    return exit_code_of(status);
+    return of_mask == CONUS_ERROR_ARGUMENT ? print_no_mask(of_mask) /* a volume, but no mask */
+                                           : print_status_line(status, "%s", why);
 }
 
 /* Labels of vertices, a mask, or a structure of the atlas. */
@@ -201,11 +196,9 @@ static int keep(conus_sites *sites, const char *what, bool inside, const struct 
     if (!status && !conus_sites_count(sites)) {
         return print_usage_error("--from: no candidate: %s=%s leaves no entry", inside ? "within" : "without", what);
     }
-    if (status && !is_labels && !conus_atlas_is_path(what)) {
-        print_error_line("--from: %s: %s", inside ? "within" : "without", conus_message());
-        return exit_code_of(status);
-    }
-    return print_status(status);
+    return status && !is_labels && !conus_atlas_is_path(what)
+               ? print_status_line(status, "--from: %s: %s", inside ? "within" : "without", conus_message())
+               : print_status(status);
 }
 
 /* Vertices and voxels have been counted by their files, which are smaller. */
@@ -214,12 +207,10 @@ static int check_memory(const struct place *place, const char *option, const str
     enum { SITE_BYTES = 64 };
     uint64_t most = request->settings->atlas.max_memory ? request->settings->atlas.max_memory : UINT64_C(8) << 30;
     size_t count = conus_sites_count(place->sites);
-    if (count <= most / SITE_BYTES) {
-        return EXIT_DONE;
-    }
-    print_error_line("--%s: %s: %zu points take %d bytes each, allowed are %llu bytes (--max-memory)", option,
-                     place->path, count, SITE_BYTES, (unsigned long long)most);
-    return exit_code_of(CONUS_ERROR_MEMORY);
+    return count <= most / SITE_BYTES
+               ? EXIT_DONE
+               : print_data_error("--%s: %s: %zu points take %d bytes each, allowed are %llu bytes (--max-memory)",
+                                  option, place->path, count, SITE_BYTES, (unsigned long long)most);
 }
 
 /* What the file calls the points, where it gives each a name of its own that is no number. */
@@ -341,11 +332,7 @@ static int load_targets(struct place *place, const struct request *request, cons
     }
     conus_status status =
         conus_sites_find(&place->sites, request->answerers[0].selector, names, (conus_sites_kind)kind);
-    if (status) {
-        print_error_line("--toward: %s", conus_message());
-        return exit_code_of(status);
-    }
-    return thin_out(place, "toward", request);
+    return status ? print_status_line(status, "--toward: %s", conus_message()) : thin_out(place, "toward", request);
 }
 
 int candidates_open(struct candidates *candidates, struct request *request, const struct constraints *constraints)

@@ -132,12 +132,7 @@ static void put_json(FILE *out, const conus_catalogue *catalogue)
     }
     json_t *root =
         json_pack("{s:s,s:o,s:o,s:o}", "conus", conus_version(), "atlases", atlases, "places", places, "notes", notes);
-    char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
-    if (text) {
-        fprintf(out, "%s\n", text);
-    }
-    free(text);
-    json_decref(root);
+    (void)json_put(out, root, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
 }
 
 struct list_text {

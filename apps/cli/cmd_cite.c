@@ -162,26 +162,13 @@ static bool is_sidecar(const char *path)
     return is;
 }
 
-static int read_record(struct citing *citing, const char *sidecar)
-{
-    char *text = NULL;
-    size_t size = 0;
-    int code = input_file_read(&text, &size, sidecar, INPUT_FILE, RECORD_LIMIT);
-    const char *bad = code ? NULL : record_parse(&citing->record, text, size);
-    free(text);
-    if (bad) {
-        return print_data_error("%s: %s", sidecar, bad);
-    }
-    return code;
-}
-
 static int put_citation(FILE *out, struct citing *citing)
 {
     const char *named = citing->settings->sidecar;
     char *sidecar = named ? strdup(named) : sidecar_find(citing->given);
     int code = EXIT_DONE;
     if (sidecar && (named || is_sidecar(sidecar))) {
-        code = read_record(citing, sidecar);
+        code = record_read(&citing->record, sidecar);
         code = code ? code : cite_result(citing, sidecar);
     } else {
         code = cite_atlas(citing);

@@ -274,64 +274,33 @@ static void put_around(FILE *out, const conus_atlas *atlas)
     }
 }
 
-enum column { KIND, INDEX, NAME, ABBREVIATION, HEMISPHERE, PARENT, COLOR, VOXELS, TRIANGLES, CLOSED, MM3, STREAMLINES };
-
-/* The columns of the list of areas; the last one only with bundles. */
+/* The columns of the list of areas, with the keys of info_json_object(); the last one only with bundles. */
 static const char *const columns[] = {"kind",  "index",  "name",      "abbreviation", "hemisphere", "parent",
                                       "color", "voxels", "triangles", "closed",       "volume_mm3", "streamlines"};
-enum { COLUMN_COUNT = sizeof columns / sizeof columns[0] };
+enum {
+    COLUMN_COUNT = sizeof columns / sizeof columns[0],
+    INDEX = 1,
+    PARENT = 5,
+    VOXELS = 7,
+    TRIANGLES,
+    MM3 = 10,
+    STREAMLINES
+};
 /* Those that are aligned by their ends. */
 static const bool right[COLUMN_COUNT] = {
     [INDEX] = true, [PARENT] = true, [VOXELS] = true, [TRIANGLES] = true, [MM3] = true, [STREAMLINES] = true};
 
-static void put_cell(FILE *out, const conus_atlas *atlas, const conus_object *object, enum column column)
+static void put_value(FILE *out, const json_t *value)
 {
-    static const char *const kinds[] = {
-        [CONUS_KIND_AREA] = "area", [CONUS_KIND_PATHWAY] = "pathway", [CONUS_KIND_BUNDLE] = "bundle"};
-    const char *text = "";
-    const conus_object *parent = conus_atlas_object(atlas, object->parent);
-    const bool is_bundle = object->kind == CONUS_KIND_BUNDLE;
-    char number[32] = "";
-    switch (column) {
-    case KIND:
-        text = kinds[object->kind];
-        break;
-    case INDEX:
-        snprintf(number, sizeof number, "%" PRIu32, object->label);
-        break;
-    case NAME:
-        text = object->name;
-        break;
-    case ABBREVIATION:
-        text = object->abbreviation;
-        break;
-    case HEMISPHERE:
-        number[0] = object->hemisphere;
-        break;
-    case PARENT:
-        snprintf(number, sizeof number, parent ? "%" PRIu32 : "", parent ? parent->label : 0);
-        break;
-    case COLOR:
-        snprintf(number, sizeof number, "#%02x%02x%02x", object->rgb[0], object->rgb[1], object->rgb[2]);
-        break;
-    case VOXELS:
-        snprintf(number, sizeof number, object->triangles || is_bundle ? "" : "%" PRIu64, object->voxels);
-        break;
-    case TRIANGLES:
-        snprintf(number, sizeof number, object->triangles ? "%" PRIu64 : "", (uint64_t)object->triangles);
-        break;
-    case CLOSED:
-        text = !object->triangles ? "" : object->closed ? "yes" : "no";
-        break;
-    case MM3:
-        snprintf(number, sizeof number, (object->triangles && object->volume_mm3 == 0) || is_bundle ? "" : "%.9g",
-                 object->volume_mm3);
-        break;
-    case STREAMLINES:
-        snprintf(number, sizeof number, is_bundle ? "%" PRIu64 : "", object->streamlines);
-        break;
+    if (json_is_integer(value)) {
+        fprintf(out, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
+    } else if (json_is_real(value)) {
+        fprintf(out, "%.9g", json_real_value(value));
+    } else if (json_is_boolean(value)) {
+        fputs(json_is_true(value) ? "yes" : "no", out);
+    } else {
+        fputs(json_string_length(value) ? json_string_value(value) : "n/a", out);
     }
-    fputs(*number ? number : *text ? text : "n/a", out);
 }
 
 static size_t column_count(const conus_atlas *atlas)
@@ -347,11 +316,16 @@ static void put_tsv(FILE *out, const void *atlas)
     }
     fputc('\n', out);
     for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
+        json_t *object = info_json_object(atlas, i);
+        bool is_bundle = json_object_get(object, "streamlines");
+        bool is_surface = json_is_integer(json_object_get(object, "triangles"));
         for (size_t c = 0; c < count; c++) {
             fputs(c ? "\t" : "", out);
-            put_cell(out, atlas, conus_atlas_object(atlas, i), (enum column)c);
+            bool is_none = (is_bundle && (c == VOXELS || c == MM3)) || (is_surface && c == VOXELS);
+            put_value(out, is_none ? NULL : json_object_get(object, columns[c]));
         }
         fputc('\n', out);
+        json_decref(object);
     }
 }
 
@@ -464,14 +438,9 @@ struct atlas_text {
 static bool put_atlas(FILE *out, const void *what)
 {
     const struct atlas_text *text = what;
-    char *json;
-    bool whole;
     switch (text->format) {
     case INFO_JSON:
-        json = info_json(text->atlas, text->installed);
-        whole = json && fputs(json, out) >= 0;
-        free(json);
-        return whole;
+        return json_put(out, info_json(text->atlas, text->installed), JSON_INDENT(2) | JSON_REAL_PRECISION(9));
     case INFO_TABLE:
         return put_table(out, text->atlas, text->installed);
     case INFO_TREE:

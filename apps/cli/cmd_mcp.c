@@ -48,10 +48,9 @@ struct server {
     struct mcp_roots roots;
 };
 
-/* Revisions with a handshake, the newest first, and those without. */
-static const char *const handshakes[] = {"2025-11-25", "2025-06-18", "2025-03-26", "2024-11-05"};
-static const char *const others[] = {"2026-07-28"};
-enum { HANDSHAKES = sizeof handshakes / sizeof *handshakes, OTHERS = sizeof others / sizeof *others };
+/* Revisions, the newest first; those from HANDSHAKE on have one. */
+static const char *const revisions[] = {"2026-07-28", "2025-11-25", "2025-06-18", "2025-03-26", "2024-11-05"};
+enum { HANDSHAKE = 1, REVISIONS = sizeof revisions / sizeof *revisions };
 
 /* Adds what a client without a handshake may keep, and for how long. */
 static json_t *kept(json_t *result)
@@ -72,9 +71,9 @@ static json_t *answer_initialize(const struct server *server, const json_t *memb
 {
     (void)server;
     const char *asked = json_string_value(json_object_get(members, "protocolVersion"));
-    const char *version = handshakes[0];
-    for (size_t i = 0; asked && i < HANDSHAKES; i++) {
-        version = strcmp(asked, handshakes[i]) == 0 ? handshakes[i] : version;
+    const char *version = revisions[HANDSHAKE];
+    for (size_t i = HANDSHAKE; asked && i < REVISIONS; i++) {
+        version = strcmp(asked, revisions[i]) == 0 ? revisions[i] : version;
     }
     json_t *result = server_facts();
     json_object_set_new(result, "protocolVersion", json_string(version));
@@ -86,19 +85,12 @@ static json_t *answer_discover(const struct server *server, const json_t *member
     (void)server;
     (void)members;
     json_t *versions = json_array();
-    for (size_t i = 0; i < OTHERS + HANDSHAKES; i++) {
-        json_array_append_new(versions, json_string(i < OTHERS ? others[i] : handshakes[i - OTHERS]));
+    for (size_t i = 0; i < REVISIONS; i++) {
+        json_array_append_new(versions, json_string(revisions[i]));
     }
     json_t *result = server_facts();
     json_object_set_new(result, "supportedVersions", versions);
     return kept(result);
-}
-
-static json_t *answer_ping(const struct server *server, const json_t *members)
-{
-    (void)server;
-    (void)members;
-    return json_object();
 }
 
 static json_t *answer_list(const struct server *server, const json_t *members)
@@ -136,9 +128,9 @@ static json_t *answer_call(const struct server *server, const json_t *members)
 
 static const struct {
     const char *name;
-    json_t *(*answer)(const struct server *server, const json_t *members);
+    json_t *(*answer)(const struct server *server, const json_t *members); /* NULL: with an empty object */
 } methods[] = {
-    {"initialize", answer_initialize}, {"server/discover", answer_discover}, {"ping", answer_ping},
+    {"initialize", answer_initialize}, {"server/discover", answer_discover}, {"ping", NULL},
     {"tools/list", answer_list},       {"tools/call", answer_call},
 };
 
@@ -148,7 +140,8 @@ static json_t *failure(json_t *id, int code, const char *message)
                      message);
 }
 
-/* The reply to a message; NULL to a notification. */
+/* The reply to a message; NULL to a notification. A batch is no request: the protocol dropped
+ * them with revision 2025-06-18. */
 static json_t *reply_to(const struct server *server, const json_t *message)
 {
     const char *protocol = json_string_value(json_object_get(message, "jsonrpc"));
@@ -161,7 +154,8 @@ static json_t *reply_to(const struct server *server, const json_t *message)
     for (size_t i = 0; id && i < sizeof methods / sizeof *methods; i++) {
         if (strcmp(method, methods[i].name) == 0) {
             return json_pack("{s:s, s:O, s:o}", "jsonrpc", "2.0", "id", id, "result",
-                             methods[i].answer(server, json_object_get(message, "params")));
+                             !methods[i].answer ? json_object()
+                                                : methods[i].answer(server, json_object_get(message, "params")));
         }
     }
     return id ? failure(id, NO_METHOD, "no such method") : NULL;

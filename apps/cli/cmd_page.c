@@ -4,17 +4,14 @@
 
 #include "base/path.h"
 #include "base/system/system.h"
-#include "base/text.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "settings/settings.h"
 
 #include "conus/own.h"
 
-#include <errno.h>
 #include <jansson.h>
 #include <limits.h>
-#include <nettle/base64.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -284,43 +281,15 @@ static int check_opens(struct page *page)
     return code;
 }
 
-/* Writes text into the page. It escapes <, which could end a script or a tag, and in HTML also " and &. */
-static void put_text(FILE *out, const char *text, bool is_json)
-{
-    for (; *text; text++) {
-        if (*text == '<') {
-            fputs(is_json ? "\\u003c" : "&lt;", out);
-        } else if (!is_json && (*text == '"' || *text == '&')) {
-            fputs(*text == '"' ? "&quot;" : "&amp;", out);
-        } else {
-            fputc(*text, out);
-        }
-    }
-}
-
 static int put_file(FILE *out, const struct page_file *file, const char *folder, const char *role)
 {
-    unsigned char piece[3 << 14]; /* of a multiple of 3 bytes, so that only the last is padded */
-    char digits[BASE64_ENCODE_RAW_LENGTH(sizeof piece)];
-    FILE *in = system_stream(file->path, "r");
-    if (!in) {
-        return print_data_error("%s: %s", file->path, text_error(errno));
-    }
     fputs("<script type=\"application/octet-stream\" data-file=\"", out);
-    put_text(out, folder, false);
-    put_text(out, file->name, false);
+    html_put(out, folder, strlen(folder));
+    html_put(out, file->name, strlen(file->name));
     fprintf(out, "\"%s>", role);
-    for (size_t size; (size = fread(piece, 1, sizeof piece, in));) {
-        base64_encode_raw(digits, size, piece);
-        fwrite(digits, 1, BASE64_ENCODE_RAW_LENGTH(size), out);
-    }
+    int code = base64_put(out, file->path);
     fputs("</script>\n", out);
-    bool failed = ferror(in);
-    fclose(in);
-    if (failed) {
-        print_error_line("%s: cannot be read", file->path);
-    }
-    return failed ? EXIT_DATA : EXIT_DONE;
+    return code;
 }
 
 static int check_size(const struct page *page)
@@ -380,7 +349,9 @@ static int put_question(struct page *page)
         char *json = asked ? json_dumps(asked, 0) : NULL;
         if (json) {
             fputs("<script type=\"application/json\" id=\"question\">", page->out);
-            put_text(page->out, json, true);
+            for (const char *c = json; *c; c++) { /* "<" could end a script */
+                fputs(*c == '<' ? "\\u003c" : (char[]){*c, '\0'}, page->out);
+            }
             fputs("</script>\n", page->out);
         }
         code = json ? EXIT_DONE : print_no_memory();

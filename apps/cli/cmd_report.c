@@ -9,12 +9,11 @@
 #include "options/messages.h"
 #include "options/output.h"
 
-#include <nettle/base64.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { ASKED = 100 /* options */, PARTS = 20, ROWS = 10 };
-static const uint64_t LIMIT = UINT64_C(1) << 28; /* bytes of a result, and of a picture */
+enum { PARTS = 20, ROWS = 10 };
+static const uint64_t LIMIT = UINT64_C(1) << 28; /* bytes of a result */
 
 struct report_settings {
     struct common_settings common;
@@ -37,12 +36,8 @@ static const struct option_group groups[] = {
 /* A report on the way. */
 struct report {
     const char *result;
-    char *folder; /* whole */
-    char *text;   /* of the result */
-    size_t size;
-    char *sidecar;  /* its path */
-    char *recorded; /* its text */
-    size_t recorded_size;
+    char *folder;  /* whole */
+    char *sidecar; /* its path */
     struct record record;
     struct results rows;
     struct replay replay;
@@ -75,21 +70,9 @@ static const char *cell(const struct report *report, size_t row, const char *nam
     return text && *text && strcmp(text, "n/a") != 0 ? text : NULL;
 }
 
-static void put_bytes(FILE *out, const char *text, size_t size)
-{
-    for (const char *end = text + size; text < end; text++) {
-        const char *mark = *text == '<' ? "&lt;" : *text == '&' ? "&amp;" : *text == '"' ? "&quot;" : NULL;
-        if (mark) {
-            fputs(mark, out);
-        } else {
-            fputc(*text, out);
-        }
-    }
-}
-
 static void put_html(FILE *out, const char *text)
 {
-    put_bytes(out, text, strlen(text));
+    html_put(out, text, strlen(text));
 }
 
 static void put_number(FILE *out, const char *text, const struct shown *how)
@@ -210,31 +193,35 @@ static char *path_in(const struct report *report, const char *name)
     return asprintf(&path, "%s/%s", report->folder, name) < 0 ? NULL : path;
 }
 
-static int write_file(const struct report *report, const char *name, const char *text, size_t size)
+/* Copies a file into the folder, by its own name. */
+static int keep_file(const struct report *report, const char *from)
 {
-    char *path = path_in(report, name);
-    int code = path ? print_status(conus_write_file(path, text, size)) : print_no_memory();
+    char *path = path_in(report, path_name(from));
+    int code = !path ? print_no_memory() : file_copy(from, path) ? EXIT_DONE : print_system_error(path, "write");
     free(path);
     return code;
+}
+
+/* Closes a text, which is a file of the folder where `code` is 0. */
+static int end_file(const struct report *report, const char *name, struct system_text *text, int code)
+{
+    char *path = path_in(report, name);
+    bool is_whole = system_text_close(text) && path;
+    if (!code && is_whole) {
+        conus_plain_text(text->data);
+        code = print_status(conus_write_file(path, text->data, strlen(text->data)));
+    }
+    free(path);
+    return code || is_whole ? code : print_no_memory();
 }
 
 /* The picture as a part of the page. */
 static int put_picture(FILE *out, const struct report *report, const char *name, const char *what)
 {
     char *path = path_in(report, name);
-    char *data = NULL;
-    size_t size = 0;
-    int code = path ? input_file_read(&data, &size, path, INPUT_FILE, LIMIT) : print_no_memory();
-    char *digits = code ? NULL : malloc(BASE64_ENCODE_RAW_LENGTH(size) + 1);
-    if (digits) {
-        base64_encode_raw(digits, size, (const uint8_t *)data);
-        fprintf(out, "<img alt=\"%s\" src=\"data:image/png;base64,", what);
-        fwrite(digits, 1, BASE64_ENCODE_RAW_LENGTH(size), out);
-        fputs("\">\n", out);
-    }
-    code = code || digits ? code : print_no_memory();
-    free(digits);
-    free(data);
+    fprintf(out, "<img alt=\"%s\" src=\"data:image/png;base64,", what);
+    int code = path ? base64_put(out, path) : print_no_memory();
+    fputs("\">\n", out);
     free(path);
     return code;
 }
@@ -257,66 +244,31 @@ static const char *not_drawn(const struct report *report)
             return option->name;
         }
     }
-    return arguments->use_count > ASKED                   ? "more options"
-           : part_from(report, 0).end < report->rows.rows ? "several poses or atlases"
-                                                          : NULL;
-}
-
-/* A command line. */
-struct line {
-    char *words[ASKED + 16];
-    int count;
-    bool is_lost; /* a word, for want of memory */
-};
-
-static void put_word(struct line *line, const char *before, const char *word, const char *value)
-{
-    char *made = NULL;
-    if (asprintf(&made, "%s%s%s%s", before, word, value ? "=" : "", value ? value : "") < 0) {
-        line->is_lost = true;
-    } else {
-        line->words[line->count++] = made;
-    }
+    return part_from(report, 0).end < report->rows.rows ? "several poses or atlases" : NULL;
 }
 
 /* Asks conus render the recorded question, in the folder where it was asked; @p more are its last words. */
 static int draw(const struct report *report, const char *name, const char *const *more)
 {
     const struct arguments *asked = &report->replay.arguments;
-    struct line line = {0};
-    char here[SYSTEM_PATH];
+    struct command_words words = {0};
     char *path = path_in(report, name);
-    put_word(&line, "", "conus", NULL);
-    put_word(&line, "", "render", NULL);
+    words_put(&words, NULL, "conus");
+    words_put(&words, NULL, "render");
     for (size_t i = 0; i < asked->use_count; i++) {
         if (is_asked(asked->uses[i].option)) {
-            put_word(&line, "--", asked->uses[i].option->name, asked->uses[i].value);
+            words_put(&words, asked->uses[i].option->name, asked->uses[i].value);
         }
     }
     for (; *more; more++) {
-        put_word(&line, "", *more, NULL);
+        words_put(&words, NULL, *more);
     }
-    put_word(&line, "--", "output", path);
-    put_word(&line, "", "--", NULL);
-    put_word(&line, "", asked->operands[0], NULL);
-    struct arguments arguments = {0};
-    void *settings = calloc(1, cmd_render.settings_size);
-    bool entered =
-        path && !line.is_lost && settings && system_here(here) && system_enter(*report->ran ? report->ran : ".");
-    int code =
-        entered ? options_parse(&arguments, settings, &cmd_render, NULL, line.count, line.words, 2) : print_no_memory();
-    if (code < 0) {
-        code = cmd_render.run(settings, &arguments);
-    }
-    if (entered) {
-        options_finish(settings, &arguments);
-        code = system_enter(here) ? code : print_system_error(here, "enter");
-    }
-    free(settings);
+    words_put(&words, "output", path);
+    words_put(&words, NULL, "--");
+    words_put(&words, NULL, asked->operands[0]);
+    int code = path ? words_run(&words, &cmd_render, *report->ran ? report->ran : ".") : print_no_memory();
+    words_finish(&words);
     free(path);
-    for (int i = 0; i < line.count; i++) {
-        free(line.words[i]);
-    }
     return code;
 }
 
@@ -394,11 +346,11 @@ static int put_page(FILE *out, const struct report *report, const char *methods,
     fprintf(out, "</title><style>%s</style>\n", style);
     int code = put_parts(out, report, !undrawn);
     fputs("<section><h2>Methods</h2><p>", out);
-    put_bytes(out, methods, (size_t)(references - methods));
+    html_put(out, methods, (size_t)(references - methods));
     fputs("</p><h2>References</h2>\n", out);
     for (const char *line = references; *line; line += strcspn(line, "\n"), line += *line == '\n') {
         fputs("<p class=\"small\">", out);
-        put_bytes(out, line, strcspn(line, "\n"));
+        html_put(out, line, strcspn(line, "\n"));
         fputs("</p>\n", out);
     }
     char *asked = arguments_text(&report->replay.arguments);
@@ -422,10 +374,7 @@ static int write_page(const struct report *report, const char *methods, const ch
 {
     struct system_text text;
     FILE *out = system_text_open(&text);
-    int code = out ? put_page(out, report, methods, undrawn) : EXIT_DONE;
-    bool is_whole = system_text_close(&text);
-    code = code || is_whole ? code : print_no_memory();
-    code = code ? code : write_file(report, "report.html", text.data, text.size);
+    int code = end_file(report, "report.html", &text, out ? put_page(out, report, methods, undrawn) : EXIT_DONE);
     free(text.data);
     return code;
 }
@@ -435,13 +384,7 @@ static int write_citation(char **said, const struct report *report, const char *
 {
     struct system_text text;
     FILE *out = system_text_open(&text);
-    int code = out ? cite_put(out, report->result, is_bibtex) : EXIT_DONE;
-    bool is_whole = system_text_close(&text);
-    code = code || is_whole ? code : print_no_memory();
-    if (!code) {
-        conus_plain_text(text.data);
-        code = write_file(report, name, text.data, strlen(text.data));
-    }
+    int code = end_file(report, name, &text, out ? cite_put(out, report->result, is_bibtex) : EXIT_DONE);
     *said = text.data;
     return code;
 }
@@ -454,8 +397,8 @@ static int write_all(const struct report *report)
     const char *undrawn = not_drawn(report);
     char *methods = NULL;
     char *entries = NULL;
-    int code = write_file(report, path_name(report->result), report->text, report->size);
-    code = code ? code : write_file(report, path_name(report->sidecar), report->recorded, report->recorded_size);
+    int code = keep_file(report, report->result);
+    code = code ? code : keep_file(report, report->sidecar);
     code = code ? code : write_citation(&methods, report, "methods.txt", false);
     code = code ? code : write_citation(&entries, report, "references.bib", true);
     code = code || undrawn ? code : draw(report, "brain.png", brain);
@@ -483,8 +426,11 @@ static int read_result(struct report *report, const struct command *const *comma
     if (is_taken(report->result)) {
         return print_data_error("%s: a report has a file of its own of this name", report->result);
     }
-    int code = input_file_read(&report->text, &report->size, report->result, INPUT_FILE, LIMIT);
-    code = code ? code : results_parse(&report->rows, report->result, report->text, report->size);
+    char *text = NULL;
+    size_t size = 0;
+    int code = input_file_read(&text, &size, report->result, INPUT_FILE, LIMIT);
+    code = code ? code : results_parse(&report->rows, report->result, text, size);
+    free(text);
     if (code) {
         return code;
     }
@@ -492,10 +438,9 @@ static int read_result(struct report *report, const struct command *const *comma
     if (!report->sidecar) {
         return print_data_error("%s: no .json of conus is beside it, which says how it was made", report->result);
     }
-    code = input_file_read(&report->recorded, &report->recorded_size, report->sidecar, INPUT_FILE, RECORD_LIMIT);
-    const char *bad = code ? NULL : record_parse(&report->record, report->recorded, report->recorded_size);
-    if (code || bad) {
-        return code ? code : print_data_error("%s: %s", report->sidecar, bad);
+    code = record_read(&report->record, report->sidecar);
+    if (code) {
+        return code;
     }
     const struct recorded_file *outputs = report->record.outputs;
     const char *written = report->record.output_count ? outputs[report->record.output_count - 1].path : NULL;
@@ -540,9 +485,7 @@ static int run_report(const void *given, const struct arguments *arguments)
     record_finish(&report.record);
     results_finish(&report.rows);
     free(report.sidecar);
-    free(report.recorded);
     free(report.folder);
-    free(report.text);
     free(report.ran);
     return code;
 }

@@ -63,6 +63,9 @@ int print_no_memory(void);
  * with it. */
 int print_status(conus_status status);
 
+/** print_error_line() of a line about @p status, which is an error, and the exit code that goes with it. */
+#define print_status_line(status, ...) (print_error_line(__VA_ARGS__), exit_code_of(status))
+
 /** Prints that @p action ("read") failed on the file @p path, with the reason in errno. Gives EXIT_DATA. */
 int print_system_error(const char *path, const char *action);
 

@@ -628,3 +628,46 @@ char *arguments_text(const struct arguments *arguments)
     }
     return system_text_close(&text);
 }
+
+void words_put(struct command_words *words, const char *option, const char *value)
+{
+    char *word = NULL;
+    char **grown = realloc(words->items, (words->count + 2) * sizeof *grown);
+    words->items = grown ? grown : words->items;
+    if (!grown || asprintf(&word, "%s%s%s%s", option ? "--" : "", option ? option : "", option && value ? "=" : "",
+                           value ? value : "") < 0) {
+        words->is_lost = true;
+        return;
+    }
+    words->items[words->count++] = word;
+    words->items[words->count] = NULL;
+}
+
+void words_finish(struct command_words *words)
+{
+    for (size_t i = 0; i < words->count; i++) {
+        free(words->items[i]);
+    }
+    free(words->items);
+    *words = (struct command_words){0};
+}
+
+int words_run(struct command_words *words, const struct command *command, const char *folder)
+{
+    char here[SYSTEM_PATH];
+    struct arguments arguments = {.command = command};
+    void *settings = calloc(1, command->settings_size);
+    if (!settings || words->is_lost) {
+        free(settings);
+        return print_no_memory();
+    }
+    if (!system_here(here) || !system_enter(folder)) {
+        free(settings);
+        return print_system_error(folder, "enter");
+    }
+    int code = options_parse(&arguments, settings, command, NULL, (int)words->count, words->items, 2);
+    code = code >= 0 ? code : command->run(settings, &arguments);
+    options_finish(settings, &arguments);
+    free(settings);
+    return system_enter(here) ? code : print_system_error(here, "enter");
+}

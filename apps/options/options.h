@@ -265,6 +265,21 @@ const struct option *option_with(const struct arguments *arguments, unsigned fla
 /** The command line as a shell would take it, "conus" in front. NULL without memory; the caller frees it. */
 char *arguments_text(const struct arguments *arguments);
 
+/** Words of a command line that is made, and NULL behind them. Zeroed: none. */
+struct command_words {
+    char **items;
+    size_t count;
+    bool is_lost; /**< One of them, for want of memory. */
+};
+
+/** Adds a copy of @p value; with an option "--option=value", or without a value "--option". */
+void words_put(struct command_words *words, const char *option, const char *value);
+void words_finish(struct command_words *words);
+
+/** Runs the command on the words, of which the first two are the program and its name, in @p folder. Returns the exit
+ * code and prints an error unless it is 0. */
+int words_run(struct command_words *words, const struct command *command, const char *folder);
+
 /** Choice @p index of an option, NULL past the last. */
 const char *option_choice(const struct option *option, size_t index);
 

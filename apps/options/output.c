@@ -10,6 +10,7 @@
 #include "options/options.h"
 
 #include <errno.h>
+#include <nettle/base64.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -89,6 +90,35 @@ int output_end(struct system_text *text)
     return end_text(text, true, false);
 }
 
+void html_put(FILE *out, const char *text, size_t size)
+{
+    for (const char *end = text + size; text < end; text++) {
+        const char *mark = *text == '<' ? "&lt;" : *text == '&' ? "&amp;" : *text == '"' ? "&quot;" : NULL;
+        if (mark) {
+            fputs(mark, out);
+        } else {
+            fputc(*text, out);
+        }
+    }
+}
+
+int base64_put(FILE *out, const char *path)
+{
+    unsigned char piece[3 << 14]; /* of a multiple of 3 bytes, so that only the last is padded */
+    char digits[BASE64_ENCODE_RAW_LENGTH(sizeof piece)];
+    FILE *in = system_stream(path, "r");
+    if (!in) {
+        return print_data_error("%s: %s", path, text_error(errno));
+    }
+    for (size_t size; (size = fread(piece, 1, sizeof piece, in));) {
+        base64_encode_raw(digits, size, piece);
+        fwrite(digits, 1, BASE64_ENCODE_RAW_LENGTH(size), out);
+    }
+    bool failed = ferror(in);
+    fclose(in);
+    return failed ? print_data_error("%s: cannot be read", path) : EXIT_DONE;
+}
+
 int output_finish(int code)
 {
     if (code != EXIT_DONE && code != EXIT_DIFFERENT) {
@@ -162,41 +192,37 @@ static char *folder_of(const char *path)
     return length ? text_copy(path, length) : text_copy(".", 1);
 }
 
-bool path_find_place(struct path_place *out, const char *path)
+/* Where a path leads. Equal ones are one regular file, be it there already or not yet. */
+struct place {
+    uint64_t device, inode; /* the file's, else those of the folder that it would be in, else 0 */
+    const char *name;       /* "" of a file, else its name in that folder, else all of the path; within the path */
+};
+
+/* False where the path leads to a device, a pipe or a folder. */
+static bool find_place(struct place *out, const char *path)
 {
     struct system_stat info;
-    *out = (struct path_place){.name = path};
+    *out = (struct place){.name = path};
     if (system_stat(&info, path)) {
-        if (info.kind != SYSTEM_FILE) {
-            return false;
-        }
         out->name = "";
-    } else { /* a new file: its folder, and its name there */
-        char *folder = folder_of(path);
-        bool found = folder && system_stat(&info, folder);
-        free(folder);
-        if (!found) {
-            return true;
-        }
-        out->name = path_base(path);
+        out->device = info.device;
+        out->inode = info.inode;
+        return info.kind == SYSTEM_FILE;
     }
-    out->device = info.device;
-    out->inode = info.inode;
+    char *folder = folder_of(path); /* a new file: its folder, and its name there */
+    if (folder && system_stat(&info, folder)) {
+        *out = (struct place){info.device, info.inode, path_base(path)};
+    }
+    free(folder);
     return true;
-}
-
-int path_place_order(const struct path_place *a, const struct path_place *b)
-{
-    int order = (a->device > b->device) - (a->device < b->device);
-    order = order ? order : (a->inode > b->inode) - (a->inode < b->inode);
-    return order ? order : system_name_order(a->name, b->name);
 }
 
 bool paths_equal(const char *a, const char *b)
 {
-    struct path_place one;
-    struct path_place other;
-    return path_find_place(&one, a) && path_find_place(&other, b) && path_place_order(&one, &other) == 0;
+    struct place one;
+    struct place other;
+    return find_place(&one, a) && find_place(&other, b) && one.device == other.device && one.inode == other.inode &&
+           system_name_order(one.name, other.name) == 0;
 }
 
 int output_check_folder(const char *path, unsigned how)

@@ -35,6 +35,12 @@ struct system_text;
 /** Closes a text, makes it plain, writes it to stdout and frees it. Returns the exit code likewise. */
 int output_end(struct system_text *text);
 
+/** Writes @p size bytes of text as HTML has them, in tags, too. */
+void html_put(FILE *out, const char *text, size_t size);
+
+/** Writes the bytes of the file @p path in base64. Returns the exit code likewise. */
+int base64_put(FILE *out, const char *path);
+
 /** Flushes stdout: a full disk or a closed pipe is an error, not silence. Gives @p code if all is well
  * or something was wrong before. */
 int output_finish(int code);
@@ -60,18 +66,6 @@ const char *path_name(const char *path);
 
 /** Whether @p path ends in .exr or .png. */
 bool path_is_picture(const char *path);
-
-/** Where a path leads. Equal ones are one regular file, be it there already or not yet. */
-struct path_place {
-    uint64_t device, inode; /**< The file's, else those of the folder that it would be in, else 0. */
-    const char *name;       /**< "" of a file, else its name in that folder, else all of the path; within the path. */
-};
-
-/** False where @p path leads to a device, a pipe or a folder; its place is the path then. */
-bool path_find_place(struct path_place *out, const char *path);
-
-/** As strcmp(): an order in which equal places are neighbours. */
-int path_place_order(const struct path_place *a, const struct path_place *b);
 
 /** Whether both paths lead to one regular file, be it there already or not yet. */
 bool paths_equal(const char *a, const char *b);
@@ -171,6 +165,9 @@ void stage_leave(char *text, const char *folder);
 char *stage_output(const struct stage *stage, const char *option, const char *name);
 /** The file that was written there, other than one in ".json" beside another; NULL if there is none, likewise. */
 char *stage_find_output(const struct stage *stage, const char *option);
+
+/** Copies a file to a new one. False, with errno, where that fails; what is there already stays. */
+bool file_copy(const char *from, const char *to);
 
 /** Removes it, with all that is in it, unless @p stays. */
 void stage_end(struct stage *stage, bool stays);

@@ -83,6 +83,13 @@ bool provenance_checksum(char out[SHA256_TEXT], const json_t *root)
     return text;
 }
 
+bool json_put(FILE *out, json_t *root, size_t flags)
+{
+    bool whole = root && !json_dumpf(root, out, flags) && fputc('\n', out) >= 0;
+    json_decref(root);
+    return whole;
+}
+
 char *provenance_path(const char *output)
 {
     bool is_table = path_ends_in(output, ".tsv") || path_ends_in(output, ".csv");
@@ -176,18 +183,17 @@ bool provenance_seal(json_t *root)
            json_object_set_new(root, "Checksum", json_string(checksum)) == 0;
 }
 
-/* A text of other bytes than UTF-8 is null: it cannot be found again. */
-static json_t *json_from_path(const char *path)
+json_t *json_from_text(const char *text)
 {
-    json_t *text = json_string(path);
-    return text ? text : json_null();
+    json_t *string = text ? json_string(text) : NULL;
+    return string ? string : json_null();
 }
 
 static json_t *json_from_output(const struct provenance_output *output)
 {
     char sum[SHA256_TEXT] = "";
     size_t size = output->size;
-    json_t *path = output_is_stdout(output->path) ? json_null() : json_from_path(output->path);
+    json_t *path = output_is_stdout(output->path) ? json_null() : json_from_text(output->path);
     if (output->text) {
         provenance_hash(sum, output->text, size);
     } else if (!is_file(output->path, &size) || provenance_hash_file(sum, output->path)) {
@@ -211,8 +217,8 @@ bool provenance_put_input(json_t *root, const char *path)
     char sum[SHA256_TEXT];
     bool known = is_file(path, &size) && !provenance_hash_file(sum, path);
     json_t *input =
-        known ? json_pack("{s: o, s: I, s: s}", "path", json_from_path(path), "bytes", (json_int_t)size, "sha256", sum)
-              : json_pack("{s: o, s: n}", "path", json_from_path(path), "sha256");
+        known ? json_pack("{s: o, s: I, s: s}", "path", json_from_text(path), "bytes", (json_int_t)size, "sha256", sum)
+              : json_pack("{s: o, s: n}", "path", json_from_text(path), "sha256");
     return json_array_append_new(inputs, input) == 0;
 }
 
@@ -222,7 +228,7 @@ json_t *question_json(const struct question *question)
     for (size_t i = 0; i < question->arguments->use_count; i++) {
         const struct option_use *use = &question->arguments->uses[i];
         bool is_asked = use->option->role == OPTION_PLAIN || use->option->role == OPTION_ASKS;
-        json_t *value = use->value ? json_from_path(use->value) : json_true();
+        json_t *value = use->value ? json_from_text(use->value) : json_true();
         json_t *list = is_asked ? json_object_get(options, use->option->name) : NULL;
         if (is_asked && use->option->type == OPTION_LIST && !list) {
             list = json_array();
@@ -245,7 +251,7 @@ bool provenance_put_warnings(json_t *root)
     const char *line;
     bool whole = true;
     for (size_t i = 0; (line = warning_line(i)); i++) {
-        json_t *text = json_from_path(line);
+        json_t *text = json_from_text(line);
         bool known = false;
         if (!list) {
             list = json_array();

@@ -88,6 +88,12 @@ bool provenance_seal(json_t *root);
  */
 bool provenance_checksum(char out[SHA256_TEXT], const json_t *root);
 
+/** A text, a new reference: null of other bytes than UTF-8, which cannot be found again, and of NULL. */
+json_t *json_from_text(const char *text);
+
+/** Writes a JSON and a newline, and frees it. False where it is NULL, or without memory. */
+bool json_put(FILE *out, json_t *root, size_t flags);
+
 /** Whether the checksum covers this key, to which only conus adds. */
 bool provenance_is_sealed(const char *key);
 

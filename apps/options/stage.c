@@ -67,8 +67,7 @@ static bool cannot_link(void)
     return errno == ENOSYS || errno == EPERM;
 }
 
-/* What is there already stays, as it does where links are. */
-static bool copy_file(const char *from, const char *to)
+bool file_copy(const char *from, const char *to)
 {
     char bytes[COPIED_AT_ONCE];
     int in = system_open(from, SYSTEM_READ);
@@ -121,7 +120,7 @@ static bool copy_any(const char *from, const char *to, int levels)
         return false;
     }
     if (info.kind != SYSTEM_FOLDER) {
-        return copy_file(from, to);
+        return file_copy(from, to);
     }
     return levels && make_folder(NULL, to) && system_list(from, copy_entry, &copying) && copying.done;
 }

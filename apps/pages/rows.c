@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Writes the tables of options as JSON, for what is made of them beside the program: documents, forms, descriptors. */
+#include "base/system/system.h"
+#include "conus/version.h"
 #include "options/messages.h"
+#include "options/provenance.h"
 #include "pages/pages.h"
 
 #include <stdlib.h>
@@ -118,6 +121,23 @@ static json_t *operands_of(const struct command *command)
     return list;
 }
 
+static void put_more_help(FILE *out, const struct command *command)
+{
+    command->more_help(out);
+}
+
+/* A part of the help. */
+static json_t *text_of(void (*put)(FILE *out, const struct command *command), const struct command *command)
+{
+    struct system_text text;
+    if (system_text_open(&text)) {
+        put(text.stream, command);
+    }
+    json_t *words = json_string(system_text_close(&text));
+    free(text.data);
+    return words;
+}
+
 json_t *pages_command(const struct command *command)
 {
     json_t *options = json_array();
@@ -128,23 +148,30 @@ json_t *pages_command(const struct command *command)
             json_array_append_new(options, option_json(command, option, title));
         }
     }
-    return json_pack("{s:s, s:s, s:s, s:o, s:s*, s:b, s:b, s:o}", "name", command->name, "summary", command->summary,
-                     "description", command->description, "operands", operands_of(command), "form", command->form,
-                     "answers", command->answers, "resumes", command->resumes, "options", options);
+    return json_pack("{s:s, s:s, s:s, s:o, s:s*, s:b, s:b, s:b, s:o*, s:s, s:o*, s:o}", "name", command->name,
+                     "summary", command->summary, "description", command->description, "operands", operands_of(command),
+                     "form", command->form, "answers", command->answers, "resumes", command->resumes, "other",
+                     command->hand_over != NULL, "usage", text_of(help_usage, command), "examples", command->examples,
+                     "notes", command->more_help ? text_of(put_more_help, command) : NULL, "options", options);
 }
 
-int pages_put_rows(FILE *out, const struct program *program)
+bool pages_answer(int *code, const struct program *program, int count, char **words)
 {
+    if (count != 3 || strcmp(words[1], "help") != 0 || strcmp(words[2], "--json") != 0) {
+        return false;
+    }
     json_t *commands = json_array();
+    json_t *exits = json_array();
+    const char *meaning;
     for (size_t i = 0; program->commands[i]; i++) {
         json_array_append_new(commands, pages_command(program->commands[i]));
     }
+    for (size_t i = 0; (meaning = help_exit_code(i)); i++) {
+        json_array_append_new(exits, json_string(meaning));
+    }
     json_t *root =
-        json_pack("{s:s, s:s*, s:o}", "program", program->name, "summary", program->summary, "commands", commands);
-    char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
-    int code = text ? EXIT_DONE : print_no_memory();
-    fprintf(out, "%s\n", text ? text : "");
-    free(text);
-    json_decref(root);
-    return code;
+        json_pack("{s:s, s:s, s:s*, s:s*, s:o, s:o}", "program", program->name, "version", conus_version(), "summary",
+                  program->summary, "description", program->description, "exit_codes", exits, "commands", commands);
+    *code = json_put(stdout, root, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) ? EXIT_DONE : print_no_memory();
+    return true;
 }

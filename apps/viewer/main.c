@@ -245,7 +245,7 @@ static const struct command cmd_view = {
 int main(int count, char **words)
 {
     static const struct command *const commands[] = {&cmd_view, NULL};
-    static const struct program program = {.name = "conus-view", .commands = commands, .unnamed = true};
+    static const struct program program = {.name = "conus-view", .commands = commands};
     struct arguments arguments;
     struct view_settings settings = {0};
     int code;

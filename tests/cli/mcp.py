@@ -9,6 +9,8 @@ import json
 import os
 import random
 import re
+import shlex
+import shutil
 import subprocess
 import sys
 
@@ -23,10 +25,12 @@ def call(tool, members, number=1):
 
 
 def make_files():
-    for folder in ("root/sub", "installed", "outside"):
+    for folder in ("root/sub", "root/study (1)", "root/50%", "installed", "outside"):
         os.makedirs(folder)
     for words in ("phantom nested -o root --size 24", "phantom sphere -o installed --size 24"):
         subprocess.run([CONUS, *words.split()], check=True, capture_output=True)
+    for folder in ("root/study (1)", "root/50%"):
+        shutil.copy("root/nested.nii.gz", folder)
     for path in ("root/secret.txt", "outside/secret.txt", "root/sub/names.txt"):
         with open(path, "w", encoding="utf-8") as file:
             file.write(f"{SECRET} {SECRET}\n{SECRET}\t1\n")
@@ -80,6 +84,8 @@ def transcript():
              ["query", *aimed[:3], "--layers=all", "--range=10,95", "--only=Core", "--labels-anyway", *aimed[3:]]),
             ("overlap", {"atlas": "nested.nii.gz", "roi": ["nested.nii.gz"], "threshold": 1},
              ["overlap", "--threshold=1", "--format=json", "nested.nii.gz", "nested.nii.gz"]),
+            ("info", {"atlas": "study (1)/nested.nii.gz"}, ["info", "--format=json", "study (1)/nested.nii.gz"]),
+            ("info", {"atlas": "50%/nested.nii.gz"}, ["info", "--format=json", "50%/nested.nii.gz"]),
             ("info", {"atlas": "nested.nii.gz"}, ["info", "--format=json", "nested.nii.gz"]),
             ("atlases", {}, ["atlases", "--format=json"])):
         (reply,) = ask(call(tool, members, 7))
@@ -88,7 +94,7 @@ def transcript():
         content = reply["result"]["structuredContent"]
         assert reply["id"] == 7 and reply["result"]["isError"] is False and out
         assert json.loads(text(reply)) == content and content["notes"] == notes, (content["notes"], notes)
-        assert content["command"] == " ".join(["conus", *words]), content["command"]
+        assert content["command"] == shlex.join(["conus", *words]), content["command"]
         assert same(content["answer"], out), tool
     (reply,) = ask(call("cite", {"result": "nested.nii.gz"}))
     assert text(reply).encode() == program("cite", "nested.nii.gz")[0]
@@ -122,7 +128,7 @@ def transcript():
                 outside, "../outside/secret.txt", "out/secret.txt", "out.txt", "(out)", "a/" * 2000 + "..", "dangling.txt",
                 "sub/../../outside", "/etc/passwd", "/")),
             *(({"atlas": "nested.nii.gz", "labels": f"{begin}{outside}{end}"}, "is not in a folder")
-              for begin in ("", "label=", "x,name=", "x:", "x;", "file://", "x|") for end in ("", ",name=a")),
+              for begin in ("", "label=", "x,name=", "x:", "x;", "file://", "x|", "study (1)/nested.nii.gz,name=") for end in ("", ",name=a")),
             ({"atlas": "nested.nii.gz", "labels": "label=(out)"}, "is not in a folder"),
             *(({"atlas": path, **AIM}, "a/a") for path in ("a/" * 2040, ("a/" * 32 + ",") * 62))):  # neither deep nor slow
         (reply,) = ask(call("query", members))

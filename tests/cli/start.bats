@@ -473,7 +473,7 @@ END
     [ -x "$view" ] || skip "conus-view is not built"
     run -0 "$CONUS" view --help
     [ "${lines[0]}" = 'usage: conus view [ATLAS] [options]' ]
-    "$view" --write-pages pages
+    CONUS=$view "$BATS_TEST_DIRNAME/../../scripts/pages" pages
     grep -qx 'conus\\-view \[ATLAS\] \[options\]' pages/conus-view.1
     run -0 "$CONUS" batch --help
     [[ "${lines[0]}" == 'usage: conus batch ATLAS --poses FILE'* ]]

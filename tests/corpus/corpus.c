@@ -144,8 +144,10 @@ static void load(struct answer *out, const struct entry *entry, const struct pos
     out->unharmed = !test_allocation_failed();
     test_fail_allocation(-1);
     out->memory = said == CONUS_ERROR_MEMORY || strstr(error_line(), "memory");
-    char *text = out->code ? NULL : info_json(atlas, NULL);
+    json_t *json = out->code ? NULL : info_json(atlas, NULL);
+    char *text = json ? json_dumps(json, JSON_REAL_PRECISION(9)) : NULL; /* the digits of the program's */
     out->json = text ? json_loads(text, 0, NULL) : NULL;
+    json_decref(json);
     free(text);
     add_voxels(out->json, atlas);
     conus_atlas_destroy(atlas);

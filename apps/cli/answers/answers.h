@@ -199,15 +199,17 @@ void aligned_put_cell(FILE *out, const char *text);
 
 /* The JSON of `conus info --format json`. */
 
-/** The atlas as a JSON text with a final newline; NULL without memory. The caller frees it. @p installed: what its name
- * meant; NULL = it was a path. */
-char *info_json(const conus_atlas *atlas, const conus_installed *installed);
+/** The atlas, a new reference; NULL without memory. @p installed: what its name meant; NULL = it was a path. */
+json_t *info_json(const conus_atlas *atlas, const conus_installed *installed);
 
 /** "same", "changed", "not there": by conus_source_state. */
 extern const char *const info_source_states[];
 
 /** An installed atlas as a JSON object; NULL without memory. */
 json_t *info_json_installed(const conus_installed *atlas);
+
+/** Object @p number of the atlas, likewise. */
+json_t *info_json_object(const conus_atlas *atlas, size_t number);
 
 /** A text of any bytes; what is not UTF-8 is taken as ISO-8859-1, as in the library's reports. NULL without memory. */
 json_t *info_json_bytes(const char *bytes);

@@ -227,8 +227,6 @@ static json_t *tractograms(const conus_atlas *atlas)
     return whole ? list : NULL;
 }
 
-enum { DIGITS = 9 };
-
 json_t *info_json_bytes(const char *bytes)
 {
     json_t *text = json_string(bytes);
@@ -298,8 +296,7 @@ static json_t *volume(const conus_atlas *atlas, size_t index)
     return json;
 }
 
-/* `number` is the object's. */
-static json_t *object(const conus_atlas *atlas, size_t number)
+json_t *info_json_object(const conus_atlas *atlas, size_t number)
 {
     const conus_object *object = conus_atlas_object(atlas, number);
     static const char *const kinds[] = {
@@ -309,9 +306,9 @@ static json_t *object(const conus_atlas *atlas, size_t number)
     char color[8];
     snprintf(color, sizeof color, "#%02x%02x%02x", object->rgb[0], object->rgb[1], object->rgb[2]);
     json_t *json =
-        json_pack("{s:s,s:I,s:s,s:b,s:o,s:o,s:o,s:I,s:s,s:I,s:o,s:o,s:o}", "kind", kinds[object->kind], "index",
-                  (json_int_t)object->label, "name", object->name, "named", object->named, "abbreviation",
-                  *object->abbreviation ? json_string(object->abbreviation) : json_null(), "hemisphere",
+        json_pack("{s:s,s:I,s:o,s:b,s:o,s:o,s:o,s:I,s:s,s:I,s:o,s:o,s:o}", "kind", kinds[object->kind], "index",
+                  (json_int_t)object->label, "name", info_json_bytes(object->name), "named", object->named,
+                  "abbreviation", *object->abbreviation ? json_string(object->abbreviation) : json_null(), "hemisphere",
                   hemisphere(object->hemisphere), "parent", parent ? json_integer(parent->label) : json_null(), "depth",
                   (json_int_t)conus_atlas_depth(atlas, number), "color", color, "voxels", (json_int_t)object->voxels,
                   "triangles", has_surface ? json_integer((json_int_t)object->triangles) : json_null(), "closed",
@@ -384,7 +381,7 @@ static json_t *identity(const conus_atlas *atlas)
                            "reference", facts->reference, "licence", view.is_verified ? facts->licence : NULL);
 }
 
-char *info_json(const conus_atlas *atlas, const conus_installed *installed)
+json_t *info_json(const conus_atlas *atlas, const conus_installed *installed)
 {
     json_t *volumes = json_array();
     json_t *notes = json_array();
@@ -397,7 +394,7 @@ char *info_json(const conus_atlas *atlas, const conus_installed *installed)
         whole = json_array_append_new(notes, info_json_bytes(conus_atlas_note(atlas, i))) == 0 && whole;
     }
     for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
-        whole = json_array_append_new(objects, object(atlas, i)) == 0 && whole;
+        whole = json_array_append_new(objects, info_json_object(atlas, i)) == 0 && whole;
     }
     conus_frame frame; /* from AP, DV, ML in micrometres; null where the atlas is not the Allen CCF */
     bool is_ccf = conus_frame_find(&frame, atlas, CONUS_SPACE_CCF, NULL) == CONUS_OK;
@@ -410,13 +407,9 @@ char *info_json(const conus_atlas *atlas, const conus_installed *installed)
                              is_ccf ? matrix(frame.world_from_space) : json_null(), "moved", placement(atlas), "notes",
                              notes, "objects", objects);
     const conus_pack_info *info = conus_atlas_pack_info(atlas);
-    whole = (!info || json_object_set_new(root, "pack", pack(atlas, info)) == 0) && whole;
-    char *text = whole && root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(DIGITS)) : NULL;
-    json_decref(root);
-    char *line = NULL;
-    if (text && asprintf(&line, "%s\n", text) < 0) {
-        line = NULL;
+    whole = root && (!info || json_object_set_new(root, "pack", pack(atlas, info)) == 0) && whole;
+    if (!whole) {
+        json_decref(root);
     }
-    free(text);
-    return line;
+    return whole ? root : NULL;
 }

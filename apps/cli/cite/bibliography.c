@@ -10,7 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char citation_method[] =
+/* The method that conus implements, as README.md has it. */
+static const char method_text[] =
     "T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Selection by Conic Volume Techniques in Virtual "
     "Environments. IEEE Virtual Reality 2010, pp. 243–246. https://doi.org/10.1109/VR.2010.5444783";
 
@@ -24,10 +25,11 @@ static const char method_bibtex[] = "@inproceedings{rick2010conic,\n"
                                     "  doi = {10.1109/VR.2010.5444783}\n"
                                     "}\n";
 
-void citation_list(FILE *out, const struct citation *citation)
+/* Writes the references, a line each. */
+static void put_list(FILE *out, const struct citation *citation)
 {
     if (citation_has_rays(citation)) {
-        fprintf(out, "%s\n", citation_method);
+        fprintf(out, "%s\n", method_text);
     }
     fprintf(out, "The conus authors: conus, version %s.\n", citation->version);
     const char *error = citation_error(citation, "name");
@@ -139,7 +141,7 @@ int citation_text(FILE *out, const struct citation *citation)
     }
     put_wrapped(out, text.data);
     fputc('\n', out);
-    citation_list(out, citation);
+    put_list(out, citation);
     free(text.data);
     return EXIT_DONE;
 }

@@ -53,9 +53,6 @@ struct citation {
     json_t *facts, *atlases_asked; /**< Of citation_is_known(). */
 };
 
-/** The method that conus implements, as README.md has it. */
-extern const char citation_method[];
-
 /** Gathers the facts of the sidecar. Whether there are sentences for its question. */
 bool citation_is_known(struct citation *citation);
 
@@ -75,8 +72,6 @@ int citation_text(FILE *out, const struct citation *citation);
 
 /** Writes the paragraph, which has the warnings of the sidecar; one line. */
 void citation_methods(FILE *out, const struct citation *citation);
-/** Writes the references, a line each. */
-void citation_list(FILE *out, const struct citation *citation);
 /** Writes them as BibTeX. */
 void citation_bibtex(FILE *out, const struct citation *citation);
 

@@ -5,6 +5,7 @@
 #include "cli/answers/answers.h"
 #include "cli/mcp/mcp.h"
 #include "options/messages.h"
+#include "options/progress.h"
 
 #include <inttypes.h>
 #include <stdarg.h>
@@ -15,8 +16,7 @@ enum { WORD_LIMIT = 1000, ROW_LIMIT = 200, SECOND_LIMIT = 60, READ_SIZE = 1 << 1
 
 struct calling {
     const struct mcp_call *call;
-    char *words[WORD_LIMIT + 1]; /* up to NULL */
-    size_t count;
+    struct command_words words;
     struct system_text out, said; /* stdout and stderr */
     char why[1024];               /* of a refusal */
 };
@@ -36,16 +36,11 @@ static bool refuse_call(struct calling *calling, const char *format, ...)
 /* A word; with a name, an option's. */
 static bool put_word(struct calling *calling, const char *name, const char *value)
 {
-    char *word = NULL;
-    if (calling->count == WORD_LIMIT) {
+    if (calling->words.count == WORD_LIMIT) {
         return refuse_call(calling, "more than %d values", WORD_LIMIT);
     }
-    if (asprintf(&word, "%s%s%s%s", name ? "--" : "", name ? name : "", name && value ? "=" : "", value ? value : "") <
-        0) {
-        return refuse_call(calling, "not enough memory");
-    }
-    calling->words[calling->count++] = word;
-    return true;
+    words_put(&calling->words, name, value);
+    return !calling->words.is_lost || refuse_call(calling, "not enough memory");
 }
 
 /* Whether a text is neither an option, standard input, nor a list in a file, and no path leads out of the folders. */
@@ -237,13 +232,6 @@ static bool put_words(struct calling *calling)
            (!answers_json(call->command) || put_word(calling, "format", "json")) && put_operands(calling);
 }
 
-static double seconds_now(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 /* Keeps what it writes. */
 static bool read_process(struct calling *calling, struct process *process, double deadline)
 {
@@ -253,7 +241,7 @@ static bool read_process(struct calling *calling, struct process *process, doubl
     while (process_writes(process)) {
         struct process_part parts[] = {{.data = data[0], .capacity = READ_SIZE},
                                        {.data = data[1], .capacity = READ_SIZE}};
-        enum process_reading reading = process_read(parts, process, deadline - seconds_now());
+        enum process_reading reading = process_read(parts, process, deadline - clock_ms() / 1000);
         if (reading != PROCESS_CAME) {
             return reading == PROCESS_LATE ? refuse_call(calling, "no answer within %d s", SECOND_LIMIT)
                                            : refuse_call(calling, "the answer cannot be read");
@@ -276,13 +264,13 @@ static bool run_words(struct calling *calling, struct process_end *end)
     char self[SYSTEM_PATH];
     struct process process;
     const struct process_start start = {
-        .path = self, .words = calling->words, .given = SYSTEM_NO_FILE, .limits = &limits};
+        .path = self, .words = calling->words.items, .given = SYSTEM_NO_FILE, .limits = &limits};
     if (!system_program(self) || !process_begin(&process, &start)) {
         return refuse_call(calling, "no program can be started here");
     }
-    double deadline = seconds_now() + SECOND_LIMIT;
+    double deadline = clock_ms() / 1000 + SECOND_LIMIT;
     bool ended = read_process(calling, &process, deadline);
-    ended = ended && (process_wait(end, &process, deadline - seconds_now()) ||
+    ended = ended && (process_wait(end, &process, deadline - clock_ms() / 1000) ||
                       refuse_call(calling, "no answer within %d s", SECOND_LIMIT));
     process_finish(&process);
     return ended && (end->kind == PROCESS_EXITED || refuse_call(calling, "conus ended: %s", end->how));
@@ -343,7 +331,7 @@ static json_t *result_of(const char *text, bool is_error)
 static json_t *answer_result(struct calling *calling, json_t *notes)
 {
     const struct arguments line = {
-        .command = calling->call->command, .count = (int)calling->count, .words = calling->words};
+        .command = calling->call->command, .count = (int)calling->words.count, .words = calling->words.items};
     char *command = arguments_text(&line);
     json_t *answer = answers_json(line.command) ? json_loads(calling->out.data, 0, NULL) : NULL;
     cut_rows(answer, notes);
@@ -390,9 +378,7 @@ json_t *mcp_answer(const struct mcp_call *call)
     bool answered = whole && ran && end.code <= EXIT_DIFFERENT;
     json_t *result = answered ? answer_result(&calling, notes) : refusal_result(&calling, notes);
     json_decref(notes);
-    for (size_t i = 0; i < calling.count; i++) {
-        free(calling.words[i]);
-    }
+    words_finish(&calling.words);
     free(calling.out.data);
     free(calling.said.data);
     return result;

@@ -118,10 +118,11 @@ static bool is_of_path(char c)
     return isalnum((unsigned char)c) || (unsigned char)c >= 0x80 || strchr("._-" SYSTEM_SEPARATORS, c);
 }
 
-/* Whether a word may begin at text[at], also by what stands in no path but this one; "a / b" is a quotient. */
+/* Whether a word may begin at text[at], also by what stands in no path but this one. None does behind what ends a part
+ * of a name, as in "study (1)/x" and "50%/x"; "a / b" is a quotient. */
 static bool may_begin(const char *text, size_t at)
 {
-    return !at || (!is_of_path(text[at - 1]) && strncmp(text + at, "/ ", 2) != 0);
+    return !at || (!is_of_path(text[at - 1]) && !strchr(")]}%!", text[at - 1]) && strncmp(text + at, "/ ", 2) != 0);
 }
 
 bool mcp_roots_have(const struct mcp_roots *roots, const char *text)

@@ -98,18 +98,13 @@ static json_t *either(json_t *one, json_t *other)
 static json_t *number(const char *type, const json_t *range)
 {
     static const double ANY = 1e9; /* from here on a limit says nothing */
-    json_t *schema = typed(type);
     json_t *low = json_object_get(range, "low");
     json_t *high = json_object_get(range, "high");
-    if (range && json_number_value(low) > -ANY) {
-        bool is_open = json_is_true(json_object_get(range, "above"));
-        json_object_set(schema, is_open ? "exclusiveMinimum" : "minimum", low);
-    }
-    if (range && json_number_value(high) < ANY) {
-        bool is_open = json_is_true(json_object_get(range, "below"));
-        json_object_set(schema, is_open ? "exclusiveMaximum" : "maximum", high);
-    }
-    return schema;
+    return json_pack("{s:s, s:O*, s:O*}", "type", type,
+                     json_is_true(json_object_get(range, "above")) ? "exclusiveMinimum" : "minimum",
+                     json_number_value(low) > -ANY ? low : NULL,
+                     json_is_true(json_object_get(range, "below")) ? "exclusiveMaximum" : "maximum",
+                     json_number_value(high) < ANY ? high : NULL);
 }
 
 static json_t *value_schema(const struct option *option, const json_t *row)

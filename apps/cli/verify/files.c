@@ -89,6 +89,16 @@ bool file_find(struct found_file *out, const struct recorded_file *file, const c
     return out->state == FILE_MISSING || out->path || refuse("not enough memory");
 }
 
+int record_read(struct record *out, const char *path)
+{
+    char *text = NULL;
+    size_t size = 0;
+    int code = input_file_read(&text, &size, path, INPUT_FILE, RECORD_LIMIT);
+    const char *bad = code ? NULL : record_parse(out, text, size);
+    free(text);
+    return bad ? print_data_error("%s: %s", path, bad) : code;
+}
+
 /* "a.json" of "a.tsv", "a.nii.gz", "a.png" and "a". */
 static char *path_without_ending(const char *result)
 {

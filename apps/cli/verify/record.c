@@ -246,7 +246,8 @@ static const char *read_batch(struct record *out)
     return bad ? bad : add_named(out, batch, "coordsystem_file", "coordsystem_file_sha256");
 }
 
-bool record_is_version(const char *text)
+/* Digits and dots. */
+static bool is_version(const char *text)
 {
     size_t length = text ? strspn(text, "0123456789.") : 0;
     return length && length <= VERSION_LENGTH && !text[length];
@@ -261,7 +262,7 @@ static const char *read_command(struct record *out)
     if (json_unpack(program, "{s: s, s: s}", "Name", &name, "Version", &out->version) || strcmp(name, "conus") != 0) {
         return refuse("GeneratedBy: does not name conus and its version: not a sidecar of conus");
     }
-    if (!record_is_version(out->version)) {
+    if (!is_version(out->version)) {
         return refuse("GeneratedBy: Version: \"%.40s\" is none of conus's, which are digits and dots", out->version);
     }
     if (json_unpack(program, "{s: s}", "CommandLine", &command)) {

@@ -146,41 +146,20 @@ bool replay_check(struct replay *out, const struct command *const *commands)
 /* Words on the way. */
 struct writing {
     struct replay *replay;
-    char *words[COMMAND_WORDS + 16];
-    int count;
+    struct command_words words;
     size_t atlases;  /* how many of --atlas were written */
     const char *bad; /* a word that reads a file which is not recorded; NULL = none */
-    bool has_output, has_format, whole;
+    bool has_output, has_format;
 };
-
-static void put_word(struct writing *out, char *word)
-{
-    out->whole = out->whole && word && out->count < COMMAND_WORDS + 8;
-    if (out->whole) {
-        out->words[out->count++] = word;
-    } else {
-        free(word);
-    }
-}
-
-static void put_option(struct writing *out, const char *name, const char *value)
-{
-    char *word = NULL;
-    put_word(out, asprintf(&word, "--%s%s%s", name, value ? "=" : "", value ? value : "") < 0 ? NULL : word);
-}
 
 /* An operand (no name), or an option, which may name files. */
 static void put_read(struct writing *out, const char *name, const char *given, bool is_file)
 {
     char *word = out->replay->is_moved ? stage_word(&out->replay->stage, given) : strdup(given);
     out->bad = names_recorded(out->replay->record, given, is_file) ? out->bad : given;
-    out->whole = out->whole && word;
-    if (word && name) {
-        put_option(out, name, word);
-        free(word);
-    } else if (word) {
-        put_word(out, word);
-    }
+    out->words.is_lost = out->words.is_lost || !word;
+    words_put(&out->words, name, word);
+    free(word);
 }
 
 typedef conus_status (*catalogue_search)(const conus_installed **out, const conus_catalogue *catalogue,
@@ -225,12 +204,12 @@ static void put_output(struct writing *out, const struct option_use *use)
     }
     if (option->role == OPTION_WRITES_ANSWER) {
         if (!out->has_format && path && !output_format(&format, path)) { /* it went to no file */
-            put_option(out, "format", option->format);
+            words_put(&out->words, "format", option->format);
         }
         out->has_output = true;
     }
-    out->whole = out->whole && path && (keyed || !key);
-    put_option(out, option->name, key ? keyed : path);
+    out->words.is_lost = out->words.is_lost || !path || (key && !keyed);
+    words_put(&out->words, option->name, key ? keyed : path);
     free(keyed);
     free(path);
 }
@@ -244,7 +223,7 @@ static void put_use(struct writing *out, const struct option_use *use)
     case OPTION_KEPT:
     case OPTION_READS_NAMES:
         if (!use->value) {
-            put_option(out, name, NULL);
+            words_put(&out->words, name, NULL);
         } else if (strcmp(name, "max-memory") != 0) {
             put_read(out, name, use->value, false);
         }
@@ -266,7 +245,7 @@ static void put_use(struct writing *out, const struct option_use *use)
         break;
     case OPTION_OF_RUN:
         if (strcmp(name, "shard") == 0) { /* the part that the result is */
-            put_option(out, name, use->value);
+            words_put(&out->words, name, use->value);
         }
         break;
     case OPTION_WRITES_SIDECAR: /* it comes beside the answer */
@@ -281,23 +260,23 @@ static void put_words(struct writing *out)
     const struct replay *replay = out->replay;
     const struct arguments *arguments = &replay->arguments;
     char size[32];
-    put_word(out, strdup("conus"));
-    put_word(out, strdup(replay->command->name));
-    put_option(out, "quiet", NULL);
+    words_put(&out->words, NULL, "conus");
+    words_put(&out->words, NULL, replay->command->name);
+    words_put(&out->words, "quiet", NULL);
     out->has_format = option_given(arguments, "format");
     for (size_t i = 0; i < arguments->use_count; i++) {
         put_use(out, &arguments->uses[i]);
     }
     if (option_find(replay->command, "max-memory")) {
         snprintf(size, sizeof size, "%" PRIu64, replay->max_memory);
-        put_option(out, "max-memory", size);
+        words_put(&out->words, "max-memory", size);
     }
     if (!out->has_output) {
         put_output(out, &(struct option_use){.option = option_find(replay->command, "output")});
     }
-    put_word(out, strdup("--")); /* since a path may begin with a dash */
+    words_put(&out->words, NULL, "--"); /* since a path may begin with a dash */
     if (arguments->operand_count && replay->command->holds[0] == HOLDS_NOTHING) { /* names */
-        put_word(out, strdup(arguments->operands[0]));
+        words_put(&out->words, NULL, arguments->operands[0]);
     } else if (arguments->operand_count) {
         put_atlas(out, NULL, arguments->operands[0], 0);
     }
@@ -310,34 +289,23 @@ static void put_words(struct writing *out)
 }
 
 /* Runs the command on the words, in the stage, without a word on stderr. */
-static bool run_words(struct replay *replay, int count, char **words)
+static bool run_words(struct replay *replay, struct command_words *words)
 {
     static const char warning[] = "warning: ";
-    struct arguments arguments = {0};
-    char here[SYSTEM_PATH];
-    void *settings = calloc(1, replay->command->settings_size);
-    if (!settings || !system_here(here) || !system_enter(replay->stage.cwd)) {
-        free(settings);
-        return fail_replay(replay, "it cannot be answered again in %s", replay->stage.cwd);
-    }
+    char line[sizeof replay->why];
     warnings_forget(0);
     messages_hold(true);
-    int code = options_parse(&arguments, settings, replay->command, NULL, count, words, 2);
-    code = code >= 0 ? EXIT_USAGE : replay->command->run(settings, &arguments);
+    int code = words_run(words, replay->command, replay->stage.cwd);
     messages_hold(false);
     warnings_forget(0);
-    options_finish(settings, &arguments);
-    free(settings);
-    bool is_back = system_enter(here);
-    if (code != EXIT_DONE && code != EXIT_DIFFERENT) {
-        char line[sizeof replay->why];
-        bool is_said = strncmp(error_line(), warning, sizeof warning - 1) != 0;
-        snprintf(line, sizeof line, "%s", is_said ? error_line() : "it cannot be answered again");
-        message_drop_quotes(line);
-        stage_leave(line, replay->stage.folder);
-        return fail_replay(replay, "%s", line);
+    if (code == EXIT_DONE || code == EXIT_DIFFERENT) {
+        return true;
     }
-    return is_back || fail_replay(replay, "%s: the folder is not there any more", here);
+    bool is_said = strncmp(error_line(), warning, sizeof warning - 1) != 0;
+    snprintf(line, sizeof line, "%s", is_said ? error_line() : "it cannot be answered again");
+    message_drop_quotes(line);
+    stage_leave(line, replay->stage.folder);
+    return fail_replay(replay, "%s", line);
 }
 
 /* Makes the folder, and links to all files by relative paths; by whole ones, too, if one of these has moved. */
@@ -358,7 +326,7 @@ static bool make_stage(struct replay *replay)
 
 bool replay_run(struct replay *replay)
 {
-    struct writing writing = {.replay = replay, .whole = true};
+    struct writing writing = {.replay = replay};
     messages_hold(true);
     bool made = make_stage(replay);
     messages_hold(false);
@@ -369,11 +337,8 @@ bool replay_run(struct replay *replay)
     bool answered =
         writing.bad
             ? fail_replay(replay, "its command line reads %.200s, which is not recorded as an input", writing.bad)
-        : !writing.whole ? fail_replay(replay, "its command line does not fit into memory")
-                         : run_words(replay, writing.count, writing.words);
-    for (int i = 0; i < writing.count; i++) {
-        free(writing.words[i]);
-    }
+            : run_words(replay, &writing.words);
+    words_finish(&writing.words);
     return answered;
 }
 

@@ -75,24 +75,24 @@ static bool read_sidecar(struct checking *checking)
 {
     const struct verify_settings *settings = checking->settings;
     bool own = !settings->sidecar && provenance_json_rows(checking->text, checking->size);
-    char *text = NULL;
-    size_t size = 0;
-    checking->sidecar = settings->sidecar ? strdup(settings->sidecar)
-                        : own             ? strdup(checking->result)
-                                          : sidecar_find(checking->result);
-    if (!checking->sidecar) {
+    char *sidecar = settings->sidecar ? strdup(settings->sidecar)
+                    : own             ? strdup(checking->result)
+                                      : sidecar_find(checking->result);
+    if (!sidecar) {
         say(&checking->why, "there is no .json beside it that says how it was made; --sidecar FILE.json names it");
         return false;
     }
     messages_hold(true);
-    int code = own ? EXIT_DONE : input_file_read(&text, &size, checking->sidecar, INPUT_FILE, RECORD_LIMIT);
+    const char *bad = NULL;
+    if (own) {
+        bad = record_parse(&checking->record, checking->text, checking->size);
+    } else if (record_read(&checking->record, sidecar)) {
+        bad = error_line();
+    }
     messages_hold(false);
-    const char *bad = code  ? error_line()
-                      : own ? record_parse(&checking->record, checking->text, checking->size)
-                            : record_parse(&checking->record, text, size);
-    free(text);
+    checking->sidecar = sidecar;
     if (bad) {
-        say(&checking->why, "%s%s%s", code || own ? "" : checking->sidecar, code || own ? "" : ": ", bad);
+        say(&checking->why, "%s", bad);
     }
     return !bad;
 }
@@ -224,10 +224,9 @@ static bool find_files(struct checking *checking)
 static void list_difference(struct checking *checking, size_t line, const char *where, json_t *before, json_t *after)
 {
     if (checking->differing++ < LISTED) {
-        json_t *text = json_string(where);
         json_array_append_new(checking->differences,
                               json_pack("{s: I, s: o, s: o, s: o}", "line", (json_int_t)line, "where",
-                                        text ? text : json_null(), "recorded", before ? before : json_null(), "again",
+                                        json_from_text(where), "recorded", before ? before : json_null(), "again",
                                         after ? after : json_null()));
     } else {
         json_decref(before);
@@ -505,13 +504,6 @@ static void print_error(const struct checking *checking)
     free(text.data);
 }
 
-/* Bytes that are no UTF-8 become null. */
-static json_t *json_from_text(const char *text)
-{
-    json_t *string = text ? json_string(text) : NULL;
-    return string ? string : json_null();
-}
-
 static json_t *json_from_lines(const struct lines *lines)
 {
     json_t *list = json_array();
@@ -538,10 +530,9 @@ static void put_json(FILE *out, const struct checking *checking)
                   checking->compared && checking->same, "why", json_from_lines(&checking->why), "notes",
                   json_from_lines(&checking->notes), "lines_that_differ", (json_int_t)checking->differing,
                   "differences", checking->differences, "files", files);
-    char *text = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
-    fprintf(out, "%s\n", text ? text : "null");
-    free(text);
-    json_decref(root);
+    if (!json_put(out, root, JSON_INDENT(1))) {
+        fputs("null\n", out);
+    }
 }
 
 static int write_verdict(const struct checking *checking, bool is_json)

@@ -50,10 +50,9 @@ struct record {
 /** Reads a sidecar of @p size bytes. Returns NULL, or says why this is no sidecar; that text lasts until the thread's
  * next call. @p out is the caller's to record_finish() in both cases. */
 const char *record_parse(struct record *out, const char *text, size_t size);
+/** The same of the file @p path. Returns the exit code and prints an error unless it is 0. */
+int record_read(struct record *out, const char *path);
 void record_finish(struct record *record);
-
-/** Whether @p text is a version of conus: digits and dots. */
-bool record_is_version(const char *text);
 
 /** Path that the record's atlas @p index was loaded from, of several in their order; NULL if it does not say. */
 const char *record_atlas(const struct record *record, size_t index);
