@@ -5,7 +5,7 @@
 #include "viewer/model/viewer.h"
 #include "viewer/opening/opening.h"
 #include "viewer/panes/panes.h"
-#include "viewer/ui/ui_audit.h"
+#include "ui_audit.h"
 
 #include "conus/own.h"
 #include "test.h"

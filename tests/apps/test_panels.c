@@ -4,7 +4,7 @@
 #include "options/progress.h"
 #include "viewer/commands/commands.h"
 #include "viewer/panes/panes.h"
-#include "viewer/ui/ui_audit.h"
+#include "ui_audit.h"
 
 #include "builders/area_rows.h"
 #include "conus/own.h"

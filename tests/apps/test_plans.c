@@ -9,7 +9,7 @@
 #include "viewer/opening/opening.h"
 #include "viewer/panes/panes.h"
 #include "viewer/session/session.h"
-#include "viewer/ui/ui_audit.h"
+#include "ui_audit.h"
 
 #include "base/look.h"
 #include "conus/own.h"

@@ -2,7 +2,7 @@
 // The widgets of ui.h, by Dear ImGui.
 #include "viewer/ui/ui.h"
 
-#include "viewer/ui/ui_audit.h"
+#include "viewer/ui/parts.h"
 
 #include "base/look.h"
 #include "base/look_sizes.h"
@@ -39,7 +39,7 @@ static void begin_field(const char *label, float needed)
         float column = std::ceil(ImGui::GetCursorPosX() + (wide > 0.36F * room ? wide : 0.36F * room));
         ImGui::AlignTextToFramePadding();
         ImGui::TextUnformatted(label);
-        audit_item(label);
+        audit(AUDIT_ITEM, label);
         if (column + needed <= ImGui::GetCursorPosX() + room) {
             ImGui::SameLine(column);
         }
@@ -56,8 +56,8 @@ static void end_field()
 /* Ends a widget that is as wide as its label. */
 static bool end_labelled(bool used, const char *label, const char *tip)
 {
-    audit_item(label);
-    audit_widget(label);
+    audit(AUDIT_ITEM, label);
+    audit(AUDIT_WIDGET, label);
     if (tip) {
         ui_tip(tip);
     }
@@ -396,7 +396,7 @@ static void put_text(const char *format, va_list arguments)
     char text[3072];
     vsnprintf(text, sizeof text, format, arguments);
     ImGui::TextUnformatted(text);
-    audit_item(text);
+    audit(AUDIT_ITEM, text);
 }
 
 void ui_text(const char *format, ...)
@@ -424,7 +424,7 @@ void ui_text_wrapped(enum theme_text colour, const char *text)
     ImGui::TextUnformatted(text);
     ui_tint_end();
     ImGui::PopTextWrapPos();
-    audit_item(text);
+    audit(AUDIT_ITEM, text);
 }
 
 /* A panel's tip stands beside it, where it hides no other widget; over pictures it is at the mouse. */
@@ -458,7 +458,7 @@ static bool is_behind_form()
 
 void ui_tip(const char *text)
 {
-    audit_tip();
+    audit(AUDIT_TIP, nullptr);
     if (ImGui::IsItemHovered() && !is_behind_form()) {
         place_tip(text);
         ImGui::BeginTooltip();
@@ -575,7 +575,7 @@ static bool switch_between(const char *label, size_t *index, const char *const *
         }
     }
     ImGui::EndGroup();
-    audit_widget(label);
+    audit(AUDIT_WIDGET, label);
     ImGui::GetWindowDrawList()->AddRect(low, ImVec2(low.x + wide, low.y + high), packed(theme_marks[THEME_EDGE]),
                                         ImGui::GetStyle().FrameRounding);
     end_field();
@@ -597,9 +597,9 @@ bool ui_choose(const char *label, size_t *index, const char *const *choices, siz
     if (label[0] != '#' && count > 1 && count <= SWITCHED && *index < count && needed <= room) {
         return switch_between(label, index, choices, count, room);
     }
-    audit_within(shown, ImGui::CalcItemWidth() - ImGui::GetFrameHeight() - ImGui::GetStyle().FramePadding.x);
+    audit(AUDIT_WITHIN, shown, ImGui::CalcItemWidth() - ImGui::GetFrameHeight() - ImGui::GetStyle().FramePadding.x);
     bool open = ImGui::BeginCombo("##field", shown);
-    audit_widget(label);
+    audit(AUDIT_WIDGET, label);
     if (open) {
         for (size_t i = 0; i < count; i++) {
             if (ImGui::Selectable(choices[i], i == *index)) {
@@ -635,13 +635,13 @@ static bool slide(const char *label, ImGuiDataType type, void *value, const void
     ImGui::PushStyleColor(ImGuiCol_Text, types ? ImGui::GetColorU32(ImGuiCol_Text) : IM_COL32_BLACK_TRANS);
     bool changed = ImGui::SliderScalar("##field", type, value, low, high, format, flags | ImGuiSliderFlags_AlwaysClamp);
     ImGui::PopStyleColor();
-    audit_widget(label);
+    audit(AUDIT_WIDGET, label);
     write(shown, value);
     ImGui::SameLine(0, 0);
     ImGui::SetCursorPosX(ImGui::GetCursorPosX() + whole - bar - ImGui::CalcTextSize(shown).x);
     ImGui::AlignTextToFramePadding();
     ImGui::TextUnformatted(shown);
-    audit_item(shown);
+    audit(AUDIT_ITEM, shown);
     ImGui::EndGroup();
     end_field();
     return changed;
@@ -669,11 +669,11 @@ bool ui_numbers(const char *label, double value[3], const char *format)
     for (int i = 0; i < 3; i++) {
         char shown[64];
         snprintf(shown, sizeof shown, format, value[i]);
-        audit_within(shown, wide);
+        audit(AUDIT_WITHIN, shown, wide);
     }
     bool changed = ImGui::InputScalarN("##field", ImGuiDataType_Double, value, 3, nullptr, nullptr, format,
                                        ImGuiInputTextFlags_EnterReturnsTrue);
-    audit_widget(label);
+    audit(AUDIT_WIDGET, label);
     end_field();
     return changed;
 }
@@ -689,9 +689,9 @@ void ui_take_keys(bool *wants)
 bool ui_type(const char *label, char *text, size_t size, const char *hint)
 {
     begin_field(label, 0);
-    audit_within(hint, ImGui::CalcItemWidth() - 2 * ImGui::GetStyle().FramePadding.x);
+    audit(AUDIT_WITHIN, hint, ImGui::CalcItemWidth() - 2 * ImGui::GetStyle().FramePadding.x);
     ImGui::InputTextWithHint("##field", hint, text, size, ImGuiInputTextFlags_AutoSelectAll);
-    audit_widget(label);
+    audit(AUDIT_WIDGET, label);
     end_field();
     return is_entered();
 }
@@ -737,7 +737,7 @@ bool ui_type_path(const char *label, char *text, size_t size, const char *hint, 
     std::strncpy(wanted, text, sizeof wanted - 1);
     wanted[sizeof wanted - 1] = 0;
     path_line line = {wanted, folder, selected, is_set};
-    audit_within(hint, ImGui::CalcItemWidth() - 2 * ImGui::GetStyle().FramePadding.x);
+    audit(AUDIT_WITHIN, hint, ImGui::CalcItemWidth() - 2 * ImGui::GetStyle().FramePadding.x);
     int selects = folder[0] ? 0 : ImGuiInputTextFlags_AutoSelectAll; // else what is typed goes behind the folder
     ImGui::InputTextWithHint(label, hint, text, size, ImGuiInputTextFlags_CallbackAlways | selects, take_text, &line);
     return is_entered();
@@ -765,7 +765,7 @@ bool ui_can_write(const char *text)
 
 bool ui_row(const char *label, bool selected, float height)
 {
-    audit_within(label, ui_room());
+    audit(AUDIT_WITHIN, label, ui_room());
     return ImGui::Selectable(label, selected, 0, ImVec2(0, height));
 }
 
