@@ -48,9 +48,12 @@ static void begin_field(const char *label, float needed)
     ImGui::PushID(label);
 }
 
-static void end_field()
+static void end_field(const char *tip)
 {
     ImGui::PopID();
+    if (tip) {
+        ui_tip(tip);
+    }
 }
 
 /* Ends a widget that is as wide as its label. */
@@ -555,7 +558,8 @@ static void underline_chosen(ui_colour colour)
 }
 
 /* Two or three choices side by side, all seen, in an edge. They are one widget. */
-static bool switch_between(const char *label, size_t *index, const char *const *choices, size_t count, float wide)
+static bool switch_between(const char *label, size_t *index, const char *const *choices, size_t count, float wide,
+                           const char *tip)
 {
     const size_t before = *index;
     const ImVec2 low = ImGui::GetCursorScreenPos();
@@ -578,11 +582,11 @@ static bool switch_between(const char *label, size_t *index, const char *const *
     audit(AUDIT_WIDGET, label);
     ImGui::GetWindowDrawList()->AddRect(low, ImVec2(low.x + wide, low.y + high), packed(theme_marks[THEME_EDGE]),
                                         ImGui::GetStyle().FrameRounding);
-    end_field();
+    end_field(tip);
     return *index != before;
 }
 
-bool ui_choose(const char *label, size_t *index, const char *const *choices, size_t count)
+bool ui_choose(const char *label, size_t *index, const char *const *choices, size_t count, const char *tip)
 {
     enum { SWITCHED = 3 };
     bool changed = false;
@@ -595,7 +599,7 @@ bool ui_choose(const char *label, size_t *index, const char *const *choices, siz
     const float room = ImGui::CalcItemWidth();
     const float needed = static_cast<float>(count) * (widest + 2 * ImGui::GetStyle().FramePadding.x);
     if (label[0] != '#' && count > 1 && count <= SWITCHED && *index < count && needed <= room) {
-        return switch_between(label, index, choices, count, room);
+        return switch_between(label, index, choices, count, room, tip);
     }
     audit(AUDIT_WITHIN, shown, ImGui::CalcItemWidth() - ImGui::GetFrameHeight() - ImGui::GetStyle().FramePadding.x);
     bool open = ImGui::BeginCombo("##field", shown);
@@ -612,13 +616,13 @@ bool ui_choose(const char *label, size_t *index, const char *const *choices, siz
         }
         ImGui::EndCombo();
     }
-    end_field();
+    end_field(tip);
     return changed;
 }
 
 /* A slider with its number at its right, where the grab never is. Together they are the widget before. */
 static bool slide(const char *label, ImGuiDataType type, void *value, const void *low, const void *high,
-                  const char *format, ImGuiSliderFlags flags)
+                  const char *format, ImGuiSliderFlags flags, const char *tip)
 {
     const auto write = [type, format](char(&out)[64], const void *number) {
         ImGui::DataTypeFormatString(out, sizeof out, type, number, format);
@@ -643,22 +647,23 @@ static bool slide(const char *label, ImGuiDataType type, void *value, const void
     ImGui::TextUnformatted(shown);
     audit(AUDIT_ITEM, shown);
     ImGui::EndGroup();
-    end_field();
+    end_field(tip);
     return changed;
 }
 
-bool ui_slider(const char *label, double *value, double low, double high, const char *format, bool logarithmic)
+bool ui_slider(const char *label, double *value, double low, double high, const char *format, bool logarithmic,
+               const char *tip)
 {
     return slide(label, ImGuiDataType_Double, value, &low, &high, format,
-                 logarithmic ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None);
+                 logarithmic ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None, tip);
 }
 
-bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high)
+bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high, const char *tip)
 {
-    return slide(label, ImGuiDataType_U32, value, &low, &high, "%u", ImGuiSliderFlags_None);
+    return slide(label, ImGuiDataType_U32, value, &low, &high, "%u", ImGuiSliderFlags_None, tip);
 }
 
-bool ui_numbers(const char *label, double value[3], const char *format)
+bool ui_numbers(const char *label, double value[3], const char *format, const char *tip)
 {
     const ImGuiStyle &style = ImGui::GetStyle();
     char usual[64];
@@ -674,7 +679,7 @@ bool ui_numbers(const char *label, double value[3], const char *format)
     bool changed = ImGui::InputScalarN("##field", ImGuiDataType_Double, value, 3, nullptr, nullptr, format,
                                        ImGuiInputTextFlags_EnterReturnsTrue);
     audit(AUDIT_WIDGET, label);
-    end_field();
+    end_field(tip);
     return changed;
 }
 
@@ -686,14 +691,15 @@ void ui_take_keys(bool *wants)
     *wants = false;
 }
 
-bool ui_type(const char *label, char *text, size_t size, const char *hint)
+bool ui_type(const char *label, char *text, size_t size, const char *hint, const char *tip)
 {
     begin_field(label, 0);
     audit(AUDIT_WITHIN, hint, ImGui::CalcItemWidth() - 2 * ImGui::GetStyle().FramePadding.x);
     ImGui::InputTextWithHint("##field", hint, text, size, ImGuiInputTextFlags_AutoSelectAll);
     audit(AUDIT_WIDGET, label);
-    end_field();
-    return is_entered();
+    const bool entered = is_entered();
+    end_field(tip);
+    return entered;
 }
 
 struct path_line {
