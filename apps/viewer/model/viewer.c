@@ -374,8 +374,10 @@ uint32_t viewer_full(const struct viewer *viewer)
 double viewer_fade(const struct viewer *viewer)
 {
     const struct view_atlas *view = viewer->drawn;
-    bool is_within = view->is_covered && view->appearance.opacity[0] >= 1 && !view_atlas_hidden(view) &&
-                     !view_atlas_shows_tracts(view);
+    bool is_within = view->is_covered && !view_atlas_shows_tracts(view);
+    for (size_t number = 0; number <= view->object_count && is_within; number++) {
+        is_within = !(view->appearance.opacity[number] < 1); /* NaN: as the first says */
+    }
     return is_within ? 1 : viewer->display.fade;
 }
 
