@@ -905,46 +905,47 @@ static double *beam_opacities(const struct picture *picture, const conus_selecti
     return opacity;
 }
 
-/* Whether a ball has a line to what its pose points at. */
-static bool has_lines(const conus_view *view)
-{
-    bool found = false;
-    for (size_t i = 0; i < view->point_count; i++) {
-        found = found || !isnan(view->points[i].end[0]);
-    }
-    return found;
-}
+/* What of points is said: how many have a line to what their poses point at, how many poses point at nothing, and how
+ * many others lie outside of the box around all that the atlas shows. */
+struct point_counts {
+    size_t lines, hollow, outside;
+};
 
-/* How many points lie outside of the box around all that the atlas shows: devices, which have lines, may. */
-static size_t count_outside(const struct picture *picture, const conus_view *view)
+static struct point_counts count_points(const struct picture *picture, const conus_view *view)
 {
     double low[3], high[3];
-    size_t count = 0;
+    struct point_counts counts = {0};
     const bool has_box = !conus_atlas_bounds(low, high, picture->atlas);
-    for (size_t i = 0; has_box && i < view->point_count; i++) {
-        const double *at = view->points[i].at;
+    for (size_t i = 0; i < view->point_count; i++) {
+        const conus_drawn_point *point = &view->points[i];
+        const bool has_line = !isnan(point->end[0]);
         bool is_out = false;
-        for (int a = 0; a < 3; a++) {
-            is_out = is_out || at[a] < low[a] || at[a] > high[a];
+        for (int a = 0; a < 3 && has_box; a++) {
+            is_out = is_out || point->at[a] < low[a] || point->at[a] > high[a];
         }
-        count += is_out && isnan(view->points[i].end[0]);
+        counts.lines += has_line;
+        counts.hollow += point->hollow;
+        counts.outside += is_out && !has_line && !point->hollow;
     }
-    return count;
+    return counts;
 }
 
 /* Of a file's rows, or one place of the options, what is drawn, what of it is far off, and what is not drawn. */
 static void describe_rows(FILE *out, const struct picture *picture, const conus_view *view)
 {
     const size_t drawn = view->point_count + view->probe_count;
-    const size_t outside = count_outside(picture, view);
+    const struct point_counts counts = count_points(picture, view);
     const char *file = picture->rows.file;
     fprintf(out, ", with %zu %s%s%s", drawn,
-            view->probe_count ? "probes"
-            : has_lines(view) ? "poses"
-                              : "points",
+            view->probe_count               ? "probes"
+            : counts.lines || counts.hollow ? "poses"
+                                            : "points",
             file ? " of " : "", file ? path_name(file) : "");
-    if (outside) {
-        fprintf(out, ", %zu of them outside of the atlas", outside);
+    if (counts.outside) {
+        fprintf(out, ", %zu of them outside of the atlas", counts.outside);
+    }
+    if (counts.hollow) {
+        fprintf(out, ", %zu of them hollow, which point at nothing", counts.hollow);
     }
     if (picture->rows.count > drawn) {
         fprintf(out, "; %zu of %zu rows could not be drawn", picture->rows.count - drawn, picture->rows.count);

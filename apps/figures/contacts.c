@@ -98,6 +98,7 @@ conus_status contacts_place(conus_drawn_point *out, const conus_pose_row *row, d
             out->end[k] = conus_table_numbers(segments, entry[k])[i];
         }
     }
+    out->hollow = isnan(out->end[0]);
     conus_table_destroy(segments);
     return status;
 }

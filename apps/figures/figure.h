@@ -41,9 +41,9 @@ int figure_colour_atlas(conus_atlas *atlas, const struct figure_settings *settin
 bool contacts_group(bool *grouped, conus_drawn_point *points, size_t count);
 void contacts_ungroup(conus_drawn_point *points, size_t count);
 
-/** The ball of a row without an error, with a line to what it points at, if that is something. @p selector finds that,
- * and its range becomes the row's; of a point it is not used. @p radius is that of rows without one. What is in it is
- * the row's. */
+/** The ball of a row without an error, with a line to what it points at; hollow where that is nothing. @p selector
+ * finds that, and its range becomes the row's; of a point it is not used. @p radius is that of rows without one. What
+ * is in it is the row's. */
 conus_status contacts_place(conus_drawn_point *out, const conus_pose_row *row, double radius, conus_selector *selector);
 
 #endif

@@ -164,6 +164,7 @@ typedef struct conus_drawn_point {
                           letters' size; 0 = the line. */
     uint8_t rgb[3];    /**< sRGB of a mark's line or disc. */
     bool dashed;       /**< A mark's line has dashes, which go on in the next mark. */
+    bool hollow;       /**< A point's ball is a ring: its row has no answer. */
 } conus_drawn_point;
 
 /** How near to a cut the middle of a smaller ball is drawn there, mm. */

@@ -26,6 +26,9 @@ static const double LINE = 0.16;
 static const double LETTERS = 0.85;
 static const double GAP = 0.25;
 
+/* The dark inside of a ball that is a ring, as a part of its radius. */
+static const double HOLE = 0.6;
+
 /* How much of its colour a ball loses that lies a radius of the atlas behind its middle. */
 static const double PALEST = 0.4;
 
@@ -227,6 +230,9 @@ static void draw_ball(struct draw_list *list, const struct picture *picture, con
     }
     draw_disc(list, ball->at, ball->radius + edge, casing);
     draw_disc(list, ball->at, ball->radius, colour);
+    if (picture->options.points[ball->index].hollow) {
+        draw_disc(list, ball->at, HOLE * ball->radius, casing);
+    }
 }
 
 static struct draw_box box_of(const struct ball *ball)

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The window's texts can be read: contrast of its colours, and no text cut off, at usual sizes of window. */
+#include "ui_audit.h"
 #include "viewer/commands/commands.h"
 #include "viewer/model/columns.h"
 #include "viewer/model/viewer.h"
 #include "viewer/opening/opening.h"
 #include "viewer/panes/panes.h"
-#include "viewer/ui/ui_audit.h"
 
 #include "conus/own.h"
 #include "test.h"

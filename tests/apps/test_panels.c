@@ -2,9 +2,9 @@
 /* Which texts the panel of hits has, and in which order, without a screen. */
 #include "options/messages.h"
 #include "options/progress.h"
+#include "ui_audit.h"
 #include "viewer/commands/commands.h"
 #include "viewer/panes/panes.h"
-#include "viewer/ui/ui_audit.h"
 
 #include "builders/area_rows.h"
 #include "conus/own.h"

@@ -4,12 +4,12 @@
  * The U of u-shape: an axis from x = 40 along -x at z = 5 passes through one arm at the depths 18 to 28 and through the
  * ball at 35 to 45 (tests/cli/plan.bats). So a needle of radius 1 mm that ends at depth F is in the U by F - 18, at
  * most 10 mm, and has 35 - F - 1 mm of clearance from the ball. */
+#include "ui_audit.h"
 #include "viewer/model/columns.h"
 #include "viewer/model/viewer.h"
 #include "viewer/opening/opening.h"
 #include "viewer/panes/panes.h"
 #include "viewer/session/session.h"
-#include "viewer/ui/ui_audit.h"
 
 #include "base/look.h"
 #include "conus/own.h"

@@ -462,8 +462,18 @@ static void an_image_is_left_out_around_opaque_areas(void **state)
         viewer_set_opacity(&viewer, 0, 0.5);
         assert_near(viewer_fade(&viewer), 0, 0);
         viewer_set_opacity(&viewer, 0, 1);
-        viewer_hide(&viewer, 1, true);
+        viewer_set_opacity(&viewer, 1, 0.5);
         assert_near(viewer_fade(&viewer), 0, 0);
+        viewer_set_opacity(&viewer, 1, NAN);
+        assert_near(viewer_fade(&viewer), !is_part, 0);
+        viewer_hide(&viewer, 1, true); /* whose place the next area is near enough to */
+        assert_near(viewer_fade(&viewer), !is_part, 0);
+        for (uint32_t number = 2; number <= viewer.drawn->object_count; number++) {
+            viewer_hide(&viewer, number, true);
+        }
+        assert_near(viewer_fade(&viewer), 0, 0);
+        viewer_show_all(&viewer);
+        assert_near(viewer_fade(&viewer), !is_part, 0);
         viewer_finish(&viewer);
     }
 }

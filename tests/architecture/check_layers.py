@@ -142,9 +142,10 @@ LIBRARY = {
     "selection/batch": "base base/geometry base/system poses poses/rows selection selection/study selection/report",
 }
 RULES = {**LIBRARY, **APPS}
-# What programs link beside the library (conus_system in base/CMakeLists.txt, conus_keys in sources).
-SHARED = {"base/child/process.h", "base/look.h", "base/look_sizes.h", "base/order.h", "base/path.h",
-          "base/system/system.h", "base/text.h", "base/writer.h", "sources/endings.h", "sources/keys.h"}
+# What programs link beside the library (conus_system in base/CMakeLists.txt, conus_keys in sources), and vectors, which
+# are inline.
+SHARED = {"base/child/process.h", "base/geometry/math3.h", "base/look.h", "base/look_sizes.h", "base/order.h",
+          "base/path.h", "base/system/system.h", "base/text.h", "base/writer.h", "sources/endings.h", "sources/keys.h"}
 # {folder: (headers beside its one for others and its one for itself, why)}.
 APART = {
     "apps/cli": ("cmd_plan cmd_render request", "parts of some commands; commands.h lists all of them"),

@@ -128,14 +128,14 @@ END
     has_text '2 of 5 points are in no cut'
 }
 
-@test "a pose has a line to what its axis meets first, and a point none" {
+@test "a pose has a line to what its axis meets first, or is a ring, and a point has none" {
     sphere --size 32
     printf 'name,x,y,z,tx,ty,tz\nabove,0,0,30,0,0,0\naside,0,0,30,0,50,30\n' >two.csv
     run --separate-stderr "$CONUS" render sphere.nii.gz --pose two.csv --size 400x300 --opacity 0 -o two.svg --view front
     [ "$status" -ne 4 ] || need_gl
     [ "$status" -eq 0 ]
     check_message 'note: two.csv: 2 poses in one picture, as balls with lines to their ends, or what their axes meet first; {query} or {row} in'
-    [ "$(discs two.svg | wc -l)" -eq 4 ]
+    [ "$(discs two.svg | wc -l)" -eq 5 ] # each with its edge, and the hole of the one that points at nothing
     [ "$(grep -E 'd="M200 [0-9.]+L200 [0-9.]+"' two.svg | grep -cvE 'M(200 [0-9.]+)L\1"')" -eq 2 ] # straight down, with its edge
     printf 'x y z\n0 0 30\n0 0 900\n' >one.txt
     gl render sphere.nii.gz --pose one.txt --size 400x300 --opacity 0 -o one.svg

@@ -104,6 +104,10 @@ nifti.write("sides.nii", (12, 10, 10), "B", lambda i, j, k: i // 2 + 1)'
     printf 'name,x,y,z,tx,ty,tz\nC1,0,-60,0,0,0,0\nC2,5,-60,0,5,0,0\n' >poses.csv
     answers render slabs.nii.gz --pose poses.csv --cuts axial -q -o poses.png --caption poses.txt
     [ "$(head -1 poses.txt)" = 'Cuts of the atlas slabs.nii.gz: axial, with 2 poses of poses.csv.' ]
+    echo C3,0,-60,0,0,-120,0 >>poses.csv
+    answers render slabs.nii.gz --pose poses.csv --cuts axial -q -o hollow.png --caption hollow.txt
+    [ "$(head -1 hollow.txt)" = 'Cuts of the atlas slabs.nii.gz: axial, with 3 poses of poses.csv, 1 of them hollow, which point at'\
+' nothing.' ]
     conus phantom bundle -o .
     gl render bundle.atlas.json --streamline-colour direction --size 300x200 -q -o fibres.png --caption fibres.txt
     grep -q '^Bundle (coloured as below)$' fibres.txt

@@ -654,8 +654,8 @@ void keys_draw_help(struct window *window)
     size_t found = 0;
     window_panel(window, "Keys and mouse (?, F1 or Escape closes this)", is_wide ? 1240 : 640, 780);
     ui_take_keys(&window->forms.searches_help);
-    ui_type("Search", search, sizeof window->forms.help_search, "a key, or what it does");
-    ui_tip("lists the keys that have this in their name or in what they do; / comes here");
+    ui_type("Search", search, sizeof window->forms.help_search, "a key, or what it does",
+            "lists the keys that have this in their name or in what they do; / comes here");
     ui_columns(is_wide ? 2 : 1);
     for (size_t i = 0; i < KEYS; i++) {
         char text[KEY_LIMIT];

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds what is under the mouse: single rays and small balls, by a selector of their own. */
+#include "base/geometry/math3.h"
 #include "conus/own.h"
 #include "viewer/model/viewer.h"
 
@@ -51,14 +52,14 @@ static double depth_of_surface(const struct viewer *viewer, const double origin[
     }
     double light = 1;
     double surface = INFINITY;
-    double before = -2 * viewer->radius; /* there is nothing farther from the middle */
-    for (int a = 0; a < 3; a++) {
-        before += (viewer->centre[a] - origin[a]) * along[a];
-    }
+    double offset[3];
+    vec3_sub(offset, viewer->centre, origin);
+    const double before = vec3_dot(offset, along) - 2 * viewer->radius; /* there is nothing farther from the middle */
     bool goes_on = context_ray.count > 0;
     for (unsigned step = (unsigned)fmax(before, 0); goes_on && step < most && light > dark; step++) { /* mm */
         double t = step;
-        const double place[3] = {origin[0] + t * along[0], origin[1] + t * along[1], origin[2] + t * along[2]};
+        double place[3];
+        vec3_add_scaled(place, origin, t, along);
         double value = conus_atlas_value(context_ray.atlas, context_ray.volume, place);
         double opacity = isfinite(value) ? opacity_of(&context_ray, value) : 0;
         light *= opacity > 0 ? pow(1 - fmin(opacity, 1), context_ray.thinned) : 1;
@@ -66,20 +67,6 @@ static double depth_of_surface(const struct viewer *viewer, const double origin[
         goes_on = surface < limit || t < limit;
     }
     return light > dark ? INFINITY : surface;
-}
-
-/* Pathways or bundles that are shown. */
-static bool shows_pathways(const struct view_atlas *view)
-{
-    for (size_t number = view->object_count; number > 0; number--) { /* they come last */
-        if (conus_atlas_object(view->atlas, number)->kind == CONUS_KIND_AREA) {
-            return false;
-        }
-        if (!view->shown.hidden[number]) {
-            return true;
-        }
-    }
-    return false;
 }
 
 static bool is_hit(const struct view_atlas *view, uint32_t number)
@@ -121,7 +108,7 @@ static double find_first_drawn(uint32_t *object, struct view_atlas *view, const 
     size_t count = 0;
     double depth = INFINITY;
     *object = 0;
-    if (!shows_pathways(view)) {
+    if (!view_atlas_shows_tracts(view)) {
         return find_first(object, view, pose);
     }
     if (make_picker(view, CONUS_LAYERS_ALL) ||
@@ -176,12 +163,11 @@ bool viewer_pick(uint32_t *object, double contact[3], struct viewer *viewer, con
     }
     const double *m = pose.world_from_device;
     const double along[3] = {-m[8], -m[9], -m[10]};
-    double across = 0;
-    for (int a = 0; a < 3; a++) {
-        across = hypot(across, origin[a] - viewer->centre[a]);
-    }
+    double offset[3];
+    vec3_sub(offset, origin, viewer->centre);
     double depth = find_first_drawn(object, viewer->drawn, &pose);
-    double surface = depth_of_surface(viewer, origin, along, fmin(depth, across + 2 * viewer->radius), limit);
+    double surface =
+        depth_of_surface(viewer, origin, along, fmin(depth, vec3_length(offset) + 2 * viewer->radius), limit);
     if (surface < depth) {
         *object = 0;
         depth = surface;
@@ -190,9 +176,7 @@ bool viewer_pick(uint32_t *object, double contact[3], struct viewer *viewer, con
         *object = 0;
         return false;
     }
-    for (int a = 0; a < 3; a++) {
-        contact[a] = origin[a] + depth * along[a];
-    }
+    vec3_add_scaled(contact, origin, depth, along);
     return true;
 }
 
@@ -206,7 +190,7 @@ double view_atlas_value(struct view_atlas *view, uint32_t object, const double p
     }
     /* Half the diagonal of a voxel: a ball of it has the centre of a voxel in it, wherever it is. */
     const double *s = conus_atlas_volume(view->atlas, info->volume)->spacing;
-    double radius = 0.51 * sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
+    double radius = 0.51 * vec3_length(s);
     if (conus_select_ball(&selection, view->pickers[CONUS_LAYERS_ALL], place, radius)) {
         return NAN;
     }

@@ -2,6 +2,7 @@
 /* Moves tools and asks the atlases what their cones hit. */
 #include "viewer/model/viewer.h"
 
+#include "base/geometry/math3.h"
 #include "conus/own.h"
 #include "options/progress.h"
 
@@ -134,9 +135,7 @@ void tool_place(struct viewer *viewer, enum tool_number number)
 {
     static const double directions[TOOL_COUNT][3] = {{0, -1, 0}, {-1, 0, 0}};
     double origin[3];
-    for (int a = 0; a < 3; a++) {
-        origin[a] = viewer->centre[a] - start_radii * viewer->radius * directions[number][a];
-    }
+    vec3_add_scaled(origin, viewer->centre, -start_radii * viewer->radius, directions[number]);
     tool_aim_along(viewer, number, origin, directions[number]);
 }
 

@@ -12,17 +12,21 @@
 #include <string.h>
 
 /* Finds the box around all objects, which is that of those that are shown where none is hidden. */
-static conus_status find_box_and_cover(struct view_atlas *view)
+static conus_status find_box(struct view_atlas *view)
 {
     bool hides = view_atlas_hidden(view) > 0;
     conus_status status = hides ? conus_atlas_set_hidden(view->atlas, NULL) : CONUS_OK;
     if (!status && conus_atlas_bounds(view->box[0], view->box[1], view->atlas)) {
         view->box[0][0] = INFINITY;
     }
-    if (!status && conus_context_is_covered(&view->is_covered, view->atlas)) {
-        view->is_covered = false; /* of one grey */
-    }
     return hides && !status ? conus_atlas_set_hidden(view->atlas, view->shown.hidden) : status;
+}
+
+void view_atlas_find_cover(struct view_atlas *view)
+{
+    if (conus_context_is_covered(&view->is_covered, view->atlas)) {
+        view->is_covered = false; /* of one grey, or none */
+    }
 }
 
 bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
@@ -41,10 +45,11 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
     bool has_look = appearance_init(&view.appearance, view.object_count);
     if (!view.shown.hidden || !has_look || !view.path || !view.name || !view.watch || !view.prefixes || !view.sides ||
         conus_atlas_sides(view.sides, view.atlas) || conus_atlas_prefixes(view.prefixes, view.atlas) ||
-        find_box_and_cover(&view)) {
+        find_box(&view)) {
         view_atlas_finish(&view);
         return false;
     }
+    view_atlas_find_cover(&view);
     size_t context = view_atlas_context(&view);
     if (context == conus_atlas_volume_count(view.atlas) || conus_atlas_window(view.found_grey, view.atlas, context)) {
         view.found_grey[0] = view.found_grey[1] = 0;

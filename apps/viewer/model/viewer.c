@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The viewer: creation, the cone, confirmed results, crosshair. */
 #include "viewer/model/viewer.h"
+#include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/system/system.h"
 #include "conus/own.h"
@@ -184,11 +185,9 @@ void viewer_pin(struct viewer *viewer, struct pin pin)
                  conus_atlas_object(viewer->atlases[pin.atlas].atlas, pin.object)->name);
         pin.entry[0] = pin.entry[1] = pin.entry[2] = NAN;
     }
-    double square = 0;
-    for (int a = 0; a < 3 && last; a++) {
-        square += (last->contact[a] - pin.contact[a]) * (last->contact[a] - pin.contact[a]);
-    }
-    pin.apart = last ? sqrt(square) : NAN;
+    double offset[3];
+    vec3_sub(offset, pin.contact, last ? last->contact : pin.contact);
+    pin.apart = last ? vec3_length(offset) : NAN;
     viewer->pins[viewer->pin_count++] = pin;
 }
 
@@ -300,8 +299,9 @@ void viewer_measure(struct viewer *viewer, const double at[3])
 
 double viewer_distance(const struct viewer *viewer)
 {
-    const double *p = viewer->measure.points;
-    return viewer->measure.count == 2 ? hypot(hypot(p[3] - p[0], p[4] - p[1]), p[5] - p[2]) : NAN;
+    double offset[3];
+    vec3_sub(offset, viewer->measure.points + 3, viewer->measure.points);
+    return viewer->measure.count == 2 ? vec3_length(offset) : NAN;
 }
 
 void viewer_cross(struct viewer *viewer, const double at[3])
@@ -318,22 +318,12 @@ void viewer_cross(struct viewer *viewer, const double at[3])
 static bool find_voxel(double voxel[3], const double m[16], const double at[3])
 {
     double d[3];
-    double minors[3][3];
-    for (int a = 0; a < 3; a++) {
-        d[a] = at[a] - m[12 + a];
-    }
-    for (int c = 0; c < 3; c++) {
-        const double *p = m + 4 * ((c + 1) % 3);
-        const double *q = m + 4 * ((c + 2) % 3);
-        for (int a = 0; a < 3; a++) {
-            int b = (a + 1) % 3;
-            int e = (a + 2) % 3;
-            minors[c][a] = p[b] * q[e] - p[e] * q[b];
-        }
-    }
-    double determinant = m[0] * minors[0][0] + m[1] * minors[0][1] + m[2] * minors[0][2];
+    const double determinant = mat4_determinant3(m);
+    vec3_sub(d, at, m + 12);
     for (int c = 0; c < 3 && determinant != 0; c++) {
-        voxel[c] = (d[0] * minors[c][0] + d[1] * minors[c][1] + d[2] * minors[c][2]) / determinant;
+        double minors[3];
+        vec3_cross(minors, m + 4 * ((c + 1) % 3), m + 4 * ((c + 2) % 3));
+        voxel[c] = vec3_dot(d, minors) / determinant;
     }
     return determinant != 0;
 }
@@ -384,8 +374,10 @@ uint32_t viewer_full(const struct viewer *viewer)
 double viewer_fade(const struct viewer *viewer)
 {
     const struct view_atlas *view = viewer->drawn;
-    bool is_within = view->is_covered && view->appearance.opacity[0] >= 1 && !view_atlas_hidden(view) &&
-                     !view_atlas_shows_tracts(view);
+    bool is_within = view->is_covered && !view_atlas_shows_tracts(view);
+    for (size_t number = 0; number <= view->object_count && is_within; number++) {
+        is_within = !(view->appearance.opacity[number] < 1); /* NaN: as the first says */
+    }
     return is_within ? 1 : viewer->display.fade;
 }
 

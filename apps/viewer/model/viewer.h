@@ -167,6 +167,8 @@ struct view_source {
 bool view_atlas_init(struct view_atlas *out, const struct view_source *source);
 /** Ends all but the atlas itself. */
 void view_atlas_finish(struct view_atlas *view);
+/** Finds anew whether the areas that are shown cover the context, as figures ask. */
+void view_atlas_find_cover(struct view_atlas *view);
 
 /** Asks for what is in the cone of a tool, of full opening @p angle, degrees. Where that fails, there is no answer. */
 conus_status view_atlas_select(struct view_atlas *view, enum tool_number tool, const conus_selector_options *options,

@@ -3,6 +3,7 @@
  * names. */
 #include "viewer/panes/panes.h"
 
+#include "base/geometry/math3.h"
 #include "base/look.h"
 #include "conus/own.h"
 #include "viewer/model/viewer.h"
@@ -196,23 +197,17 @@ static const double piece_mm = 1; /* of a line in a cut, which are firm or faint
 void pane_point(float out[2], const struct pane_plane *plane, const double world[3])
 {
     const conus_cut_view *view = &plane->view;
-    double right = 0;
-    double up = 0;
-    for (int a = 0; a < 3; a++) {
-        right += (world[a] - view->centre[a]) * view->right[a];
-        up += (world[a] - view->centre[a]) * view->up[a];
-    }
+    double offset[3];
+    vec3_sub(offset, world, view->centre);
+    const double right = vec3_dot(offset, view->right);
+    const double up = vec3_dot(offset, view->up);
     out[0] = plane->box.x + plane->box.width / 2 + (float)(right / view->mm_per_pixel);
     out[1] = plane->box.y + plane->box.height / 2 - (float)(up / view->mm_per_pixel);
 }
 
 void pane_normal(double out[3], const struct pane_plane *plane)
 {
-    for (int a = 0; a < 3; a++) {
-        int b = (a + 1) % 3;
-        int c = (a + 2) % 3;
-        out[a] = plane->view.right[b] * plane->view.up[c] - plane->view.right[c] * plane->view.up[b];
-    }
+    vec3_cross(out, plane->view.right, plane->view.up);
 }
 
 /* Half of the longest edge of the first volume's voxels, mm; of an atlas without one, half a mm. */
@@ -226,19 +221,19 @@ static double half_slice(const conus_atlas *atlas)
 static double from_cut(const double place[3], const struct pane_plane *plane)
 {
     double normal[3];
-    double away = 0;
+    double offset[3];
     pane_normal(normal, plane);
-    for (int a = 0; a < 3; a++) {
-        away += (place[a] - plane->view.centre[a]) * normal[a];
-    }
-    return away;
+    vec3_sub(offset, place, plane->view.centre);
+    return vec3_dot(offset, normal);
 }
 
 double pane_line_cut(const struct window *window, const struct pane_plane *plane, const double from[3],
                      const double to[3], double radius, struct pen pen)
 {
     const double in_cut = fmax(radius, half_slice(window->viewer->drawn->atlas));
-    const double length = hypot(hypot(to[0] - from[0], to[1] - from[1]), to[2] - from[2]);
+    double whole[3];
+    vec3_sub(whole, to, from);
+    const double length = vec3_length(whole);
     const double piece = fmax(piece_mm, length / 1000); /* sessions may have any places */
     const int count = (int)ceil(length / piece);
     int firm = 0;
@@ -247,9 +242,7 @@ double pane_line_cut(const struct window *window, const struct pane_plane *plane
         double away = 0;
         float ends[2][2];
         for (int e = 0; e < 2; e++) {
-            for (int a = 0; a < 3; a++) {
-                place[a] = from[a] + fmin(piece * (i + e) / length, 1) * (to[a] - from[a]);
-            }
+            vec3_add_scaled(place, from, fmin(piece * (i + e) / length, 1), whole);
             pane_point(ends[e], plane, place);
             away += from_cut(place, plane) / 2;
         }

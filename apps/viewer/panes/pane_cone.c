@@ -2,6 +2,7 @@
 /* The cones of both tools over the four panes. */
 #include "viewer/panes/panes.h"
 
+#include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/order.h"
 #include "viewer/model/viewer.h"
@@ -59,10 +60,11 @@ static void find_extent(struct window *window, enum tool_number number)
 static bool is_hidden_by_others(const struct window *window, const double at[3], uint32_t own)
 {
     const double *eye = window->pictures.shown.camera.world_from_device + 12;
-    const double offset[3] = {at[0] - eye[0], at[1] - eye[1], at[2] - eye[2]};
+    double offset[3];
     double place[3];
     uint32_t object;
-    double limit = hypot(hypot(offset[0], offset[1]), offset[2]) - touching;
+    vec3_sub(offset, at, eye);
+    double limit = vec3_length(offset) - touching;
     return viewer_pick(&object, place, window->viewer, eye, offset, limit) && (!own || object != own);
 }
 
@@ -83,9 +85,9 @@ static void add_line(struct cone_sight *sight, const double from[3], const doubl
 
 static void part_of(double out[3], const double from[3], const double to[3], double part)
 {
-    for (int a = 0; a < 3; a++) {
-        out[a] = from[a] + part * (to[a] - from[a]);
-    }
+    double whole[3];
+    vec3_sub(whole, to, from);
+    vec3_add_scaled(out, from, part, whole);
 }
 
 /* How far along a line something begins or ceases to hide it, after `part`, at the beginning of which it is hidden or
@@ -141,9 +143,7 @@ static void add_ring(struct cone_sight *sight, const struct window *window, doub
 static void on_axis(double out[3], const struct window *window, enum tool_number number, double depth)
 {
     const double *m = window->viewer->tools[number].pose.world_from_device;
-    for (int a = 0; a < 3; a++) {
-        out[a] = m[12 + a] - depth * m[8 + a];
-    }
+    vec3_add_scaled(out, m + 12, -depth, m + 8);
 }
 
 /* Adds the wall between two depths: both rings, but none that is a point, and the sides. */
@@ -298,7 +298,7 @@ static void draw_inside(const struct window *window, enum tool_number number, ui
     const struct cone_sight *sight = &window->pictures.cones[number];
     const double *m = window->viewer->tools[number].pose.world_from_device;
     const double *eye = window->pictures.shown.camera.world_from_device;
-    double along = m[8] * eye[8] + m[9] * eye[9] + m[10] * eye[10]; /* 1: seen along the axis */
+    double along = vec3_dot(m + 8, eye + 8); /* 1: seen along the axis */
     double first = fmin(fmax(sight->extent.first, sight->extent.near), sight->clear);
     double before = fill_over_hits + (1 - along * along) * (fill - fill_over_hits);
     draw_part(window, number, sight->extent.near, first, filled(colour, before));
@@ -425,11 +425,11 @@ static void draw_edges(const struct window *window, enum tool_number number, con
     for (size_t i = 0; i < count; i++) {
         double right = (double)(corners[i][0] - plane->box.x - plane->box.width / 2) * view->mm_per_pixel;
         double up = (double)(plane->box.y + plane->box.height / 2 - corners[i][1]) * view->mm_per_pixel;
-        double depth = 0;
-        for (int a = 0; a < 3; a++) {
-            depth -= (view->centre[a] + right * view->right[a] + up * view->up[a] - m[12 + a]) * m[8 + a];
-        }
-        is_far[i] = is_open && depth > depths[1] - touching;
+        double offset[3];
+        vec3_sub(offset, view->centre, m + 12);
+        vec3_add_scaled(offset, offset, right, view->right);
+        vec3_add_scaled(offset, offset, up, view->up);
+        is_far[i] = is_open && -vec3_dot(offset, m + 8) > depths[1] - touching;
     }
     for (size_t i = 0; i < count; i++) {
         size_t next = (i + 1) % count;

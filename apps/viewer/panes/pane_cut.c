@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A flat pane: the cut, the crosshair, the cone in it, and the mouse on it. */
+#include "base/geometry/math3.h"
 #include "base/look.h"
 #include "conus/own.h"
 #include "viewer/model/viewer.h"
@@ -61,11 +62,6 @@ static void draw_corner(const struct window *window, const struct ui_box *box, b
 }
 
 static const ui_colour cross = {LOOK_RGB(LOOK_CROSS), 255};
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /* A pane in this frame. */
 struct cut {
@@ -134,9 +130,8 @@ static void world_at(double out[3], const struct cut *cut, float x, float y)
     const struct ui_box *box = &cut->plane.box;
     double beside = ((double)(x - box->x) - (double)box->width / 2) * cut->plane.view.mm_per_pixel;
     double above = ((double)box->height / 2 - (double)(y - box->y)) * cut->plane.view.mm_per_pixel;
-    for (int a = 0; a < 3; a++) {
-        out[a] = cut->plane.view.centre[a] + beside * cut->plane.view.right[a] + above * cut->plane.view.up[a];
-    }
+    vec3_add_scaled(out, cut->plane.view.centre, beside, cut->plane.view.right);
+    vec3_add_scaled(out, out, above, cut->plane.view.up);
 }
 
 static uint32_t object_at(const struct cut *cut, float x, float y)
@@ -163,8 +158,10 @@ static char letter_towards(const double direction[3])
 static void draw_letters(struct cut *cut)
 {
     const struct ui_box *box = &cut->plane.box;
-    const double left[3] = {-cut->plane.view.right[0], -cut->plane.view.right[1], -cut->plane.view.right[2]};
-    const double down[3] = {-cut->plane.view.up[0], -cut->plane.view.up[1], -cut->plane.view.up[2]};
+    double left[3];
+    double down[3];
+    vec3_scale(left, cut->plane.view.right, -1);
+    vec3_scale(down, cut->plane.view.up, -1);
     struct {
         const double *towards;
         float x, y; /* parts of the space between the margins */
@@ -258,10 +255,8 @@ static void use_wand(struct viewer *viewer, enum tool_number tool, bool shift, c
 {
     double direction[3];
     if (!viewer->tools[tool].has_pose && !shift) {
-        for (int a = 0; a < 3; a++) {
-            direction[a] = viewer->centre[a] - at[a];
-        }
-        if (dot(direction, direction) > 1) {
+        vec3_sub(direction, viewer->centre, at);
+        if (vec3_length(direction) > 1) {
             tool_aim_along(viewer, tool, at, direction);
         } else {
             tool_place(viewer, tool);
@@ -271,10 +266,12 @@ static void use_wand(struct viewer *viewer, enum tool_number tool, bool shift, c
     if (!viewer->tools[tool].has_pose) {
         tool_place(viewer, tool);
     }
-    const double *m = viewer->tools[tool].pose.world_from_device;
-    const double origin[3] = {m[12], m[13], m[14]};
-    for (int a = 0; a < 3; a++) {
-        direction[a] = shift ? at[a] - origin[a] : -m[8 + a];
+    const conus_pose pose = viewer->tools[tool].pose;
+    const double *origin = pose.world_from_device + 12;
+    if (shift) {
+        vec3_sub(direction, at, origin);
+    } else {
+        vec3_scale(direction, pose.world_from_device + 8, -1);
     }
     tool_aim_along(viewer, tool, shift ? origin : at, direction);
 }

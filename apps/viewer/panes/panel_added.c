@@ -68,8 +68,7 @@ static void draw_files(struct window *window, const json_t *words)
 static void draw_line(struct window *window, const json_t *words)
 {
     struct added_form *form = &window->forms.added;
-    ui_choose("Kind", &form->kind, addition_names, ADDITION_COUNT);
-    ui_tip("what the file is to be");
+    ui_choose("Kind", &form->kind, addition_names, ADDITION_COUNT, "what the file is to be");
     ui_take_keys(&form->takes_keys);
     ui_width(ui_room());
     bool entered = ui_type_path("##file", form->text, sizeof form->text, "", "", SIZE_MAX, &form->is_set);

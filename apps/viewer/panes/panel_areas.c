@@ -22,11 +22,13 @@ static void choose_hemispheres(struct window *window)
 {
     size_t how = (size_t)window->files.hemispheres;
     use_width(window);
-    if (ui_choose("##hemispheres", &how, hemispheres_meanings, HEMISPHERES_COUNT)) {
+    if (ui_choose(
+            "##hemispheres", &how, hemispheres_meanings, HEMISPHERES_COUNT,
+            "hemispheres: areas as the file has them; those that lie on both sides cut in two at x = 0 mm; or left "
+            "and\n"
+            "right ones of one name reported as one (--hemispheres). The atlas is opened again for it; F8: the next")) {
         window_request_hemispheres(window, (conus_hemispheres)how);
     }
-    ui_tip("hemispheres: areas as the file has them; those that lie on both sides cut in two at x = 0 mm; or left and\n"
-           "right ones of one name reported as one (--hemispheres). The atlas is opened again for it; F8: the next");
 }
 
 static void choose_side(struct window *window)
@@ -40,11 +42,11 @@ static void choose_side(struct window *window)
         return;
     }
     use_width(window);
-    if (ui_choose("##side", &side, sides, SIDE_COUNT)) {
+    if (ui_choose("##side", &side, sides, SIDE_COUNT,
+                  "hides all areas of the other side, so that they are not hit either; those without a side stay.\n"
+                  "F9: the next")) {
         side_show(viewer, (enum side)side);
     }
-    ui_tip("hides all areas of the other side, so that they are not hit either; those without a side stay.\n"
-           "F9: the next");
 }
 
 enum { TIP_SIZE = 96 };
@@ -160,10 +162,10 @@ static void choose_atlas(struct window *window)
     size_t drawn = (size_t)(viewer->drawn - viewer->atlases);
     if (viewer->atlas_count > 1) {
         ui_width(ui_room());
-        if (ui_choose("##atlas", &drawn, viewer->names, viewer->atlas_count)) {
+        if (ui_choose("##atlas", &drawn, viewer->names, viewer->atlas_count,
+                      "the atlas that is drawn and listed here; N: the next one")) {
             viewer_draw(viewer, drawn);
         }
-        ui_tip("the atlas that is drawn and listed here; N: the next one");
     }
     if (window->frame.listed_of != viewer->drawn) {
         window->frame.listed_of = viewer->drawn;
@@ -342,9 +344,9 @@ void panel_areas(struct window *window)
     ui_id((uint32_t)(viewer->drawn - viewer->atlases)); /* each has a list of its own, scrolled and opened */
     ui_width(ui_room());
     bool wants_first =
-        ui_type("##search", viewer->drawn->shown.search, sizeof viewer->drawn->shown.search, "search name or label");
-    ui_tip("whole names come first, then names and words that begin so, names with it inside, and label numbers;\n"
-           "Enter chooses the first");
+        ui_type("##search", viewer->drawn->shown.search, sizeof viewer->drawn->shown.search, "search name or label",
+                "whole names come first, then names and words that begin so, names with it inside, and label numbers;\n"
+                "Enter chooses the first");
     if (wants_first && viewer->drawn->shown.search[0]) {
         uint32_t best = search_best(viewer->drawn->atlas, viewer->drawn->shown.search);
         if (best) {

@@ -25,11 +25,10 @@ static void show_replay(struct window *window)
         replay_toggle(replay, glfwGetTime());
     }
     ui_same_line();
-    if (ui_count("Row", &row, 1, (uint32_t)count)) {
+    if (ui_count("Row", &row, 1, (uint32_t)count, "the pose of the file, by its number from 1")) {
         replay->playing = false;
         replay_show(replay, window->viewer, row - 1);
     }
-    ui_tip("the pose of the file, by its number from 1");
     ui_text("%.2f of %.2f s, %s", replay_time(replay, replay->at), replay_time(replay, count - 1),
             conus_pose_list_row(replay->poses, replay->at)->id);
 }
@@ -49,8 +48,9 @@ static void show_tracker(struct window *window)
     if (inputs->station && !station_host(inputs->station)) { /* it listens */
         return;
     }
-    bool entered = ui_type("Tracker", inputs->address, sizeof inputs->address, "host:port");
-    ui_tip("the address of a tracker, or of 3D Slicer, that sends OpenIGTLink, as for --connect; Enter connects");
+    bool entered =
+        ui_type("Tracker", inputs->address, sizeof inputs->address, "host:port",
+                "the address of a tracker, or of 3D Slicer, that sends OpenIGTLink, as for --connect; Enter connects");
     bool pressed = ui_button("Connect", "connects to it, and tries again until it answers");
     if (entered || pressed) {
         inputs_disconnect(inputs, window->viewer);
@@ -81,10 +81,11 @@ static void choose_range(struct viewer *viewer)
     if (!limited) {
         return;
     }
-    bool changed = ui_slider("From depth", &from, 0, deepest_mm, "%.1f mm", true);
-    ui_tip("mm along the axis from the start: nothing before it counts");
-    changed = ui_slider("To depth", &to, least_mm, deepest_mm, "%.1f mm", true) || changed;
-    ui_tip("mm along the axis from the start: nothing behind it counts");
+    bool changed = ui_slider("From depth", &from, 0, deepest_mm, "%.1f mm", true,
+                             "mm along the axis from the start: nothing before it counts");
+    changed = ui_slider("To depth", &to, least_mm, deepest_mm, "%.1f mm", true,
+                        "mm along the axis from the start: nothing behind it counts") ||
+              changed;
     if (changed) {
         from = fmin(from, fmax(to - least_mm, 0));
         query_set_range(viewer, from, to);
@@ -99,14 +100,15 @@ static void choose_depth(struct viewer *viewer, unsigned deepest)
     bool listed = viewer->cone.level[0] && !query_depth(viewer);
     size_t depth = listed ? SIZE_MAX : query_depth(viewer);
     char level[32] = "";
-    if (ui_choose("Level", &depth, names, 1 + (deepest < LEVELS_SHOWN ? deepest : LEVELS_SHOWN))) {
+    if (ui_choose(
+            "Level", &depth, names, 1 + (deepest < LEVELS_SHOWN ? deepest : LEVELS_SHOWN),
+            "areas are reported as the areas that they are part of, at this depth of the tree (--level); F7: the next\n"
+            "one. The roots are 1. It holds for the first atlas.")) {
         if (depth) {
             snprintf(level, sizeof level, "%zu", depth);
         }
         query_set_level(viewer, level);
     }
-    ui_tip("areas are reported as the areas that they are part of, at this depth of the tree (--level); F7: the next\n"
-           "one. The roots are 1. It holds for the first atlas.");
 }
 
 /* Lets a list of areas be typed, which holds from Enter on. */
@@ -116,8 +118,9 @@ static void type_level(struct viewer *viewer)
     if (!query_depth(viewer)) {
         memcpy(typed, viewer->cone.level, sizeof typed);
     }
-    bool entered = ui_type("Level by areas", typed, sizeof typed, "Thalamus,Isocortex");
-    ui_tip("areas are reported as the nearest of these that they are part of; names with commas between, then Enter");
+    bool entered = ui_type(
+        "Level by areas", typed, sizeof typed, "Thalamus,Isocortex",
+        "areas are reported as the nearest of these that they are part of; names with commas between, then Enter");
     if (entered) {
         query_set_level(viewer, typed);
     }
@@ -150,11 +153,11 @@ static void choose_score(struct viewer *viewer)
             names[count++] = info->name;
         }
     }
-    if (ui_choose("Score", &chosen, names, count)) {
+    if (ui_choose("Score", &chosen, names, count,
+                  "by what the hits are ranked, the best first: conus query --help says what each means")) {
         viewer->cone.options.score = names[chosen];
         tool_reselect(viewer);
     }
-    ui_tip("by what the hits are ranked, the best first: conus query --help says what each means");
 }
 
 static void choose_shape(struct window *window)
@@ -183,10 +186,10 @@ static void show_pose(struct viewer *viewer)
     }
     conus_frame_from_world(origin, &viewer->frame, origin);
     conus_frame_direction_from_world(along, &viewer->frame, along);
-    bool moved = ui_numbers(label, origin, viewer_place_format(viewer));
-    ui_tip("where the cone starts, in the unit of the label beside it; type numbers and press Enter");
-    bool turned = ui_numbers("Direction", along, "%.3f");
-    ui_tip("the direction of the cone's axis, of any length; type numbers and press Enter");
+    bool moved = ui_numbers(label, origin, viewer_place_format(viewer),
+                            "where the cone starts, in the unit of the label beside it; type numbers and press Enter");
+    bool turned = ui_numbers("Direction", along, "%.3f",
+                             "the direction of the cone's axis, of any length; type numbers and press Enter");
     if ((moved || turned) && viewer_to_world(origin, viewer, origin)) {
         conus_frame_direction_to_world(along, &viewer->frame, along);
         tool_aim_along(viewer, FIRST_TOOL, origin, along);
@@ -197,10 +200,10 @@ static void choose_pointer(struct window *window)
 {
     struct viewer *viewer = window->viewer;
     size_t pointer = (size_t)viewer->tools[FIRST_TOOL].pointer;
-    if (ui_choose("Point with", &pointer, pointer_names, POINTER_COUNT)) {
+    if (ui_choose("Point with", &pointer, pointer_names, POINTER_COUNT,
+                  "what moves the cone: the mouse, keys, a file of poses, or a tracked tool")) {
         tool_choose(viewer, FIRST_TOOL, (enum pointer)pointer);
     }
-    ui_tip("what moves the cone: the mouse, keys, a file of poses, or a tracked tool");
     if (viewer->tools[FIRST_TOOL].pointer == POINT_BY_REPLAY) {
         show_replay(window);
     } else if (viewer->tools[FIRST_TOOL].pointer == POINT_BY_TRACKER) {
@@ -217,8 +220,8 @@ static void search_area(struct window *window)
     struct viewer *viewer = window->viewer;
     char *search = viewer->drawn->shown.search;
     ui_take_keys(&window->frame.searches);
-    bool entered = ui_type("Search", search, sizeof viewer->drawn->shown.search, "area or label");
-    ui_tip("an area by its name, abbreviation or label; Enter chooses the first; / comes here");
+    bool entered = ui_type("Search", search, sizeof viewer->drawn->shown.search, "area or label",
+                           "an area by its name, abbreviation or label; Enter chooses the first; / comes here");
     uint32_t best = entered && search[0] ? search_best(viewer->drawn->atlas, search) : 0;
     if (best) {
         viewer_choose(viewer, best);

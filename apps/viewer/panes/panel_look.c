@@ -21,19 +21,20 @@ static void look_at_view(struct window *window)
     for (size_t i = 0; i < sizeof shown / sizeof shown[0]; i++) {
         panel_property(window, shown[i]);
     }
-    if (ui_slider("Not hit", &rest, least_pale, 1, "opacity %.2f", false)) {
+    if (ui_slider(
+            "Not hit", &rest, least_pale, 1, "opacity %.2f", false,
+            "opacity in 3-D, 0 to 1, of the areas that the cone does not hit; , and . change it where no area is\n"
+            "chosen. It is of the picture only: what is not hidden is hit")) {
         viewer_set_opacity(window->viewer, 0, rest);
     }
-    ui_tip("opacity in 3-D, 0 to 1, of the areas that the cone does not hit; , and . change it where no area is\n"
-           "chosen. It is of the picture only: what is not hidden is hit");
     panel_property(window, PROPERTY_BACKGROUND);
     static const char *const themes[THEME_COUNT] = {[THEME_DARK] = "dark", [THEME_LIGHT] = "light"};
     size_t theme = theme_used();
-    if (ui_choose("Theme", &theme, themes, THEME_COUNT)) {
+    if (ui_choose("Theme", &theme, themes, THEME_COUNT,
+                  "of this window until it is closed; else as the desktop says, or --theme")) {
         theme_use((enum theme)theme);
         window->screen.next_scale = window->screen.scale; /* makes the widgets anew */
     }
-    ui_tip("of this window until it is closed; else as the desktop says, or --theme");
 }
 
 /* Widens the sliders to values that were dragged beyond those of the image. */
@@ -45,13 +46,16 @@ static void edit_grey(struct viewer *viewer)
     double least = fmin(info->minimum, black);
     double most = fmax(info->maximum, white);
     double gap = (most - least) / 1000;
-    bool changed = ui_slider("Black", &black, least, white - gap, "%.6g", false);
-    ui_tip(
+    bool changed = ui_slider(
+        "Black", &black, least, white - gap, "%.6g", false,
         "the grey value that the cuts show as black, in the image's own unit. In a cut drag with the middle button,\n"
         "or with Ctrl and the left one: up is brighter, right is more contrast; a double click resets");
-    changed = ui_slider("White", &white, fmin(black + gap, most), most, "%.6g", false) || changed;
-    ui_tip("the grey value that the cuts show as white, in the image's own unit; [ and ] change brightness, { and }\n"
-           "contrast");
+    changed =
+        ui_slider(
+            "White", &white, fmin(black + gap, most), most, "%.6g", false,
+            "the grey value that the cuts show as white, in the image's own unit; [ and ] change brightness, { and }\n"
+            "contrast") ||
+        changed;
     if (changed && white > black) {
         viewer_set_grey(viewer, black, white);
     }
@@ -72,10 +76,10 @@ static void choose_preset(struct viewer *viewer)
     }
     names[0] = viewer->transfer_editor.edited ? "edited" : names[0];
     chosen = viewer->transfer_editor.edited ? 0 : chosen;
-    if (ui_choose("Colours", &chosen, names, count)) {
+    if (ui_choose("Colours", &chosen, names, count,
+                  "colours and opacities of the context in 3-D by its values: a preset of conus render --transfer")) {
         viewer_use_preset(viewer, chosen ? names[chosen] : NULL);
     }
-    ui_tip("colours and opacities of the context in 3-D by its values: a preset of conus render --transfer");
 }
 
 static void choose_look_of_pathway(struct viewer *viewer, uint32_t pathway)
@@ -87,12 +91,12 @@ static void choose_look_of_pathway(struct viewer *viewer, uint32_t pathway)
         count++;
     }
     ui_id(pathway);
-    if (ui_choose("Look", &haze, names, count)) {
+    if (ui_choose("Look", &haze, names, count,
+                  "in 3-D: solid from its threshold on, or as haze, by colours and opacities of its value: own is its "
+                  "colour,\n"
+                  "the others are the presets of conus render --pathway-transfer")) {
         viewer_set_haze(viewer, pathway, haze);
     }
-    ui_tip(
-        "in 3-D: solid from its threshold on, or as haze, by colours and opacities of its value: own is its colour,\n"
-        "the others are the presets of conus render --pathway-transfer");
     ui_id_end();
 }
 
@@ -123,12 +127,12 @@ static void choose_look_of_streamlines(struct viewer *viewer)
     for (size_t i = 0; i < count; i++) {
         names[i] = tract_colour_name(viewer->drawn->atlas, i);
     }
-    if (ui_choose("Coloured by", &colour, names, count)) {
+    if (ui_choose("Coloured by", &colour, names, count,
+                  "what colours streamlines in 3-D and in figures: their bundle, their direction, or a number that "
+                  "their file\n"
+                  "has, in its own unit, from the least to the largest; 9 takes the next")) {
         viewer_colour_streamlines(viewer, colour);
     }
-    ui_tip(
-        "what colours streamlines in 3-D and in figures: their bundle, their direction, or a number that their file\n"
-        "has, in its own unit, from the least to the largest; 9 takes the next");
     explain_colours(&viewer->drawn->appearance);
 }
 
@@ -143,11 +147,12 @@ void panel_look_area(struct viewer *viewer, uint32_t object)
     }
     bool is_known =
         is_set || appearance->opacity[0] >= 1; /* else that of the others, which what is hit does not have */
-    if (ui_slider("Opacity", &opacity, 0, 1, is_known ? "%.2f" : "as others", false)) {
+    if (ui_slider("Opacity", &opacity, 0, 1, is_known ? "%.2f" : "as others", false,
+                  "opacity in 3-D, 0 to 1, with all below it in the tree; , and . change it. It is of the picture "
+                  "only: what\n"
+                  "is not hidden is hit")) {
         viewer_set_opacity(viewer, object, opacity);
     }
-    ui_tip("opacity in 3-D, 0 to 1, with all below it in the tree; , and . change it. It is of the picture only: what\n"
-           "is not hidden is hit");
     if (is_set && ui_small_button("As others", NULL)) {
         viewer_set_opacity(viewer, object, NAN);
     }
@@ -309,7 +314,7 @@ static void edit_thresholds(struct viewer *viewer)
             ui_same_line();
             ui_text_coloured(THEME_HINT, "%s", part);
             ui_width(ui_room());
-            ui_slider("##threshold", &threshold, info->minimum, info->maximum, "from %.6g", false);
+            ui_slider("##threshold", &threshold, info->minimum, info->maximum, "from %.6g", false, NULL);
             bool done = ui_edited();
             ui_tip("the value from which on voxels are of the pathway, in the unit of its file");
             ui_id_end();

@@ -21,20 +21,18 @@ void panel_property(struct window *window, enum property_id id)
     char tip[KEYS_TIP];
     keys_tip(tip, id);
     if (choices) {
-        changed = ui_choose(property->label, &index, choices, (size_t)(property->high - property->low) + 1);
-        ui_tip(tip);
+        changed = ui_choose(property->label, &index, choices, (size_t)(property->high - property->low) + 1, tip);
         value = property->low + (double)index;
     } else if (property->type == PROPERTY_TRUTH) {
         changed = ui_check(property->label, &is_on, tip);
         value = is_on;
     } else if (property->type == PROPERTY_WHOLE) {
         uint32_t count = (uint32_t)value;
-        changed = ui_count(property->label, &count, (uint32_t)range[0], (uint32_t)range[1]);
-        ui_tip(tip);
+        changed = ui_count(property->label, &count, (uint32_t)range[0], (uint32_t)range[1], tip);
         value = count;
     } else {
-        changed = ui_slider(property->label, &value, range[0], range[1], property->format, property->is_logarithmic);
-        ui_tip(tip);
+        changed =
+            ui_slider(property->label, &value, range[0], range[1], property->format, property->is_logarithmic, tip);
     }
     if (changed) {
         property_set(window, id, value);

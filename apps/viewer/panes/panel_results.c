@@ -77,10 +77,9 @@ static void draw_ways_out(struct window *window)
           "writes the hits of the cone with all columns as conus query does, and a sidecar (Ctrl+E)");
     ui_same_line();
     ui_width(80 * window->screen.scale);
-    if (ui_choose("##format", &viewer->list.format, result_formats, RESULT_FORMATS)) {
+    if (ui_choose("##format", &viewer->list.format, result_formats, RESULT_FORMATS, "the format of exported files")) {
         viewer->version++;
     }
-    ui_tip("the format of exported files");
     offer(window, "Copy list", "ctrl+c", "copies the hits of the cone as a table (Ctrl+C)");
     offer(window, "Copy kept", "ctrl+shift+c", "copies what was kept as a table (Ctrl+Shift+C)");
     ui_popup_end();

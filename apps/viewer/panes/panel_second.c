@@ -18,11 +18,11 @@ static void choose_pointer(struct window *window)
         names[i] = pointer_names[places[i]];
         chosen = places[i] == window->viewer->tools[SECOND_TOOL].pointer ? i : chosen;
     }
-    if (ui_choose("Point with", &chosen, names, PLACES)) {
+    if (ui_choose("Point with", &chosen, names, PLACES,
+                  "what moves the second tool: another device than the first one's, or another tool of a tracker; 3: "
+                  "the next")) {
         tool_choose(window->viewer, SECOND_TOOL, places[chosen]);
     }
-    ui_tip(
-        "what moves the second tool: another device than the first one's, or another tool of a tracker; 3: the next");
 }
 
 static void choose_settings(struct window *window)

@@ -16,12 +16,13 @@ void panel_study_kind(struct viewer *viewer)
     static const char *const kinds[STUDY_COUNT] = {"none", "sweep of the angle", "jitter of the pose"};
     struct study_settings study = viewer->study.settings;
     size_t kind = study.kind;
-    if (ui_choose("Study", &kind, kinds, STUDY_COUNT)) {
+    if (ui_choose(
+            "Study", &kind, kinds, STUDY_COUNT,
+            "sweep: the shares of the cone at several angles; jitter: how probable each area is to be the one hit\n"
+            "where the pose is not exactly known; the numbers of conus sweep, of the cone as it is now. J: the next")) {
         study.kind = (enum study_kind)kind;
         studies_use(viewer, &study);
     }
-    ui_tip("sweep: the shares of the cone at several angles; jitter: how probable each area is to be the one hit\n"
-           "where the pose is not exactly known; the numbers of conus sweep, of the cone as it is now. J: the next");
 }
 
 static void choose_errors(struct viewer *viewer)
@@ -31,15 +32,15 @@ static void choose_errors(struct viewer *viewer)
         "8192", "16384", "32768", "65536", "131072", "262144", "524288", "1048576"}; /* from 2^4 on */
     struct study_settings study = viewer->study.settings;
     size_t choice = (size_t)lround(log2(study.samples)) - 4;
-    bool changed = ui_slider("Tilt", &study.tilt_deg, 0, 20, "%.2f\u00b0", false);
-    ui_tip("standard deviation of the axis about two axes, degrees (--jitter)");
-    changed = ui_slider("Shift", &study.shift_mm, 0, 20, "%.2f mm", false) || changed;
-    ui_tip("standard deviation of the position along three axes, mm (--jitter)");
-    if (ui_choose("Poses", &choice, samples, SAMPLE_CHOICES)) {
+    bool changed = ui_slider("Tilt", &study.tilt_deg, 0, 20, "%.2f\u00b0", false,
+                             "standard deviation of the axis about two axes, degrees (--jitter)");
+    changed = ui_slider("Shift", &study.shift_mm, 0, 20, "%.2f mm", false,
+                        "standard deviation of the position along three axes, mm (--jitter)") ||
+              changed;
+    if (ui_choose("Poses", &choice, samples, SAMPLE_CHOICES, "how many poses are traced (--samples)")) {
         study.samples = ldexp(1, (int)choice + 4);
         changed = true;
     }
-    ui_tip("how many poses are traced (--samples)");
     if (changed) {
         studies_use(viewer, &study);
     }
@@ -316,11 +317,12 @@ void panel_study(struct window *window, bool is_old)
     struct viewer *viewer = window->viewer;
     if (viewer->study.settings.kind == STUDY_SWEEP) {
         struct study_settings study = viewer->study.settings;
-        if (ui_numbers("From, to, by \u00b0", study.angles, "%.4g")) {
+        if (ui_numbers("From, to, by \u00b0", study.angles, "%.4g",
+                       "full opening angles in degrees: the first, the last, and the step between them (--angles); "
+                       "Enter takes "
+                       "them")) {
             studies_use(viewer, &study);
         }
-        ui_tip("full opening angles in degrees: the first, the last, and the step between them (--angles); Enter takes "
-               "them");
     } else if (viewer->study.settings.kind == STUDY_JITTER) {
         choose_errors(viewer);
     }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The eye that a 3-D picture is seen by: projections, the orbit around the brain, a tracked head. */
+#include "base/geometry/math3.h"
 #include "conus/own.h"
 #include "viewer/pictures/pictures.h"
 
@@ -45,12 +46,9 @@ bool eye_project(double out[2], const struct eye *eye, const double size[2], con
 {
     const double *m = eye->camera.world_from_device;
     const double *f = eye->frustum;
-    double place[3] = {0};
-    for (int axis = 0; axis < 3; axis++) {
-        for (int a = 0; a < 3; a++) {
-            place[axis] += (p[a] - m[12 + a]) * m[4 * axis + a];
-        }
-    }
+    double offset[3];
+    vec3_sub(offset, p, m + 12);
+    const double place[3] = {vec3_dot(offset, m), vec3_dot(offset, m + 4), vec3_dot(offset, m + 8)};
     if (!(place[2] < -0.01)) {
         return false;
     }
@@ -93,15 +91,11 @@ void orbit_camera(conus_pose *out, const struct orbit *orbit)
     const double z[3] = {-sin(orbit->azimuth) * cos(orbit->elevation), cos(orbit->azimuth) * cos(orbit->elevation),
                          sin(orbit->elevation)}; /* from the centre towards the eye */
     const double x[3] = {-cos(orbit->azimuth), -sin(orbit->azimuth), 0};
-    const double y[3] = {z[1] * x[2] - z[2] * x[1], z[2] * x[0] - z[0] * x[2], z[0] * x[1] - z[1] * x[0]};
-    for (int a = 0; a < 3; a++) {
-        m[a] = x[a];
-        m[4 + a] = y[a];
-        m[8 + a] = z[a];
-        m[12 + a] = orbit->centre[a] + orbit->distance * z[a];
-    }
-    m[3] = m[7] = m[11] = 0;
-    m[15] = 1;
+    mat4_identity(m);
+    memcpy(m, x, sizeof x);
+    vec3_cross(m + 4, z, x);
+    memcpy(m + 8, z, sizeof z);
+    vec3_add_scaled(m + 12, orbit->centre, orbit->distance, z);
 }
 
 void orbit_look_from(struct orbit *orbit, double azimuth, double elevation)
@@ -123,9 +117,8 @@ void orbit_pan(struct orbit *orbit, double right, double down, double height)
     double scale =
         2 * orbit->distance * tan(orbit->field_of_view / 2) / height; /* mm per pixel in the centre's plane */
     orbit_camera(&camera, orbit);
-    for (int a = 0; a < 3; a++) {
-        orbit->centre[a] += scale * (down * camera.world_from_device[4 + a] - right * camera.world_from_device[a]);
-    }
+    vec3_add_scaled(orbit->centre, orbit->centre, scale * down, camera.world_from_device + 4);
+    vec3_add_scaled(orbit->centre, orbit->centre, -scale * right, camera.world_from_device);
 }
 
 void orbit_zoom(struct orbit *orbit, double clicks)
@@ -138,10 +131,7 @@ void head_move(struct head *head, const double eye[3], const conus_pose *screen)
     conus_pose camera;
     double frustum[4];
     bool inside = conus_window_camera(&camera, frustum, screen, head->size, eye);
-    bool moved = !head->known || !pose_is_same(&head->screen, screen);
-    for (int a = 0; a < 3; a++) {
-        moved = moved || head->eye[a] != eye[a];
-    }
+    bool moved = !head->known || !pose_is_same(&head->screen, screen) || memcmp(head->eye, eye, sizeof head->eye) != 0;
     head->number += inside != head->inside || (!inside && moved);
     head->inside = inside;
     if (!inside) {
@@ -174,9 +164,8 @@ bool head_eye(struct eye *out, const struct head *head, const double part[4])
         double low = part[2 * axis];
         double high = part[2 * axis + 1];
         size[axis] = (high - low) * head->size[axis];
-        for (int a = 0; a < 3; a++) {
-            pane.world_from_device[12 + a] += ((low + high) / 2 - 0.5) * head->size[axis] * m[4 * axis + a];
-        }
+        vec3_add_scaled(pane.world_from_device + 12, pane.world_from_device + 12,
+                        ((low + high) / 2 - 0.5) * head->size[axis], m + (ptrdiff_t)4 * axis);
     }
     return head->on && head->known && !conus_window_camera(&out->camera, out->frustum, &pane, size, head->eye);
 }

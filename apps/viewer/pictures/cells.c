@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the cells of a shape by cuts through the atlas, first coarsely where it is, then finely. */
+#include "base/geometry/math3.h"
 #include "conus/own.h"
 #include "viewer/pictures/pictures.h"
 
@@ -201,13 +202,11 @@ double cells_cast(float *nearest, uint32_t width, uint32_t height, const struct 
     double pixels = height / (eye->frustum[3] - eye->frustum[2]); /* of 1 mm at depth 1 mm */
     for (size_t c = 0; c < cells->count; c++) {
         const double *p = cells->middles[c];
-        double depth = 0;
-        double away = 0;
+        double offset[3];
         double at[2];
-        for (int a = 0; a < 3; a++) {
-            depth -= (p[a] - m[12 + a]) * m[8 + a];
-            away = hypot(away, p[a] - m[12 + a]);
-        }
+        vec3_sub(offset, p, m + 12);
+        const double depth = -vec3_dot(offset, m + 8);
+        const double away = vec3_length(offset);
         if (depth < near_mm || !eye_project(at, eye, size, p)) {
             continue;
         }

@@ -2,24 +2,14 @@
 /* Finds where a tool's axis comes into what is shown and leaves it, and turns the tool about there. */
 #include "viewer/tools/tools.h"
 
+#include "base/geometry/math3.h"
+
 #include <math.h>
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void along(double out[3], const double from[3], const double direction[3], double length)
-{
-    for (int a = 0; a < 3; a++) {
-        out[a] = from[a] + length * direction[a];
-    }
-}
 
 static double between(double out[3], const double from[3], const double to[3])
 {
-    along(out, to, from, -1);
-    return sqrt(dot(out, out));
+    vec3_sub(out, to, from);
+    return vec3_length(out);
 }
 
 static double depth_of(const conus_selection *selection, size_t pixel, const double apex[3], const double axis[3])
@@ -28,7 +18,7 @@ static double depth_of(const conus_selection *selection, size_t pixel, const dou
     double offset[3];
     conus_selection_position(at, selection, pixel);
     between(offset, apex, at);
-    return fmax(dot(offset, axis), 0);
+    return fmax(vec3_dot(offset, axis), 0);
 }
 
 /* The depths along the axis of the first hits that are nearest to the apex and farthest from it; negative without one.
@@ -80,13 +70,13 @@ void extent_find(struct extent *out, struct viewer *viewer, enum tool_number num
     double behind[3];
     viewer_query(&options, viewer, number, 0);
     double whole = between(middle, apex, viewer->centre) + viewer->radius;
-    double nearest = dot(middle, axis);
-    along(before, apex, axis, nearest - viewer->radius);
-    along(behind, apex, axis, nearest + viewer->radius);
+    double nearest = vec3_dot(middle, axis);
+    vec3_add_scaled(before, apex, nearest - viewer->radius, axis);
+    vec3_add_scaled(behind, apex, nearest + viewer->radius, axis);
     double enters = nearest - viewer->radius + point_depth(viewer, before, axis);
     double leaves = nearest + viewer->radius - point_depth(viewer, behind, m + 8);
     bool meets = isfinite(enters);
-    along(out->entry, apex, axis, meets ? enters : nearest);
+    vec3_add_scaled(out->entry, apex, meets ? enters : nearest, axis);
     out->reach = point_before(viewer) + (meets ? 0 : viewer->radius);
     out->near = options.range[1] > 0 ? options.range[0] : 0;
     out->end = options.range[1] > 0 ? options.range[1] : leaves > 0 ? leaves : whole;
@@ -104,7 +94,7 @@ void extent_find(struct extent *out, struct viewer *viewer, enum tool_number num
 
 void extent_ball(double out[3], const struct extent *extent, const conus_pose *pose)
 {
-    along(out, extent->entry, pose->world_from_device + 8, extent->reach);
+    vec3_add_scaled(out, extent->entry, extent->reach, pose->world_from_device + 8);
 }
 
 void extent_turn(struct viewer *viewer, enum tool_number number, const struct extent *extent, const double eye[3],
@@ -119,16 +109,16 @@ void extent_turn(struct viewer *viewer, enum tool_number number, const struct ex
     const double axis[3] = {-pose->world_from_device[8], -pose->world_from_device[9], -pose->world_from_device[10]};
     extent_ball(ball, extent, pose);
     between(offset, apex, extent->entry);
-    double depth = dot(offset, axis); /* of the entry */
+    double depth = vec3_dot(offset, axis); /* of the entry */
     between(offset, eye, extent->entry);
-    double nearest = dot(offset, direction); /* along the ray, to the entry */
-    double inside = extent->reach * extent->reach - (dot(offset, offset) - nearest * nearest);
+    double nearest = vec3_dot(offset, direction); /* along the ray, to the entry */
+    double inside = extent->reach * extent->reach - (vec3_dot(offset, offset) - nearest * nearest);
     between(offset, eye, ball);
     double half = inside > 0 ? sqrt(inside) : 0;
-    along(at, eye, direction, nearest + (dot(offset, direction) < nearest ? -half : half));
+    vec3_add_scaled(at, eye, nearest + (vec3_dot(offset, direction) < nearest ? -half : half), direction);
     double size = between(offset, at, extent->entry);
     if (size > 0) {
-        along(origin, extent->entry, offset, -depth / size);
+        vec3_add_scaled(origin, extent->entry, -depth / size, offset);
         tool_aim_along(viewer, number, origin, offset);
     }
 }

@@ -2,6 +2,7 @@
 /* Asks the device of each tool, lets it move the tool, and finds what is to be said of it. */
 #include "viewer/tools/tools.h"
 
+#include "base/geometry/math3.h"
 #include "conus/own.h"
 #include "options/progress.h"
 #include "settings/settings.h"
@@ -14,47 +15,15 @@ static const char not_confirmed[] = "nothing is kept: the answer is old, its too
 
 static const double farthest_radii = 3; /* from the brain's middle: a tool cannot be steered farther away */
 
-static double length(const double v[3])
-{
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
-/* Rodrigues' rotation about a unit vector; column-major, 3 x 3. */
-static void rotation(double out[9], const double axis[3], double angle)
-{
-    double c = cos(angle);
-    double s = sin(angle);
-    const double cross[9] = {0, axis[2], -axis[1], -axis[2], 0, axis[0], axis[1], -axis[0], 0};
-    for (int column = 0; column < 3; column++) {
-        for (int row = 0; row < 3; row++) {
-            out[3 * column + row] =
-                c * (row == column) + (1 - c) * axis[row] * axis[column] + s * cross[3 * column + row];
-        }
-    }
-}
-
 /* Makes the columns perpendicular unit vectors, right-handed; z, the axis, keeps its direction. */
 static void straighten(double m[16])
 {
-    double *x = m;
     double *y = m + 4;
     double *z = m + 8;
-    double size = length(z);
-    double along = 0;
-    for (int a = 0; a < 3; a++) {
-        z[a] /= size;
-        along += y[a] * z[a];
-    }
-    for (int a = 0; a < 3; a++) {
-        y[a] -= along * z[a];
-    }
-    size = length(y);
-    for (int a = 0; a < 3; a++) {
-        y[a] /= size;
-    }
-    for (int a = 0; a < 3; a++) {
-        x[a] = y[(a + 1) % 3] * z[(a + 2) % 3] - y[(a + 2) % 3] * z[(a + 1) % 3];
-    }
+    vec3_normalise(z, z);
+    vec3_add_scaled(y, y, -vec3_dot(y, z), z);
+    vec3_normalise(y, y);
+    vec3_cross(m, y, z);
 }
 
 /* Moves a pose by `move`, mm along its axes (-z is where it points, +y up), then turns it by `turn`, radians, a
@@ -62,20 +31,13 @@ static void straighten(double m[16])
 static void steer_pose(conus_pose *pose, const double move[3], const double turn[3])
 {
     double *m = pose->world_from_device;
-    double angle = length(turn);
-    for (int a = 0; a < 3; a++) {
-        m[12 + a] += move[0] * m[a] + move[1] * m[4 + a] + move[2] * m[8 + a];
-    }
-    if (angle > 0) {
-        double before[16];
-        double by[9];
-        rotation(by, (const double[]){turn[0] / angle, turn[1] / angle, turn[2] / angle}, angle);
-        memcpy(before, m, sizeof before);
+    double axis[3];
+    mat4_direction(axis, m, move);
+    vec3_add_scaled(m + 12, m + 12, 1, axis);
+    mat4_direction(axis, m, turn);
+    if (vec3_normalise(axis, axis)) {
         for (int column = 0; column < 3; column++) {
-            for (int row = 0; row < 3; row++) {
-                m[4 * column + row] = before[row] * by[3 * column] + before[4 + row] * by[3 * column + 1] +
-                                      before[8 + row] * by[3 * column + 2];
-            }
+            vec3_turn(m + (ptrdiff_t)4 * column, m + (ptrdiff_t)4 * column, axis, vec3_length(turn));
         }
         straighten(m);
     }
@@ -90,13 +52,14 @@ void inputs_steer(struct viewer *viewer, enum tool_number number, const double m
     conus_pose pose = viewer->tools[number].pose;
     double *at = pose.world_from_device + 12;
     const double *centre = viewer->centre;
-    double before = hypot(hypot(at[0] - centre[0], at[1] - centre[1]), at[2] - centre[2]);
+    double offset[3];
+    vec3_sub(offset, at, centre);
+    const double most = fmax(vec3_length(offset), farthest_radii * viewer->radius);
     steer_pose(&pose, move, turn);
-    const double offset[3] = {at[0] - centre[0], at[1] - centre[1], at[2] - centre[2]};
-    double far = length(offset);
-    double most = fmax(before, farthest_radii * viewer->radius);
-    for (int a = 0; a < 3 && far > most; a++) { /* back along the line to the centre */
-        at[a] = centre[a] + offset[a] * most / far;
+    vec3_sub(offset, at, centre);
+    const double far = vec3_length(offset);
+    if (far > most) { /* back along the line to the centre */
+        vec3_add_scaled(at, centre, most / far, offset);
     }
     tool_aim(viewer, number, &pose);
 }

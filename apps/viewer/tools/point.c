@@ -2,6 +2,7 @@
 /* Finds the surface under the mouse. */
 #include "viewer/tools/tools.h"
 
+#include "base/geometry/math3.h"
 #include "conus/own.h"
 #include "viewer/model/viewer.h"
 
@@ -24,9 +25,7 @@ struct ray {
 static bool is_inside(const struct ray *ray, double depth)
 {
     double at[3];
-    for (int a = 0; a < 3; a++) {
-        at[a] = ray->from[a] + depth * ray->direction[a];
-    }
+    vec3_add_scaled(at, ray->from, depth, ray->direction);
     return conus_atlas_value(ray->view->atlas, ray->context, at) >= ray->skin; /* NaN, outside of it, is not */
 }
 
@@ -76,13 +75,12 @@ double point_depth(struct viewer *viewer, const double from[3], const double dir
 {
     double nearest = INFINITY;
     double far = 2 * viewer->radius;
-    double across = 0;
+    double offset[3];
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         nearest = fmin(nearest, view_atlas_depth(&viewer->atlases[i], from, direction));
     }
-    for (int a = 0; a < 3; a++) {
-        across = hypot(across, from[a] - viewer->centre[a]);
-    }
+    vec3_sub(offset, from, viewer->centre);
+    const double across = vec3_length(offset);
     nearest = fmin(nearest, conus_atlas_context_depth(viewer->drawn->atlas, from, direction));
     double least = fmax(across - far, 0);
     return fmin(nearest, depth_of_context(viewer, from, direction, least, fmin(nearest, across + far)));
@@ -99,8 +97,6 @@ bool point_find(conus_pose *out, struct viewer *viewer, const double eye[3], con
     double depth = viewer->cone.start == START_EYE ? 0 : point_depth(viewer, eye, direction);
     double apex[3];
     depth = is_before ? fmax(depth - point_before(viewer), 0) : depth;
-    for (int a = 0; a < 3; a++) {
-        apex[a] = eye[a] + depth * direction[a];
-    }
+    vec3_add_scaled(apex, eye, depth, direction);
     return isfinite(depth) && !conus_pose_along(out, apex, direction, NULL);
 }

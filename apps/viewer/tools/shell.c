@@ -2,12 +2,9 @@
 /* Rings of a cone's wall, and cuts through the triangles between them. */
 #include "viewer/tools/tools.h"
 
-#include <math.h>
+#include "base/geometry/math3.h"
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
+#include <math.h>
 
 /* A point of a ring in the device's frame, whose axis is -z: @p depth mm deep, in the direction (x, y). */
 static void put(double out[3], const conus_pose *pose, double x, double y, double radius, double depth)
@@ -41,8 +38,9 @@ static size_t cut_triangle(struct shell_piece *out, const double *const corners[
     double beside[3];
     size_t found = 0;
     for (int c = 0; c < 3; c++) {
-        const double offset[3] = {corners[c][0] - at[0], corners[c][1] - at[1], corners[c][2] - at[2]};
-        beside[c] = dot(offset, normal);
+        double offset[3];
+        vec3_sub(offset, corners[c], at);
+        beside[c] = vec3_dot(offset, normal);
     }
     for (int c = 0; c < 3; c++) {
         int next = (c + 1) % 3;
@@ -79,8 +77,9 @@ size_t shell_cut(struct shell_piece out[2 * SHELL_POINTS], const struct shell *s
 
 static bool faces(const struct shell *shell, size_t i, const double eye[3])
 {
-    const double *on = shell->far[i];
-    return dot(shell->out[i], (const double[]){eye[0] - on[0], eye[1] - on[1], eye[2] - on[2]}) > 0;
+    double offset[3];
+    vec3_sub(offset, eye, shell->far[i]);
+    return vec3_dot(shell->out[i], offset) > 0;
 }
 
 bool shell_turns(const struct shell *shell, size_t i, const double eye[3])

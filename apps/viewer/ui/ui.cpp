@@ -2,7 +2,7 @@
 // The widgets of ui.h, by Dear ImGui.
 #include "viewer/ui/ui.h"
 
-#include "viewer/ui/ui_audit.h"
+#include "viewer/ui/parts.h"
 
 #include "base/look.h"
 #include "base/look_sizes.h"
@@ -39,7 +39,7 @@ static void begin_field(const char *label, float needed)
         float column = std::ceil(ImGui::GetCursorPosX() + (wide > 0.36F * room ? wide : 0.36F * room));
         ImGui::AlignTextToFramePadding();
         ImGui::TextUnformatted(label);
-        audit_item(label);
+        audit(AUDIT_ITEM, label);
         if (column + needed <= ImGui::GetCursorPosX() + room) {
             ImGui::SameLine(column);
         }
@@ -48,16 +48,19 @@ static void begin_field(const char *label, float needed)
     ImGui::PushID(label);
 }
 
-static void end_field()
+static void end_field(const char *tip)
 {
     ImGui::PopID();
+    if (tip) {
+        ui_tip(tip);
+    }
 }
 
 /* Ends a widget that is as wide as its label. */
 static bool end_labelled(bool used, const char *label, const char *tip)
 {
-    audit_item(label);
-    audit_widget(label);
+    audit(AUDIT_ITEM, label);
+    audit(AUDIT_WIDGET, label);
     if (tip) {
         ui_tip(tip);
     }
@@ -396,7 +399,7 @@ static void put_text(const char *format, va_list arguments)
     char text[3072];
     vsnprintf(text, sizeof text, format, arguments);
     ImGui::TextUnformatted(text);
-    audit_item(text);
+    audit(AUDIT_ITEM, text);
 }
 
 void ui_text(const char *format, ...)
@@ -424,7 +427,7 @@ void ui_text_wrapped(enum theme_text colour, const char *text)
     ImGui::TextUnformatted(text);
     ui_tint_end();
     ImGui::PopTextWrapPos();
-    audit_item(text);
+    audit(AUDIT_ITEM, text);
 }
 
 /* A panel's tip stands beside it, where it hides no other widget; over pictures it is at the mouse. */
@@ -458,7 +461,7 @@ static bool is_behind_form()
 
 void ui_tip(const char *text)
 {
-    audit_tip();
+    audit(AUDIT_TIP, nullptr);
     if (ImGui::IsItemHovered() && !is_behind_form()) {
         place_tip(text);
         ImGui::BeginTooltip();
@@ -555,7 +558,8 @@ static void underline_chosen(ui_colour colour)
 }
 
 /* Two or three choices side by side, all seen, in an edge. They are one widget. */
-static bool switch_between(const char *label, size_t *index, const char *const *choices, size_t count, float wide)
+static bool switch_between(const char *label, size_t *index, const char *const *choices, size_t count, float wide,
+                           const char *tip)
 {
     const size_t before = *index;
     const ImVec2 low = ImGui::GetCursorScreenPos();
@@ -575,14 +579,14 @@ static bool switch_between(const char *label, size_t *index, const char *const *
         }
     }
     ImGui::EndGroup();
-    audit_widget(label);
+    audit(AUDIT_WIDGET, label);
     ImGui::GetWindowDrawList()->AddRect(low, ImVec2(low.x + wide, low.y + high), packed(theme_marks[THEME_EDGE]),
                                         ImGui::GetStyle().FrameRounding);
-    end_field();
+    end_field(tip);
     return *index != before;
 }
 
-bool ui_choose(const char *label, size_t *index, const char *const *choices, size_t count)
+bool ui_choose(const char *label, size_t *index, const char *const *choices, size_t count, const char *tip)
 {
     enum { SWITCHED = 3 };
     bool changed = false;
@@ -595,11 +599,11 @@ bool ui_choose(const char *label, size_t *index, const char *const *choices, siz
     const float room = ImGui::CalcItemWidth();
     const float needed = static_cast<float>(count) * (widest + 2 * ImGui::GetStyle().FramePadding.x);
     if (label[0] != '#' && count > 1 && count <= SWITCHED && *index < count && needed <= room) {
-        return switch_between(label, index, choices, count, room);
+        return switch_between(label, index, choices, count, room, tip);
     }
-    audit_within(shown, ImGui::CalcItemWidth() - ImGui::GetFrameHeight() - ImGui::GetStyle().FramePadding.x);
+    audit(AUDIT_WITHIN, shown, ImGui::CalcItemWidth() - ImGui::GetFrameHeight() - ImGui::GetStyle().FramePadding.x);
     bool open = ImGui::BeginCombo("##field", shown);
-    audit_widget(label);
+    audit(AUDIT_WIDGET, label);
     if (open) {
         for (size_t i = 0; i < count; i++) {
             if (ImGui::Selectable(choices[i], i == *index)) {
@@ -612,13 +616,13 @@ bool ui_choose(const char *label, size_t *index, const char *const *choices, siz
         }
         ImGui::EndCombo();
     }
-    end_field();
+    end_field(tip);
     return changed;
 }
 
 /* A slider with its number at its right, where the grab never is. Together they are the widget before. */
 static bool slide(const char *label, ImGuiDataType type, void *value, const void *low, const void *high,
-                  const char *format, ImGuiSliderFlags flags)
+                  const char *format, ImGuiSliderFlags flags, const char *tip)
 {
     const auto write = [type, format](char(&out)[64], const void *number) {
         ImGui::DataTypeFormatString(out, sizeof out, type, number, format);
@@ -635,30 +639,31 @@ static bool slide(const char *label, ImGuiDataType type, void *value, const void
     ImGui::PushStyleColor(ImGuiCol_Text, types ? ImGui::GetColorU32(ImGuiCol_Text) : IM_COL32_BLACK_TRANS);
     bool changed = ImGui::SliderScalar("##field", type, value, low, high, format, flags | ImGuiSliderFlags_AlwaysClamp);
     ImGui::PopStyleColor();
-    audit_widget(label);
+    audit(AUDIT_WIDGET, label);
     write(shown, value);
     ImGui::SameLine(0, 0);
     ImGui::SetCursorPosX(ImGui::GetCursorPosX() + whole - bar - ImGui::CalcTextSize(shown).x);
     ImGui::AlignTextToFramePadding();
     ImGui::TextUnformatted(shown);
-    audit_item(shown);
+    audit(AUDIT_ITEM, shown);
     ImGui::EndGroup();
-    end_field();
+    end_field(tip);
     return changed;
 }
 
-bool ui_slider(const char *label, double *value, double low, double high, const char *format, bool logarithmic)
+bool ui_slider(const char *label, double *value, double low, double high, const char *format, bool logarithmic,
+               const char *tip)
 {
     return slide(label, ImGuiDataType_Double, value, &low, &high, format,
-                 logarithmic ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None);
+                 logarithmic ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None, tip);
 }
 
-bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high)
+bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high, const char *tip)
 {
-    return slide(label, ImGuiDataType_U32, value, &low, &high, "%u", ImGuiSliderFlags_None);
+    return slide(label, ImGuiDataType_U32, value, &low, &high, "%u", ImGuiSliderFlags_None, tip);
 }
 
-bool ui_numbers(const char *label, double value[3], const char *format)
+bool ui_numbers(const char *label, double value[3], const char *format, const char *tip)
 {
     const ImGuiStyle &style = ImGui::GetStyle();
     char usual[64];
@@ -669,12 +674,12 @@ bool ui_numbers(const char *label, double value[3], const char *format)
     for (int i = 0; i < 3; i++) {
         char shown[64];
         snprintf(shown, sizeof shown, format, value[i]);
-        audit_within(shown, wide);
+        audit(AUDIT_WITHIN, shown, wide);
     }
     bool changed = ImGui::InputScalarN("##field", ImGuiDataType_Double, value, 3, nullptr, nullptr, format,
                                        ImGuiInputTextFlags_EnterReturnsTrue);
-    audit_widget(label);
-    end_field();
+    audit(AUDIT_WIDGET, label);
+    end_field(tip);
     return changed;
 }
 
@@ -686,14 +691,15 @@ void ui_take_keys(bool *wants)
     *wants = false;
 }
 
-bool ui_type(const char *label, char *text, size_t size, const char *hint)
+bool ui_type(const char *label, char *text, size_t size, const char *hint, const char *tip)
 {
     begin_field(label, 0);
-    audit_within(hint, ImGui::CalcItemWidth() - 2 * ImGui::GetStyle().FramePadding.x);
+    audit(AUDIT_WITHIN, hint, ImGui::CalcItemWidth() - 2 * ImGui::GetStyle().FramePadding.x);
     ImGui::InputTextWithHint("##field", hint, text, size, ImGuiInputTextFlags_AutoSelectAll);
-    audit_widget(label);
-    end_field();
-    return is_entered();
+    audit(AUDIT_WIDGET, label);
+    const bool entered = is_entered();
+    end_field(tip);
+    return entered;
 }
 
 struct path_line {
@@ -737,7 +743,7 @@ bool ui_type_path(const char *label, char *text, size_t size, const char *hint, 
     std::strncpy(wanted, text, sizeof wanted - 1);
     wanted[sizeof wanted - 1] = 0;
     path_line line = {wanted, folder, selected, is_set};
-    audit_within(hint, ImGui::CalcItemWidth() - 2 * ImGui::GetStyle().FramePadding.x);
+    audit(AUDIT_WITHIN, hint, ImGui::CalcItemWidth() - 2 * ImGui::GetStyle().FramePadding.x);
     int selects = folder[0] ? 0 : ImGuiInputTextFlags_AutoSelectAll; // else what is typed goes behind the folder
     ImGui::InputTextWithHint(label, hint, text, size, ImGuiInputTextFlags_CallbackAlways | selects, take_text, &line);
     return is_entered();
@@ -765,7 +771,7 @@ bool ui_can_write(const char *text)
 
 bool ui_row(const char *label, bool selected, float height)
 {
-    audit_within(label, ui_room());
+    audit(AUDIT_WITHIN, label, ui_room());
     return ImGui::Selectable(label, selected, 0, ImVec2(0, height));
 }
 

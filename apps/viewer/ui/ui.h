@@ -174,14 +174,15 @@ bool ui_main_button(const char *label, const char *tip); /**< The one of a panel
 bool ui_icon(const char *id, const char *strokes, float width, float height, bool marked, const char *tip);
 bool ui_small_button(const char *label, const char *tip);
 bool ui_check(const char *label, bool *value, const char *tip);
-bool ui_choose(const char *label, size_t *index, const char *const *choices, size_t count);
-bool ui_slider(const char *label, double *value, double low, double high, const char *format, bool logarithmic);
-bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high);
-bool ui_numbers(const char *label, double value[3], const char *format);
+bool ui_choose(const char *label, size_t *index, const char *const *choices, size_t count, const char *tip);
+bool ui_slider(const char *label, double *value, double low, double high, const char *format, bool logarithmic,
+               const char *tip);
+bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high, const char *tip);
+bool ui_numbers(const char *label, double value[3], const char *format, const char *tip);
 /** The next widget takes the keyboard if @p wants says so, which is false then. */
 void ui_take_keys(bool *wants);
 /** A line that is typed, whose old text is selected when it takes the keyboard; true when Enter was pressed in it. */
-bool ui_type(const char *label, char *text, size_t size, const char *hint);
+bool ui_type(const char *label, char *text, size_t size, const char *hint, const char *tip);
 /** Likewise of a path; where *is_set is true it takes over what @p text is, selected from byte @p selected on. A whole
  * path that is pasted behind @p folder (ends in '/'; "" = none) takes its place. */
 bool ui_type_path(const char *label, char *text, size_t size, const char *hint, const char *folder, size_t selected,

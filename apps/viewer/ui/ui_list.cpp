@@ -2,7 +2,7 @@
 // The widgets of ui.h, by Dear ImGui.
 #include "viewer/ui/ui.h"
 
-#include "viewer/ui/ui_audit.h"
+#include "viewer/ui/parts.h"
 
 #include "base/look_sizes.h"
 
@@ -122,7 +122,7 @@ void ui_list_top(void)
 bool ui_list_heading(const char *text, bool right)
 {
     ImGui::TableNextColumn();
-    audit_within(text, ui_room());
+    audit(AUDIT_WITHIN, text, ui_room());
     ImGui::PushStyleVar(ImGuiStyleVar_SelectableTextAlign, ImVec2(right ? 1.0F : 0.0F, 0));
     bool pressed = ImGui::Selectable(text);
     ImGui::PopStyleVar();
@@ -132,7 +132,7 @@ bool ui_list_heading(const char *text, bool right)
 bool ui_table(const char *id, const char *const *headings, const float *widths, size_t count, float height)
 {
     if (width_of(widths, count) > ImGui::GetContentRegionAvail().x) {
-        audit_within(id, 0); // its last columns are out of sight
+        audit(AUDIT_WITHIN, id, 0); // its last columns are out of sight
     }
     if (!ui_list(id, widths, count, height)) {
         return false;
@@ -140,7 +140,7 @@ bool ui_table(const char *id, const char *const *headings, const float *widths, 
     ui_list_top();
     for (size_t i = 0; i < count; i++) {
         ImGui::TableNextColumn();
-        audit_within(headings[i], ui_room());
+        audit(AUDIT_WITHIN, headings[i], ui_room());
         ImGui::TextUnformatted(headings[i]);
     }
     return true;
@@ -161,7 +161,7 @@ bool ui_list_row(void)
 
 void ui_text_right(const char *text)
 {
-    audit_within(text, ui_room());
+    audit(AUDIT_WITHIN, text, ui_room());
     float blank = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(text).x;
     ImGui::SetCursorPosX(ImGui::GetCursorPosX() + (blank > 0 ? blank : 0));
     ImGui::TextUnformatted(cut_to(text, ui_room()).c_str()); // no digit is missing without a sign of it
@@ -202,7 +202,7 @@ void ui_shorten_name(char *out, size_t size, const char *name, float width)
 static void show_cut(const std::string &shown, const char *text)
 {
     ImGui::TextUnformatted(shown.c_str());
-    audit_item(text);
+    audit(AUDIT_ITEM, text);
     if (shown != text) {
         ui_tip(text);
     }
@@ -241,8 +241,8 @@ void ui_next_column(void)
 bool ui_popup(const char *label)
 {
     bool pressed = ImGui::Button(label);
-    audit_item(label);
-    audit_widget(label);
+    audit(AUDIT_ITEM, label);
+    audit(AUDIT_WIDGET, label);
     if (pressed) {
         ImGui::OpenPopup(label);
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The font, sizes and colours of Dear ImGui's widgets.
-#include "viewer/ui/ui_audit.h"
+#include "viewer/ui/parts.h"
 
 #include "base/look_sizes.h"
 #include "viewer/ui/ui.h"

@@ -780,6 +780,39 @@ static void groups_of_points_have_colours_and_rows(void **state)
     }
 }
 
+/* A ball is two discs, its edge and its colour; one whose row has no answer is a ring: a third disc, as dark as the
+ * edge and smaller than both, is in its middle. */
+static void a_row_without_an_answer_is_a_ring(void **state)
+{
+    struct scene scene = need_scene(state);
+    conus_drawn_point point = {.at = {0, 0, 25}, .end = {NAN, 0, 0}};
+    for (int is_hollow = 0; is_hollow < 2; is_hollow++) {
+        point.hollow = is_hollow;
+        conus_image *image = render(&scene, (conus_view){.points = &point,
+                                                         .point_count = 1,
+                                                         .side = CONUS_SIDE_TOP,
+                                                         .no_legend = true,
+                                                         .shapes = true,
+                                                         .width = 600,
+                                                         .height = 400});
+        const struct draw_item *discs[3] = {NULL};
+        size_t count = 0;
+        for (size_t i = 0; i < image->list->count; i++) {
+            const struct draw_item *item = &image->list->items[i];
+            if (item->kind == DRAW_LINES && memcmp(item->points[0], item->points[1], sizeof item->points[0]) == 0) {
+                assert_true(count < 3);
+                discs[count++] = item;
+            }
+        }
+        assert_int_equal(count, 2 + is_hollow);
+        if (is_hollow) {
+            assert_memory_equal(discs[2]->rgba, discs[0]->rgba, sizeof discs[0]->rgba);
+            assert_true(discs[2]->width < discs[1]->width && discs[1]->width < discs[0]->width);
+        }
+        conus_image_destroy(image);
+    }
+}
+
 static const uint8_t *find_bytes(const uint8_t *data, size_t size, const char *word)
 {
     size_t length = strlen(word);
@@ -1122,6 +1155,7 @@ TEST_GROUP(picture_figure)
         cmocka_unit_test(colours_are_weighted_by_share),
         cmocka_unit_test(a_ball_colours_what_is_in_it),
         cmocka_unit_test(groups_of_points_have_colours_and_rows),
+        cmocka_unit_test(a_row_without_an_answer_is_a_ring),
         cmocka_unit_test(files_say_how_large_they_are),
         cmocka_unit_test(the_side_beside_the_cone_is_60_degrees_off),
         cmocka_unit_test(on_paper_a_line_runs_around_the_drawing),

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file For tests: which texts of the newest frame could not be read whole. */
-#ifndef CONUS_VIEWER_UI_UI_AUDIT_H
-#define CONUS_VIEWER_UI_UI_AUDIT_H
+#ifndef CONUS_TESTS_APPS_UI_AUDIT_H
+#define CONUS_TESTS_APPS_UI_AUDIT_H
 
 #include "viewer/ui/ui.h"
 
@@ -29,26 +29,12 @@ bool ui_audit_at(float at[2], const char *text);
 /** A colour of the style, and its name in Dear ImGui; false = no more. */
 bool ui_audit_colour(ui_colour *out, const char **name, size_t index);
 
-/** Goes on in the font of headings or, for a text with letters that it lacks, in that of texts, enlarged by what is
- * returned. Until pop_heading(). */
+/** As viewer/ui/parts.h has them, for C++. */
 float push_heading(const char *text);
 void pop_heading(void);
 
 #ifdef __cplusplus
 }
-
-/** Loads the font for @p scale, and sets sizes and the theme's colours. False where there is no font. */
-bool ui_style(float scale);
-
-/** Whether texts are looked at; then all sections are open. */
-bool audit_runs(void);
-/** The widget before, which is as wide as its text. */
-void audit_item(const char *text);
-/** The widget before is one that people use; the tip is its. */
-void audit_widget(const char *label);
-void audit_tip(void);
-/** A text within something so wide. */
-void audit_within(const char *text, float room);
 #endif
 
 #endif
