@@ -18,7 +18,7 @@ enum { HEADER_LIMIT = 1 << 20 }; /* bytes in which a header ends */
 
 /* Values of the header, in the block at hand; no data where they are missing. */
 struct header {
-    struct text type, file, count;
+    struct text type, file, count, space, unit;
     size_t size; /* bytes of the header */
 };
 
@@ -40,7 +40,8 @@ static void take_lines(struct job *job, struct header *header, struct text block
     const struct {
         const char *key;
         struct text *value;
-    } keys[] = {{"datatype", &header->type}, {"file", &header->file}, {"count", &header->count}};
+    } keys[] = {{"datatype", &header->type}, {"file", &header->file}, {"count", &header->count},
+                {"space", &header->space},   {"unit", &header->unit}, {"units", &header->unit}};
     struct text rest = block;
     struct text line;
     (void)text_line(&rest, &line);
@@ -102,6 +103,15 @@ static uint64_t read_offset(struct job *job, const struct header *header)
     return offset;
 }
 
+/* Points of the format are in RAS mm. */
+static void check_said(struct job *job, const char *key, struct text said, const char *words)
+{
+    if (said.data && !text_is_one_of(said, words, false)) {
+        job_bad(job, "%s: found \"%.*s\", and MRtrix has points in RAS mm: one of them is wrong", key,
+                TEXT_SHOW(said, 40));
+    }
+}
+
 /* Reads the header and goes to the first point. */
 static void tck_take_header(struct tck *tck)
 {
@@ -109,6 +119,8 @@ static void tck_take_header(struct tck *tck)
     (void)reader_has(&tck->r, HEADER_LIMIT);
     const struct text at_hand = {(const char *)tck->r.at, smaller_of((uint64_t)(tck->r.end - tck->r.at), HEADER_LIMIT)};
     take_lines(tck->job, &header, at_hand);
+    check_said(tck->job, "space", header.space, "ras/rasmm");
+    check_said(tck->job, "units", header.unit, TEXT_MM);
     read_type(tck, header.type);
     const uint64_t offset = read_offset(tck->job, &header);
     tck->has_count = header.count.data;

@@ -110,7 +110,7 @@ void stl_parse(struct mesh_sink *sink, struct text file)
     struct text line = {0};
     struct text word;
     if (text_line(&header, &line)) {
-        sink_space(sink, line);
+        sink_said(sink, line);
     }
     /* Text begins with "solid". So may the header of a binary file, which has a 0 somewhere. */
     if (!text_starts(text_trim(file), "solid") || memchr(file.data, '\0', file.size)) {

@@ -525,7 +525,7 @@ static void read_header(struct vtk *vtk)
     }
     vtk->has_offsets = version >= 5;
     if (scan_line(&vtk->scan, &line)) {
-        sink_space(vtk->sink, line);
+        sink_said(vtk->sink, line);
     }
     vtk->is_text = scan_take(&vtk->scan, "ASCII");
     if (!vtk->is_text) {

@@ -699,7 +699,7 @@ static void take_space(struct vtp *vtp)
         text[size++] = (char)letters[i];
     }
     if (count) {
-        sink_space(vtp->sink, (struct text){text, size});
+        sink_said(vtp->sink, (struct text){text, size});
     }
     forget_part(vtp, part);
     vtp->use = USE_NOTHING;
