@@ -275,7 +275,6 @@ static bool has_value(struct key_value *value)
     }
 }
 
-/* "a, b, c": the keys of a kind. */
 static void list_keys(char out[LISTED], enum key_kind kind)
 {
     size_t used = 0;
@@ -320,7 +319,6 @@ static bool refuse_unknown(struct source_keys *out, struct text found, struct te
                 near, *near ? "?" : "");
 }
 
-/* Takes the key at `at`, up to `end`. */
 static bool read_key(struct source_keys *out, const char *at, const char *end, enum key_kind kind)
 {
     const struct source_key *row = find_row(at, kind);
@@ -382,7 +380,6 @@ size_t keys_file_length(const char *text, enum key_kind kind)
     return unknown.size ? (size_t)(unknown.data - text) - 1 : length;
 }
 
-/* Takes the keys of a text that begins with one. */
 static bool read_all(struct source_keys *out, const char *at, enum key_kind kind)
 {
     bool is_fine = true;

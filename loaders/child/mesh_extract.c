@@ -27,7 +27,6 @@ static void append_f64(struct buffer *out, double value)
     mesh_append_u32(out, (uint32_t)(bits >> 32));
 }
 
-/* The request without the voxels. */
 static void append_request(struct buffer *out, const struct extraction *work,
                            const struct mesh_extract_options *options)
 {

@@ -223,16 +223,6 @@ static void end_volume(struct parsing *parsing, struct text text)
     }
 }
 
-static const struct cifti_structure *find_structure(const char *word)
-{
-    for (size_t i = 0; i < sizeof structures / sizeof structures[0]; i++) {
-        if (strcmp(word, structures[i].word) == 0) {
-            return &structures[i];
-        }
-    }
-    return NULL;
-}
-
 static void start_model(struct parsing *parsing, const struct xml_event *event)
 {
     struct job *job = parsing->job;
@@ -243,7 +233,7 @@ static void start_model(struct parsing *parsing, const struct xml_event *event)
     const char *structure = quote(xml_attribute(event, "BrainStructure"));
     const uint64_t vertices = memory_limit(job->max_memory) / sizeof(uint32_t);
     model->is_surface = strcmp(type, "CIFTI_MODEL_TYPE_SURFACE") == 0;
-    model->structure = find_structure(structure);
+    model->structure = ROW_NAMED(structures, text_from(structure), true);
     if (!model->is_surface && strcmp(type, "CIFTI_MODEL_TYPE_VOXELS") != 0) {
         job_bad(job, "ModelType: found \"%.60s\", allowed are CIFTI_MODEL_TYPE_SURFACE and CIFTI_MODEL_TYPE_VOXELS",
                 type);
@@ -430,21 +420,11 @@ static const struct element {
     {"VoxelIndicesIJK", IN_MODEL, IN_MODEL, NULL, end_voxels},
 };
 
-static const struct element *find_element(const char *name)
-{
-    for (size_t i = 0; i < sizeof elements / sizeof elements[0]; i++) {
-        if (strcmp(elements[i].name, name) == 0) {
-            return &elements[i];
-        }
-    }
-    return NULL;
-}
-
 static conus_status on_start(void *user, const struct xml_event *event)
 {
     struct parsing *parsing = user;
     struct job *job = parsing->job;
-    const struct element *element = find_element(event->name);
+    const struct element *element = ROW_NAMED(elements, text_from(event->name), true);
     const size_t place = job_in(job, "line ", event->line);
     if (parsing->inside == AT_ROOT && strcmp(event->name, "CIFTI") != 0) {
         job_bad(job, "outermost element: found <%.40s>, allowed is <CIFTI>", event->name);
@@ -464,7 +444,7 @@ static conus_status on_end(void *user, const struct xml_event *event)
 {
     struct parsing *parsing = user;
     struct job *job = parsing->job;
-    const struct element *element = find_element(event->name);
+    const struct element *element = ROW_NAMED(elements, text_from(event->name), true);
     const size_t place = job_in(job, "line ", event->line);
     if (element) {
         parsing->inside = element->parent;

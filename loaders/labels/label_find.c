@@ -236,7 +236,6 @@ static void count_strays(struct job *job, struct fit *fit, const struct label_ta
     }
 }
 
-/* Compares the table with the voxels. */
 static struct fit find_fit(struct job *job, const struct label_table *table, const struct label_voxels *voxels)
 {
     struct fit fit = {0};

@@ -82,7 +82,6 @@ static bool number_in_name(struct job *job, uint32_t *number, const char *path)
     return digits.size > 0;
 }
 
-/* Plans "file". */
 static void plan_file(const struct planning *p)
 {
     struct label label = p->area->label;
@@ -143,7 +142,6 @@ static struct label raise_label(const struct planning *p, const struct label_tab
     return label;
 }
 
-/* Plans "files", a pattern. */
 static void plan_pattern(const struct planning *p)
 {
     const struct label *of_all = &p->area->label;
@@ -327,7 +325,6 @@ static struct brainglobe_metadata find_axes(const struct planning *p, const char
     return metadata;
 }
 
-/* Plans "brainglobe", a folder. */
 static void plan_of_brainglobe(const struct planning *p)
 {
     const double scale = p->area->scale > 0 ? p->area->scale : micrometres;

@@ -125,7 +125,6 @@ static const char *find_brainglobe(struct job *job, const char *path)
     return versions.count ? job_format(job, "%s%s/", folder, versions.names[versions.count - 1]) : NULL;
 }
 
-/* Loads the atlas whose manifest.json is in `folder`. */
 static void load_brainglobe(struct load *load, const char *folder)
 {
     struct scene scene = {0};
@@ -217,7 +216,6 @@ static void load_path(struct load *load, const char *path)
     source_close(&source);
 }
 
-/* Warns of surfaces whose coordinates cannot be mm of a brain. */
 static conus_status note_unit(conus_atlas *atlas)
 {
     static const double most = 1000; /* of a brain in mm, */

@@ -35,7 +35,6 @@ static void end_surfaces(void *thing)
     notes_finish(&surfaces->notes);
 }
 
-/* Names the area by the name in the file, else by the file's name. */
 static void name_area(struct job *job, struct planned_area *area, const struct label *said)
 {
     struct label *label = &area->label;
@@ -43,7 +42,6 @@ static void name_area(struct job *job, struct planned_area *area, const struct l
     label->hemisphere = label->hemisphere ? label->hemisphere : said->hemisphere;
 }
 
-/* Gives the parts to the areas planned for them. */
 static void hand_out_parts(struct surfaces *surfaces, const struct labelled_surface *labelled, struct mesh_parts *parts)
 {
     for (size_t i = 0; i < surfaces->count; i++) {

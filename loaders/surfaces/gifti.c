@@ -9,6 +9,7 @@
 #include "base/formats/xml.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "base/path.h"
 #include "base/text.h"
 #include "loaders/labels/label_format.h"
@@ -557,21 +558,11 @@ static const struct element {
     {"MatrixData", NULL, end_matrix},
 };
 
-static const struct element *gifti_element(const char *name)
-{
-    for (size_t i = 0; i < sizeof elements / sizeof elements[0]; i++) {
-        if (strcmp(elements[i].name, name) == 0) {
-            return &elements[i];
-        }
-    }
-    return NULL;
-}
-
 static conus_status gifti_on_start(void *user, const struct xml_event *event)
 {
     struct parsing *parsing = user;
     struct job *job = parsing->job;
-    const struct element *element = gifti_element(event->name);
+    const struct element *element = ROW_NAMED(elements, text_from(event->name), true);
     const size_t place = job_in(job, parsing->where, JOB_ALONE);
     set_place(parsing, event);
     if (!parsing->in_gifti && strcmp(event->name, "GIFTI") != 0) {
@@ -586,7 +577,7 @@ static conus_status gifti_on_start(void *user, const struct xml_event *event)
 static conus_status gifti_on_end(void *user, const struct xml_event *event)
 {
     struct parsing *parsing = user;
-    const struct element *element = gifti_element(event->name);
+    const struct element *element = ROW_NAMED(elements, text_from(event->name), true);
     const size_t place = job_in(parsing->job, parsing->where, JOB_ALONE);
     set_place(parsing, event);
     if (element && element->end) {

@@ -64,7 +64,6 @@ struct directory {
     struct tiff_list lists[FIELD_COUNT];
 };
 
-/* Whether `size` bytes from `at` on are inside the file. */
 static bool tiff_has(const struct tiff_file *file, uint64_t at, uint64_t size)
 {
     return at <= file->size && size <= file->size - at;
@@ -76,7 +75,6 @@ static uint64_t tiff_number(const struct tiff_file *file, uint64_t at, size_t si
     return (uint64_t)order_whole(file->data + at, size, false, file->swapped);
 }
 
-/* Element `index` of a list. */
 static uint64_t tiff_list_at(const struct tiff_file *file, const struct tiff_list *list, uint64_t index)
 {
     return tiff_number(file, list->at + index * list->size, list->size);
@@ -166,7 +164,6 @@ static uint64_t read_side(struct job *job, const struct directory *directory, en
     return is_good ? side : 1;
 }
 
-/* Checks the fields that have few values here. */
 static void check_plain_fields(struct job *job, const struct directory *directory)
 {
     static const struct {

@@ -7,6 +7,7 @@
 #include "base/formats/packed.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "conus/streamlines.h"
 #include "loaders/tracts/tracts.h"
 
@@ -68,21 +69,20 @@ static void take_lines(struct job *job, struct header *header, struct text block
 
 static void read_type(struct tck *tck, struct text type)
 {
-    static const struct {
+    static const struct type {
         const char *name;
         bool wide, big;
     } types[] = {
         {"Float32LE", false, false}, {"Float32BE", false, true}, {"Float64LE", true, false}, {"Float64BE", true, true}};
-    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++) {
-        if (text_equal_ignoring_case(type, types[i].name)) {
-            tck->wide = types[i].wide;
-            tck->r.swapped = types[i].big == BIG_ENDIAN_IS_SWAPPED;
-            tck->type = types[i].name;
-            return;
-        }
+    const struct type *found = ROW_NAMED(types, type, false);
+    if (!found) {
+        job_bad(tck->job, "datatype: found \"%.*s\", allowed are Float32LE, Float32BE, Float64LE and Float64BE",
+                TEXT_SHOW(type, 40));
+        return;
     }
-    job_bad(tck->job, "datatype: found \"%.*s\", allowed are Float32LE, Float32BE, Float64LE and Float64BE",
-            TEXT_SHOW(type, 40));
+    tck->wide = found->wide;
+    tck->r.swapped = found->big == BIG_ENDIAN_IS_SWAPPED;
+    tck->type = found->name;
 }
 
 /* "file: . 620": in this file, from that byte on. */
@@ -112,7 +112,6 @@ static void check_said(struct job *job, const char *key, struct text said, const
     }
 }
 
-/* Reads the header and goes to the first point. */
 static void tck_take_header(struct tck *tck)
 {
     struct header header = {0};

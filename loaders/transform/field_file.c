@@ -105,7 +105,6 @@ static conus_vectors read_statement(struct job *job, const struct field_header *
     return is_absolute ? CONUS_VECTORS_ABSOLUTE : is_reg ? CONUS_VECTORS_RELATIVE : CONUS_VECTORS_AS_STATED;
 }
 
-/* The kind of a field in mm of the world. */
 static enum field_kind vectors_kind(struct job *job, const struct field_header *header, conus_vectors vectors,
                                     conus_file_space space)
 {

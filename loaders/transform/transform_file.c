@@ -505,7 +505,6 @@ static const struct kind *find_kind(struct job *job, const struct source *source
     return NULL;
 }
 
-/* Says what the file is instead of a transform that can be read. */
 static void refuse(struct job *job, const struct source *source, const struct format *format)
 {
     struct text text = text_from_bytes(source->stored.data, source->stored.size);

@@ -41,7 +41,6 @@ static void read_binary(struct stl *stl)
     }
 }
 
-/* A facet after the word "facet". */
 static void read_facet(struct stl *stl)
 {
     struct scan *scan = &stl->scan;
@@ -62,7 +61,6 @@ static void read_facet(struct stl *stl)
     scan_need(scan, "endfacet", "endfacet");
 }
 
-/* From "solid" and its name to "endsolid" and perhaps the same. */
 static void read_solid(struct stl *stl)
 {
     struct text name;
