@@ -262,20 +262,12 @@ static void plan_labelled(const struct planning *p)
 static const double *place_surfaces(struct job *job, const struct scene *scene)
 {
     conus_volume_info image;
-    double flirt[16];
-    double voxel[16];
     double *world = scene->image ? job_raw(job, 16, sizeof *world) : NULL;
-    if (!world) {
-        return NULL;
+    if (world) {
+        volume_header_read(job, &image, scene->image);
     }
-    volume_header_read(job, &image, scene->image);
-    if (job_ok(job)) {
-        flirt_from_voxel(flirt, &image);
-        if (mat4_invert_affine(voxel, flirt)) {
-            mat4_multiply(world, image.world_from_voxel, voxel);
-        } else {
-            job_bad(job, "%s: the matrix is singular", scene->image);
-        }
+    if (world && job_ok(job)) {
+        world_from_flirt(job, world, &image);
     }
     return world;
 }

@@ -308,12 +308,12 @@ static void add_surfaces(const struct surfaces *surfaces)
 }
 
 /* Warns if the sizes of the surfaces and of the areas of voxels differ too much. */
-static conus_status note_size(conus_atlas *atlas)
+static void note_size(struct job *job, conus_atlas *atlas)
 {
     bool said;
     const struct box3 surfaces = fit_box_of_areas(atlas, false, true);
     const struct box3 voxels = fit_box_of_areas(atlas, true, false);
-    return fit_note_size(&said, &atlas->notes, "surfaces", &surfaces, &voxels);
+    (void)JOB_CALL(job, fit_note_size(&said, &atlas->notes, "surfaces", &surfaces, &voxels));
 }
 
 /* Adds the groups that are no area yet. `map` is from labels to numbers of areas and groups. */
@@ -384,7 +384,7 @@ void area_plan_load(struct load *load, struct area_plan *plan, enum mesh_space s
     }
     if (job_step(job)) {
         add_surfaces(surfaces);
-        (void)JOB_CALL(job, note_size(load->atlas));
+        note_size(job, load->atlas);
         grow_tree(job, plan, load->atlas);
     }
 }

@@ -12,49 +12,30 @@
 #include <stdio.h>
 #include <string.h>
 
-enum field {
-    SUBFILE,
-    WIDTH,
-    LENGTH,
-    BITS,
-    COMPRESSION,
-    PHOTOMETRIC,
-    FILL_ORDER,
-    DESCRIPTION,
-    STRIP_OFFSETS,
-    ORIENTATION,
-    SAMPLES,
-    STRIP_ROWS,
-    STRIP_COUNTS,
-    PLANAR,
-    PREDICTOR,
-    TILE_WIDTH,
-    TILE_LENGTH,
-    TILE_OFFSETS,
-    TILE_COUNTS,
-    FORMAT,
-    DEPTH,
-    TILE_DEPTH,
-    FIELD_COUNT
-};
-
 /* TIFF 6.0, and SGI's two fields of depth. */
+#define FIELDS(ROW)                                                                                                    \
+    ROW(SUBFILE, 254, "NewSubfileType"), ROW(WIDTH, 256, "ImageWidth"), ROW(LENGTH, 257, "ImageLength"),               \
+        ROW(BITS, 258, "BitsPerSample"), ROW(COMPRESSION, 259, "Compression"),                                         \
+        ROW(PHOTOMETRIC, 262, "PhotometricInterpretation"), ROW(FILL_ORDER, 266, "FillOrder"),                         \
+        ROW(DESCRIPTION, 270, "ImageDescription"), ROW(STRIP_OFFSETS, 273, "StripOffsets"),                            \
+        ROW(ORIENTATION, 274, "Orientation"), ROW(SAMPLES, 277, "SamplesPerPixel"),                                    \
+        ROW(STRIP_ROWS, 278, "RowsPerStrip"), ROW(STRIP_COUNTS, 279, "StripByteCounts"),                               \
+        ROW(PLANAR, 284, "PlanarConfiguration"), ROW(PREDICTOR, 317, "Predictor"), ROW(TILE_WIDTH, 322, "TileWidth"),  \
+        ROW(TILE_LENGTH, 323, "TileLength"), ROW(TILE_OFFSETS, 324, "TileOffsets"),                                    \
+        ROW(TILE_COUNTS, 325, "TileByteCounts"), ROW(FORMAT, 339, "SampleFormat"), ROW(DEPTH, 32997, "ImageDepth"),    \
+        ROW(TILE_DEPTH, 32998, "TileDepth")
+#define FIELD_ID(id, tag, name) id
+#define FIELD_ROW(id, tag, name)                                                                                       \
+    {                                                                                                                  \
+        tag, name                                                                                                      \
+    }
+
+enum field { FIELDS(FIELD_ID), FIELD_COUNT };
+
 static const struct {
     uint16_t tag;
     const char *name;
-} fields[FIELD_COUNT] = {
-    [SUBFILE] = {254, "NewSubfileType"},       [WIDTH] = {256, "ImageWidth"},
-    [LENGTH] = {257, "ImageLength"},           [BITS] = {258, "BitsPerSample"},
-    [COMPRESSION] = {259, "Compression"},      [PHOTOMETRIC] = {262, "PhotometricInterpretation"},
-    [FILL_ORDER] = {266, "FillOrder"},         [DESCRIPTION] = {270, "ImageDescription"},
-    [STRIP_OFFSETS] = {273, "StripOffsets"},   [ORIENTATION] = {274, "Orientation"},
-    [SAMPLES] = {277, "SamplesPerPixel"},      [STRIP_ROWS] = {278, "RowsPerStrip"},
-    [STRIP_COUNTS] = {279, "StripByteCounts"}, [PLANAR] = {284, "PlanarConfiguration"},
-    [PREDICTOR] = {317, "Predictor"},          [TILE_WIDTH] = {322, "TileWidth"},
-    [TILE_LENGTH] = {323, "TileLength"},       [TILE_OFFSETS] = {324, "TileOffsets"},
-    [TILE_COUNTS] = {325, "TileByteCounts"},   [FORMAT] = {339, "SampleFormat"},
-    [DEPTH] = {32997, "ImageDepth"},           [TILE_DEPTH] = {32998, "TileDepth"},
-};
+} fields[] = {FIELDS(FIELD_ROW)};
 
 enum { SIDE_LIMIT = INT32_MAX, TILE_LIMIT = 1 << 28 /* bytes of a tile, unpacked */ };
 

@@ -245,22 +245,22 @@ static uint8_t *put_point(uint8_t *at, const float point[3])
     return at;
 }
 
-/* The bytes of a file with the streamlines of `list`, Float32LE. `out` is owned by the caller. */
-static conus_status tck_format(struct bytes *out, const conus_streamline_list *list)
+/* The bytes of a file with the streamlines of `list`, Float32LE. */
+static struct bytes tck_format(struct job *job, const conus_streamline_list *list)
 {
+    static const float end_of_one[3] = {NAN, NAN, NAN};
+    static const float end_of_all[3] = {INFINITY, INFINITY, INFINITY};
     const conus_streamline_list_view view = conus_streamline_list_data(list);
     char header[HEADER_SIZE];
-    size_t begin = format_header(header, view.count);
-    size_t lines = view.points + view.count + 1;
-    float *points = memory_raw(view.points, POINT);
-    uint64_t *first = memory_raw(view.count + 1, sizeof *first);
-    uint8_t *data = points && first ? memory_raw(lines + (begin + POINT - 1) / POINT, POINT) : NULL;
-    if (data) {
-        static const float end_of_one[3] = {NAN, NAN, NAN};
-        static const float end_of_all[3] = {INFINITY, INFINITY, INFINITY};
-        uint8_t *at = data + begin;
+    const size_t begin = format_header(header, view.count);
+    const size_t lines = view.points + view.count + 1;
+    float *points = job_raw(job, view.points, POINT);
+    uint64_t *first = job_raw(job, view.count + 1, sizeof *first);
+    struct bytes out = {job_raw(job, lines + (begin + POINT - 1) / POINT, POINT), begin + lines * POINT};
+    if (job_ok(job)) {
+        uint8_t *at = out.data + begin;
         conus_streamline_list_points(points, first, list);
-        memcpy(data, header, begin);
+        memcpy(out.data, header, begin);
         for (size_t i = 0; i < view.count; i++) {
             for (uint64_t p = first[i]; p < first[i + 1]; p++) {
                 at = put_point(at, points + 3 * p);
@@ -268,21 +268,17 @@ static conus_status tck_format(struct bytes *out, const conus_streamline_list *l
             at = put_point(at, end_of_one);
         }
         (void)put_point(at, end_of_all);
-        *out = (struct bytes){.data = data, .size = begin + lines * POINT};
     }
-    memory_free(points);
-    memory_free(first);
-    return data ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return out;
 }
 
 conus_status conus_streamline_list_write(const conus_streamline_list *list, const char *path)
 {
-    struct bytes file = {0};
+    struct job job = {0};
     if (!path_ends_in(path, ".tck")) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: the name of a tractogram that is written ends in .tck", path);
+        job_fail(&job, CONUS_ERROR_ARGUMENT, "%s: the name of a tractogram that is written ends in .tck", path);
     }
-    conus_status status = tck_format(&file, list);
-    status = status ? status : file_write(path, file.data, file.size);
-    bytes_finish(&file);
-    return status;
+    const struct bytes file = tck_format(&job, list);
+    (void)JOB_CALL(&job, file_write(path, file.data, file.size));
+    return job_close(&job, NULL, NULL);
 }

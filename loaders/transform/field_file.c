@@ -410,19 +410,6 @@ static void set_vectors(struct job *job, struct deformation *field, enum field_k
     check_finite(job, field);
 }
 
-/* From FSL's mm of an image to the world. */
-static void world_from_flirt(struct job *job, double out[16], const conus_volume_info *info)
-{
-    double flirt[16];
-    double voxel[16];
-    flirt_from_voxel(flirt, info);
-    if (!mat4_invert_affine(voxel, flirt)) {
-        job_bad(job, "the matrix of an image is singular");
-        return;
-    }
-    mat4_multiply(out, info->world_from_voxel, voxel);
-}
-
 /* The field lies on the grid of the image from which it takes points, or on another with the same mm. */
 static void check_from(struct job *job, const conus_volume_info *field, const char *from)
 {
