@@ -3,11 +3,11 @@
 #include "base/formats/xml.h"
 
 #include "base/formats/encoding.h"
-#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <expat.h>
 #include <limits.h>
+#include <math.h>
 #include <string.h>
 
 enum { DEPTH_LIMIT = 64 };
@@ -180,7 +180,7 @@ bool xml_matrix(double out[16], struct text text)
             return false;
         }
     }
-    return n == 16 && !text_word(&text, &word) && mat4_settle_last_row(out);
+    return n == 16 && !text_word(&text, &word);
 }
 
 struct text xml_root(struct text text)

@@ -35,8 +35,7 @@ const char *xml_attribute(const struct xml_event *event, const char *name);
 /** That attribute as a whole number from @p low to @p high. */
 uint64_t xml_whole(struct job *job, const struct xml_event *event, const char *name, uint64_t low, uint64_t high);
 
-/** Reads a matrix of 16 finite numbers by rows, the last one 0 0 0 1 (mat4_settle_last_row()); false where @p text is
- * none. */
+/** Reads a matrix of 16 finite numbers by rows, column-major; false where @p text is none. */
 bool xml_matrix(double out[16], struct text text);
 
 /** Name of the outermost element of @p text, found without parsing; empty if there is none. */

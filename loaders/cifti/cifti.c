@@ -201,7 +201,7 @@ static void end_transform(struct parsing *parsing, struct text text)
     double inverse[16];
     double *world = parsing->cifti->world_from_voxel;
     double mm = pow(10, parsing->exponent + 3);
-    if (!xml_matrix(m, text)) {
+    if (!xml_matrix(m, text) || !mat4_settle_last_row(m)) {
         job_bad(parsing->job, "TransformationMatrixVoxelIndicesIJKtoXYZ: 16 finite numbers by rows are needed, the "
                               "last row 0 0 0 1");
         return;

@@ -473,7 +473,7 @@ static void end_matrix(struct parsing *parsing, struct text text)
 {
     struct gifti_transform *transform = open_transform(parsing);
     double columns[16];
-    const bool is_matrix = xml_matrix(columns, text);
+    const bool is_matrix = xml_matrix(columns, text) && mat4_settle_last_row(columns);
     if (transform && !is_matrix) {
         job_bad(parsing->job, "MatrixData: 16 finite numbers by rows are needed, the last row 0 0 0 1");
     } else if (transform) {
