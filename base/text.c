@@ -222,9 +222,9 @@ bool text_token(struct text *rest, struct text *token)
 
 bool text_statement(struct text *rest, const char *words, bool sign, struct text *value)
 {
-    struct text word = {0};
+    struct text word = {rest->data, 0};
     for (; text_token(rest, value); word = *value) {
-        const char *behind = word.data ? word.data + word.size : value->data;
+        const char *behind = word.data + word.size;
         const struct text gap = {behind, (size_t)(value->data - behind)};
         if (gap.size && text_has_only(gap, "=: \t") && (!sign || text_trim(gap).size) &&
             text_is_one_of(word, words, false)) {

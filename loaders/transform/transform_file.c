@@ -387,7 +387,7 @@ static void check_comments(struct job *job, struct text text)
     struct text word;
     while (job_ok(job) && text_line(&text, &line)) {
         const struct text all = text_trim(line);
-        struct text rest = text_starts(all, "#") ? all : (struct text){0};
+        struct text rest = text_starts(all, "#") ? all : text_from("");
         struct text units = rest;
         while (text_token(&rest, &word)) {
             if (text_equal_ignoring_case(word, "LPS")) {
