@@ -491,9 +491,10 @@ void field_read(struct job *job, struct transform_chain *out, struct source *sou
         out->fields = field;
         out->count = 1;
         read_vectors(job, field, &file);
-        if (job_ok(job) && (kind == FIELD_FSL || kind == FIELD_FNIRT)) {
+        const bool is_read = job_ok(job) && field->vectors;
+        if (is_read && (kind == FIELD_FSL || kind == FIELD_FNIRT)) {
             set_flirt(job, field, kind, &file.info, options, source);
-        } else if (job_ok(job)) {
+        } else if (is_read) {
             set_vectors(job, field, kind, options->vectors, source);
         }
         (void)JOB_CALL(job, deformation_measure(field));
