@@ -5,6 +5,7 @@
 #include "base/order.h"
 #include "base/system/system.h"
 
+#include <ctype.h>
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -201,6 +202,37 @@ bool text_starts(struct text text, const char *prefix)
 {
     size_t size = strlen(prefix);
     return text.size >= size && memcmp(text.data, prefix, size) == 0;
+}
+
+bool text_token(struct text *rest, struct text *token)
+{
+    const char *end = rest->data + rest->size;
+    const char *from = rest->data;
+    while (from < end && !isalnum((unsigned char)*from) && !(*from & 0x80)) {
+        from++;
+    }
+    const char *to = from;
+    while (to < end && (isalnum((unsigned char)*to) || *to & 0x80)) {
+        to++;
+    }
+    *token = (struct text){from, (size_t)(to - from)};
+    *rest = (struct text){to, (size_t)(end - to)};
+    return to > from;
+}
+
+bool text_statement(struct text *rest, const char *words, bool sign, struct text *value)
+{
+    struct text word = {rest->data, 0};
+    for (; text_token(rest, value); word = *value) {
+        const char *behind = word.data + word.size;
+        const struct text gap = {behind, (size_t)(value->data - behind)};
+        if (gap.size && text_has_only(gap, "=: \t") && (!sign || text_trim(gap).size) &&
+            text_is_one_of(word, words, false)) {
+            *rest = (struct text){value->data, value->size + rest->size};
+            return true;
+        }
+    }
+    return false;
 }
 
 bool text_has_only(struct text text, const char *these)

@@ -143,6 +143,17 @@ int text_compare(struct text a, struct text b);
 /** True when @p part stands somewhere in @p text; upper and lower case (of ASCII) are the same. */
 bool text_contains(struct text text, struct text part);
 
+/** Words for mm, of text_is_one_of(). */
+#define TEXT_MM "mm/millimeter/millimeters/millimetre/millimetres"
+
+/** Takes the next run of letters and digits (and bytes above ASCII) off @p rest; false where there is none. */
+bool text_token(struct text *rest, struct text *token);
+
+/** Finds the next of @p words ('/' between them, whatever their case) in @p rest that has a value, and goes on at the
+ * value: a token behind "=", ":" and blanks, "SPACE=LPS", "coordinate system: LPS"; @p sign: not behind blanks alone.
+ */
+bool text_statement(struct text *rest, const char *words, bool sign, struct text *value);
+
 /** True when every byte of @p text is one of @p these: of an empty one, too. */
 bool text_has_only(struct text text, const char *these);
 

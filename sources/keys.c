@@ -38,6 +38,12 @@ struct source_key {
 #define WHOLE "allowed are whole numbers from 0"
 #define ABOVE_0 "allowed is a number above 0"
 #define MOST (UINT32_MAX - 1.0) /* its successor is the number of a label */
+#define TO(high) "allowed is a number from 0 to " high
+
+/* So many numbers; any one above 0. */
+#define NUMBERS(count) IS_NUMBERS, .least = (count), .most = (count)
+#define POSITIVE NUMBERS(1), .high = INFINITY, .is_above = true, .allowed = ABOVE_0
+#define POINT NUMBERS(3), .any_order = true, .low = -1e9, .high = 1e9, .allowed = A_POINT
 
 static const struct source_key rows[] = {
     {KEY_VOLUME, "volume", FILES | KEYS_PATHWAY, IS_WHOLE, .least = 1, .most = 1, .high = MOST,
@@ -63,12 +69,10 @@ static const struct source_key rows[] = {
     {KEY_LABEL, "label", KEYS_LABELS, .allowed = A_COLUMN},
     {KEY_NAME, "name", KEYS_LABELS, .allowed = A_COLUMN},
     {KEY_NAME, "name", KEYS_PATHWAY | KEYS_STREAMLINES, .allowed = A_NAME},
-    {KEY_THRESHOLD, "threshold", KEYS_PATHWAY, IS_NUMBERS, .least = 1, .most = 1, .high = INFINITY, .is_above = true,
-     .allowed = ABOVE_0},
+    {KEY_THRESHOLD, "threshold", KEYS_PATHWAY, POSITIVE},
     {KEY_UNIT, "unit", KEYS_PATHWAY, .allowed = "a unit is needed"},
     {KEY_BAND, "band", KEYS_PATHWAY, .allowed = "LOW:HIGH:NAME is needed", .repeats = true},
-    {KEY_RADIUS, "radius", KEYS_STREAMLINES, IS_NUMBERS, .least = 1, .most = 1, .high = INFINITY, .is_above = true,
-     .allowed = ABOVE_0},
+    {KEY_RADIUS, "radius", KEYS_STREAMLINES, POSITIVE},
     {KEY_MOVES, "moves", KEYS_STREAMLINES, .type = IS_FLAG},
     {KEY_FROM, "from", KEYS_TRANSFORM, .allowed = AN_IMAGE, .goes_on = true},
     {KEY_TO, "to", KEYS_TRANSFORM, .allowed = AN_IMAGE, .goes_on = true},
@@ -78,8 +82,8 @@ static const struct source_key rows[] = {
     {KEY_GRID, "grid", KEYS_TRANSFORM, .allowed = AN_IMAGE, .goes_on = true},
     {KEY_TRANSFORM, "transform", KEYS_TRANSFORM, IS_WHOLE, .least = 1, .most = 1, .high = UINT32_MAX, .allowed = WHOLE},
     {KEY_ARRAY, "array", KEYS_MAP, .allowed = A_NAME},
-    {KEY_RANGE, "range", KEYS_MAP, IS_NUMBERS, .least = 2, .most = 2, .low = -INFINITY, .high = INFINITY,
-     .is_above = true, .allowed = "allowed are two numbers LOW:HIGH, the second larger"},
+    {KEY_RANGE, "range", KEYS_MAP, NUMBERS(2), .low = -INFINITY, .high = INFINITY, .is_above = true,
+     .allowed = "allowed are two numbers LOW:HIGH, the second larger"},
     {KEY_X, "x", KEYS_POSES, .allowed = A_COLUMN, .goes_on = true},
     {KEY_Y, "y", KEYS_POSES, .allowed = A_COLUMN, .goes_on = true},
     {KEY_Z, "z", KEYS_POSES, .allowed = A_COLUMN, .goes_on = true},
@@ -91,54 +95,40 @@ static const struct source_key rows[] = {
     {KEY_TILT_AP, "tilt_ap", KEYS_POSES, .allowed = A_COLUMN, .goes_on = true},
     {KEY_DEPTH, "depth", KEYS_POSES, .allowed = "allowed are mm, um, cm and m", .goes_on = true},
     {KEY_RADIUS, "radius", KEYS_POSES, .allowed = "allowed are mm, um, cm and m", .goes_on = true},
-    {KEY_SPACING, "spacing", KEYS_ENTRIES | KEYS_TARGETS, IS_NUMBERS, .least = 1, .most = 1, .low = 1e-3, .high = 1e6,
+    {KEY_SPACING, "spacing", KEYS_ENTRIES | KEYS_TARGETS, NUMBERS(1), .low = 1e-3, .high = 1e6,
      .allowed = "allowed is a number from 0.001 to 1000000"},
     {KEY_WITHIN, "within", KEYS_ENTRIES, .allowed = A_PART, .goes_on = true},
     {KEY_WITHOUT, "without", KEYS_ENTRIES, .allowed = A_PART, .goes_on = true},
     {KEY_FLIP, "flip", KEYS_ENTRIES, .type = IS_FLAG},
     {KEY_OF, "of", KEYS_TARGETS, .allowed = "names of structures are needed", .goes_on = true},
-    {KEY_WITHIN, "within", KEYS_CLEARANCE, IS_NUMBERS, .least = 1, .most = 1, .high = 1000,
+    {KEY_WITHIN, "within", KEYS_CLEARANCE, NUMBERS(1), .high = 1000,
      .allowed = "allowed is a number of mm from 0 to 1000"},
-    {KEY_STEP, "step", KEYS_PROFILE, IS_NUMBERS, .least = 1, .most = 1, .high = INFINITY, .is_above = true,
-     .allowed = ABOVE_0},
+    {KEY_STEP, "step", KEYS_PROFILE, POSITIVE},
     {KEY_FILL, "fill", KEYS_VERTEX_MAP, IS_WORD, .words = "nearest", .allowed = "allowed is nearest"},
-    {KEY_LENGTH, "length", KEYS_REACH, IS_NUMBERS, .least = 1, .most = 1, .high = 1e9,
-     .allowed = "allowed is a number from 0 to 1e9"},
+    {KEY_LENGTH, "length", KEYS_REACH, NUMBERS(1), .high = 1e9, .allowed = TO("1e9")},
     {KEY_TIP, "tip", KEYS_REACH, .type = IS_FLAG},
     {KEY_CROSSED, "crossed", KEYS_REACH, .type = IS_FLAG},
-    {KEY_PART, "part", KEYS_REACH, IS_NUMBERS, .least = 2, .most = 2, .high = INFINITY,
+    {KEY_PART, "part", KEYS_REACH, NUMBERS(2), .high = INFINITY,
      .allowed = "allowed is A:B with numbers from 0, the lower one first"},
-    {KEY_CONTACTS, "contacts", KEYS_REACH, IS_NUMBERS, .least = 1, .most = 1, .high = 65536,
-     .allowed = "allowed is a number from 0 to 65536"},
-    {KEY_PROBABILITY, "probability", KEYS_REACH, IS_NUMBERS, .least = 1, .most = 1, .high = 1,
-     .allowed = "allowed is a number from 0 to 1"},
-    {KEY_SHARE, "share", KEYS_REACH | KEYS_AVOID, IS_NUMBERS, .least = 1, .most = 1, .high = 1,
-     .allowed = "allowed is a number from 0 to 1"},
-    {KEY_PIERCED, "pierced", KEYS_REACH | KEYS_AVOID, IS_NUMBERS, .least = 1, .most = 1, .high = 1,
-     .allowed = "allowed is a number from 0 to 1"},
-    {KEY_VOLUME, "volume", KEYS_REACH, IS_NUMBERS, .least = 1, .most = 1, .high = 1e12,
-     .allowed = "allowed is a number from 0 to 1e12"},
-    {KEY_FRACTION, "fraction", KEYS_REACH, IS_NUMBERS, .least = 1, .most = 1, .high = 1,
-     .allowed = "allowed is a number from 0 to 1"},
-    {KEY_STREAMLINES, "streamlines", KEYS_REACH, IS_NUMBERS, .least = 1, .most = 1, .high = 1e12,
-     .allowed = "allowed is a number from 0 to 1e12"},
-    {KEY_MARGIN, "margin", KEYS_AVOID, IS_NUMBERS, .least = 1, .most = 1, .high = 100,
-     .allowed = "allowed is a number from 0 to 100"},
+    {KEY_CONTACTS, "contacts", KEYS_REACH, NUMBERS(1), .high = 65536, .allowed = TO("65536")},
+    {KEY_PROBABILITY, "probability", KEYS_REACH, NUMBERS(1), .high = 1, .allowed = TO("1")},
+    {KEY_SHARE, "share", KEYS_REACH | KEYS_AVOID, NUMBERS(1), .high = 1, .allowed = TO("1")},
+    {KEY_PIERCED, "pierced", KEYS_REACH | KEYS_AVOID, NUMBERS(1), .high = 1, .allowed = TO("1")},
+    {KEY_VOLUME, "volume", KEYS_REACH, NUMBERS(1), .high = 1e12, .allowed = TO("1e12")},
+    {KEY_FRACTION, "fraction", KEYS_REACH, NUMBERS(1), .high = 1, .allowed = TO("1")},
+    {KEY_STREAMLINES, "streamlines", KEYS_REACH, NUMBERS(1), .high = 1e12, .allowed = TO("1e12")},
+    {KEY_MARGIN, "margin", KEYS_AVOID, NUMBERS(1), .high = 100, .allowed = TO("100")},
     {KEY_SHANK, "shank", KEYS_REACH | KEYS_AVOID | KEYS_APART | KEYS_FIRST,
      .allowed = "allowed are any, all and whole numbers above 0"},
-    {KEY_BIAS, "bias", KEYS_WEIGHT, IS_NUMBERS, .least = 2, .most = 2, .any_order = true, .low = -45, .high = 45,
+    {KEY_BIAS, "bias", KEYS_WEIGHT, NUMBERS(2), .any_order = true, .low = -45, .high = 45,
      .allowed = "two numbers X:Y are needed, degrees to the right and up, from -45 to 45"},
-    {KEY_NASION, "nasion", KEYS_SCALP, IS_NUMBERS, .least = 3, .most = 3, .any_order = true, .low = -1e9, .high = 1e9,
-     .allowed = A_POINT},
-    {KEY_INION, "inion", KEYS_SCALP, IS_NUMBERS, .least = 3, .most = 3, .any_order = true, .low = -1e9, .high = 1e9,
-     .allowed = A_POINT},
-    {KEY_LPA, "lpa", KEYS_SCALP, IS_NUMBERS, .least = 3, .most = 3, .any_order = true, .low = -1e9, .high = 1e9,
-     .allowed = A_POINT},
-    {KEY_RPA, "rpa", KEYS_SCALP, IS_NUMBERS, .least = 3, .most = 3, .any_order = true, .low = -1e9, .high = 1e9,
-     .allowed = A_POINT},
+    {KEY_NASION, "nasion", KEYS_SCALP, POINT},
+    {KEY_INION, "inion", KEYS_SCALP, POINT},
+    {KEY_LPA, "lpa", KEYS_SCALP, POINT},
+    {KEY_RPA, "rpa", KEYS_SCALP, POINT},
 
     {KEY_ABOVE, "above", KEYS_WEIGHT, .allowed = "a weight is needed, or P% or P%area"},
-    {KEY_POWER, "power", KEYS_PRIOR, IS_NUMBERS, .least = 1, .most = 1, .low = 0.01, .high = 100,
+    {KEY_POWER, "power", KEYS_PRIOR, NUMBERS(1), .low = 0.01, .high = 100,
      .allowed = "allowed is a number from 0.01 to 100"},
 };
 
@@ -285,7 +275,6 @@ static bool has_value(struct key_value *value)
     }
 }
 
-/* "a, b, c": the keys of a kind. */
 static void list_keys(char out[LISTED], enum key_kind kind)
 {
     size_t used = 0;
@@ -330,7 +319,6 @@ static bool refuse_unknown(struct source_keys *out, struct text found, struct te
                 near, *near ? "?" : "");
 }
 
-/* Takes the key at `at`, up to `end`. */
 static bool read_key(struct source_keys *out, const char *at, const char *end, enum key_kind kind)
 {
     const struct source_key *row = find_row(at, kind);
@@ -392,7 +380,6 @@ size_t keys_file_length(const char *text, enum key_kind kind)
     return unknown.size ? (size_t)(unknown.data - text) - 1 : length;
 }
 
-/* Takes the keys of a text that begins with one. */
 static bool read_all(struct source_keys *out, const char *at, enum key_kind kind)
 {
     bool is_fine = true;

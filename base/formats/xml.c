@@ -7,6 +7,7 @@
 
 #include <expat.h>
 #include <limits.h>
+#include <math.h>
 #include <string.h>
 
 enum { DEPTH_LIMIT = 64 };
@@ -156,6 +157,30 @@ const char *xml_attribute(const struct xml_event *event, const char *name)
         }
     }
     return NULL;
+}
+
+uint64_t xml_whole(struct job *job, const struct xml_event *event, const char *name, uint64_t low, uint64_t high)
+{
+    const char *given = xml_attribute(event, name);
+    uint64_t value = 0;
+    if (!given || !text_to_uint(text_trim(text_from(given)), high, &value) || value < low) {
+        job_bad(job, "%s: found \"%.60s\", allowed are whole numbers from %llu to %llu", name, given ? given : "",
+                (unsigned long long)low, (unsigned long long)high);
+    }
+    return value;
+}
+
+bool xml_matrix(double out[16], struct text text)
+{
+    struct text word;
+    size_t n = 0;
+    for (; n < 16 && text_word(&text, &word); n++) {
+        double *number = &out[4 * (n % 4) + n / 4];
+        if (!text_to_double(word, number) || !isfinite(*number)) {
+            return false;
+        }
+    }
+    return n == 16 && !text_word(&text, &word);
 }
 
 struct text xml_root(struct text text)

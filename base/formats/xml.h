@@ -4,7 +4,7 @@
 #ifndef CONUS_BASE_FORMATS_XML_H
 #define CONUS_BASE_FORMATS_XML_H
 
-#include "base/status.h"
+#include "base/job/job.h"
 #include "base/text.h"
 
 struct xml_event {
@@ -31,6 +31,12 @@ conus_status xml_parse(const struct xml_handler *handler, struct text text);
 
 /** Value of attribute @p name, or NULL. */
 const char *xml_attribute(const struct xml_event *event, const char *name);
+
+/** That attribute as a whole number from @p low to @p high. */
+uint64_t xml_whole(struct job *job, const struct xml_event *event, const char *name, uint64_t low, uint64_t high);
+
+/** Reads a matrix of 16 finite numbers by rows, column-major; false where @p text is none. */
+bool xml_matrix(double out[16], struct text text);
 
 /** Name of the outermost element of @p text, found without parsing; empty if there is none. */
 struct text xml_root(struct text text);

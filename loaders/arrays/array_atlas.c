@@ -107,7 +107,6 @@ static void finish_array(void *thing)
     volume_file_finish(&array->file);
 }
 
-/* What the array is called. */
 static const char *name_of(const conus_voxels *voxels)
 {
     return voxels->name ? voxels->name : "array";
@@ -155,7 +154,6 @@ static void check_label(struct job *job, const conus_label *label)
     }
 }
 
-/* Adds a copy of the label to the table. */
 static void add_label(struct job *job, struct label_table *table, const conus_label *label)
 {
     check_label(job, label);

@@ -76,7 +76,8 @@ static bool is_same_name(const struct catalogue_item *a, const struct catalogue_
 struct searched {
     const catalogue_items *items;
     const char *what, *plural;
-    const char *hint; /* how they are listed */
+    const char *hint;     /* how they are listed */
+    const char *function; /* that looks */
 };
 
 /** The atlases that a name may mean. */
@@ -100,21 +101,19 @@ static void find_candidates(struct candidates *out, const catalogue_items *items
     }
 }
 
-static conus_status refuse_ambiguous(const struct searched *searched, const char *name,
-                                     const struct candidates *candidates)
+static void refuse_ambiguous(struct job *job, const struct searched *searched, const char *name,
+                             const struct candidates *candidates)
 {
-    struct job job = {0};
     const char *list = "";
     bool one_source = true;
     for (size_t i = 0; i < candidates->count && i < CANDIDATES; i++) {
         const conus_installed *atlas = &candidates->items[i]->atlas;
         one_source = one_source && strcmp(atlas->source, candidates->items[0]->atlas.source) == 0;
-        list = job_format(&job, "%s%s%s:%s (%s)", list, i ? ", " : "", atlas->source, atlas->name, atlas->path);
+        list = job_format(job, "%s%s%s:%s (%s)", list, i ? ", " : "", atlas->source, atlas->name, atlas->path);
     }
-    job_fail(&job, CONUS_ERROR_ARGUMENT, "%s: %zu %s have that name: %s%s; give %s", name, candidates->count,
+    job_fail(job, CONUS_ERROR_ARGUMENT, "%s: %zu %s have that name: %s%s; give %s", name, candidates->count,
              searched->plural, list, candidates->count > CANDIDATES ? ", ..." : "",
              one_source ? "the path of one" : "one with its source, or a path");
-    return job_close(&job, NULL, NULL);
 }
 
 /** Names that are near, the nearest first. */
@@ -138,10 +137,9 @@ static void rank(struct near nearest[NEAR], const conus_installed *atlas, size_t
     }
 }
 
-static conus_status refuse_unknown(const struct searched *searched, const char *name)
+static void refuse_unknown(struct job *job, const struct searched *searched, const char *name)
 {
     struct near nearest[NEAR] = {0};
-    struct job job = {0};
     const char *list = "";
     size_t most = (strlen(name) + 2) / 3;
     const char *colon = strchr(name, ':');
@@ -150,7 +148,7 @@ static conus_status refuse_unknown(const struct searched *searched, const char *
     struct text part;
     const char *joined = ""; /* "harvard-oxford" as one word */
     for (bool more = true; text_field(&rest, '-', &more, &part);) {
-        joined = job_format(&job, "%s%.*s", joined, (int)part.size, part.data);
+        joined = job_format(job, "%s%.*s", joined, (int)part.size, part.data);
     }
     for (size_t i = 0; i < searched->items->count; i++) {
         const conus_installed *atlas = &searched->items->at[i].atlas;
@@ -163,42 +161,43 @@ static conus_status refuse_unknown(const struct searched *searched, const char *
         }
     }
     for (size_t i = 0; i < NEAR && nearest[i].atlas; i++) {
-        list = job_format(&job, "%s%s%s", list, i ? " or " : "; did you mean ", nearest[i].atlas->name);
+        list = job_format(job, "%s%s%s", list, i ? " or " : "; did you mean ", nearest[i].atlas->name);
     }
-    job_fail(&job, CONUS_ERROR_IO,
-             "%s: cannot open: No such file or directory, and no installed %s has that name%s%s%s", name,
-             searched->what, searched->hint, list, nearest[0].atlas ? "?" : "");
-    return job_close(&job, NULL, NULL);
+    job_fail(job, CONUS_ERROR_IO, "%s: cannot open: No such file or directory, and no installed %s has that name%s%s%s",
+             name, searched->what, searched->hint, list, nearest[0].atlas ? "?" : "");
 }
 
 static conus_status find_item(const conus_installed **out, const struct searched *searched, const char *name)
 {
     struct candidates candidates = {0};
+    struct job job = {0};
+    if (!out || !searched->items || !name) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: a result, a catalogue and a name are needed", searched->function);
+    }
     find_candidates(&candidates, searched->items, name, false);
     if (!candidates.count) {
         find_candidates(&candidates, searched->items, name, true);
     }
     if (candidates.count == 1) {
         *out = &candidates.items[0]->atlas;
-        return CONUS_OK;
+    } else if (candidates.count) {
+        refuse_ambiguous(&job, searched, name, &candidates);
+    } else {
+        refuse_unknown(&job, searched, name);
     }
-    return candidates.count ? refuse_ambiguous(searched, name, &candidates) : refuse_unknown(searched, name);
+    return job_close(&job, NULL, NULL);
 }
 
 conus_status conus_catalogue_find(const conus_installed **out, const conus_catalogue *catalogue, const char *name)
 {
-    if (!out || !catalogue || !name) {
-        return fail(CONUS_ERROR_ARGUMENT, "conus_catalogue_find: a result, a catalogue and a name are needed");
-    }
-    const struct searched atlases = {&catalogue->items, "atlas", "atlases", " ('conus atlases' lists them)"};
+    const struct searched atlases = {catalogue ? &catalogue->items : NULL, "atlas", "atlases",
+                                     " ('conus atlases' lists them)", "conus_catalogue_find"};
     return find_item(out, &atlases, name);
 }
 
 conus_status conus_catalogue_find_image(const conus_installed **out, const conus_catalogue *catalogue, const char *name)
 {
-    if (!out || !catalogue || !name) {
-        return fail(CONUS_ERROR_ARGUMENT, "conus_catalogue_find_image: a result, a catalogue and a name are needed");
-    }
-    const struct searched images = {&catalogue->images, "image", "images", ""};
+    const struct searched images = {catalogue ? &catalogue->images : NULL, "image", "images", "",
+                                    "conus_catalogue_find_image"};
     return find_item(out, &images, name);
 }

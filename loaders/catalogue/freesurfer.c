@@ -34,7 +34,6 @@ static void look_at_volumes(struct job *job, const struct subject *subject)
     }
 }
 
-/* Finds surf/lh.pial, or surf/lh.white. */
 static bool find_surface(struct job *job, struct catalogue_item *found, const struct subject *subject, const char *side)
 {
     static const char *const surfaces[] = {"pial", "white"};
@@ -46,7 +45,6 @@ static bool find_surface(struct job *job, struct catalogue_item *found, const st
     return there;
 }
 
-/* Takes "lh.aparc.annot" and others in label/ that have a surface. */
 static void look_at_annotations(struct job *job, const struct subject *subject)
 {
     static const char ending[] = ".annot";

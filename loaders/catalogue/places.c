@@ -155,7 +155,6 @@ static const char *note_place(conus_catalogue *catalogue, const struct place *pl
     return path;
 }
 
-/* Looks in each of the folders that the rule means. */
 static conus_status look_at_place(conus_catalogue *catalogue, const struct place *place)
 {
     struct job job = {0};

@@ -11,11 +11,11 @@
 
 /* A run under way. */
 struct extraction {
+    struct job *job;
     const conus_atlas *atlas;
     const struct volume *volume;
     mesh_take take;
     void *user;
-    struct notes *notes;
     uint32_t number; /* of the area that came last */
 };
 
@@ -27,7 +27,6 @@ static void append_f64(struct buffer *out, double value)
     mesh_append_u32(out, (uint32_t)(bits >> 32));
 }
 
-/* The request without the voxels. */
 static void append_request(struct buffer *out, const struct extraction *work,
                            const struct mesh_extract_options *options)
 {
@@ -51,75 +50,63 @@ static void append_request(struct buffer *out, const struct extraction *work,
     }
 }
 
-static const void *objects_of(const struct volume *volume)
-{
-    return volume->objects16 ? (const void *)volume->objects16 : volume->objects32;
-}
-
-static size_t size_of_objects(const struct volume *volume)
-{
-    return volume->voxel_count * (volume->objects16 ? sizeof *volume->objects16 : sizeof *volume->objects32);
-}
-
 static conus_status take_area(void *user, const struct mesh_frame *frame)
 {
     struct extraction *work = user;
+    struct job *job = work->job;
     struct mesh mesh = {0};
     char name[32];
-    if (frame->kind == MESH_FRAME_FAILURE) {
-        return fail(CONUS_ERROR_DATA, "conus-mesh: %.*s", (int)frame->text.size, frame->text.data);
-    }
     bool found = false;
     while (!found && work->number < work->atlas->area_count) { /* frames come in the order of the areas */
         found = work->atlas->objects[work->number++].label == frame->id;
     }
-    if (!found) {
-        return fail(CONUS_ERROR_DATA, "mesh stream: a surface of label %u, which is none of the areas left", frame->id);
+    if (frame->kind == MESH_FRAME_FAILURE) {
+        job_bad(job, "conus-mesh: %.*s", (int)frame->text.size, frame->text.data);
+    } else if (!found) {
+        job_bad(job, "mesh stream: a surface of label %u, which is none of the areas left", frame->id);
+    } else if (JOB_CALL(job, mesh_from_frame(&mesh, frame))) {
+        snprintf(name, sizeof name, "area %u", frame->id);
+        mesh.path = memory_text(name, strlen(name));
+        job_need(job, mesh.path);
     }
-    snprintf(name, sizeof name, "area %u", frame->id);
-    conus_status status = mesh_from_frame(&mesh, frame);
-    mesh.path = status ? NULL : memory_text(name, strlen(name));
-    status = status || mesh.path ? status : CONUS_ERROR_MEMORY;
-    status = status ? status : mesh_check(&mesh, work->notes);
-    status = status ? status : work->take(work->user, work->number, &mesh);
+    if (JOB_CALL(job, mesh_check(&mesh, &job->notes))) {
+        work->take(job, work->user, work->number, &mesh);
+    }
     mesh_finish(&mesh);
-    return status;
+    return job->status;
 }
 
-static conus_status run_child(struct extraction *work, const struct buffer *request,
-                              const struct mesh_extract_options *options)
+static void extract_volume(struct extraction *work, const struct mesh_extract_options *options)
 {
+    enum { MOST = 1 << 20 };
+    struct job *job = work->job;
     const struct volume *volume = work->volume;
-    const struct mesh_child_request all = {
-        .head = *request, .voxels = objects_of(volume), .size = size_of_objects(volume)};
+    const conus_volume_info *info = &volume->info;
     /* AAL's 7 million voxels take 1 s, 5 s when decimated. */
     const uint32_t seconds = 120 + (uint32_t)(volume->voxel_count / 50000);
     const struct child_limits limits = {.memory = options->max_memory, .seconds = seconds, .wait = 4 * seconds};
-    return mesh_child_run(&all, &limits, take_area, work);
+    const bool is_small = volume->objects16;
+    struct mesh_child_request request = {.voxels = is_small ? (const void *)volume->objects16 : volume->objects32,
+                                         .size = volume->voxel_count *
+                                                 (is_small ? sizeof *volume->objects16 : sizeof *volume->objects32)};
+    for (int a = 0; a < 3; a++) {
+        if (info->dim[a] > MOST) {
+            job_refuse(job, "%s: %zu voxels along %c, surfaces are made of up to %d", info->path, info->dim[a],
+                       "ijk"[a], MOST);
+        }
+    }
+    append_request(&request.head, work, options);
+    if (JOB_CALL(job, buffer_status(&request.head))) {
+        (void)JOB_CALL(job, mesh_child_run(&request, &limits, take_area, work));
+    }
+    buffer_finish(&request.head);
 }
 
-conus_status mesh_extract(const conus_atlas *atlas, const struct mesh_extract_options *options, mesh_take take,
-                          void *user, struct notes *notes)
+void mesh_extract(struct job *job, const conus_atlas *atlas, const struct mesh_extract_options *options, mesh_take take,
+                  void *user)
 {
-    enum { MOST = 1 << 20 };
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < atlas_parcellation_count(atlas); i++) {
-        struct extraction work = {
-            .atlas = atlas, .volume = &atlas->volumes[i], .take = take, .user = user, .notes = notes};
-        struct buffer request = {0};
-        const conus_volume_info *info = &work.volume->info;
-        for (int a = 0; !status && a < 3; a++) {
-            if (info->dim[a] > MOST) {
-                status = fail(CONUS_ERROR_UNSUPPORTED, "%s: %zu voxels along %c, surfaces are made of up to %d",
-                              info->path, info->dim[a], "ijk"[a], MOST);
-            }
-        }
-        if (!status) {
-            append_request(&request, &work, options);
-            status = buffer_status(&request);
-        }
-        status = status ? status : run_child(&work, &request, options);
-        buffer_finish(&request);
+    for (size_t i = 0; job_ok(job) && i < atlas_parcellation_count(atlas); i++) {
+        struct extraction work = {.job = job, .atlas = atlas, .volume = &atlas->volumes[i], .take = take, .user = user};
+        extract_volume(&work, options);
     }
-    return status;
 }

@@ -5,6 +5,7 @@
 
 #include "atlas/atlas.h"
 #include "atlas/surface/mesh.h"
+#include "base/job/job.h"
 
 /* These keep AAL nearest to its voxels; with more smoothing the corners of voxels are lost, too. */
 enum { MESH_DEFAULT_SMOOTH = 5 };
@@ -18,11 +19,11 @@ struct mesh_extract_options {
 };
 
 /** Gets the surface of area @p number of the atlas, checked (mesh_check()), in world mm. */
-typedef conus_status (*mesh_take)(void *user, uint32_t number, const struct mesh *mesh);
+typedef void (*mesh_take)(struct job *job, void *user, uint32_t number, const struct mesh *mesh);
 
-/** Gives @p take one surface for each area that has voxels in the atlas's parcellations, in their order. @p notes gets
- * what mesh_check() finds. Ends early when @p take fails. Without a parcellation, nothing happens. */
-conus_status mesh_extract(const conus_atlas *atlas, const struct mesh_extract_options *options, mesh_take take,
-                          void *user, struct notes *notes);
+/** Gives @p take one surface for each area that has voxels in the atlas's parcellations, in their order. Notes are what
+ * mesh_check() finds. Ends early when the job fails. Without a parcellation, nothing happens. */
+void mesh_extract(struct job *job, const conus_atlas *atlas, const struct mesh_extract_options *options, mesh_take take,
+                  void *user);
 
 #endif

@@ -67,18 +67,6 @@ static const char *quote(const char *given)
     return given ? given : "";
 }
 
-static size_t read_whole(struct job *job, const struct xml_event *event, const char *attribute, uint64_t low,
-                         uint64_t high)
-{
-    const char *given = xml_attribute(event, attribute);
-    uint64_t value = 0;
-    if (!given || !text_to_uint(text_trim(text_from(given)), high, &value) || value < low) {
-        job_bad(job, "%s: found \"%.60s\", allowed are whole numbers from %llu to %llu", attribute, quote(given),
-                (unsigned long long)low, (unsigned long long)high);
-    }
-    return (size_t)value;
-}
-
 static void start_cifti(struct parsing *parsing, const struct xml_event *event)
 {
     const char *version = quote(xml_attribute(event, "Version"));
@@ -103,7 +91,7 @@ static void start_indices(struct parsing *parsing, const struct xml_event *event
 {
     static const char *const types[] = {"CIFTI_INDEX_TYPE_LABELS", "CIFTI_INDEX_TYPE_BRAIN_MODELS"};
     struct job *job = parsing->job;
-    const size_t dimension = read_whole(job, event, "AppliesToMatrixDimension", 0, 1);
+    const size_t dimension = xml_whole(job, event, "AppliesToMatrixDimension", 0, 1);
     const char *type = quote(xml_attribute(event, "IndicesMapToDataType"));
     bool *seen = dimension ? &parsing->has_models : &parsing->has_labels;
     if (strcmp(type, types[dimension]) != 0) {
@@ -209,18 +197,11 @@ static void start_transform(struct parsing *parsing, const struct xml_event *eve
 
 static void end_transform(struct parsing *parsing, struct text text)
 {
-    double m[16] = {0};
+    double m[16];
     double inverse[16];
     double *world = parsing->cifti->world_from_voxel;
     double mm = pow(10, parsing->exponent + 3);
-    struct text word;
-    size_t n = 0;
-    bool fine = true;
-    while (fine && text_word(&text, &word)) {
-        fine = n < 16 && text_to_double(word, &m[4 * (n % 4) + n / 4]) && isfinite(m[4 * (n % 4) + n / 4]);
-        n++;
-    }
-    if (!fine || n != 16 || !mat4_settle_last_row(m)) {
+    if (!xml_matrix(m, text) || !mat4_settle_last_row(m)) {
         job_bad(parsing->job, "TransformationMatrixVoxelIndicesIJKtoXYZ: 16 finite numbers by rows are needed, the "
                               "last row 0 0 0 1");
         return;
@@ -242,16 +223,6 @@ static void end_volume(struct parsing *parsing, struct text text)
     }
 }
 
-static const struct cifti_structure *find_structure(const char *word)
-{
-    for (size_t i = 0; i < sizeof structures / sizeof structures[0]; i++) {
-        if (strcmp(word, structures[i].word) == 0) {
-            return &structures[i];
-        }
-    }
-    return NULL;
-}
-
 static void start_model(struct parsing *parsing, const struct xml_event *event)
 {
     struct job *job = parsing->job;
@@ -262,7 +233,7 @@ static void start_model(struct parsing *parsing, const struct xml_event *event)
     const char *structure = quote(xml_attribute(event, "BrainStructure"));
     const uint64_t vertices = memory_limit(job->max_memory) / sizeof(uint32_t);
     model->is_surface = strcmp(type, "CIFTI_MODEL_TYPE_SURFACE") == 0;
-    model->structure = find_structure(structure);
+    model->structure = ROW_NAMED(structures, text_from(structure), true);
     if (!model->is_surface && strcmp(type, "CIFTI_MODEL_TYPE_VOXELS") != 0) {
         job_bad(job, "ModelType: found \"%.60s\", allowed are CIFTI_MODEL_TYPE_SURFACE and CIFTI_MODEL_TYPE_VOXELS",
                 type);
@@ -272,11 +243,11 @@ static void start_model(struct parsing *parsing, const struct xml_event *event)
                 "BrainStructure: found \"%.60s\", allowed are the names of CIFTI-2 (CIFTI_STRUCTURE_CORTEX_LEFT, ...)",
                 structure);
     }
-    model->offset = read_whole(job, event, "IndexOffset", 0, cifti->count - 1);
-    model->count = read_whole(job, event, "IndexCount", 1, cifti->count - model->offset);
+    model->offset = xml_whole(job, event, "IndexOffset", 0, cifti->count - 1);
+    model->count = xml_whole(job, event, "IndexCount", 1, cifti->count - model->offset);
     if (model->is_surface) {
         model->vertex_count =
-            read_whole(job, event, "SurfaceNumberOfVertices", 1, vertices < INT_MAX ? vertices : INT_MAX);
+            xml_whole(job, event, "SurfaceNumberOfVertices", 1, vertices < INT_MAX ? vertices : INT_MAX);
     }
 }
 
@@ -449,21 +420,11 @@ static const struct element {
     {"VoxelIndicesIJK", IN_MODEL, IN_MODEL, NULL, end_voxels},
 };
 
-static const struct element *find_element(const char *name)
-{
-    for (size_t i = 0; i < sizeof elements / sizeof elements[0]; i++) {
-        if (strcmp(elements[i].name, name) == 0) {
-            return &elements[i];
-        }
-    }
-    return NULL;
-}
-
 static conus_status on_start(void *user, const struct xml_event *event)
 {
     struct parsing *parsing = user;
     struct job *job = parsing->job;
-    const struct element *element = find_element(event->name);
+    const struct element *element = ROW_NAMED(elements, text_from(event->name), true);
     const size_t place = job_in(job, "line ", event->line);
     if (parsing->inside == AT_ROOT && strcmp(event->name, "CIFTI") != 0) {
         job_bad(job, "outermost element: found <%.40s>, allowed is <CIFTI>", event->name);
@@ -483,7 +444,7 @@ static conus_status on_end(void *user, const struct xml_event *event)
 {
     struct parsing *parsing = user;
     struct job *job = parsing->job;
-    const struct element *element = find_element(event->name);
+    const struct element *element = ROW_NAMED(elements, text_from(event->name), true);
     const size_t place = job_in(job, "line ", event->line);
     if (element) {
         parsing->inside = element->parent;

@@ -80,7 +80,6 @@ static const struct label_format formats[] = {
 };
 enum { FORMATS = sizeof formats / sizeof formats[0] };
 
-/* The formats' names, once each. */
 static const char *list_formats(struct job *job)
 {
     const char *list = "";
@@ -218,7 +217,6 @@ static bool are_names_of(struct text text, const struct label_voxels *voxels)
     return all && commas < count;
 }
 
-/* Whether the bytes are a palette, and no text that could be a table. */
 static bool is_palette(const struct bytes *file)
 {
     const struct text all = {(const char *)file->data, file->size};

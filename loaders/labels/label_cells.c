@@ -27,7 +27,6 @@ uint32_t label_cell_number(struct job *job, struct text cell)
     return (uint32_t)number;
 }
 
-/* How many labels of the voxels the table names. */
 static size_t count_named(struct job *job, struct label_table *table, const struct label_voxels *voxels)
 {
     size_t count = 0;

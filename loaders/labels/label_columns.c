@@ -356,7 +356,6 @@ static int compare_names(const void *a, const void *b)
     return strcmp((*(const struct label *const *)a)->name, (*(const struct label *const *)b)->name);
 }
 
-/* The labels with a name, in the order of names. */
 static const struct label **sort_by_name(struct job *job, size_t *count, const struct label_table *table)
 {
     *count = table->count;
@@ -408,7 +407,6 @@ static void keep_row(struct job *job, struct label_table *out, const struct head
     }
 }
 
-/* Parses the rows below the header. */
 static void parse_below(struct job *job, struct label_table *out, struct header *header, struct rows rows)
 {
     struct fields fields;
@@ -548,7 +546,6 @@ static void choose_column(struct job *job, struct header *header, const struct f
 /* Opacities, which say nothing about an area; BIDS's class of tissue; what other columns say, too. */
 static const char passed_over[] = "Color_A/alpha/a/opacity/mapping/root_identifier_path/ROIoname";
 
-/* Notes the columns of the header row of which nothing is known. */
 static void note_unused(struct job *job, const struct header *header, const struct fields *fields)
 {
     struct fields unused = {.count = 0};

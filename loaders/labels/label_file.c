@@ -38,7 +38,6 @@ bool label_table_has_colours(const struct label_table *table)
     return false;
 }
 
-/* Gives the entries of @p table the colours in @p text. */
 static void apply_colours(struct job *job, struct label_table *table, const struct label_format *format,
                           struct text text)
 {

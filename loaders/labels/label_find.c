@@ -41,22 +41,16 @@ static enum kind kind_of_volume(const struct label_search *search)
     static const char whole[] = "aseg/aseg.auto/aseg.auto_noCCseg/aseg.presurf/aseg.presurf.hypos/aparc+aseg/"
                                 "aparc.a2009s+aseg/aparc.DKTatlas+aseg/aparc.DKTatlas+aseg.deep/"
                                 "aparc.DKTatlas40+aseg/wmparc/ribbon";
-    static const char *const parts[] = {"brainstemSsLabels",
-                                        "ThalamicNuclei",
-                                        "lh.hippoAmygLabels",
-                                        "rh.hippoAmygLabels",
-                                        "lh.hippoSfLabels",
-                                        "rh.hippoSfLabels",
-                                        "hypothalamic_subunits_seg",
-                                        "arousalNetworkLabels",
-                                        "sclimbic",
-                                        "vsinus",
-                                        "mca-dura"};
+    static const char parts[] = "brainstemSsLabels/ThalamicNuclei/lh.hippoAmygLabels/rh.hippoAmygLabels/"
+                                "lh.hippoSfLabels/rh.hippoSfLabels/hypothalamic_subunits_seg/arousalNetworkLabels/"
+                                "sclimbic/vsinus/mca-dura";
     if (text_is_one_of(stem, whole, true)) {
         return WHOLE;
     }
-    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
-        if (text_starts(stem, parts[i])) {
+    struct text rest = text_from(parts);
+    struct text part;
+    for (bool more = true; text_field(&rest, '/', &more, &part);) {
+        if (stem.size >= part.size && memcmp(stem.data, part.data, part.size) == 0) {
             return PARTS;
         }
     }
@@ -236,7 +230,6 @@ static void count_strays(struct job *job, struct fit *fit, const struct label_ta
     }
 }
 
-/* Compares the table with the voxels. */
 static struct fit find_fit(struct job *job, const struct label_table *table, const struct label_voxels *voxels)
 {
     struct fit fit = {0};

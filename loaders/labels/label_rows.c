@@ -37,7 +37,6 @@ static struct text take_word(struct text *rest)
     return word;
 }
 
-/* Takes the last word off `rest`. */
 static struct text take_last_word(struct text *rest)
 {
     size_t start = rest->size;

@@ -130,7 +130,6 @@ static void take_names(struct job *job, struct label_table *out, const char *pat
     labels_move(job, out, table);
 }
 
-/* The path that gives the names, NULL where there is none. */
 static const char *find_table(struct job *job, struct label_table *out, const char *path, const struct label_use *use,
                               bool is_listed)
 {

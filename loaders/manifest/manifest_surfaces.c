@@ -56,7 +56,6 @@ static const char *find_annotation(struct job *job, const struct manifest_draft 
     return chosen ? job_format(job, "%s%s", folder, found) : NULL;
 }
 
-/* Notes that entries have taken the labels of a step. */
 static void log_step(struct job *job, struct manifest_draft *draft, const char *what)
 {
     const uint32_t offset = draft->label_offset;
@@ -158,7 +157,6 @@ static void look_for_hemispheres(struct job *job, struct manifest_draft *draft, 
     }
 }
 
-/* Takes the files of VTK out that are tractograms. */
 static void drop_streamlines(struct names *names, const struct manifest_draft *draft)
 {
     size_t count = 0;

@@ -8,7 +8,6 @@
 
 #include <math.h>
 
-/* Words for a scale, as notes have it. */
 static const char *scale_words(double value)
 {
     return value == 1 ? "0 to 1" : value == 100 ? "percent" : value == UINT8_MAX ? "0 to 255" : "0 to 65535";

@@ -82,7 +82,6 @@ static bool number_in_name(struct job *job, uint32_t *number, const char *path)
     return digits.size > 0;
 }
 
-/* Plans "file". */
 static void plan_file(const struct planning *p)
 {
     struct label label = p->area->label;
@@ -143,7 +142,6 @@ static struct label raise_label(const struct planning *p, const struct label_tab
     return label;
 }
 
-/* Plans "files", a pattern. */
 static void plan_pattern(const struct planning *p)
 {
     const struct label *of_all = &p->area->label;
@@ -264,20 +262,12 @@ static void plan_labelled(const struct planning *p)
 static const double *place_surfaces(struct job *job, const struct scene *scene)
 {
     conus_volume_info image;
-    double flirt[16];
-    double voxel[16];
     double *world = scene->image ? job_raw(job, 16, sizeof *world) : NULL;
-    if (!world) {
-        return NULL;
+    if (world) {
+        volume_header_read(job, &image, scene->image);
     }
-    volume_header_read(job, &image, scene->image);
-    if (job_ok(job)) {
-        flirt_from_voxel(flirt, &image);
-        if (mat4_invert_affine(voxel, flirt)) {
-            mat4_multiply(world, image.world_from_voxel, voxel);
-        } else {
-            job_bad(job, "%s: the matrix is singular", scene->image);
-        }
+    if (world && job_ok(job)) {
+        world_from_flirt(job, world, &image);
     }
     return world;
 }
@@ -327,7 +317,6 @@ static struct brainglobe_metadata find_axes(const struct planning *p, const char
     return metadata;
 }
 
-/* Plans "brainglobe", a folder. */
 static void plan_of_brainglobe(const struct planning *p)
 {
     const double scale = p->area->scale > 0 ? p->area->scale : micrometres;

@@ -125,7 +125,6 @@ static const char *find_brainglobe(struct job *job, const char *path)
     return versions.count ? job_format(job, "%s%s/", folder, versions.names[versions.count - 1]) : NULL;
 }
 
-/* Loads the atlas whose manifest.json is in `folder`. */
 static void load_brainglobe(struct load *load, const char *folder)
 {
     struct scene scene = {0};
@@ -217,8 +216,7 @@ static void load_path(struct load *load, const char *path)
     source_close(&source);
 }
 
-/* Warns of surfaces whose coordinates cannot be mm of a brain. */
-static conus_status note_unit(conus_atlas *atlas)
+static void note_unit(struct job *job, conus_atlas *atlas)
 {
     static const double most = 1000; /* of a brain in mm, */
     static const double least = 0.3; /* and of a brain in metres */
@@ -227,36 +225,34 @@ static conus_status note_unit(conus_atlas *atlas)
     double high[3];
     double farthest = 0;
     if (!atlas->mesh_count || !atlas_area_bounds(low, high, atlas, world)) {
-        return CONUS_OK;
+        return;
     }
     for (int a = 0; a < 3; a++) {
         farthest = fmax(farthest, fmax(-low[a], high[a]));
     }
-    return farthest > most    ? notes_warn(&atlas->notes,
-                                           "areas reach %g mm from the origin: are the coordinates of their "
-                                              "surfaces micrometres? They were taken as millimetres",
-                                           farthest)
-           : farthest < least ? notes_warn(&atlas->notes,
-                                           "areas reach %g mm from the origin: are the coordinates of "
-                                           "their surfaces metres? They were taken as millimetres",
-                                           farthest)
-                              : CONUS_OK;
+    if (farthest > most || farthest < least) {
+        (void)JOB_CALL(job, notes_warn(&atlas->notes,
+                                       "areas reach %g mm from the origin: are the coordinates of their surfaces %s? "
+                                       "They were taken as millimetres",
+                                       farthest, farthest > most ? "micrometres" : "metres"));
+    }
 }
 
 /* Checks the whole atlas while the log still gets its notes. */
-static conus_status check_whole(struct load *load, const char *path)
+static void check_whole(struct load *load, const char *path)
 {
+    struct job *job = &load->job;
     conus_atlas *atlas = load->atlas;
     const double probability = load->options->probability;
     load->sink.path = path;
     if (probability > 0 && !atlas_has_probabilities(atlas)) {
-        return fail(CONUS_ERROR_ARGUMENT, "--probability %g: %s has no areas of probabilities", probability, path);
+        job_fail(job, CONUS_ERROR_ARGUMENT, "--probability %g: %s has no areas of probabilities", probability, path);
     }
-    conus_status status = conflicting_sides_note(atlas);
-    status = status ? status : note_unit(atlas);
+    (void)JOB_CALL(job, conflicting_sides_note(atlas));
+    note_unit(job, atlas);
     atlas->notes.sink = NULL;
     atlas->path = memory_text(path, strlen(path));
-    return status || atlas->path ? status : CONUS_ERROR_MEMORY;
+    job_need(job, atlas->path);
 }
 
 conus_status atlas_load_files(conus_atlas **out, const char *path, const conus_load_options *options)
@@ -270,6 +266,8 @@ conus_status atlas_load_files(conus_atlas **out, const char *path, const conus_l
                  options->probability);
     }
     atlas_take(&load.job, load.atlas);
-    (void)JOB_CALL(&load.job, check_whole(&load, path));
+    if (job_step(&load.job)) {
+        check_whole(&load, path);
+    }
     return load_end(out, &load);
 }

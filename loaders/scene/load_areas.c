@@ -35,7 +35,6 @@ static void end_surfaces(void *thing)
     notes_finish(&surfaces->notes);
 }
 
-/* Names the area by the name in the file, else by the file's name. */
 static void name_area(struct job *job, struct planned_area *area, const struct label *said)
 {
     struct label *label = &area->label;
@@ -43,7 +42,6 @@ static void name_area(struct job *job, struct planned_area *area, const struct l
     label->hemisphere = label->hemisphere ? label->hemisphere : said->hemisphere;
 }
 
-/* Gives the parts to the areas planned for them. */
 static void hand_out_parts(struct surfaces *surfaces, const struct labelled_surface *labelled, struct mesh_parts *parts)
 {
     for (size_t i = 0; i < surfaces->count; i++) {
@@ -310,12 +308,12 @@ static void add_surfaces(const struct surfaces *surfaces)
 }
 
 /* Warns if the sizes of the surfaces and of the areas of voxels differ too much. */
-static conus_status note_size(conus_atlas *atlas)
+static void note_size(struct job *job, conus_atlas *atlas)
 {
     bool said;
     const struct box3 surfaces = fit_box_of_areas(atlas, false, true);
     const struct box3 voxels = fit_box_of_areas(atlas, true, false);
-    return fit_note_size(&said, &atlas->notes, "surfaces", &surfaces, &voxels);
+    (void)JOB_CALL(job, fit_note_size(&said, &atlas->notes, "surfaces", &surfaces, &voxels));
 }
 
 /* Adds the groups that are no area yet. `map` is from labels to numbers of areas and groups. */
@@ -386,7 +384,7 @@ void area_plan_load(struct load *load, struct area_plan *plan, enum mesh_space s
     }
     if (job_step(job)) {
         add_surfaces(surfaces);
-        (void)JOB_CALL(job, note_size(load->atlas));
+        note_size(job, load->atlas);
         grow_tree(job, plan, load->atlas);
     }
 }

@@ -124,7 +124,6 @@ static struct context_surface *find_surface(struct job *job, conus_atlas *atlas,
     return job_ok(job) ? fitting : NULL;
 }
 
-/* The range that is asked for, or that of the numbers. */
 static void find_map_range(struct job *job, double range[2], const struct vertex_map *map, const double asked[2])
 {
     if (asked[0] != 0 || asked[1] != 0) {
@@ -145,7 +144,6 @@ static void find_map_range(struct job *job, double range[2], const struct vertex
     }
 }
 
-/* Takes the map over. */
 static void set_map(conus_atlas *atlas, struct context_surface *surface, struct vertex_map *map, const double range[2],
                     double opacity)
 {

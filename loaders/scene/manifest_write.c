@@ -126,7 +126,6 @@ static const char *choose_file(struct job *job, const struct manifest_draft *dra
     return chosen == xml ? chosen : job_adopt(job, chosen);
 }
 
-/* Whether an item has a name of these characters. */
 static bool has_item_named(const struct manifest_draft *draft, unsigned kinds, const char *name, size_t length)
 {
     bool has = false;
@@ -171,7 +170,6 @@ static const char *try_halves(struct job *job, const struct manifest_draft *draf
     return why;
 }
 
-/* Takes the two files as one parcellation, if they load. */
 static void take_halves(struct job *job, struct manifest_draft *draft, const char *left, const char *right)
 {
     struct scene_item halves[] = {{.kind = ITEM_PARCELLATION, .file = (char *)left, .label.hemisphere = 'L'},
@@ -237,7 +235,6 @@ static void take_fsl(struct job *job, struct manifest_draft *draft, const char *
     }
 }
 
-/* Takes `name` if it is an FSL atlas. */
 static void look_at_xml(struct job *job, struct manifest_draft *draft, const char *name)
 {
     struct bytes bytes = {0};
@@ -272,7 +269,6 @@ static char *name_volume(struct job *job, bool *named, const struct manifest_dra
     return title ? title : job_format(job, "%.*s %zu", (int)volume_stem_length(name), name, index);
 }
 
-/* Takes the volumes of `name` that load, each by itself. */
 static void take_volumes(struct job *job, struct manifest_draft *draft, const char *name, size_t count)
 {
     size_t taken = 0;

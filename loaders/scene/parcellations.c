@@ -194,7 +194,6 @@ static void take_claimed(struct job *job, struct parcellation *part, struct clai
     }
 }
 
-/* Notes what the part has lost to others. */
 static void note_loss(struct job *job, const struct label_map *lost, struct parcellation *part)
 {
     enum { SHOWN = 4 };
@@ -267,7 +266,6 @@ static void note_grids(struct job *job, const struct parcellations *all)
     }
 }
 
-/* Warns of parts whose known spaces differ. */
 static void note_spaces(struct job *job, const struct parcellations *all)
 {
     enum { TEMPLATES = 3 }; /* NIfTI's codes from there on */

@@ -93,7 +93,6 @@ static void plan_template(struct job *job, struct scene *out, const struct brain
     }
 }
 
-/* Notes what of the atlas is not heeded. */
 static void note_rest(struct job *job, const struct brainglobe_atlas *atlas, const char *folder)
 {
     const char *orientation = atlas->metadata.orientation;

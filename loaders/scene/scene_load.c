@@ -67,7 +67,6 @@ static void add_item(struct loading *loading, const struct scene_item *item, add
     }
 }
 
-/* Moves what the atlas has. */
 static void move_by(struct loading *loading, const struct scene_item *item)
 {
     const conus_transform_options options = {.from = path_of(loading, item->from),
@@ -384,7 +383,6 @@ static const char *refuse_context(const struct loading *loading, const struct sc
                                 : NULL;
 }
 
-/* Keeps what the entry says of its transfer function. */
 static void take_transfer(const struct loading *loading, const struct scene_item *item)
 {
     char **transfer = &loading->load->atlas->transfer;

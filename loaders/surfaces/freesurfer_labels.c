@@ -125,7 +125,6 @@ static int compare_entries(const void *a, const void *b)
     return order ? order : compare_unsigned(x->number, y->number);
 }
 
-/* Notes the entries that the packed colours cannot tell apart. */
 static void note_colours(struct job *job, const struct colours *colours)
 {
     size_t collisions = 0;
@@ -170,7 +169,6 @@ static int compare_colour(const void *key, const void *item)
     return compare_unsigned(*(const uint32_t *)key, ((const struct entry *)item)->colour);
 }
 
-/* The first entry of a colour. */
 static const struct entry *find_entry(const struct colours *colours, uint32_t colour)
 {
     const struct entry *first = colours->entries.at;
@@ -181,7 +179,6 @@ static const struct entry *find_entry(const struct colours *colours, uint32_t co
     return entry;
 }
 
-/* Makes labels of colours, in place. */
 static void find_labels(struct job *job, uint32_t *labels, size_t count, const struct colours *colours)
 {
     size_t strangers = 0;

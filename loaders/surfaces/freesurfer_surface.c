@@ -141,7 +141,6 @@ static void fill_mesh(struct reader *r, struct mesh *mesh)
     }
 }
 
-/* Reads the header, and makes the mesh that it announces. */
 static void make_mesh(struct reader *r, struct mesh *mesh)
 {
     struct job *job = r->job;

@@ -9,6 +9,7 @@
 #include "base/formats/xml.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "base/path.h"
 #include "base/text.h"
 #include "loaders/labels/label_format.h"
@@ -287,18 +288,6 @@ static int read_word(struct job *job, const struct xml_event *event, const char 
     return value < 0 ? 0 : value;
 }
 
-static uint64_t gifti_read_whole(struct job *job, const struct xml_event *event, const char *attribute, uint64_t low,
-                                 uint64_t high)
-{
-    const char *given = xml_attribute(event, attribute);
-    uint64_t value = 0;
-    if (!given || !text_to_uint(text_trim(text_from(given)), high, &value) || value < low) {
-        job_bad(job, "%s: found \"%.60s\", allowed are whole numbers from %llu to %llu", attribute, given ? given : "",
-                (unsigned long long)low, (unsigned long long)high);
-    }
-    return value;
-}
-
 static void start_gifti(struct parsing *parsing, const struct xml_event *event)
 {
     const char *version = xml_attribute(event, "Version");
@@ -308,7 +297,7 @@ static void start_gifti(struct parsing *parsing, const struct xml_event *event)
     parsing->in_gifti = true;
     parsing->counted = xml_attribute(event, "NumberOfDataArrays") != NULL;
     if (parsing->counted) {
-        parsing->array_count = gifti_read_whole(parsing->job, event, "NumberOfDataArrays", 0, ARRAY_LIMIT);
+        parsing->array_count = xml_whole(parsing->job, event, "NumberOfDataArrays", 0, ARRAY_LIMIT);
     }
 }
 
@@ -324,13 +313,13 @@ static void end_gifti(struct parsing *parsing, struct text text)
 static void read_dims(struct job *job, struct gifti_array *array, const struct xml_event *event)
 {
     const uint64_t max_memory = memory_limit(job->max_memory);
-    array->rank = (size_t)gifti_read_whole(job, event, "Dimensionality", 1, GIFTI_RANK_LIMIT);
+    array->rank = (size_t)xml_whole(job, event, "Dimensionality", 1, GIFTI_RANK_LIMIT);
     array->count = 1;
     for (size_t d = 0; d < GIFTI_RANK_LIMIT; d++) {
         char name[16];
         snprintf(name, sizeof name, "Dim%zu", d);
         const bool has = d < array->rank && job_ok(job);
-        array->dim[d] = has ? (size_t)gifti_read_whole(job, event, name, 1, INT64_MAX) : 1;
+        array->dim[d] = has ? (size_t)xml_whole(job, event, name, 1, INT64_MAX) : 1;
         if (!memory_multiply(array->count, array->dim[d], &array->count) ||
             array->count > max_memory / sizeof *array->values) {
             job_fail(job, CONUS_ERROR_MEMORY, "%s: found %zu, more numbers than fit in %llu bytes", name, array->dim[d],
@@ -355,7 +344,7 @@ static void read_external(struct parsing *parsing, const struct xml_event *event
         parsing->storage.path = job_beside(job, parsing->beside, name);
     }
     if (offset && *offset) {
-        parsing->storage.offset = gifti_read_whole(job, event, "ExternalFileOffset", 0, INT64_MAX);
+        parsing->storage.offset = xml_whole(job, event, "ExternalFileOffset", 0, INT64_MAX);
     }
 }
 
@@ -484,14 +473,8 @@ static void end_matrix(struct parsing *parsing, struct text text)
 {
     struct gifti_transform *transform = open_transform(parsing);
     double columns[16];
-    struct text word;
-    size_t n = 0;
-    bool good = true;
-    for (; good && text_word(&text, &word); n++) {
-        double *number = &columns[4 * (n % 4) + n / 4 % 4];
-        good = n < 16 && text_to_double(word, number) && isfinite(*number);
-    }
-    if (transform && !(good && n == 16 && mat4_settle_last_row(columns))) {
+    const bool is_matrix = xml_matrix(columns, text) && mat4_settle_last_row(columns);
+    if (transform && !is_matrix) {
         job_bad(parsing->job, "MatrixData: 16 finite numbers by rows are needed, the last row 0 0 0 1");
     } else if (transform) {
         memcpy(transform->matrix, columns, sizeof columns);
@@ -575,21 +558,11 @@ static const struct element {
     {"MatrixData", NULL, end_matrix},
 };
 
-static const struct element *gifti_element(const char *name)
-{
-    for (size_t i = 0; i < sizeof elements / sizeof elements[0]; i++) {
-        if (strcmp(elements[i].name, name) == 0) {
-            return &elements[i];
-        }
-    }
-    return NULL;
-}
-
 static conus_status gifti_on_start(void *user, const struct xml_event *event)
 {
     struct parsing *parsing = user;
     struct job *job = parsing->job;
-    const struct element *element = gifti_element(event->name);
+    const struct element *element = ROW_NAMED(elements, text_from(event->name), true);
     const size_t place = job_in(job, parsing->where, JOB_ALONE);
     set_place(parsing, event);
     if (!parsing->in_gifti && strcmp(event->name, "GIFTI") != 0) {
@@ -604,7 +577,7 @@ static conus_status gifti_on_start(void *user, const struct xml_event *event)
 static conus_status gifti_on_end(void *user, const struct xml_event *event)
 {
     struct parsing *parsing = user;
-    const struct element *element = gifti_element(event->name);
+    const struct element *element = ROW_NAMED(elements, text_from(event->name), true);
     const size_t place = job_in(parsing->job, parsing->where, JOB_ALONE);
     set_place(parsing, event);
     if (element && element->end) {

@@ -121,7 +121,6 @@ static void read_gifti(struct reading *reading, struct mesh *out, struct label *
     }
 }
 
-/* A surface of ours. */
 static void read_own(struct job *job, struct mesh *out, struct label *said, const char *path,
                      const struct mesh_file_options *options)
 {
@@ -196,7 +195,6 @@ void vertex_labels_extend(struct job *job, struct vertex_labels *labels, size_t 
     }
 }
 
-/* Takes the labels that the job made. */
 static void take_vertices(struct job *job, struct vertex_labels *out, uint32_t *made)
 {
     out->labels = job_give(job, made, out->count * sizeof *made);

@@ -46,59 +46,45 @@ static const char *space_of(const conus_atlas *atlas)
 }
 
 /* "folder/37_Hippocampus_L.gii"; what a file's name should not hold becomes "_". */
-static conus_status file_name(struct buffer *out, const struct writing *work, const conus_object *area)
+static const char *file_name(struct job *job, const struct writing *work, const conus_object *area)
 {
-    buffer_format(out, "%s/%u_", work->folder, area->label);
     size_t length = strlen(area->name);
     if (length > NAME_LIMIT) {
         for (length = NAME_LIMIT; length && ((unsigned char)area->name[length] & 0xc0) == 0x80;) {
             length--;
         }
     }
-    for (size_t i = 0; i < length; i++) {
-        char c = area->name[i];
-        bool keep = (unsigned char)c > ' ' && c != 0x7f && !strchr("/\\:*?\"<>|", c);
-        buffer_append(out, keep ? &c : "_", 1);
+    char *name =
+        job_format(job, "%u_%.*s.%s", area->label, (int)length, area->name, mesh_format_ending(work->options->format));
+    for (char *c = name; *c; c++) {
+        *c = (unsigned char)*c > ' ' && *c != 0x7f && !strchr("/\\:*?\"<>|", *c) ? *c : '_';
     }
-    buffer_format(out, ".%s", mesh_format_ending(work->options->format));
-    return buffer_status(out);
+    return job_format(job, "%s/%s", work->folder, name);
 }
 
-static conus_status write_mesh(void *user, uint32_t number, const struct mesh *mesh)
+static void write_mesh(struct job *job, void *user, uint32_t number, const struct mesh *mesh)
 {
     struct writing *work = user;
+    const conus_mesh_options *options = work->options;
     const conus_object *area = conus_atlas_object(work->atlas, number);
     struct mesh_title title = {.label = area->label, .name = area->name, .space = work->space};
-    struct buffer path = {0};
     memcpy(title.rgb, area->rgb, sizeof title.rgb);
-    conus_status status = file_name(&path, work, area);
-    if (!status) {
-        work->bytes.size = 0;
-        status = mesh_format(&work->bytes, mesh, &title, work->options->format);
-        status = status ? fail_in(status, path.data) : file_write_soon(path.data, work->bytes.data, work->bytes.size);
-    }
-    buffer_finish(&path);
+    const struct job_mark mark = job_mark(job);
+    const char *path = file_name(job, work, area);
+    const size_t place = job_in(job, path, JOB_ALONE);
+    work->bytes.size = 0;
+    (void)JOB_CALL(job, mesh_format(&work->bytes, mesh, &title, options->format));
+    job_out(job, place);
+    (void)JOB_CALL(job, file_write_soon(path, work->bytes.data, work->bytes.size));
+    job_release(job, mark);
     work->done++;
-    const conus_mesh_options *options = work->options;
-    bool go_on = status || !options->progress || options->progress(options->progress_user, work->done, work->total);
-    return go_on ? status : fail(CONUS_ERROR_CANCELLED, "cancelled after %zu of %zu surfaces", work->done, work->total);
-}
-
-static conus_status write_surfaces(struct writing *work, struct notes *notes)
-{
-    const conus_mesh_options *options = work->options;
-    const struct mesh_extract_options extract = {.iterations = options->no_smoothing ? 0
-                                                               : options->smooth     ? options->smooth
-                                                                                     : MESH_DEFAULT_SMOOTH,
-                                                 .pass_band = options->pass_band > 0 ? options->pass_band
-                                                                                     : MESH_DEFAULT_PASS_BAND,
-                                                 .reduction = options->decimate,
-                                                 .max_memory = memory_limit(options->max_memory)};
-    return mesh_extract(work->atlas, &extract, write_mesh, work, notes);
+    if (job_ok(job) && options->progress && !options->progress(options->progress_user, work->done, work->total)) {
+        job_fail(job, CONUS_ERROR_CANCELLED, "cancelled after %zu of %zu surfaces", work->done, work->total);
+    }
 }
 
 /* Counts the areas that get a file; a note counts the others. */
-static conus_status count_files(struct writing *work, struct notes *notes)
+static void count_files(struct job *job, struct writing *work)
 {
     size_t empty = 0;
     for (size_t i = 0; i < work->atlas->area_count; i++) {
@@ -107,7 +93,9 @@ static conus_status count_files(struct writing *work, struct notes *notes)
         work->total += !hidden && (area->voxels > 0 || area->triangles > 0);
         empty += !hidden && !area->voxels && !area->triangles;
     }
-    return empty ? notes_add(notes, "%zu areas without voxels get no mesh", empty) : CONUS_OK;
+    if (empty) {
+        job_note(job, "%zu areas without voxels get no mesh", empty);
+    }
 }
 
 static conus_status check_arguments(const conus_atlas *atlas, const char *folder, const conus_mesh_options *options)
@@ -132,22 +120,31 @@ static conus_status check_arguments(const conus_atlas *atlas, const char *folder
 
 conus_status conus_atlas_write_meshes(const conus_atlas *atlas, const char *folder, const conus_mesh_options *options)
 {
-    struct writing work = {.atlas = atlas, .folder = folder, .options = options_of(conus_mesh_options, options)};
-    const struct note_sink sink = {work.options->log, work.options->log_user, NULL};
-    struct notes notes = {.sink = &sink};
-    conus_status status = check_arguments(atlas, folder, work.options);
+    options = options_of(conus_mesh_options, options);
+    const struct note_sink sink = {options->log, options->log_user, NULL};
+    const struct mesh_extract_options extract = {.iterations = options->no_smoothing ? 0
+                                                               : options->smooth     ? options->smooth
+                                                                                     : MESH_DEFAULT_SMOOTH,
+                                                 .pass_band = options->pass_band > 0 ? options->pass_band
+                                                                                     : MESH_DEFAULT_PASS_BAND,
+                                                 .reduction = options->decimate,
+                                                 .max_memory = memory_limit(options->max_memory)};
+    conus_status status = check_arguments(atlas, folder, options);
     if (status) {
         return status;
     }
-    work.space = space_of(atlas);
-    status = file_make_folder(folder);
-    status = status ? status : count_files(&work, &notes);
-    for (uint32_t i = 0; !status && i < atlas->area_count; i++) {
-        const struct mesh *mesh = atlas_object_mesh(atlas, i + 1);
-        status = mesh ? write_mesh(&work, i + 1, mesh) : CONUS_OK;
+    struct job job = {.sink = &sink};
+    struct writing work = {.atlas = atlas, .folder = folder, .options = options, .space = space_of(atlas)};
+    if (JOB_CALL(&job, file_make_folder(folder))) {
+        count_files(&job, &work);
     }
-    status = status ? status : write_surfaces(&work, &notes);
-    notes_finish(&notes);
+    for (uint32_t i = 0; job_ok(&job) && i < atlas->area_count; i++) {
+        const struct mesh *mesh = atlas_object_mesh(atlas, i + 1);
+        if (mesh) {
+            write_mesh(&job, &work, i + 1, mesh);
+        }
+    }
+    mesh_extract(&job, atlas, &extract, write_mesh, &work);
     buffer_finish(&work.bytes);
-    return status;
+    return job_close(&job, NULL, NULL);
 }

@@ -83,7 +83,6 @@ static unsigned rank_of(const char *name, const struct surface_about *about)
     return OTHER;
 }
 
-/* Adds `name` if it is a surface. */
 static void add_surface(struct job *job, struct surface_list *list, const char *folder, const char *name)
 {
     struct attempt attempt = job_try(job);

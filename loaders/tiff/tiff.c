@@ -12,49 +12,30 @@
 #include <stdio.h>
 #include <string.h>
 
-enum field {
-    SUBFILE,
-    WIDTH,
-    LENGTH,
-    BITS,
-    COMPRESSION,
-    PHOTOMETRIC,
-    FILL_ORDER,
-    DESCRIPTION,
-    STRIP_OFFSETS,
-    ORIENTATION,
-    SAMPLES,
-    STRIP_ROWS,
-    STRIP_COUNTS,
-    PLANAR,
-    PREDICTOR,
-    TILE_WIDTH,
-    TILE_LENGTH,
-    TILE_OFFSETS,
-    TILE_COUNTS,
-    FORMAT,
-    DEPTH,
-    TILE_DEPTH,
-    FIELD_COUNT
-};
-
 /* TIFF 6.0, and SGI's two fields of depth. */
+#define FIELDS(ROW)                                                                                                    \
+    ROW(SUBFILE, 254, "NewSubfileType"), ROW(WIDTH, 256, "ImageWidth"), ROW(LENGTH, 257, "ImageLength"),               \
+        ROW(BITS, 258, "BitsPerSample"), ROW(COMPRESSION, 259, "Compression"),                                         \
+        ROW(PHOTOMETRIC, 262, "PhotometricInterpretation"), ROW(FILL_ORDER, 266, "FillOrder"),                         \
+        ROW(DESCRIPTION, 270, "ImageDescription"), ROW(STRIP_OFFSETS, 273, "StripOffsets"),                            \
+        ROW(ORIENTATION, 274, "Orientation"), ROW(SAMPLES, 277, "SamplesPerPixel"),                                    \
+        ROW(STRIP_ROWS, 278, "RowsPerStrip"), ROW(STRIP_COUNTS, 279, "StripByteCounts"),                               \
+        ROW(PLANAR, 284, "PlanarConfiguration"), ROW(PREDICTOR, 317, "Predictor"), ROW(TILE_WIDTH, 322, "TileWidth"),  \
+        ROW(TILE_LENGTH, 323, "TileLength"), ROW(TILE_OFFSETS, 324, "TileOffsets"),                                    \
+        ROW(TILE_COUNTS, 325, "TileByteCounts"), ROW(FORMAT, 339, "SampleFormat"), ROW(DEPTH, 32997, "ImageDepth"),    \
+        ROW(TILE_DEPTH, 32998, "TileDepth")
+#define FIELD_ID(id, tag, name) id
+#define FIELD_ROW(id, tag, name)                                                                                       \
+    {                                                                                                                  \
+        tag, name                                                                                                      \
+    }
+
+enum field { FIELDS(FIELD_ID), FIELD_COUNT };
+
 static const struct {
     uint16_t tag;
     const char *name;
-} fields[FIELD_COUNT] = {
-    [SUBFILE] = {254, "NewSubfileType"},       [WIDTH] = {256, "ImageWidth"},
-    [LENGTH] = {257, "ImageLength"},           [BITS] = {258, "BitsPerSample"},
-    [COMPRESSION] = {259, "Compression"},      [PHOTOMETRIC] = {262, "PhotometricInterpretation"},
-    [FILL_ORDER] = {266, "FillOrder"},         [DESCRIPTION] = {270, "ImageDescription"},
-    [STRIP_OFFSETS] = {273, "StripOffsets"},   [ORIENTATION] = {274, "Orientation"},
-    [SAMPLES] = {277, "SamplesPerPixel"},      [STRIP_ROWS] = {278, "RowsPerStrip"},
-    [STRIP_COUNTS] = {279, "StripByteCounts"}, [PLANAR] = {284, "PlanarConfiguration"},
-    [PREDICTOR] = {317, "Predictor"},          [TILE_WIDTH] = {322, "TileWidth"},
-    [TILE_LENGTH] = {323, "TileLength"},       [TILE_OFFSETS] = {324, "TileOffsets"},
-    [TILE_COUNTS] = {325, "TileByteCounts"},   [FORMAT] = {339, "SampleFormat"},
-    [DEPTH] = {32997, "ImageDepth"},           [TILE_DEPTH] = {32998, "TileDepth"},
-};
+} fields[] = {FIELDS(FIELD_ROW)};
 
 enum { SIDE_LIMIT = INT32_MAX, TILE_LIMIT = 1 << 28 /* bytes of a tile, unpacked */ };
 
@@ -64,7 +45,6 @@ struct directory {
     struct tiff_list lists[FIELD_COUNT];
 };
 
-/* Whether `size` bytes from `at` on are inside the file. */
 static bool tiff_has(const struct tiff_file *file, uint64_t at, uint64_t size)
 {
     return at <= file->size && size <= file->size - at;
@@ -76,7 +56,6 @@ static uint64_t tiff_number(const struct tiff_file *file, uint64_t at, size_t si
     return (uint64_t)order_whole(file->data + at, size, false, file->swapped);
 }
 
-/* Element `index` of a list. */
 static uint64_t tiff_list_at(const struct tiff_file *file, const struct tiff_list *list, uint64_t index)
 {
     return tiff_number(file, list->at + index * list->size, list->size);
@@ -166,7 +145,6 @@ static uint64_t read_side(struct job *job, const struct directory *directory, en
     return is_good ? side : 1;
 }
 
-/* Checks the fields that have few values here. */
 static void check_plain_fields(struct job *job, const struct directory *directory)
 {
     static const struct {

@@ -7,6 +7,7 @@
 #include "base/formats/packed.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "conus/streamlines.h"
 #include "loaders/tracts/tracts.h"
 
@@ -18,7 +19,7 @@ enum { HEADER_LIMIT = 1 << 20 }; /* bytes in which a header ends */
 
 /* Values of the header, in the block at hand; no data where they are missing. */
 struct header {
-    struct text type, file, count;
+    struct text type, file, count, space, unit;
     size_t size; /* bytes of the header */
 };
 
@@ -40,7 +41,8 @@ static void take_lines(struct job *job, struct header *header, struct text block
     const struct {
         const char *key;
         struct text *value;
-    } keys[] = {{"datatype", &header->type}, {"file", &header->file}, {"count", &header->count}};
+    } keys[] = {{"datatype", &header->type}, {"file", &header->file}, {"count", &header->count},
+                {"space", &header->space},   {"unit", &header->unit}, {"units", &header->unit}};
     struct text rest = block;
     struct text line;
     (void)text_line(&rest, &line);
@@ -67,21 +69,20 @@ static void take_lines(struct job *job, struct header *header, struct text block
 
 static void read_type(struct tck *tck, struct text type)
 {
-    static const struct {
+    static const struct type {
         const char *name;
         bool wide, big;
     } types[] = {
         {"Float32LE", false, false}, {"Float32BE", false, true}, {"Float64LE", true, false}, {"Float64BE", true, true}};
-    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++) {
-        if (text_equal_ignoring_case(type, types[i].name)) {
-            tck->wide = types[i].wide;
-            tck->r.swapped = types[i].big == BIG_ENDIAN_IS_SWAPPED;
-            tck->type = types[i].name;
-            return;
-        }
+    const struct type *found = ROW_NAMED(types, type, false);
+    if (!found) {
+        job_bad(tck->job, "datatype: found \"%.*s\", allowed are Float32LE, Float32BE, Float64LE and Float64BE",
+                TEXT_SHOW(type, 40));
+        return;
     }
-    job_bad(tck->job, "datatype: found \"%.*s\", allowed are Float32LE, Float32BE, Float64LE and Float64BE",
-            TEXT_SHOW(type, 40));
+    tck->wide = found->wide;
+    tck->r.swapped = found->big == BIG_ENDIAN_IS_SWAPPED;
+    tck->type = found->name;
 }
 
 /* "file: . 620": in this file, from that byte on. */
@@ -102,13 +103,23 @@ static uint64_t read_offset(struct job *job, const struct header *header)
     return offset;
 }
 
-/* Reads the header and goes to the first point. */
+/* Points of the format are in RAS mm. */
+static void check_said(struct job *job, const char *key, struct text said, const char *words)
+{
+    if (said.data && !text_is_one_of(said, words, false)) {
+        job_bad(job, "%s: found \"%.*s\", and MRtrix has points in RAS mm: one of them is wrong", key,
+                TEXT_SHOW(said, 40));
+    }
+}
+
 static void tck_take_header(struct tck *tck)
 {
     struct header header = {0};
     (void)reader_has(&tck->r, HEADER_LIMIT);
     const struct text at_hand = {(const char *)tck->r.at, smaller_of((uint64_t)(tck->r.end - tck->r.at), HEADER_LIMIT)};
     take_lines(tck->job, &header, at_hand);
+    check_said(tck->job, "space", header.space, "ras/rasmm");
+    check_said(tck->job, "units", header.unit, TEXT_MM);
     read_type(tck, header.type);
     const uint64_t offset = read_offset(tck->job, &header);
     tck->has_count = header.count.data;
@@ -234,22 +245,22 @@ static uint8_t *put_point(uint8_t *at, const float point[3])
     return at;
 }
 
-/* The bytes of a file with the streamlines of `list`, Float32LE. `out` is owned by the caller. */
-static conus_status tck_format(struct bytes *out, const conus_streamline_list *list)
+/* The bytes of a file with the streamlines of `list`, Float32LE. */
+static struct bytes tck_format(struct job *job, const conus_streamline_list *list)
 {
+    static const float end_of_one[3] = {NAN, NAN, NAN};
+    static const float end_of_all[3] = {INFINITY, INFINITY, INFINITY};
     const conus_streamline_list_view view = conus_streamline_list_data(list);
     char header[HEADER_SIZE];
-    size_t begin = format_header(header, view.count);
-    size_t lines = view.points + view.count + 1;
-    float *points = memory_raw(view.points, POINT);
-    uint64_t *first = memory_raw(view.count + 1, sizeof *first);
-    uint8_t *data = points && first ? memory_raw(lines + (begin + POINT - 1) / POINT, POINT) : NULL;
-    if (data) {
-        static const float end_of_one[3] = {NAN, NAN, NAN};
-        static const float end_of_all[3] = {INFINITY, INFINITY, INFINITY};
-        uint8_t *at = data + begin;
+    const size_t begin = format_header(header, view.count);
+    const size_t lines = view.points + view.count + 1;
+    float *points = job_raw(job, view.points, POINT);
+    uint64_t *first = job_raw(job, view.count + 1, sizeof *first);
+    struct bytes out = {job_raw(job, lines + (begin + POINT - 1) / POINT, POINT), begin + lines * POINT};
+    if (job_ok(job)) {
+        uint8_t *at = out.data + begin;
         conus_streamline_list_points(points, first, list);
-        memcpy(data, header, begin);
+        memcpy(out.data, header, begin);
         for (size_t i = 0; i < view.count; i++) {
             for (uint64_t p = first[i]; p < first[i + 1]; p++) {
                 at = put_point(at, points + 3 * p);
@@ -257,21 +268,17 @@ static conus_status tck_format(struct bytes *out, const conus_streamline_list *l
             at = put_point(at, end_of_one);
         }
         (void)put_point(at, end_of_all);
-        *out = (struct bytes){.data = data, .size = begin + lines * POINT};
     }
-    memory_free(points);
-    memory_free(first);
-    return data ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return out;
 }
 
 conus_status conus_streamline_list_write(const conus_streamline_list *list, const char *path)
 {
-    struct bytes file = {0};
+    struct job job = {0};
     if (!path_ends_in(path, ".tck")) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: the name of a tractogram that is written ends in .tck", path);
+        job_fail(&job, CONUS_ERROR_ARGUMENT, "%s: the name of a tractogram that is written ends in .tck", path);
     }
-    conus_status status = tck_format(&file, list);
-    status = status ? status : file_write(path, file.data, file.size);
-    bytes_finish(&file);
-    return status;
+    const struct bytes file = tck_format(&job, list);
+    (void)JOB_CALL(&job, file_write(path, file.data, file.size));
+    return job_close(&job, NULL, NULL);
 }

@@ -7,7 +7,6 @@
 
 #include <string.h>
 
-/* Resizes the array to which `array` points. */
 static void resize(struct tract_build *build, void *array, uint64_t count, size_t size)
 {
     void *block;
@@ -33,7 +32,6 @@ void tract_build_scalar(struct tract_build *build, struct text name, bool per_po
     tractogram->scalars[tractogram->scalar_count++] = (struct tract_scalar){words, per_point, components, NULL};
 }
 
-/* Bytes per point or per streamline. */
 static uint64_t bytes_each(const struct tractogram *tractogram, bool per_point)
 {
     uint64_t bytes = per_point ? 3 * sizeof *tractogram->points : sizeof *tractogram->first;

@@ -163,9 +163,7 @@ static bool read_name(struct array *out, struct text name)
     if (!cut_part(&out->name, &part)) {
         return true;
     }
-    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++) {
-        out->type = text_equal(part, types[i].name) ? &types[i] : out->type;
-    }
+    out->type = ROW_NAMED(types, part, true);
     struct text before = out->name;
     if (cut_part(&before, &part) && before.size && text_to_uint(part, UINT64_MAX, &components)) {
         out->name = before;

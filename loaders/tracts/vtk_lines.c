@@ -80,7 +80,6 @@ static void give_scalar(struct tractogram *out, struct line_build *build, struct
     scalar->name = job_give(job, array->name, strlen(array->name) + 1);
 }
 
-/* Fills in the tractogram, which takes what it can. */
 static void give_lines(struct tractogram *out, struct line_build *build)
 {
     struct job *job = build->sink.job;

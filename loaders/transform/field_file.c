@@ -105,7 +105,6 @@ static conus_vectors read_statement(struct job *job, const struct field_header *
     return is_absolute ? CONUS_VECTORS_ABSOLUTE : is_reg ? CONUS_VECTORS_RELATIVE : CONUS_VECTORS_AS_STATED;
 }
 
-/* The kind of a field in mm of the world. */
 static enum field_kind vectors_kind(struct job *job, const struct field_header *header, conus_vectors vectors,
                                     conus_file_space space)
 {
@@ -411,19 +410,6 @@ static void set_vectors(struct job *job, struct deformation *field, enum field_k
     check_finite(job, field);
 }
 
-/* From FSL's mm of an image to the world. */
-static void world_from_flirt(struct job *job, double out[16], const conus_volume_info *info)
-{
-    double flirt[16];
-    double voxel[16];
-    flirt_from_voxel(flirt, info);
-    if (!mat4_invert_affine(voxel, flirt)) {
-        job_bad(job, "the matrix of an image is singular");
-        return;
-    }
-    mat4_multiply(out, info->world_from_voxel, voxel);
-}
-
 /* The field lies on the grid of the image from which it takes points, or on another with the same mm. */
 static void check_from(struct job *job, const conus_volume_info *field, const char *from)
 {
@@ -505,9 +491,10 @@ void field_read(struct job *job, struct transform_chain *out, struct source *sou
         out->fields = field;
         out->count = 1;
         read_vectors(job, field, &file);
-        if (job_ok(job) && (kind == FIELD_FSL || kind == FIELD_FNIRT)) {
+        const bool is_read = job_ok(job) && field->vectors;
+        if (is_read && (kind == FIELD_FSL || kind == FIELD_FNIRT)) {
             set_flirt(job, field, kind, &file.info, options, source);
-        } else if (job_ok(job)) {
+        } else if (is_read) {
             set_vectors(job, field, kind, options->vectors, source);
         }
         (void)JOB_CALL(job, deformation_measure(field));

@@ -75,6 +75,9 @@ const struct hdf5_object **chain_groups(struct job *job, size_t *count, const st
  * right-handed in RAS ("neurological"). */
 void flirt_from_voxel(double out[16], const conus_volume_info *info);
 
+/** From these to the world. */
+void world_from_flirt(struct job *job, double out[16], const conus_volume_info *info);
+
 /* A file that moves points from one space to another, by whatever program. */
 
 /** Reads the transform in @p source, for points of where poses are: an affine, a field, a B-spline or a chain. Of

@@ -144,3 +144,15 @@ void flirt_from_voxel(double out[16], const conus_volume_info *info)
         out[12] = info->spacing[0] * (double)(info->dim[0] - 1);
     }
 }
+
+void world_from_flirt(struct job *job, double out[16], const conus_volume_info *info)
+{
+    double flirt[16];
+    double voxel[16];
+    flirt_from_voxel(flirt, info);
+    if (!mat4_invert_affine(voxel, flirt)) {
+        job_bad(job, "the matrix of an image is singular");
+        return;
+    }
+    mat4_multiply(out, info->world_from_voxel, voxel);
+}

@@ -8,7 +8,6 @@
 #include "loaders/volumes/volumes.h"
 #include "sources/source.h"
 
-#include <ctype.h>
 #include <string.h>
 
 #define SINGULAR "the matrix is singular, an invertible one is needed"
@@ -381,22 +380,25 @@ static size_t count_words(struct text text)
 
 #define IN_RAS "needed are 4 x 4 numbers in RAS: a b -c -d, e f -g -h, -i -j k l, 0 0 0 1 of its a to l"
 
-/* Refuses a matrix of which a comment says that it is in LPS: "(LPS)", "space=lps". */
+/* Refuses a matrix of which a comment says that it is in LPS: "(LPS)", "space=lps"; or not in mm: "units: m". */
 static void check_comments(struct job *job, struct text text)
 {
-    enum { LETTERS = sizeof "LPS" - 1 };
     struct text line;
+    struct text word;
     while (job_ok(job) && text_line(&text, &line)) {
         const struct text all = text_trim(line);
-        const bool is_comment = text_starts(all, "#");
-        bool says = false;
-        for (size_t i = 1; is_comment && !says && i + LETTERS <= all.size; i++) {
-            says = !isalnum((unsigned char)all.data[i - 1]) &&
-                   (i + LETTERS == all.size || !isalnum((unsigned char)all.data[i + LETTERS])) &&
-                   text_equal_ignoring_case((struct text){all.data + i, LETTERS}, "LPS");
+        struct text rest = text_starts(all, "#") ? all : text_from("");
+        struct text units = rest;
+        while (text_token(&rest, &word)) {
+            if (text_equal_ignoring_case(word, "LPS")) {
+                job_bad(job, "\"%.*s\" says LPS: " IN_RAS, TEXT_SHOW(all, 60));
+            }
         }
-        if (says) {
-            job_bad(job, "\"%.*s\" says LPS: " IN_RAS, TEXT_SHOW(all, 60));
+        while (text_statement(&units, "unit/units", true, &word)) {
+            if (!text_is_one_of(word, TEXT_MM, false)) {
+                job_bad(job, "\"%.*s\": the unit is stated as %.*s, and mm are read: one of them is wrong",
+                        TEXT_SHOW(all, 60), TEXT_SHOW(word, 20));
+            }
         }
     }
 }
@@ -503,7 +505,6 @@ static const struct kind *find_kind(struct job *job, const struct source *source
     return NULL;
 }
 
-/* Says what the file is instead of a transform that can be read. */
 static void refuse(struct job *job, const struct source *source, const struct format *format)
 {
     struct text text = text_from_bytes(source->stored.data, source->stored.size);

@@ -42,7 +42,6 @@ static struct itk_group take_group(struct job *job, const struct hdf5 *hdf5, con
     return group;
 }
 
-/* All numbers of a value. */
 static double *copy_numbers(struct job *job, size_t *count, const struct hdf5_value *value)
 {
     *count = count_of(value);
@@ -56,7 +55,6 @@ static double *copy_numbers(struct job *job, size_t *count, const struct hdf5_va
     return numbers;
 }
 
-/* An affine or a B-spline. */
 static void add_other(struct job *job, struct transform_chain *chain, const struct itk_group *group)
 {
     struct itk_entry entry = {.type = group->type, .has_parameters = true, .has_fixed = true};

@@ -170,7 +170,6 @@ static void set_quaternion(struct job *job, double r[3][3], const double q[4])
     }
 }
 
-/* Adds the matrix of an affine one. */
 static void add_affine(struct job *job, struct transform_chain *chain, const struct itk_entry *entry)
 {
     const struct affine *affine = find_affine(entry->type);

@@ -319,7 +319,6 @@ void nifti_matrix_read(struct job *job, struct volume_header *out, size_t shape[
     shape[1] = (size_t)dim[6];
 }
 
-/* Reads the fixed part of a header. */
 static void parse_header(struct job *job, struct volume_header *out, const struct file_head *head)
 {
     struct fields f = {0};

@@ -15,7 +15,6 @@ struct volume_opened {
     struct volume_input *v;
 };
 
-/* Takes what the header says of each volume. */
 static void choose(struct volume_file *file, size_t volume)
 {
     const struct text_volume *text = file->text;

@@ -233,7 +233,6 @@ struct bytes volume_run(struct job *job, struct volume_input *v, size_t first, s
     return read_run(&(struct run_reading){.job = job, .v = v}, first, count);
 }
 
-/* Gives voxels to the sink. */
 static void give_all(struct job *job, struct volume_input *v, size_t first, size_t count, const struct voxel_sink *sink)
 {
     if (v->read) {

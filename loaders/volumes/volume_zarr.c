@@ -53,7 +53,6 @@ static bool is_array(struct text text)
     return text_mentions(text, "\"data_type\"") || text_mentions(text, "\"dtype\"");
 }
 
-/* Finds the level with voxels of this size. */
 static size_t find_size(const struct ome *ome, const double micrometres[SPACE])
 {
     for (size_t i = 0; i < ome->count; i++) {

@@ -3,6 +3,7 @@
 #include "loaders/zarr/zarr.h"
 
 #include "base/formats/json_text.h"
+#include "base/order.h"
 #include "base/path.h"
 
 #include <math.h>
@@ -19,30 +20,21 @@ static const char *text_of(const json_t *value)
 /* Millimetres of a unit, 0 for an unknown one. */
 static double find_unit(const char *name)
 {
-    static const struct {
+    static const struct unit {
         const char *name;
         double millimetres;
     } units[] = {{"micrometer", 1e-3}, {"millimeter", 1},  {"nanometer", 1e-6}, {"meter", 1e3},
                  {"centimeter", 10},   {"angstrom", 1e-7}, {"picometer", 1e-9}};
-    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
-        if (strcmp(name, units[i].name) == 0) {
-            return units[i].millimetres;
-        }
-    }
-    return 0;
+    const struct unit *unit = ROW_NAMED(units, text_from(name), true);
+    return unit ? unit->millimetres : 0;
 }
 
 /* The letter of where the axis starts: RFC 4 says "anterior-to-posterior". */
 static char find_start(const char *value)
 {
-    static const char *const ways[] = {"anterior-to-posterior", "posterior-to-anterior", "superior-to-inferior",
-                                       "inferior-to-superior",  "left-to-right",         "right-to-left"};
-    for (size_t i = 0; i < sizeof ways / sizeof ways[0]; i++) {
-        if (strcmp(value, ways[i]) == 0) {
-            return value[0];
-        }
-    }
-    return '\0';
+    static const char ways[] = "anterior-to-posterior/posterior-to-anterior/superior-to-inferior/inferior-to-superior/"
+                               "left-to-right/right-to-left";
+    return text_is_one_of(text_from(value), ways, true) ? value[0] : '\0';
 }
 
 /* The name of a coordinate system that a transformation of 0.6 leads to, a text or an object, "" where there is none.
@@ -172,7 +164,6 @@ static void read_level(struct job *job, struct ome *out, const json_t *dataset, 
     }
 }
 
-/* Takes the first image of the group's attributes. */
 static void read_image(struct job *job, struct ome *out, const json_t *attributes)
 {
     const json_t *image = json_array_get(json_object_get(attributes, "multiscales"), 0);

@@ -336,7 +336,6 @@ static void read_two(struct job *job, struct zarr_array *out, const json_t *root
     }
 }
 
-/* Checks that bytes and files can be counted. */
 static void count_all(struct job *job, struct zarr_array *out)
 {
     size_t bytes = out->size;

@@ -227,7 +227,6 @@ static void take_chunk(const struct reading *reading, const size_t at[SPACE])
     give_chunk(reading, at, true);
 }
 
-/* Reads a chunk that has a file. */
 static void read_chunk(struct reading *reading, const struct open_file *file, const size_t at[SPACE])
 {
     char hex[65];
@@ -377,7 +376,6 @@ static void read_shard(struct reading *reading, const struct open_file *file, co
     memory_free(entries);
 }
 
-/* Reads the chunks of the file at `at`. */
 static void read_file(struct reading *reading, const size_t at[SPACE])
 {
     struct open_file file = {.descriptor = -1};

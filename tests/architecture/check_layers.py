@@ -94,7 +94,7 @@ LIBRARY = {
     "loaders/cifti": "base base/files base/geometry base/formats loaders/volumes loaders/labels"
     " sources",
     "loaders/labels": "base base/system base/job base/files base/geometry base/formats atlas/labels sources",
-    "loaders/child": "base base/child base/system atlas/surface atlas",
+    "loaders/child": "base base/child base/job base/system atlas/surface atlas",
     "loaders/surfaces/foreign": "base base/geometry base/formats base/job atlas/labels atlas/surface loaders sources",
     "loaders/surfaces": "base base/job base/files base/geometry base/formats atlas/labels atlas/surface atlas loaders"
     " loaders/labels loaders/cifti loaders/child loaders/surfaces/foreign sources loaders/volumes",

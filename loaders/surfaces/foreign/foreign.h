@@ -105,9 +105,10 @@ struct sink_array *sink_array(struct mesh_sink *sink, struct text name, bool per
  * above max_memory. */
 float *sink_array_grow(struct mesh_sink *sink, struct sink_array *array, size_t more);
 
-/** Takes the value behind "SPACE" in @p text: 3D Slicer writes "SPACE=RAS" or "SPACE=LPS", others "coordinate system:
- * LPS". A failure where that contradicts what the file has said before. */
-void sink_space(struct mesh_sink *sink, struct text text);
+/** Hears what the comment @p text says of the space: 3D Slicer writes "SPACE=RAS" or "SPACE=LPS", others "coordinate
+ * system: LPS"; and of the unit: "units: mm". A failure for another unit, and where the space contradicts what the file
+ * has said before. */
+void sink_said(struct mesh_sink *sink, struct text text);
 
 /* The parsers of mesh files of other programs. Each takes the whole file, unpacked, which must outlive the sink, and
  * is a primitive of the sink's job. CONUS_ERROR_DATA for a file that contradicts itself or is cut off,

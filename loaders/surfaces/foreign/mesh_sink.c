@@ -2,8 +2,7 @@
 /* Collects vertices, corners and arrays. */
 #include "loaders/surfaces/foreign/foreign.h"
 
-#include <ctype.h>
-#include <strings.h>
+#include <string.h>
 
 void sink_expect(struct mesh_sink *sink, size_t count)
 {
@@ -103,36 +102,23 @@ float *sink_array_grow(struct mesh_sink *sink, struct sink_array *array, size_t 
     return array->values ? array->values + array->count - more : NULL; /* of none */
 }
 
-/* The space that stands behind the word at the start of @p text, of so many letters. */
-static enum mesh_space space_behind(struct text text, size_t word)
+void sink_said(struct mesh_sink *sink, struct text text)
 {
-    enum { VALUE = sizeof "LPS" - 1 };
-    size_t at = word;
-    while (at < text.size && memchr("=: \t", text.data[at], 4)) {
-        at++;
+    struct text value;
+    for (struct text rest = text; text_statement(&rest, "space/system/coordinates/orientation", false, &value);) {
+        const enum mesh_space space = text_equal_ignoring_case(value, "RAS")   ? MESH_SPACE_RAS
+                                      : text_equal_ignoring_case(value, "LPS") ? MESH_SPACE_LPS
+                                                                               : MESH_SPACE_UNSTATED;
+        if (space && sink->space && space != sink->space) {
+            job_bad(sink->job, "\"%.*s\": RAS and LPS are both stated, one of them is needed", TEXT_SHOW(text, 60));
+        }
+        sink->space = space ? space : sink->space;
     }
-    const struct text value = {text.data + at, text.size - at < VALUE ? text.size - at : VALUE};
-    const bool ends = text.size - at <= VALUE || !isalnum((unsigned char)text.data[at + VALUE]);
-    return at == word || !ends                      ? MESH_SPACE_UNSTATED
-           : text_equal_ignoring_case(value, "RAS") ? MESH_SPACE_RAS
-           : text_equal_ignoring_case(value, "LPS") ? MESH_SPACE_LPS
-                                                    : MESH_SPACE_UNSTATED;
-}
-
-void sink_space(struct mesh_sink *sink, struct text text)
-{
-    static const char *const words[] = {"space", "system", "coordinates", "orientation"};
-    for (size_t i = 0; i < text.size; i++) {
-        const struct text rest = {text.data + i, text.size - i};
-        const bool begins = !i || !isalnum((unsigned char)text.data[i - 1]);
-        for (size_t k = 0; begins && k < sizeof words / sizeof words[0]; k++) {
-            const size_t length = strlen(words[k]);
-            const bool is = rest.size > length && strncasecmp(rest.data, words[k], length) == 0;
-            const enum mesh_space space = is ? space_behind(rest, length) : MESH_SPACE_UNSTATED;
-            if (space && sink->space && space != sink->space) {
-                job_bad(sink->job, "\"%.*s\": RAS and LPS are both stated, one of them is needed", TEXT_SHOW(text, 60));
-            }
-            sink->space = space ? space : sink->space;
+    for (struct text rest = text; text_statement(&rest, "unit/units", true, &value);) {
+        if (!text_is_one_of(value, TEXT_MM, false)) {
+            job_bad(sink->job,
+                    "\"%.*s\": the unit is stated as %.*s, and coordinates are read as mm: one of them is wrong",
+                    TEXT_SHOW(text_trim(text), 60), TEXT_SHOW(value, 20));
         }
     }
 }

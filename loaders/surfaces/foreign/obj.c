@@ -45,7 +45,7 @@ static bool next_statement(struct obj *obj, struct text *word)
         }
         obj->text = obj->line;
         if (text_starts(obj->line, "#")) {
-            sink_space(obj->sink, obj->line);
+            sink_said(obj->sink, obj->line);
             obj->line.size = 0;
         }
     } while (!obj_next_word(obj, word));

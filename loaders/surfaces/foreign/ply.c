@@ -155,7 +155,7 @@ static bool take_line(struct ply *ply, struct text line)
     struct text word = {0};
     (void)text_word(&rest, &word);
     if (text_equal(word, "comment")) {
-        sink_space(ply->sink, rest);
+        sink_said(ply->sink, rest);
     } else if (text_equal(word, "format")) {
         take_format(ply, rest, line);
     } else if (text_equal(word, "element")) {

@@ -41,7 +41,6 @@ static void read_binary(struct stl *stl)
     }
 }
 
-/* A facet after the word "facet". */
 static void read_facet(struct stl *stl)
 {
     struct scan *scan = &stl->scan;
@@ -62,7 +61,6 @@ static void read_facet(struct stl *stl)
     scan_need(scan, "endfacet", "endfacet");
 }
 
-/* From "solid" and its name to "endsolid" and perhaps the same. */
 static void read_solid(struct stl *stl)
 {
     struct text name;
@@ -110,7 +108,7 @@ void stl_parse(struct mesh_sink *sink, struct text file)
     struct text line = {0};
     struct text word;
     if (text_line(&header, &line)) {
-        sink_space(sink, line);
+        sink_said(sink, line);
     }
     /* Text begins with "solid". So may the header of a binary file, which has a 0 somewhere. */
     if (!text_starts(text_trim(file), "solid") || memchr(file.data, '\0', file.size)) {

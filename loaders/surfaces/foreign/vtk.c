@@ -5,6 +5,7 @@
 
 #include "base/formats/encoding.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "loaders/surfaces/foreign/parts.h"
 
 #include <string.h>
@@ -48,13 +49,11 @@ static const struct vtk_type *need_type(struct vtk *vtk)
 {
     struct text word;
     (void)scan_word(&vtk->scan, &word);
-    for (size_t i = 0; word.size && i < sizeof types / sizeof types[0]; i++) {
-        if (text_equal_ignoring_case(word, types[i].name)) {
-            return &types[i];
-        }
+    const struct vtk_type *type = ROW_NAMED(types, word, false);
+    if (!type) {
+        scan_refuse(&vtk->scan, word, "a type of numbers");
     }
-    scan_refuse(&vtk->scan, word, "a type of numbers");
-    return types;
+    return type ? type : types;
 }
 
 /* Binary numbers begin behind the line, those of text behind white space. */
@@ -87,7 +86,6 @@ static const uint8_t *take_bytes(struct vtk *vtk, size_t size, const char *what)
     return data;
 }
 
-/* The next whole number, of `what`. */
 static int64_t next_whole(struct vtk *vtk, const struct vtk_type *type, const char *what)
 {
     if (vtk->is_text) {
@@ -124,7 +122,6 @@ static void skip_strings(struct vtk *vtk, size_t count)
     }
 }
 
-/* Passes over `tuples` of `parts` numbers. */
 static void skip_numbers(struct vtk *vtk, const struct vtk_type *type, size_t parts, size_t tuples)
 {
     struct text word;
@@ -173,7 +170,6 @@ static void cut_to_lines(struct vtk *vtk, struct sink_array *array)
     }
 }
 
-/* Keeps the numbers that are next, `tuples` of `parts`. */
 static void keep_numbers(struct vtk *vtk, struct text name, const struct vtk_type *type, size_t parts, size_t tuples)
 {
     enum { NAME_LIMIT = 1024 };
@@ -209,7 +205,6 @@ static void take_numbers(struct vtk *vtk, struct text name, const struct vtk_typ
     }
 }
 
-/* Takes the name of an array or a field. */
 static struct text need_name(struct vtk *vtk, const char *what)
 {
     struct text name;
@@ -341,10 +336,7 @@ static void read_numbers(struct vtk *vtk)
     struct text word;
     size_t count = read_data_count(vtk);
     while (scan_word(&vtk->scan, &word)) {
-        const struct attribute *attribute = NULL;
-        for (size_t i = 0; i < sizeof attributes / sizeof attributes[0]; i++) {
-            attribute = text_equal_ignoring_case(word, attributes[i].word) ? &attributes[i] : attribute;
-        }
+        const struct attribute *attribute = ROW_NAMED(attributes, word, false);
         bool points = text_equal_ignoring_case(word, "POINT_DATA");
         if (attribute) {
             read_attribute(vtk, attribute, count);
@@ -475,7 +467,7 @@ static void read_cells(struct vtk *vtk, enum cell cell, const char *what)
  * lines are wanted. */
 static bool read_section(struct vtk *vtk)
 {
-    static const struct {
+    static const struct section {
         const char *word;
         enum cell cell;
     } sections[] = {
@@ -484,11 +476,10 @@ static bool read_section(struct vtk *vtk)
     if (!scan_word(&vtk->scan, &word)) {
         return false;
     }
-    for (size_t i = 0; i < sizeof sections / sizeof sections[0]; i++) {
-        if (text_equal_ignoring_case(word, sections[i].word)) {
-            read_cells(vtk, sections[i].cell, sections[i].word);
-            return true;
-        }
+    const struct section *section = ROW_NAMED(sections, word, false);
+    if (section) {
+        read_cells(vtk, section->cell, section->word);
+        return true;
     }
     bool points = text_equal_ignoring_case(word, "POINT_DATA");
     if (points || text_equal_ignoring_case(word, "CELL_DATA")) {
@@ -525,7 +516,7 @@ static void read_header(struct vtk *vtk)
     }
     vtk->has_offsets = version >= 5;
     if (scan_line(&vtk->scan, &line)) {
-        sink_space(vtk->sink, line);
+        sink_said(vtk->sink, line);
     }
     vtk->is_text = scan_take(&vtk->scan, "ASCII");
     if (!vtk->is_text) {

@@ -7,6 +7,7 @@
 #include "base/formats/encoding.h"
 #include "base/formats/xml.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "loaders/surfaces/foreign/parts.h"
 
 #include <libdeflate.h>
@@ -402,7 +403,7 @@ static void take_root(struct vtp *vtp, const struct xml_event *event)
 
 static void take_type(struct job *job, struct vtp_storage *out, const char *type)
 {
-    static const struct {
+    static const struct type {
         const char *name;
         enum vtp_kind kind;
         size_t size;
@@ -410,14 +411,13 @@ static void take_type(struct job *job, struct vtp_storage *out, const char *type
                  {"UInt16", VTP_UNSIGNED, 2}, {"Int32", VTP_INTEGER, 4},   {"UInt32", VTP_UNSIGNED, 4},
                  {"Int64", VTP_INTEGER, 8},   {"UInt64", VTP_UNSIGNED, 8}, {"Float32", VTP_REAL, 4},
                  {"Float64", VTP_REAL, 8},    {"String", VTP_INTEGER, 1}};
-    for (size_t i = 0; type && i < sizeof types / sizeof types[0]; i++) {
-        if (strcmp(type, types[i].name) == 0) {
-            out->kind = types[i].kind;
-            out->size = types[i].size;
-            return;
-        }
+    const struct type *row = ROW_NAMED(types, text_from(type ? type : ""), true);
+    if (!row) {
+        job_bad(job, "DataArray: type is %.60s, one like Int32 or Float32 is needed", type ? type : "not given");
+        return;
     }
-    job_bad(job, "DataArray: type is %.60s, one like Int32 or Float32 is needed", type ? type : "not given");
+    out->kind = row->kind;
+    out->size = row->size;
 }
 
 static void take_appended(struct vtp_storage *out, const struct vtp *vtp, const struct xml_event *event)
@@ -699,14 +699,14 @@ static void take_space(struct vtp *vtp)
         text[size++] = (char)letters[i];
     }
     if (count) {
-        sink_space(vtp->sink, (struct text){text, size});
+        sink_said(vtp->sink, (struct text){text, size});
     }
     forget_part(vtp, part);
     vtp->use = USE_NOTHING;
     job_out(vtp->job, mark);
 }
 
-static const struct {
+static const struct place {
     const char *name;
     enum use place;
 } places[] = {{"Points", USE_POINTS},     {"Lines", USE_LINES},     {"Polys", USE_POLYS},
@@ -715,12 +715,8 @@ static const struct {
 
 static enum use place_of(const char *name)
 {
-    for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
-        if (strcmp(name, places[i].name) == 0) {
-            return places[i].place;
-        }
-    }
-    return USE_NOTHING;
+    const struct place *row = ROW_NAMED(places, text_from(name), true);
+    return row ? row->place : USE_NOTHING;
 }
 
 static void start_piece(struct vtp *vtp, const struct xml_event *event)

@@ -183,7 +183,6 @@ static void read_sizes(struct job *job, struct text_volume *out, const struct he
     out->count = rank[1];
 }
 
-/* Type and byte order. */
 static void read_type(struct job *job, struct text_volume *out, const struct header *header)
 {
     static const struct text_type types[] = {{'u', 1}, {'i', 2}, {'i', 4}, {'f', 4}, {'f', 8}};

@@ -2,6 +2,7 @@
 /* Lines, keys and values of headers of text. */
 #include "loaders/volumes/text/text_volume.h"
 
+#include "base/order.h"
 #include "base/path.h"
 
 #include <stdio.h>
@@ -184,19 +185,16 @@ char *header_file(struct job *job, struct text value, const char *name, const ch
 
 double header_unit(struct text unit)
 {
-    static const struct {
-        const char *name;
+    static const struct unit {
+        const char *names;
         double mm;
-    } units[] = {
-        {"mm", 1},           {"millimeter", 1}, {"millimeters", 1}, {"millimetre", 1},    {"millimetres", 1},
-        {"um", 1e-3},        {"micron", 1e-3},  {"microns", 1e-3},  {"micrometer", 1e-3}, {"micrometers", 1e-3},
-        {"\xc2\xb5m", 1e-3}, {"cm", 10},        {"m", 1e3},         {"nm", 1e-6}};
-    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
-        if (text_equal(unit, units[i].name)) {
-            return units[i].mm;
-        }
-    }
-    return 0;
+    } units[] = {{TEXT_MM, 1},
+                 {"um/micron/microns/micrometer/micrometers/\xc2\xb5m", 1e-3},
+                 {"cm", 10},
+                 {"m", 1e3},
+                 {"nm", 1e-6}};
+    const struct unit *row = ROW_NAMED(units, unit, true);
+    return row ? row->mm : 0;
 }
 
 void header_turn_lps(double m[16])

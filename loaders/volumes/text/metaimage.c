@@ -239,7 +239,6 @@ static void metaimage_read_lines(struct reader *r, struct header_values *values)
     }
 }
 
-/* Checks values against each other. */
 static void check_metaimage(struct job *job, const struct metaimage *meta)
 {
     bool scaled = meta->slope != 1;

@@ -446,7 +446,6 @@ static void nrrd_read_lines(struct reader *r, struct header_values *values, stru
     }
 }
 
-/* Checks values against each other. */
 static void check_nrrd(struct job *job, const struct nrrd *nrrd)
 {
     if (nrrd->big_endian < 0 && (nrrd->type & 0xff) > 1 && nrrd->encoding != TEXT_NUMBERS) {

@@ -16,13 +16,13 @@ struct found {
     size_t count;
 };
 
-static conus_status take(void *user, uint32_t number, const struct mesh *mesh)
+static void take(struct job *job, void *user, uint32_t number, const struct mesh *mesh)
 {
     struct found *found = user;
     assert_true(number >= 1 && number <= MOST_AREAS);
     found->count++;
     found->triangles[number - 1] = mesh->triangle_count;
-    return mesh_measure(&found->shapes[number - 1], mesh);
+    (void)JOB_CALL(job, mesh_measure(&found->shapes[number - 1], mesh));
 }
 
 static struct found extract(const conus_atlas *atlas, uint32_t iterations, double reduction)
@@ -30,7 +30,9 @@ static struct found extract(const conus_atlas *atlas, uint32_t iterations, doubl
     const struct mesh_extract_options options = {iterations, MESH_DEFAULT_PASS_BAND, reduction, UINT64_C(8) << 30};
     struct found found = {0};
     struct notes notes = {0};
-    assert_ok(mesh_extract(atlas, &options, take, &found, &notes));
+    struct job job = {0};
+    mesh_extract(&job, atlas, &options, take, &found);
+    assert_ok(job_close(&job, &notes, NULL));
     for (size_t i = 0; i < notes.count; i++) {
         print_message("note: %s\n", notes.lines[i]);
     }
