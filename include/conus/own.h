@@ -16,8 +16,7 @@
 extern "C" {
 #endif
 
-/** @name Batches: streams of poses to text, in the threads that answer
- * @{ */
+/* Batches: streams of poses to text, in the threads that answer */
 
 typedef struct conus_batch conus_batch; /**< Threads made ready to answer poses by the million. */
 
@@ -101,10 +100,8 @@ CONUS_API const char *conus_batch_header(const conus_batch *batch);
  * @param[out] text UTF-8 with a final NUL. Borrowed until the next call on the batch.
  * @param[out] size Bytes, without the NUL. */
 CONUS_CHECKED conus_status conus_batch_sidecar(const char **text, size_t *size, conus_batch *batch);
-/** @} */
 
-/** @name Files of poses
- * @{ */
+/* Files of poses */
 
 /** Finds where the words of conus_pose_options.columns begin behind a path.
  * @param path "FILE,x=COLUMN,...".
@@ -205,10 +202,7 @@ CONUS_API conus_severity conus_pose_stream_note_severity(const conus_pose_stream
  * @threads One at a time for each @p list. */
 CONUS_API const char *conus_pose_list_note(const conus_pose_list *list, size_t index);
 
-/** Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
- * data mean.
- * @return #CONUS_SEVERITY_NOTE also past the last.
- * @threads One at a time for each @p list. */
+/** How much it matters, as of conus_pose_stream_note_severity(). */
 CONUS_API conus_severity conus_pose_list_note_severity(const conus_pose_list *list, size_t index);
 
 /** Gives the pose that conus_select_many() answers.
@@ -220,10 +214,8 @@ CONUS_CHECKED conus_status conus_pose_array_at(conus_pose *out, const conus_pose
  * file that names no space fits any atlas; a scan of one person fits an atlas that was moved (conus_atlas_move()).
  * @return #CONUS_ERROR_DATA where they name different brains, a scan of one person and a template, say. */
 CONUS_CHECKED conus_status conus_pose_stream_match(conus_pose_stream *stream, const conus_atlas *atlas);
-/** @} */
 
-/** @name A window
- * @{ */
+/* A window */
 
 /** Computes the camera of an eye that sees through a window, such as that of a tracked head before a screen (Eq. 1).
  * @param[out] camera The camera, for conus_view.camera.
@@ -235,10 +227,8 @@ CONUS_CHECKED conus_status conus_pose_stream_match(conus_pose_stream *stream, co
  * as the eye is near. */
 CONUS_CHECKED conus_status conus_window_camera(conus_pose *camera, double frustum[4], const conus_pose *window,
                                                const double size[2], const double eye[3]);
-/** @} */
 
-/** @name Spaces
- * @{ */
+/* Spaces */
 
 /** Tells whether a text is near:AREA, so that another place has to be found before. */
 CONUS_API bool conus_place_is_near(const char *text);
@@ -265,10 +255,8 @@ CONUS_API const char *conus_space_axis(conus_space space, size_t axis);
 
 /** Gives the unit of a space's positions. @return "mm", or "um" of #CONUS_SPACE_CCF. Static. */
 CONUS_API const char *conus_space_unit(conus_space space);
-/** @} */
 
-/** @name Probes
- * @{ */
+/* Probes */
 
 /** A contact. */
 typedef struct conus_probe_contact {
@@ -308,10 +296,8 @@ CONUS_API void conus_probe_tip(double out[3], const conus_probe *probe, size_t i
  * of a contact has more than 255 bytes. */
 CONUS_CHECKED conus_status conus_probe_repeat(conus_probe **out, const conus_probe *probe, const char *const *names,
                                               size_t count);
-/** @} */
 
-/** @name Plans
- * @{ */
+/* Plans */
 
 /** Gives published errors one after the other.
  * @return NULL past the last. Text of the library. The tilt of vr-controller is that of a target 4 degrees wide. */
@@ -425,10 +411,8 @@ CONUS_API const conus_answered *conus_together_question(const conus_together *to
 
 /** Gives the options of the answer. @return With the defaults filled in. */
 CONUS_API const conus_together_options *conus_together_asked(const conus_together *together);
-/** @} */
 
-/** @name Surfaces of areas, and numbers of vertices
- * @{ */
+/* Surfaces of areas, and numbers of vertices */
 
 /** The format of a surface. */
 typedef enum conus_mesh_format {
@@ -482,10 +466,8 @@ typedef struct conus_vertex_map {
  * @return #CONUS_ERROR_ARGUMENT for another ending, and for no numbers; #CONUS_ERROR_IO where the system refuses. */
 CONUS_CHECKED conus_status conus_vertex_maps_write(const char *path, const conus_vertex_map *maps, size_t count,
                                                    size_t vertices, const char *structure);
-/** @} */
 
-/** @name Sites
- * @{ */
+/* Sites */
 
 /** Says whether sites are voxels of one volume, on whose grid conus_sites_write_maps() writes.
  * @return True for sites from conus_sites_of_roi(), and from conus_sites_find() except centroids and structures of
@@ -511,22 +493,16 @@ CONUS_CHECKED conus_status conus_sites_write_maps(const char *path, const conus_
 /** Gives note @p index that a careful user should know about these sites. @return One line; NULL past the last. */
 CONUS_API const char *conus_sites_note(const conus_sites *sites, size_t index);
 
-/** Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
- * data mean.
- * @return #CONUS_SEVERITY_NOTE also past the last. */
+/** How much it matters, as of conus_pose_stream_note_severity(). */
 CONUS_API conus_severity conus_sites_note_severity(const conus_sites *sites, size_t index);
-/** @} */
 
-/** @name Regions of interest
- * @{ */
+/* Regions of interest */
 
 /** Describes the volume of a region of interest; of tetrahedra a grid of 2 mm that they lie in.
  * @return Its threshold is the one that holds, 0 of a mask. */
 CONUS_API const conus_volume_info *conus_roi_volume(const conus_roi *roi);
-/** @} */
 
-/** @name Selections
- * @{ */
+/* Selections */
 
 /** Gives the n of the n x n buffer. @return That of its options, or the default. */
 CONUS_API uint32_t conus_selector_resolution(const conus_selector *selector);
@@ -551,10 +527,19 @@ CONUS_API double conus_selection_weight(const conus_selection *selection, uint32
  * @param radius Of the ball around it, mm; 0 of a point without one. */
 CONUS_API void conus_pose_check_add_point(conus_pose_check *check, uint64_t number, const double point[3],
                                           double radius);
-/** @} */
 
-/** @name Reports
- * @{ */
+/* Reports */
+
+/** A format of reports. */
+typedef struct conus_format_info {
+    const char *name; /**< "tsv": as programs call it. */
+    bool is_foreign;  /**< Another program reads it. */
+    bool is_of_probe; /**< It is one string of a whole probe. */
+    bool of_batch;    /**< conus_batch writes it. */
+} conus_format_info;
+
+/** Gives the format that a #conus_format stands for. @return NULL past the last. Static. */
+CONUS_API const conus_format_info *conus_format_at(size_t format);
 
 /** Says whether a column of reports holds numbers that are measured or counted.
  * @param name Name of the column, in whatever rows and list of voxels.
@@ -614,10 +599,8 @@ CONUS_CHECKED conus_status conus_report_coordsystem(const char **text, size_t *s
  * @param[out] size Bytes, without the NUL.
  * @return #CONUS_ERROR_ARGUMENT for a format that is one whole, and as of conus_report_text(). */
 CONUS_CHECKED conus_status conus_report_take(const char **text, size_t *size, conus_report *report);
-/** @} */
 
-/** @name Weights
- * @{ */
+/* Weights */
 
 /** Gives a weight at a place.
  * @param x Degrees off the axis, mm from it, or mm from a ball's centre.
@@ -644,10 +627,8 @@ CONUS_API double conus_weight_sigma(const conus_weight *weight);
  * @param text As for conus_weight_create(), or conus_selector_options.prior.
  * @return Bytes of the path with which it begins; 0 where it names no file. */
 CONUS_API size_t conus_weight_path_length(const char *text);
-/** @} */
 
-/** @name Calibration
- * @{ */
+/* Calibration */
 
 /** A pose of a device, and what was aimed at or meant. */
 typedef struct conus_trial {
@@ -677,10 +658,8 @@ CONUS_CHECKED conus_status conus_calibrate(conus_table **out, const conus_trial 
  * another selector; #CONUS_ERROR_CANCELLED; the errors of conus_select(). */
 CONUS_CHECKED conus_status conus_reliability(conus_table **out, conus_selector *selector, const conus_trial *trials,
                                              size_t count, conus_progress progress, void *user);
-/** @} */
 
-/** @name Positions of caps
- * @{ */
+/* Positions of caps */
 
 /** Reads a scalp, and finds the positions of the 10-10 system on it (Eq. 35).
  * @param path A closed surface, as for conus_sites_load().
@@ -716,10 +695,8 @@ CONUS_CHECKED conus_status conus_position_pose(conus_pose *out, const conus_plac
  * @return #CONUS_ERROR_ARGUMENT for another name, with the closest one, and as conus_position_pose(). */
 CONUS_CHECKED conus_status conus_positions(conus_table **out, const char *const *names, size_t count,
                                            const conus_position_options *options);
-/** @} */
 
-/** @name Rankings
- * @{ */
+/* Rankings */
 
 /** A ranking. */
 typedef struct conus_score_info {
@@ -739,10 +716,8 @@ CONUS_API const conus_score_info *conus_score(size_t index);
  * @param score NULL = "share".
  * @return #CONUS_ERROR_ARGUMENT for a wrong formula; the message says what is wrong with it. */
 CONUS_CHECKED conus_status conus_score_parse(conus_score_info *out, const char *score);
-/** @} */
 
-/** @name Atlases
- * @{ */
+/* Atlases */
 
 /** Tells as what conus_atlas_set_context() reads a file.
  * @return True where it is a surface; false for everything else, also for a file that is not there. */
@@ -779,10 +754,8 @@ CONUS_CHECKED conus_status conus_atlas_attach(conus_atlas **out, const void *mem
 /** Gives all areas, pathways and bundles the colours back that they had before conus_atlas_use_safe_colours() or
  * conus_atlas_use_palette(). */
 CONUS_API void conus_atlas_use_own_colours(conus_atlas *atlas);
-/** @} */
 
-/** @name What an atlas has
- * @{ */
+/* What an atlas has */
 
 /** Returns whether a deformation field has moved the atlas, so that conus_atlas_own_point() is no affine. */
 CONUS_API bool conus_atlas_is_warped(const conus_atlas *atlas);
@@ -915,9 +888,7 @@ CONUS_API size_t conus_atlas_note_count(const conus_atlas *atlas);
 /** Gives note @p index. @return One line; NULL past the last. Borrowed until the atlas is changed or ends. */
 CONUS_API const char *conus_atlas_note(const conus_atlas *atlas, size_t index);
 
-/** Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
- * data mean.
- * @return #CONUS_SEVERITY_NOTE also past the last. */
+/** How much it matters, as of conus_pose_stream_note_severity(). */
 CONUS_API conus_severity conus_atlas_note_severity(const conus_atlas *atlas, size_t index);
 
 /** Gives the note that left and right are exchanged, of the names or of the places. Tell nobody a side of such an
@@ -925,10 +896,8 @@ CONUS_API conus_severity conus_atlas_note_severity(const conus_atlas *atlas, siz
  * @return The note: at least three pairs of a left and a right area, and three quarters of all, lie the other way
  * round. NULL where they do not. Borrowed until the atlas is changed or ends. */
 CONUS_API const char *conus_atlas_exchanged(const conus_atlas *atlas);
-/** @} */
 
-/** @name Packs
- * @{ */
+/* Packs */
 
 /** What a pack says of itself. */
 typedef struct conus_pack_info {
@@ -954,10 +923,8 @@ typedef enum conus_source_state {
  * @param[out] state What has become of it; unchanged where there is none. May be NULL.
  * @return Its path, as it was read; NULL past the last. Borrowed until the atlas ends. */
 CONUS_API const char *conus_atlas_pack_source(conus_source_state *state, const conus_atlas *atlas, size_t index);
-/** @} */
 
-/** @name Names of atlases
- * @{ */
+/* Names of atlases */
 
 typedef struct conus_catalogue conus_catalogue; /**< The atlases found, and the places searched. */
 
@@ -1038,10 +1005,8 @@ CONUS_CHECKED conus_status conus_catalogue_find_image(const conus_installed **ou
  * @param text What the user gave.
  * @return Whether it is a path for conus_atlas_load(). If not, ask conus_catalogue_find(). */
 CONUS_API bool conus_atlas_is_path(const char *text);
-/** @} */
 
-/** @name Tractograms
- * @{ */
+/* Tractograms */
 
 /** A tractogram of an atlas. */
 typedef struct conus_tractogram_info {
@@ -1095,10 +1060,8 @@ CONUS_API void conus_tractogram_destroy(conus_tractogram *tractogram);
  * @param path The file or folder.
  * @return True where it is one; false for everything else, also for a file that is not there. */
 CONUS_API bool conus_path_is_tractogram(const char *path);
-/** @} */
 
-/** @name Files that programs read and write
- * @{ */
+/* Files that programs read and write */
 
 /** Makes a text that came from outside, a name or a path, harmless for a terminal, in place. A space replaces each
  * character that would steer the terminal, except line feeds and tabs. '?' replaces each byte that is not UTF-8.
@@ -1128,10 +1091,8 @@ CONUS_API const char *conus_inputs_at(size_t index);
  * @param path The file; replaced if it exists.
  * @return #CONUS_ERROR_IO where the system refuses. */
 CONUS_CHECKED conus_status conus_write_file(const char *path, const void *data, size_t size);
-/** @} */
 
-/** @name Manifests
- * @{ */
+/* Manifests */
 
 /** How conus_manifest_write() reads. */
 typedef struct conus_manifest_options {
@@ -1148,10 +1109,8 @@ typedef struct conus_manifest_options {
  * @return #CONUS_ERROR_IO where the system refuses, or the file is there; #CONUS_ERROR_DATA where the folder holds
  * nothing for a manifest. */
 CONUS_CHECKED conus_status conus_manifest_write(const char *path, const conus_manifest_options *options);
-/** @} */
 
-/** @name Synthetic atlases
- * @{ */
+/* Synthetic atlases */
 
 /** The grid of a phantom. */
 typedef struct conus_phantom_options {
@@ -1181,10 +1140,8 @@ CONUS_API const conus_phantom_info *conus_phantom(size_t index);
  * refuses. */
 CONUS_CHECKED conus_status conus_phantom_write(const char *kind, const char *folder,
                                                const conus_phantom_options *options);
-/** @} */
 
-/** @name Images
- * @{ */
+/* Images */
 
 /** Says what the colours of a picture mean: its legend in words, with the names that the atlas has, a line each row.
  * @return UTF-8; "" if there is nothing to say. */
@@ -1220,10 +1177,8 @@ typedef struct conus_image_difference {
  * @return #CONUS_ERROR_ARGUMENT unless both have the same size and the same channels, in whatever order. */
 CONUS_CHECKED conus_status conus_image_compare(conus_image_difference *out, const conus_image *a, const conus_image *b,
                                                double tolerance);
-/** @} */
 
-/** @name Pictures
- * @{ */
+/* Pictures */
 
 typedef struct conus_cutter conus_cutter; /**< A flat cut of one atlas that is drawn again and again. */
 
@@ -1288,7 +1243,6 @@ CONUS_API const char *conus_transfer_preset(size_t index);
  * bytes per pixel. */
 CONUS_CHECKED conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const conus_cut_view *view,
                                            const conus_view *sheet);
-/** @} */
 
 #ifdef __cplusplus
 }
