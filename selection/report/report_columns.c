@@ -374,13 +374,18 @@ static struct cell get_limit(const conus_report *report, const struct report_row
     return number_cell(is_upper ? asked->most : asked->limit);
 }
 
+static struct cell get_constraint_index(const conus_report *report, const struct report_row *row)
+{
+    return integer_cell(constraint_of(report, row)->index);
+}
+
 #define CONSTRAINT_KIND                                                                                                \
     {                                                                                                                  \
         "kind", NULL, "reach, avoid, length, lean, apart or first", OF_CONSTRAINT(TEXT, kind)                          \
     }
 #define CONSTRAINT_INDEX                                                                                               \
     {                                                                                                                  \
-        "index", NULL, "its number among those of its kind, from 1", OF_CONSTRAINT(LARGE_COUNT, index)                 \
+        "index", NULL, "its number among those of its kind, from 1", NAMED(get_constraint_index)                       \
     }
 #define CONSTRAINT_NAME                                                                                                \
     {                                                                                                                  \
