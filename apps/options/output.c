@@ -178,12 +178,12 @@ bool output_format(conus_format *out, const char *path)
 
 bool format_is_foreign(conus_format format)
 {
-    return format >= CONUS_FORMAT_AFNI;
+    return conus_format_at(format)->is_foreign;
 }
 
 bool format_is_of_probe(conus_format format)
 {
-    return format == CONUS_FORMAT_SPIKEGLX || format == CONUS_FORMAT_OPEN_EPHYS;
+    return conus_format_at(format)->is_of_probe;
 }
 
 static char *folder_of(const char *path)

@@ -85,8 +85,7 @@ typedef struct conus_create_options {
 CONUS_CHECKED conus_status conus_atlas_create(conus_atlas **out, const conus_voxels *voxels, const conus_label *labels,
                                               size_t label_count, const conus_create_options *options);
 
-/**
- * Adds an area that is a surface.
+/** Adds an area that is a surface.
  * @param atlas The atlas, without pathways yet; unchanged on failure.
  * @param area Its number is that of no other area, its parent 0 or that of an area that is there.
  * @param positions [3 vertex_count] x, y, z of each vertex, world mm; copied.
@@ -94,30 +93,25 @@ CONUS_CHECKED conus_status conus_atlas_create(conus_atlas **out, const conus_vox
  * @param triangles [3 triangle_count] Indices of vertices, counter-clockwise from outside; copied.
  * @param triangle_count How many triangles; at least 1.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a label as above and once there is a pathway; #CONUS_ERROR_DATA for an
- * index out of range, or a coordinate that is not finite or beyond 1e9 mm.
- */
+ * index out of range, or a coordinate that is not finite or beyond 1e9 mm. */
 CONUS_CHECKED conus_status conus_atlas_add_surface(conus_atlas *atlas, const conus_label *area, const float *positions,
                                                    size_t vertex_count, const uint32_t *triangles,
                                                    size_t triangle_count);
 
-/**
- * Adds scalar voxels as a pathway, as conus_atlas_add_pathway() does of a file.
+/** Adds scalar voxels as a pathway, as conus_atlas_add_pathway() does of a file.
  * @param atlas The atlas; unchanged on failure.
  * @param voxels Copied. Values that are not finite count as 0, and a note says how many.
  * @param options Its name counts before that of @p voxels; NULL = defaults. max_memory has no meaning.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a type, a dimension or a threshold out of its range; #CONUS_ERROR_DATA
- * for voxels without a value above 0 and a matrix that has no inverse or another last row than 0 0 0 1.
- */
+ * for voxels without a value above 0 and a matrix that has no inverse or another last row than 0 0 0 1. */
 CONUS_CHECKED conus_status conus_atlas_add_values(conus_atlas *atlas, const conus_voxels *voxels,
                                                   const conus_pathway_options *options);
 
-/**
- * Sets scalar voxels as the context, as conus_atlas_set_context() does with a file.
+/** Sets scalar voxels as the context, as conus_atlas_set_context() does with a file.
  * @param atlas The atlas; unchanged on failure.
  * @param voxels As for conus_atlas_add_values().
  * @param options NULL = defaults. max_memory has no meaning.
- * @return #CONUS_OK; as conus_atlas_add_values().
- */
+ * @return #CONUS_OK; as conus_atlas_add_values(). */
 CONUS_CHECKED conus_status conus_atlas_set_context_values(conus_atlas *atlas, const conus_voxels *voxels,
                                                           const conus_context_options *options);
 

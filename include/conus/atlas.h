@@ -23,14 +23,12 @@ extern "C" {
 
 typedef struct conus_atlas conus_atlas; /**< Volumes, areas, pathways and bundles of one brain. */
 
-/**
- * Receives what conus_atlas_load() reads next, on the thread that loads, before each file.
+/** Receives what conus_atlas_load() reads next, on the thread that loads, before each file.
  * @param user The pointer that the options gave.
  * @param path The file. Valid until the callback returns.
  * @param done Files that are read.
  * @param total Files in all. It may change while files name others.
- * @return False cancels the load, which then fails with #CONUS_ERROR_CANCELLED.
- */
+ * @return False cancels the load, which then fails with #CONUS_ERROR_CANCELLED. */
 typedef bool (*conus_load_progress)(void *user, const char *path, size_t done, size_t total);
 
 /** How conus_atlas_load() reads. */
@@ -89,10 +87,8 @@ typedef struct conus_load_options {
  */
 CONUS_CHECKED conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options);
 
-/**
- * Ends an atlas. Selectors, renderers and cutters of it must have ended before.
- * @param atlas NULL is allowed.
- */
+/** Ends an atlas. Selectors, renderers and cutters of it must have ended before.
+ * @param atlas NULL is allowed. */
 CONUS_API void conus_atlas_destroy(conus_atlas *atlas);
 
 /** A band of values, from @p low to below @p high (Eq. 6). */
@@ -120,27 +116,23 @@ typedef struct conus_pathway_options {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_PATHWAY_OPTIONS_INIT CONUS_INIT_(conus_pathway_options)
 
-/**
- * Adds a scalar (probability) volume as one selectable pathway, or as one for each band of its values. Values that are
+/** Adds a scalar (probability) volume as one selectable pathway, or as one for each band of its values. Values that are
  * not finite belong to nothing.
  * @param atlas The atlas; unchanged on failure.
  * @param path The volume, as for conus_atlas_load().
  * @param options NULL = defaults.
  * @return #CONUS_OK; the errors of conus_atlas_load(); #CONUS_ERROR_ARGUMENT for a threshold or a band that holds none
- * of the values, for bands that overlap, and for a band with the name of another pathway.
- */
+ * of the values, for bands that overlap, and for a band with the name of another pathway. */
 CONUS_CHECKED conus_status conus_atlas_add_pathway(conus_atlas *atlas, const char *path,
                                                    const conus_pathway_options *options);
 
-/**
- * Changes from which value on a pathway, or an area of probabilities, is one (Eq. 6). Selectors, renderers and cutters
+/** Changes from which value on a pathway, or an area of probabilities, is one (Eq. 6). Selectors, renderers and cutters
  * that were made before must be made anew.
  * @param atlas The atlas; unchanged on failure.
  * @param number Number of the object.
  * @param threshold In the units of the volume's scaled values.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where @p number is neither, or a band of values, or the threshold is out of
- * its range.
- */
+ * its range. */
 CONUS_CHECKED conus_status conus_atlas_set_threshold(conus_atlas *atlas, size_t number, double threshold);
 
 /** How conus_atlas_set_context() reads. */
@@ -158,29 +150,25 @@ typedef struct conus_context_options {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_CONTEXT_OPTIONS_INIT CONUS_INIT_(conus_context_options)
 
-/**
- * Sets what is drawn around the areas and is never selectable. A volume (a T1, say) replaces the one that is there. A
+/** Sets what is drawn around the areas and is never selectable. A volume (a T1, say) replaces the one that is there. A
  * surface (a scalp, say, or one hemisphere's pial surface), in any format that conus reads, is drawn translucent beside
  * those that are there; rays never hit it, and conus_atlas_transform() does not move it.
  * @param atlas The atlas; unchanged on failure.
  * @param path The volume or surface, as for conus_atlas_load().
  * @param options NULL = defaults.
  * @return #CONUS_OK; the errors of conus_atlas_load(); #CONUS_ERROR_ARGUMENT for a surface that is to block rays, for a
- * volume with an opacity, and for an opacity that is not allowed.
- */
+ * volume with an opacity, and for an opacity that is not allowed. */
 CONUS_CHECKED conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path,
                                                    const conus_context_options *options);
 
-/**
- * Adds a surface around the areas, as conus_atlas_set_context() does with one of a file: around all areas of voxels,
+/** Adds a surface around the areas, as conus_atlas_set_context() does with one of a file: around all areas of voxels,
  * and with a context volume around the head in it, too (a brain, where the skull was taken away). Gaps that are
  * enclosed along two of the axes are inside. It is smooth, and lies 0.84 of a 96th of the longest edge of their box
  * outside.
  * @param atlas The atlas; unchanged on failure.
  * @param opacity Above 0 to 1; 0 = 0.12.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where there are no voxels of areas or of a head, and for an opacity that is
- * not allowed.
- */
+ * not allowed. */
 CONUS_CHECKED conus_status conus_atlas_add_shell(conus_atlas *atlas, double opacity);
 
 /** How conus_atlas_set_context_map() colours a surface. */
@@ -197,8 +185,7 @@ typedef struct conus_context_map_options {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_CONTEXT_MAP_OPTIONS_INIT CONUS_INIT_(conus_context_map_options)
 
-/**
- * Colours a surface that conus_atlas_set_context() has put around the areas by numbers of its vertices: from dark blue
+/** Colours a surface that conus_atlas_set_context() has put around the areas by numbers of its vertices: from dark blue
  * over green to yellow, which people with any colour vision can tell apart. Where a number is not finite the surface
  * keeps its own colour. The map replaces the one that is there; pictures have a bar of its colours in the legend.
  * Renderers that were made before must be made anew.
@@ -208,8 +195,7 @@ typedef struct conus_context_map_options {
  * @param options NULL = defaults.
  * @return #CONUS_OK; the errors of conus_atlas_load(); #CONUS_ERROR_ARGUMENT for an array that is not there, with those
  * that are, where none or several of the surfaces fit, for a range that does not rise, and for an array without any
- * number.
- */
+ * number. */
 CONUS_CHECKED conus_status conus_atlas_set_context_map(conus_atlas *atlas, const char *path,
                                                        const conus_context_map_options *options);
 
@@ -248,8 +234,7 @@ typedef struct conus_transform_options {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_TRANSFORM_OPTIONS_INIT CONUS_INIT_(conus_transform_options)
 
-/**
- * Brings the atlas to where poses are, by a file that moves points from there to the atlas: an affine, a field, a
+/** Brings the atlas to where poses are, by a file that moves points from there to the atlas: an affine, a field, a
  * B-spline, or a composite of these, which in HDF5 (of ITK or X5) needs the program conus-hdf5. By an affine (ITK's
  * text or .mat, FreeSurfer's .lta or register.dat, the MNI's .xfm, FSL's matrix, or 4 x 4 numbers of RAS mm) matrices
  * of voxels are composed, exactly, and vertices and streamlines are moved. By a deformation field (of ITK, SPM or FSL,
@@ -265,21 +250,18 @@ typedef struct conus_transform_options {
  * @param path The file.
  * @param options NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_IO or #CONUS_ERROR_DATA where the file cannot be read or is damaged, for a matrix
- * that cannot be inverted, and where the field leads to nothing of the atlas, or of a surface;
- * #CONUS_ERROR_UNSUPPORTED for another kind of transform, and for the inverse of a field; #CONUS_ERROR_ARGUMENT for
- * FSL's files and register.dat without their images, for images with another file, for a field that does not say what
- * its vectors are, for a grid where nothing is resampled, where something is hidden, for an attached atlas that a field
- * has moved, and for one without its context.
- */
+ * that cannot be inverted, and where the field leads to nothing of the atlas, or of a surface; #CONUS_ERROR_UNSUPPORTED
+ * for another kind of transform, and for the inverse of a field; #CONUS_ERROR_ARGUMENT for FSL's files and register.dat
+ * without their images, for images with another file, for a field that does not say what its vectors are, for a grid
+ * where nothing is resampled, where something is hidden, for an attached atlas that a field has moved, and for one
+ * without its context. */
 CONUS_CHECKED conus_status conus_atlas_transform(conus_atlas *atlas, const char *path,
                                                  const conus_transform_options *options);
 
-/**
- * Does the same by a matrix in memory.
+/** Does the same by a matrix in memory.
  * @param atlas The atlas; unchanged on failure.
  * @param atlas_from_world Moves points from where poses are to the atlas.
- * @return #CONUS_OK; #CONUS_ERROR_DATA for a matrix that has no inverse or another last row than 0 0 0 1.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_DATA for a matrix that has no inverse or another last row than 0 0 0 1. */
 CONUS_CHECKED conus_status conus_atlas_move(conus_atlas *atlas, const double atlas_from_world[16]);
 
 /** How an atlas has left and right areas. */
@@ -289,26 +271,22 @@ typedef enum conus_hemispheres {
     CONUS_HEMISPHERES_MERGED     /**< Left and right areas of one name are reported as one. */
 } conus_hemispheres;
 
-/**
- * Changes how the atlas has left and right areas, once, before a selector or renderer is made. A note says what was
+/** Changes how the atlas has left and right areas, once, before a selector or renderer is made. A note says what was
  * done. Splitting takes the plane x = 0 of the atlas's own space for the midline (conus_atlas_own_point()) and changes
  * the numbers of objects. Merging adds the common areas that pairs are reported as. docs/model.md, Eq. 10, has the
  * rules.
  * @param atlas The atlas; unchanged on failure.
  * @param hemispheres What to do.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where something is hidden; #CONUS_ERROR_DATA where nothing can be split or
- * merged; #CONUS_ERROR_UNSUPPORTED for splitting meshes.
- */
+ * merged; #CONUS_ERROR_UNSUPPORTED for splitting meshes. */
 CONUS_CHECKED conus_status conus_atlas_set_hemispheres(conus_atlas *atlas, conus_hemispheres hemispheres);
 
-/**
- * Mirrors an atlas whose voxels are stored from the other side than its header says: about the middle of its first
+/** Mirrors an atlas whose voxels are stored from the other side than its header says: about the middle of its first
  * volume along x, so that its grid stays where it is, or without a volume about x = 0. What is in the atlas is mirrored
  * with it; whose brain it is stays known. The note of kind "exchanged" goes, and comes again if names and places
  * contradict each other then. Before conus_atlas_transform() and before a selector or renderer is made.
  * @param atlas The atlas; unchanged on failure.
- * @return #CONUS_OK; #CONUS_ERROR_MEMORY; #CONUS_ERROR_DATA where a field has moved it.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_MEMORY; #CONUS_ERROR_DATA where a field has moved it. */
 CONUS_CHECKED conus_status conus_atlas_exchange_sides(conus_atlas *atlas);
 /** @} */
 
@@ -318,38 +296,32 @@ CONUS_CHECKED conus_status conus_atlas_exchange_sides(conus_atlas *atlas);
  * for renderers call conus_renderer_update().
  * @{ */
 
-/**
- * Shows all objects, or only those that @p only names, and of these hides those that @p hide names. Both are lists,
+/** Shows all objects, or only those that @p only names, and of these hides those that @p hide names. Both are lists,
  * separated by commas, of names, abbreviations and labels. An area stands for all below it in the area tree. A name
  * with a comma stands in double quotes. An at sign and a path stand for a file with one name per line.
  * @param atlas The atlas; unchanged on failure.
  * @param only NULL = no list.
  * @param hide NULL = no list.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT, with the closest name in the message, for a name that is no object, and
- * where nothing is left.
- */
+ * where nothing is left. */
 CONUS_CHECKED conus_status conus_atlas_show(conus_atlas *atlas, const char *only, const char *hide);
 /** @} */
 
 /** @name Colours
  * @{ */
 
-/**
- * Gives all areas, pathways and bundles colours that people with any colour vision can tell apart as well as possible:
+/** Gives all areas, pathways and bundles colours that people with any colour vision can tell apart as well as possible:
  * different ones to areas that touch, the same to the left and the right one of a pair. With more than 8191 areas, or
  * without memory, colours follow the atlas's order. Renderers that were made before keep the old ones.
- * @param atlas The atlas.
- */
+ * @param atlas The atlas. */
 CONUS_API void conus_atlas_use_safe_colours(conus_atlas *atlas);
 
-/**
- * Gives all areas, pathways and bundles colours of a palette, as conus_atlas_use_safe_colours() does: each plain, and
+/** Gives all areas, pathways and bundles colours of a palette, as conus_atlas_use_safe_colours() does: each plain, and
  * lighter and darker where areas that touch need more.
  * @param atlas The atlas.
  * @param rgb [count][3] sRGB. Copied.
  * @param count 1 to 80.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another count.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another count. */
 CONUS_CHECKED conus_status conus_atlas_use_palette(conus_atlas *atlas, const uint8_t *rgb, size_t count);
 /** @} */
 
@@ -389,31 +361,25 @@ typedef struct conus_object {
     double radius;        /**< For a bundle: a ray hits a streamline that is nearer than this, mm (Eq. 18). Else 0. */
 } conus_object;
 
-/**
- * Counts the objects. Areas come first: those of each volume of labels, then those that are meshes, each ordered by
+/** Counts the objects. Areas come first: those of each volume of labels, then those that are meshes, each ordered by
  * label, then those that only group others, then those of a probabilistic atlas. Pathways and bundles follow in the
  * order in which they were added.
  * @param atlas NULL counts 0.
- * @return How many objects there are; their numbers are 1 to this.
- */
+ * @return How many objects there are; their numbers are 1 to this. */
 CONUS_API size_t conus_atlas_object_count(const conus_atlas *atlas);
 
-/**
- * Gives object @p number.
+/** Gives object @p number.
  * @param atlas The atlas.
  * @param number 1 to conus_atlas_object_count().
- * @return NULL for another number. Borrowed until the atlas is changed or ends.
- */
+ * @return NULL for another number. Borrowed until the atlas is changed or ends. */
 CONUS_API const conus_object *conus_atlas_object(const conus_atlas *atlas, size_t number);
 
-/**
- * Finds the pathway or bundle called @p name, or else the one area with that name, abbreviation or label.
+/** Finds the pathway or bundle called @p name, or else the one area with that name, abbreviation or label.
  * @param[out] out Its number.
  * @param atlas The atlas.
  * @param name What to find.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT if there is none, with the closest one in the message, and if there are
- * several.
- */
+ * several. */
 CONUS_CHECKED conus_status conus_atlas_find(uint32_t *out, const conus_atlas *atlas, const char *name);
 
 /** Role of a volume. */
@@ -449,21 +415,17 @@ typedef struct conus_volume_info {
                          conus_pathway_options.unit, the header's intent or the file's name says; "" = not known. */
 } conus_volume_info;
 
-/**
- * Gives volume @p index.
+/** Gives volume @p index.
  * @param atlas The atlas.
  * @param index From 0.
- * @return NULL past the last. Borrowed until the atlas is changed or ends.
- */
+ * @return NULL past the last. Borrowed until the atlas is changed or ends. */
 CONUS_API const conus_volume_info *conus_atlas_volume(const conus_atlas *atlas, size_t index);
 
-/**
- * Finds where a world point is in the atlas's own space, that of its files.
+/** Finds where a world point is in the atlas's own space, that of its files.
  * @param[out] out mm; the point itself, unless the atlas was moved (conus_atlas_transform()); NaN where a deformation
  * field has moved it and says nothing of the point. May be @p point.
  * @param atlas The atlas.
- * @param point World mm.
- */
+ * @param point World mm. */
 CONUS_API void conus_atlas_own_point(double out[3], const conus_atlas *atlas, const double point[3]);
 
 /**
@@ -507,15 +469,13 @@ typedef struct conus_brain_view {
                             stated. */
 } conus_brain_view;
 
-/**
- * Tells whose brain an atlas is: what is stated (",template=" of conus_atlas_load(), "template" of a manifest), else
+/** Tells whose brain an atlas is: what is stated (",template=" of conus_atlas_load(), "template" of a manifest), else
  * what the header of its first volume says (NIfTI's codes 3, 4 and 5), else what its grid says, which also tells Colin
  * 27 and editions of MNI 152 from each other, else what the voxels and names of a published atlas say (docs/spaces.md,
  * "Which atlas"). FreeSurfer's grid of 256^3 mm is anybody's. An atlas that was moved since is unknown, but one
  * person's own stays so.
  * @param atlas The atlas.
- * @return The brain. Its texts are static.
- */
+ * @return The brain. Its texts are static. */
 CONUS_API conus_brain_view conus_atlas_brain(const conus_atlas *atlas);
 
 /** Where the areas of an atlas lie: those that are not hidden, of voxels, or else of surfaces. */
@@ -544,31 +504,25 @@ typedef struct conus_placement {
 /** The size of the struct that the caller was compiled with. */
 #define CONUS_PLACEMENT_INIT CONUS_INIT_(conus_placement)
 
-/**
- * Tells where an atlas lies, where it lay in its own space, and which part of it is in the head that its context shows.
- * Parts and centre are those of 131072 voxels, or vertices, at most.
+/** Tells where an atlas lies, where it lay in its own space, and which part of it is in the head that its context
+ * shows. Parts and centre are those of 131072 voxels, or vertices, at most.
  * @param[in,out] out Its struct_size is read.
  * @param atlas The atlas.
- * @return #CONUS_OK; #CONUS_ERROR_DATA where there are no areas; #CONUS_ERROR_MEMORY.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_DATA where there are no areas; #CONUS_ERROR_MEMORY. */
 CONUS_CHECKED conus_status conus_atlas_placement(conus_placement *out, const conus_atlas *atlas);
 
-/**
- * Finds the box around all voxels, triangles and streamlines that are not hidden.
+/** Finds the box around all voxels, triangles and streamlines that are not hidden.
  * @param[out] low Its lowest x, y, z, world mm.
  * @param[out] high Its highest x, y, z, world mm.
  * @param atlas The atlas.
- * @return #CONUS_OK; #CONUS_ERROR_DATA if there are none.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_DATA if there are none. */
 CONUS_CHECKED conus_status conus_atlas_bounds(double low[3], double high[3], const conus_atlas *atlas);
 
-/**
- * Interpolates a scalar or context volume at a world position, between the centres of its voxels.
+/** Interpolates a scalar or context volume at a world position, between the centres of its voxels.
  * @param atlas The atlas.
  * @param index The volume.
  * @param point World mm.
- * @return The scaled value; NaN outside the volume's cells, and where there is no such volume.
- */
+ * @return The scaled value; NaN outside the volume's cells, and where there is no such volume. */
 CONUS_API double conus_atlas_value(const conus_atlas *atlas, size_t index, const double point[3]);
 
 /** By what a direction into the head was found. */
@@ -578,16 +532,14 @@ typedef enum conus_inward {
     CONUS_INWARD_ATLAS        /**< The convex hull of what is shown of the atlas: the way to its nearest point. */
 } conus_inward;
 
-/**
- * Finds the direction straight into the head at a point on it: against the mean normal of the head's surface within 5
+/** Finds the direction straight into the head at a point on it: against the mean normal of the head's surface within 5
  * mm, weighted by area; where the context has none there, the way to the nearest point of the atlas's convex hull.
  * @param[out] out World, of length 1.
  * @param[out] from By what; NULL = not wanted.
  * @param atlas The atlas with its context.
  * @param point World mm.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a point in the hull and no surface near it, and for an atlas that was
- * loaded without its context; #CONUS_ERROR_MEMORY.
- */
+ * loaded without its context; #CONUS_ERROR_MEMORY. */
 CONUS_CHECKED conus_status conus_atlas_inward(double out[3], conus_inward *from, const conus_atlas *atlas,
                                               const double point[3]);
 /** @} */
@@ -597,8 +549,7 @@ CONUS_CHECKED conus_status conus_atlas_inward(double out[3], conus_inward *from,
  * which folders atlases are looked for.
  * @{ */
 
-/**
- * Lists the atlases in the folders that the environment names: $CONUS_ATLAS_PATH, and where mricron, FSL, FreeSurfer,
+/** Lists the atlases in the folders that the environment names: $CONUS_ATLAS_PATH, and where mricron, FSL, FreeSurfer,
  * BrainGlobe, TemplateFlow, AFNI, SPM, CAT12, nilearn and MRIcroGL keep theirs. Reads names, the headers of volumes and
  * the XMLs of FSL atlases, no voxel. A folder that cannot be read, or that holds more than is looked at, is a note.
  * @param[out] out Columns name (for conus_atlas_load(), of several of one name as "source:name"), source, kind,
@@ -607,20 +558,17 @@ CONUS_CHECKED conus_status conus_atlas_inward(double out[3], conus_inward *from,
  * @param log Receives the notes; NULL = no callback.
  * @param log_user Passed to @p log.
  * @return #CONUS_OK, also where nothing is found.
- * @threads Any, while none changes the environment.
- */
+ * @threads Any, while none changes the environment. */
 CONUS_CHECKED conus_status conus_list_installed(conus_table **out, conus_log log, void *log_user);
 
-/**
- * Lists the words that an option takes, or of which it is made.
+/** Lists the words that an option takes, or of which it is made.
  * @param[out] out Columns name and help, of which most words have none; in the order of the enum, where there is one.
  * Of "errors" name, tilt_deg, shift_mm, entry_mm, target_mm, depth_mm, measured, source (conus_pose_error). End it with
  * conus_table_destroy().
  * @param what "pose formats" (conus_pose_options.format), "scores" (conus_selector_options.score), "spaces"
  * (#conus_space), "transfers" (presets of grey values for the context volume) or "errors" that are published, of which
  * the tilt of vr-controller is that of a target 4 degrees wide.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another word or NULL.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another word or NULL. */
 CONUS_CHECKED conus_status conus_list_choices(conus_table **out, const char *what);
 /** @} */
 
@@ -643,15 +591,13 @@ typedef struct conus_save_options {
 /** The size of the struct that the caller was compiled with. */
 #define CONUS_SAVE_OPTIONS_INIT CONUS_INIT_(conus_save_options)
 
-/**
- * Writes a loaded atlas as it is to one file, whole or not at all. The file is for this machine's kind and this
+/** Writes a loaded atlas as it is to one file, whole or not at all. The file is for this machine's kind and this
  * format's builds (docs/formats.md); it has the SHA-256 of each source, and says at its opening which have changed.
  * @param path Ends in ".conus". What is there is replaced.
  * @param atlas The atlas; not one that was opened from a pack.
  * @param options NULL for all defaults.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another ending, or an atlas of a pack; #CONUS_ERROR_IO where the file
- * cannot be written, or a source is no longer as it was read.
- */
+ * cannot be written, or a source is no longer as it was read. */
 CONUS_CHECKED conus_status conus_atlas_save(const char *path, const conus_atlas *atlas,
                                             const conus_save_options *options);
 /** @} */

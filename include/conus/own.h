@@ -3,6 +3,9 @@
  * @file own.h
  * What only conus's own programs and its Python package call. The library exports it, nothing installs it, and it may
  * change with any commit: programs and package are of the version of the library.
+ *
+ * The conventions of conus.h hold, and comments say what goes beyond them. Of a conus_status, "@return" lists the
+ * errors. A struct_size is 0, which is that of this version, or as the INIT of its struct sets it.
  */
 #ifndef CONUS_PUBLIC_OWN_H
 #define CONUS_PUBLIC_OWN_H
@@ -13,18 +16,17 @@
 extern "C" {
 #endif
 
-/** @name Batches: streams of poses to text, in the threads that answer
- * @{ */
+/* Batches: streams of poses to text, in the threads that answer */
 
 typedef struct conus_batch conus_batch; /**< Threads made ready to answer poses by the million. */
 
 /** How a batch answers. */
 typedef struct conus_batch_options {
-    size_t struct_size; /**< Its size, as #CONUS_BATCH_OPTIONS_INIT sets it; 0 = that of this version. */
-    uint32_t threads;   /**< Threads that answer poses, up to 1024; 0 = as many as processors that the process may use.
-                           With the gl engine one of them has the device at a time. */
-    uint32_t block;     /**< Poses per block, up to 65536; 0 = 256. Memory grows with threads times block. */
-    double angle;       /**< For poses that have none of their own, degrees; 0 = 10 degrees, or a cylinder's 0. */
+    size_t struct_size;
+    uint32_t threads; /**< Threads that answer poses, up to 1024; 0 = as many as processors that the process may use.
+                         With the gl engine one of them has the device at a time. */
+    uint32_t block;   /**< Poses per block, up to 65536; 0 = 256. Memory grows with threads times block. */
+    double angle;     /**< For poses that have none of their own, degrees; 0 = 10 degrees, or a cylinder's 0. */
     conus_report_options report; /**< Its format is neither #CONUS_FORMAT_TABLE nor #CONUS_FORMAT_JSON. A probe,
                                     #CONUS_FORMAT_SPIKEGLX or #CONUS_FORMAT_OPEN_EPHYS, is one block of up to 65535
                                     contacts, whatever block says, and must be all that is in the stream. With a
@@ -35,8 +37,6 @@ typedef struct conus_batch_options {
     const char *point_error; /**< Why a pose that is a point has no answer, for its row of kind "error"; NULL = it is
                                 asked what is at it, or within the selector's radius of it: conus_select_ball(). */
 } conus_batch_options;
-
-/** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_BATCH_OPTIONS_INIT CONUS_INIT_(conus_batch_options)
 
 /** A block of poses, answered. */
@@ -49,366 +49,214 @@ typedef struct conus_batch_block {
     const char *why;  /**< and why it has no answer; NULL where errors is 0. */
 } conus_batch_block;
 
-/**
- * Receives whole blocks in the order of the poses, on the thread that called conus_batch_run().
+/** Receives whole blocks in the order of the poses, on the thread that called conus_batch_run().
  * @param user The pointer that conus_batch_run() got.
  * @param block The block. Valid until the callback returns.
- * @return False ends the run with #CONUS_ERROR_CANCELLED.
- */
+ * @return False ends the run with #CONUS_ERROR_CANCELLED. */
 typedef bool (*conus_batch_sink)(void *user, const conus_batch_block *block);
 
-/**
- * Prepares to answer with a selector.
- * @param[out] out The batch; end it with conus_batch_destroy().
+/** Prepares to answer with a selector.
  * @param selector Must outlive the batch and is not to be used during a run.
  * @param options Its report names the format, which must be given. Its strings must outlive the batch.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an option out of its range.
- */
+ * @return #CONUS_ERROR_ARGUMENT for an option out of its range. */
 CONUS_CHECKED conus_status conus_batch_create(conus_batch **out, conus_selector *selector,
                                               const conus_batch_options *options);
 
-/**
- * Adds another atlas: for each pose its rows come behind those of the atlases before it. Before the first run.
+/** Adds another atlas: for each pose its rows come behind those of the atlases before it. Before the first run.
  * @param batch Its options have a name in report.atlas.
  * @param selector Of the atlas, with the options of the batch's but level. Must outlive the batch and is not to be used
  * during a run.
  * @param atlas Its name for the column `atlas`. Copied.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a name that is missing or another's, and for a selector with other
- * options. The batch is unchanged then.
- */
+ * @return #CONUS_ERROR_ARGUMENT for a name that is missing or another's, and for a selector with other options. The
+ * batch is unchanged then. */
 CONUS_CHECKED conus_status conus_batch_add(conus_batch *batch, conus_selector *selector, const char *atlas);
 
-/**
- * Ends a batch.
- * @param batch NULL is allowed.
- */
+/** Ends a batch. */
 CONUS_API void conus_batch_destroy(conus_batch *batch);
 
-/**
- * Gives the number of threads that will be used.
- * @param batch The batch.
- * @return At least 1.
- */
+/** Gives the number of threads that will be used. @return At least 1. */
 CONUS_API uint32_t conus_batch_threads(const conus_batch *batch);
 
-/**
- * Answers poses, in memory that does not grow with them. The text is the same, byte for byte, for any number of threads
- * and any size of blocks. A pose that cannot be answered gives a row of kind "error". Another failure ends the run;
- * what comes before it has been delivered then. It may be called again, but a live stream ends with a run that the sink
- * or a failure ended.
- * @param batch The batch.
- * @param poses The stream.
+/** Answers poses, in memory that does not grow with them. The text is the same, byte for byte, for any number of
+ * threads and any size of blocks. A pose that cannot be answered gives a row of kind "error". Another failure ends the
+ * run; what comes before it has been delivered then. It may be called again, but a live stream ends with a run that the
+ * sink or a failure ended.
  * @param limit Poses to answer at most.
  * @param sink Receives the blocks.
- * @param user Passed to @p sink.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where @p poses keeps another number of columns than the marks of the report
- * have; #CONUS_ERROR_CANCELLED where @p sink ends the run; the errors of conus_pose_stream_read() and conus_select().
- */
+ * @return #CONUS_ERROR_ARGUMENT where @p poses keeps another number of columns than the marks of the report have;
+ * #CONUS_ERROR_CANCELLED where @p sink ends the run; the errors of conus_pose_stream_read() and conus_select(). */
 CONUS_CHECKED conus_status conus_batch_run(conus_batch *batch, conus_pose_stream *poses, uint64_t limit,
                                            conus_batch_sink sink, void *user);
 
-/**
- * Gives the findings about the poses answered so far, by their lines in their file.
- * @param batch The batch.
+/** Gives the findings about the poses answered so far, by their lines in their file.
  * @param index 0 is the atlas of conus_batch_create(), then those of conus_batch_add() in their order.
- * @return A copy; zero for an index that there is not.
- */
+ * @return A copy; zero for an index that there is not. */
 CONUS_API conus_pose_findings conus_batch_findings(const conus_batch *batch, size_t index);
 
-/**
- * Gives the header row that belongs above the rows, with its end of line.
- * @param batch The batch.
- * @return "" where there is none. Borrowed from the batch.
- */
+/** Gives the header row that belongs above the rows, with its end of line. @return "" where there is none. */
 CONUS_API const char *conus_batch_header(const conus_batch *batch);
 
-/**
- * Writes the sidecar as of conus_report_sidecar(), without the queries.
+/** Writes the sidecar as of conus_report_sidecar(), without the queries.
  * @param[out] text UTF-8 with a final NUL. Borrowed until the next call on the batch.
- * @param[out] size Bytes, without the NUL.
- * @param batch The batch.
- * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
- */
+ * @param[out] size Bytes, without the NUL. */
 CONUS_CHECKED conus_status conus_batch_sidecar(const char **text, size_t *size, conus_batch *batch);
-/** @} */
 
-/** @name Files of poses
- * @{ */
+/* Files of poses */
 
-/**
- * Finds where the words of conus_pose_options.columns begin behind a path.
+/** Finds where the words of conus_pose_options.columns begin behind a path.
  * @param path "FILE,x=COLUMN,...".
- * @return The length of FILE; that of all of @p path where there are no such words, or a file is called so.
- */
+ * @return The length of FILE; that of all of @p path where there are no such words, or a file is called so. */
 CONUS_API size_t conus_pose_path_length(const char *path);
 
-/**
- * Passes over rows without parsing them, which is much faster.
- * @param stream The stream.
+/** Passes over rows without parsing them, which is much faster.
  * @param rows How many; where fewer are left, all of these.
- * @return #CONUS_OK; the errors of conus_pose_stream_read().
- */
+ * @return The errors of conus_pose_stream_read(). */
 CONUS_CHECKED conus_status conus_pose_stream_skip(conus_pose_stream *stream, uint64_t rows);
 
-/**
- * Counts all rows, those already read included.
+/** Counts all rows, those already read included.
  * @param[out] count How many rows there are.
- * @param stream The stream.
- * @return #CONUS_OK; #CONUS_ERROR_UNSUPPORTED for a live stream.
- */
+ * @return #CONUS_ERROR_UNSUPPORTED for a live stream. */
 CONUS_CHECKED conus_status conus_pose_stream_count(uint64_t *count, conus_pose_stream *stream);
 
-/**
- * Returns whether the stream is live: it reads rows from a pipe as they come.
- * @param stream The stream.
- * @return Whether it is.
- */
+/** Returns whether the stream is live: it reads rows from a pipe as they come. */
 CONUS_API bool conus_pose_stream_is_live(const conus_pose_stream *stream);
 
-/**
- * Gives the format of the poses.
- * @param stream The stream.
- * @return Never #CONUS_POSE_FORMAT_AUTO.
- */
+/** Gives the format of the poses. @return Never #CONUS_POSE_FORMAT_AUTO. */
 CONUS_API conus_pose_format conus_pose_stream_format(const conus_pose_stream *stream);
 
-/**
- * Gives the space as the file names it.
- * @param stream The stream.
- * @return "NIfTI:Scanner", "MNI152NLin2009cAsym"; "" if the file names none. Borrowed from the stream.
- */
+/** Gives the space as the file names it. @return "NIfTI:Scanner", "MNI152NLin2009cAsym"; "" if the file names none. */
 CONUS_API const char *conus_pose_stream_space(const conus_pose_stream *stream);
 
-/**
- * Returns whether rows may have a time_s.
- * @param stream The stream.
- * @return False for a table without that column and for formats without times, and where everything was read and no
- * row has one.
- */
+/** Returns whether rows may have a time_s.
+ * @return False for a table without that column and for formats without times, and where everything was read and no row
+ * has one. */
 CONUS_API bool conus_pose_stream_has_times(const conus_pose_stream *stream);
 
-/**
- * Returns whether two rows may have one id.
- * @param stream The stream.
+/** Returns whether two rows may have one id.
  * @return False for a table without a column that names its rows, whose ids are their numbers, and where everything was
- * read and no two rows have one id.
- */
+ * read and no two rows have one id. */
 CONUS_API bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream);
 
-/**
- * Returns whether rows may have an angle of their own.
- * @param stream The stream.
- * @return False for a table without that column and for formats without angles.
- */
+/** Returns whether rows may have an angle of their own.
+ * @return False for a table without that column and for formats without angles. */
 CONUS_API bool conus_pose_stream_has_angles(const conus_pose_stream *stream);
 
-/**
- * Returns whether rows may have a range of their own.
- * @param stream The stream.
+/** Returns whether rows may have a range of their own.
  * @return False for a table without the columns near and far or targets that are ends, and where everything was read
- * and no row has one.
- */
+ * and no row has one. */
 CONUS_API bool conus_pose_stream_has_ranges(const conus_pose_stream *stream);
 
-/**
- * Returns whether rows may have a radius of their own.
- * @param stream The stream.
- * @return False for a table without that column and for other formats.
- */
+/** Returns whether rows may have a radius of their own.
+ * @return False for a table without that column and for other formats. */
 CONUS_API bool conus_pose_stream_has_radii(const conus_pose_stream *stream);
 
-/**
- * Returns whether rows may be points, which have no direction.
- * @param stream The stream.
- * @return False for a table and a matrix, and where everything was read and no row is a point.
- */
+/** Returns whether rows may be points, which have no direction.
+ * @return False for a table and a matrix, and where everything was read and no row is a point. */
 CONUS_API bool conus_pose_stream_has_points(const conus_pose_stream *stream);
 
-/**
- * Gives rows that it has read, for conus_places_check().
- * @param stream The stream.
- * @return The first 64; of a format that is read whole all rows. Borrowed; it changes with conus_pose_stream_read().
- */
+/** Gives rows that it has read, for conus_places_check().
+ * @return The first 64; of a format that is read whole all rows. Borrowed; it changes with conus_pose_stream_read(). */
 CONUS_API const conus_pose_list *conus_pose_stream_head(const conus_pose_stream *stream);
 
-/**
- * Gives the table of electrodes (BIDS) that was read, for conus_report_options.electrodes.
- * @param stream The stream.
- * @return NULL for other formats. Borrowed from the stream.
- */
+/** Gives the table of electrodes (BIDS) that was read, for conus_report_options.electrodes.
+ * @return NULL for other formats. */
 CONUS_API const char *conus_pose_stream_electrodes(const conus_pose_stream *stream);
 
-/**
- * Gives the path of the *_coordsystem.json that says what the positions of electrodes or markers (BIDS) are in.
- * @param stream The stream.
- * @return "" where there is none. Borrowed from the stream.
- */
+/** Gives the path of the *_coordsystem.json that says what the positions of electrodes or markers (BIDS) are in.
+ * @return "" where there is none. */
 CONUS_API const char *conus_pose_stream_coordsystem(const conus_pose_stream *stream);
 
-/**
- * Gives the SHA-256 of that file as it was read.
- * @param stream The stream.
- * @return Hexadecimal; "" where there is no such file. Borrowed from the stream.
- */
+/** Gives the SHA-256 of that file as it was read. @return Hexadecimal; "" where there is no such file. */
 CONUS_API const char *conus_pose_stream_coordsystem_sha256(const conus_pose_stream *stream);
 
-/**
- * Computes the SHA-256 of the file of the poses: of the bytes that this stream has read, and of the rest, which it
+/** Computes the SHA-256 of the file of the poses: of the bytes that this stream has read, and of the rest, which it
  * reads now, so that there are no rows afterwards.
  * @param[out] out Hexadecimal with a final NUL.
- * @param stream The stream.
- * @return #CONUS_OK; #CONUS_ERROR_UNSUPPORTED for a pipe.
- */
+ * @return #CONUS_ERROR_UNSUPPORTED for a pipe. */
 CONUS_CHECKED conus_status conus_pose_stream_sha256(char out[65], conus_pose_stream *stream);
 
-/**
- * Gives the table of electrodes, as conus_pose_stream_electrodes().
- * @param list The list.
- * @return NULL for other formats. Borrowed from the list.
- */
+/** Gives the table of electrodes, as conus_pose_stream_electrodes(). @return NULL for other formats. */
 CONUS_API const char *conus_pose_list_electrodes(const conus_pose_list *list);
 
-/**
- * Gives the path of the coordinate system, as conus_pose_stream_coordsystem().
- * @param list The list.
- * @return "" where there is none. Borrowed from the list.
- */
+/** Gives the path of the coordinate system, as conus_pose_stream_coordsystem(). @return "" where there is none. */
 CONUS_API const char *conus_pose_list_coordsystem(const conus_pose_list *list);
 
-/**
- * Gives the space that the file names, as conus_pose_stream_space().
- * @param list The list.
- * @return "" where it names none. Borrowed from the list.
- */
+/** Gives the space that the file names, as conus_pose_stream_space(). @return "" where it names none. */
 CONUS_API const char *conus_pose_list_space(const conus_pose_list *list);
 
-/**
- * Names the formats, for a program's options.
+/** Names the formats, for a program's options.
  * @param index From 0, as #conus_pose_format.
- * @return "auto", "table" and so on; NULL past the last. Static.
- */
+ * @return "auto", "table" and so on; NULL past the last. Static. */
 CONUS_API const char *conus_pose_format_name(size_t index);
 
-/**
- * Gives note @p index that a careful user should know about these poses.
- * @param stream The stream.
- * @param index From 0.
- * @return One line; NULL past the last. Borrowed from the stream.
- */
+/** Gives note @p index that a careful user should know about these poses. @return One line; NULL past the last. */
 CONUS_API const char *conus_pose_stream_note(const conus_pose_stream *stream, size_t index);
 
-/**
- * Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
+/** Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
  * data mean.
- * @param stream The stream.
- * @param index From 0.
- * @return #CONUS_SEVERITY_NOTE also past the last.
- */
+ * @return #CONUS_SEVERITY_NOTE also past the last. */
 CONUS_API conus_severity conus_pose_stream_note_severity(const conus_pose_stream *stream, size_t index);
 
-/**
- * Gives a note, as conus_pose_stream_note().
- * @param list The list.
- * @param index From 0.
- * @return One line; NULL past the last. Borrowed from the list.
- * @threads One at a time for each @p list.
- */
+/** Gives a note, as conus_pose_stream_note().
+ * @return One line; NULL past the last.
+ * @threads One at a time for each @p list. */
 CONUS_API const char *conus_pose_list_note(const conus_pose_list *list, size_t index);
 
-/**
- * Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
- * data mean.
- * @param list The list.
- * @param index From 0.
- * @return #CONUS_SEVERITY_NOTE also past the last.
- * @threads One at a time for each @p list.
- */
+/** How much it matters, as of conus_pose_stream_note_severity(). */
 CONUS_API conus_severity conus_pose_list_note_severity(const conus_pose_list *list, size_t index);
 
-/**
- * Gives the pose that conus_select_many() answers.
- * @param[out] out The pose.
- * @param poses The arrays.
+/** Gives the pose that conus_select_many() answers.
  * @param index Below its count.
- * @return #CONUS_OK; as conus_pose_from_matrix() or conus_pose_along().
- */
+ * @return As conus_pose_from_matrix() or conus_pose_along(). */
 CONUS_CHECKED conus_status conus_pose_array_at(conus_pose *out, const conus_pose_array *poses, size_t index);
 
-/**
- * Checks that the file and the atlas belong to one brain. Adds a note where one of them does not name its space. A file
- * that names no space fits any atlas; a scan of one person fits an atlas that was moved (conus_atlas_move()).
- * @param stream The stream.
- * @param atlas The atlas.
- * @return #CONUS_OK; #CONUS_ERROR_DATA where they name different brains, a scan of one person and a template, say.
- */
+/** Checks that the file and the atlas belong to one brain. Adds a note where one of them does not name its space. A
+ * file that names no space fits any atlas; a scan of one person fits an atlas that was moved (conus_atlas_move()).
+ * @return #CONUS_ERROR_DATA where they name different brains, a scan of one person and a template, say. */
 CONUS_CHECKED conus_status conus_pose_stream_match(conus_pose_stream *stream, const conus_atlas *atlas);
-/** @} */
 
-/** @name A window
- * @{ */
+/* A window */
 
-/**
- * Computes the camera of an eye that sees through a window, such as that of a tracked head before a screen (Eq. 1).
+/** Computes the camera of an eye that sees through a window, such as that of a tracked head before a screen (Eq. 1).
  * @param[out] camera The camera, for conus_view.camera.
  * @param[out] frustum Left, right, lower and upper edge, for conus_view.frustum.
  * @param window The middle of the window, with +x to its right, +y up, +z to the side of the eye.
  * @param size Width and height of the window, mm.
  * @param eye World mm.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where the eye is not before the window: no edge may be more than 1000 times
- * as far off as the eye is near.
- */
+ * @return #CONUS_ERROR_ARGUMENT where the eye is not before the window: no edge may be more than 1000 times as far off
+ * as the eye is near. */
 CONUS_CHECKED conus_status conus_window_camera(conus_pose *camera, double frustum[4], const conus_pose *window,
                                                const double size[2], const double eye[3]);
-/** @} */
 
-/** @name Spaces
- * @{ */
+/* Spaces */
 
-/**
- * Tells whether a text is near:AREA, so that another place has to be found before.
- * @param text The text.
- * @return True if it is.
- */
+/** Tells whether a text is near:AREA, so that another place has to be found before. */
 CONUS_API bool conus_place_is_near(const char *text);
 
-/**
- * Compares where the points of a list lie with what their names say. Names count where three points or more, and at
+/** Compares where the points of a list lie with what their names say. Names count where three points or more, and at
  * least half of them, have those of areas (four fifths, with two words for the rows of the head, those of positions),
  * so that contacts "A1" of a shaft are no areas. A number is no name. Positions are compared where the atlas is known
  * to lie in MNI 152 or Colin 27.
  * @param[out] out What was found; all 0 where names say nothing.
  * @param atlas Where they are, as it lies in the world now.
- * @param list Its first 64 rows are looked at; rows with a direction are not.
- * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
- */
+ * @param list Its first 64 rows are looked at; rows with a direction are not. */
 CONUS_CHECKED conus_status conus_places_check(conus_name_check *out, const conus_atlas *atlas,
                                               const conus_pose_list *list);
 
-/**
- * Names the spaces, for a program's options.
+/** Names the spaces, for a program's options.
  * @param index From 0, as #conus_space.
- * @return "ras", "lps", "ccf" and "bregma"; NULL past the last. Static.
- */
+ * @return "ras", "lps", "ccf" and "bregma"; NULL past the last. Static. */
 CONUS_API const char *conus_space_name(size_t index);
 
-/**
- * Names a coordinate of a space.
- * @param space The space.
+/** Names a coordinate of a space.
  * @param axis 0 to 2.
- * @return "x", "AP" and so on; NULL where there is none. Static.
- */
+ * @return "x", "AP" and so on; NULL where there is none. Static. */
 CONUS_API const char *conus_space_axis(conus_space space, size_t axis);
 
-/**
- * Gives the unit of a space's positions.
- * @param space The space.
- * @return "mm", or "um" of #CONUS_SPACE_CCF. Static.
- */
+/** Gives the unit of a space's positions. @return "mm", or "um" of #CONUS_SPACE_CCF. Static. */
 CONUS_API const char *conus_space_unit(conus_space space);
-/** @} */
 
-/** @name Probes
- * @{ */
+/* Probes */
 
 /** A contact. */
 typedef struct conus_probe_contact {
@@ -423,76 +271,47 @@ typedef struct conus_probe_contact {
                          shank, away from the tip. */
 } conus_probe_contact;
 
-/**
- * Counts the probes.
- * @param probe NULL counts 0.
- * @return How many the file has.
- */
+/** Counts the probes. */
 CONUS_API size_t conus_probe_count(const conus_probe *probe);
 
-/**
- * Counts the contacts of all probes, in the order of the file.
- * @param probe NULL counts 0.
- * @return How many there are.
- */
+/** Counts the contacts of all probes, in the order of the file. */
 CONUS_API size_t conus_probe_contact_count(const conus_probe *probe);
 
-/**
- * Gives contact @p index.
- * @param probe The probes.
- * @param index From 0.
- * @return NULL past the last. Borrowed from the probes.
- */
+/** Gives contact @p index. @return NULL past the last. */
 CONUS_API const conus_probe_contact *conus_probe_at(const conus_probe *probe, size_t index);
 
-/**
- * Gives the tip of a probe: the lowest point of its contour, in the middle of an edge that is as low; of several that
+/** Gives the tip of a probe: the lowest point of its contour, in the middle of an edge that is as low; of several that
  * are as low, shanks side by side, that of the least x.
  * @param[out] out As in the file, micrometres; the third is NaN of a probe in two dimensions. Unchanged for another
  * index.
- * @param probe The probes.
- * @param index Index of the probe, from 0.
- */
+ * @param index Index of the probe, from 0. */
 CONUS_API void conus_probe_tip(double out[3], const conus_probe *probe, size_t index);
 
-/**
- * Makes several of the one probe of a file, as if the file had them: insertions of one kind.
+/** Makes several of the one probe of a file, as if the file had them: insertions of one kind.
  * @param[out] out The probes, with these names; end them with conus_probe_destroy().
  * @param probe Of one probe.
  * @param names [count] None twice. Copied.
  * @param count From 1 to 1024.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for several probes, another count, a name that is there twice, and one that
- * with that of a contact has more than 255 bytes.
- */
+ * @return #CONUS_ERROR_ARGUMENT for several probes, another count, a name that is there twice, and one that with that
+ * of a contact has more than 255 bytes. */
 CONUS_CHECKED conus_status conus_probe_repeat(conus_probe **out, const conus_probe *probe, const char *const *names,
                                               size_t count);
-/** @} */
 
-/** @name Plans
- * @{ */
+/* Plans */
 
-/**
- * Gives published errors one after the other.
- * @param index From 0.
- * @return NULL past the last. Text of the library. The tilt of vr-controller is that of a target 4 degrees wide.
- */
+/** Gives published errors one after the other.
+ * @return NULL past the last. Text of the library. The tilt of vr-controller is that of a target 4 degrees wide. */
 CONUS_API const conus_pose_error *conus_pose_error_at(size_t index);
 
-/**
- * Makes the list of a plan whose run was cancelled, from the poses that were tried until then: the first ones, as many
+/** Makes the list of a plan whose run was cancelled, from the poses that were tried until then: the first ones, as many
  * as conus_plan_left() and conus_plan_rejected() count. It does not ask conus_plan_options.progress.
  * @param plan The plan, whose conus_plan_run() gave #CONUS_ERROR_CANCELLED.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a plan that was not run, or has its list; the errors of conus_select().
- * @threads One at a time for each @p plan, and for the selector.
- */
+ * @return #CONUS_ERROR_ARGUMENT for a plan that was not run, or has its list; the errors of conus_select().
+ * @threads One at a time for each @p plan, and for the selector. */
 CONUS_CHECKED conus_status conus_plan_cut(conus_plan *plan);
 
-/**
- * Gives the candidate that breaks constraint @p index alone, by the least; of equal ones the first.
- * @param plan The plan.
- * @param index Index of the constraint.
- * @return NULL where there is none, and where some candidate is feasible. Borrowed from the plan.
- */
+/** Gives the candidate that breaks constraint @p index alone, by the least; of equal ones the first.
+ * @return NULL where there is none, and where some candidate is feasible. */
 CONUS_API const conus_planned *conus_plan_miss(const conus_plan *plan, size_t index);
 
 /** A degree of freedom. Shifts and the depth are in mm, up to 20; turns in degrees, up to 30. */
@@ -533,78 +352,45 @@ typedef struct conus_tolerance {
     double at[3];      /**< The point of the needle at that depth, there, world mm; NaN without one. */
 } conus_tolerance;
 
-/**
- * Finds how far a pose may be off along each degree of freedom. For a pose that breaks a constraint as it is, all are
+/** Finds how far a pose may be off along each degree of freedom. For a pose that breaks a constraint as it is, all are
  * 0.
  * @param[out] out [#CONUS_TOLERANCE_COUNT] By degree of freedom, of each first the positive side.
- * @param plan The plan.
  * @param pose From conus_plan_pose() or conus_plan_try() of this plan.
- * @param options NULL = defaults.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a number out of its range; the errors of conus_select().
- * @threads One at a time for each @p plan, and for the selector; not during conus_plan_run().
- */
+ * @return #CONUS_ERROR_ARGUMENT for a number out of its range; the errors of conus_select().
+ * @threads One at a time for each @p plan, and for the selector; not during conus_plan_run(). */
 CONUS_CHECKED conus_status conus_plan_tolerance(conus_tolerance *out, conus_plan *plan, const conus_planned *pose,
                                                 const conus_tolerance_options *options);
-/**
- * Counts the constraints.
- * @param plan NULL counts 0.
- * @return How many there are.
- */
+/** Counts the constraints. */
 CONUS_API size_t conus_plan_constraint_count(const conus_plan *plan);
 
-/**
- * Gives constraint @p index.
- * @param plan The plan.
- * @param index From 0.
- * @return NULL past the last. Its names are NULL, see conus_plan_name(), and a direction has length 1. Borrowed from
- * the plan.
- */
+/** Gives constraint @p index.
+ * @return NULL past the last. Its names are NULL, see conus_plan_name(), and a direction has length 1. */
 CONUS_API const conus_constraint *conus_plan_constraint(const conus_plan *plan, size_t index);
 
-/**
- * Gives the names of the structure of a constraint.
- * @param plan The plan.
- * @param index Index of the constraint.
+/** Gives the names of the structure of a constraint.
  * @return The names that were asked for, as the atlas has them: "Thalamus_L, Putamen_L"; NULL without a structure.
- * Borrowed from the plan. UTF-8.
- */
+ * UTF-8. */
 CONUS_API const char *conus_plan_name(const conus_plan *plan, size_t index);
 
-/**
- * Gives the errors under which the probabilities are.
- * @param plan The plan.
- * @return NULL without jitter. Defaults are filled in. Borrowed from the plan.
- */
+/** Gives the errors under which the probabilities are. @return NULL without jitter. Defaults are filled in. */
 CONUS_API const conus_jitter_options *conus_plan_jitter(const conus_plan *plan);
 
-/**
- * Tells whether a constraint has a leeway, of poses where it holds. Without one it does not count for the leeway of
+/** Tells whether a constraint has a leeway, of poses where it holds. Without one it does not count for the leeway of
  * poses: LENGTH, LEAN, FIRST, contacts, probabilities, the measures of a cone, and a REACH by surfaces that are not
- * closed.
- * @param plan The plan.
- * @param index Index of the constraint.
- * @return Whether it has one.
- */
+ * closed. */
 CONUS_API bool conus_plan_has_leeway(const conus_plan *plan, size_t index);
 
-/**
- * Measures how far a point of a listed pose's axis is from the structure of a constraint, to draw a curve of it.
+/** Measures how far a point of a listed pose's axis is from the structure of a constraint, to draw a curve of it.
  * @param[out] out mm, the radius not taken off (Eq. 21).
- * @param plan The plan.
  * @param pose Index in the list.
  * @param constraint Index of a REACH, AVOID or FIRST.
  * @param depth mm from the apex. Of several shanks it is the nearest one's, but the farthest one's for a REACH or FIRST
  * of all and an AVOID of any.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a wrong index or depth.
- */
+ * @return #CONUS_ERROR_ARGUMENT for a wrong index or depth. */
 CONUS_CHECKED conus_status conus_plan_distance(double *out, conus_plan *plan, size_t pose, size_t constraint,
                                                double depth);
 
-/**
- * Counts the needles.
- * @param together NULL counts 0.
- * @return How many there are.
- */
+/** Counts the needles. */
 CONUS_API size_t conus_together_count(const conus_together *together);
 
 /** A question of several needles, and what answers it. */
@@ -620,24 +406,13 @@ typedef struct conus_answered {
     size_t part_count;       /**< How many there are. */
 } conus_answered;
 
-/**
- * Gives a question.
- * @param together The answer.
- * @param index From 0.
- * @return NULL past the last. Borrowed from the answer.
- */
+/** Gives a question. @return NULL past the last. */
 CONUS_API const conus_answered *conus_together_question(const conus_together *together, size_t index);
 
-/**
- * Gives the options of the answer.
- * @param together The answer.
- * @return With the defaults filled in. Borrowed from the answer.
- */
+/** Gives the options of the answer. @return With the defaults filled in. */
 CONUS_API const conus_together_options *conus_together_asked(const conus_together *together);
-/** @} */
 
-/** @name Surfaces of areas, and numbers of vertices
- * @{ */
+/* Surfaces of areas, and numbers of vertices */
 
 /** The format of a surface. */
 typedef enum conus_mesh_format {
@@ -650,7 +425,7 @@ typedef enum conus_mesh_format {
 
 /** How conus_atlas_write_meshes() makes surfaces. */
 typedef struct conus_mesh_options {
-    size_t struct_size;       /**< Its size, as #CONUS_MESH_OPTIONS_INIT sets it; 0 = that of this version. */
+    size_t struct_size;
     conus_mesh_format format; /**< Format of the files. */
     uint32_t smooth;          /**< Iterations of windowed-sinc smoothing, 1 to 1000; 0 = 5. */
     double pass_band;         /**< Pass band of the smoothing, up to 2; less is smoother; 0 = 0.7. */
@@ -662,19 +437,13 @@ typedef struct conus_mesh_options {
     conus_log log;            /**< Notes about the surfaces; NULL = silent. */
     void *log_user;           /**< Passed to @p log. */
 } conus_mesh_options;
-
-/** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_MESH_OPTIONS_INIT CONUS_INIT_(conus_mesh_options)
 
-/**
- * Writes a closed surface of each area, LABEL_Name.gii and so on, in world mm. Areas that are meshes already are
+/** Writes a closed surface of each area, LABEL_Name.gii and so on, in world mm. Areas that are meshes already are
  * written as they are. Needs the program conus-mesh, beside this one, in PATH or named by CONUS_MESH.
- * @param atlas The atlas.
  * @param folder Made if missing.
- * @param options NULL = defaults.
- * @return #CONUS_OK; #CONUS_ERROR_UNSUPPORTED without conus-mesh; #CONUS_ERROR_ARGUMENT for an option out of its range;
- * #CONUS_ERROR_IO where the system refuses.
- */
+ * @return #CONUS_ERROR_UNSUPPORTED without conus-mesh; #CONUS_ERROR_ARGUMENT for an option out of its range;
+ * #CONUS_ERROR_IO where the system refuses. */
 CONUS_CHECKED conus_status conus_atlas_write_meshes(const conus_atlas *atlas, const char *folder,
                                                     const conus_mesh_options *options);
 
@@ -687,36 +456,27 @@ typedef struct conus_vertex_map {
                                 and one more, NAME_millions, has the millions. */
 } conus_vertex_map;
 
-/**
- * Writes numbers of vertices as a GIFTI file of float32 arrays. The same numbers give the same bytes.
+/** Writes numbers of vertices as a GIFTI file of float32 arrays. The same numbers give the same bytes.
  * @param path Ends in .func.gii or .shape.gii.
  * @param maps [count] An array of the file each.
  * @param count At least 1.
  * @param vertices The surface's, 1 or more.
  * @param structure What the surface is, "CortexLeft": the file's AnatomicalStructurePrimary, by which Workbench finds
  * the surface; NULL = the file does not say.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another ending, and for no numbers; #CONUS_ERROR_IO where the system
- * refuses.
- */
+ * @return #CONUS_ERROR_ARGUMENT for another ending, and for no numbers; #CONUS_ERROR_IO where the system refuses. */
 CONUS_CHECKED conus_status conus_vertex_maps_write(const char *path, const conus_vertex_map *maps, size_t count,
                                                    size_t vertices, const char *structure);
-/** @} */
 
-/** @name Sites
- * @{ */
+/* Sites */
 
-/**
- * Says whether sites are voxels of one volume, on whose grid conus_sites_write_maps() writes.
- * @param sites NULL has none.
+/** Says whether sites are voxels of one volume, on whose grid conus_sites_write_maps() writes.
  * @return True for sites from conus_sites_of_roi(), and from conus_sites_find() except centroids and structures of
- * several volumes.
- */
+ * several volumes. */
 CONUS_API bool conus_sites_have_voxels(const conus_sites *sites);
 
-/**
- * Writes numbers of sites of a surface as numbers of its vertices (conus_vertex_maps_write()); a vertex that is no site
- * has none. Those of sites that are voxels of one volume are written on its grid: NIfTI-1, float32, a volume for each
- * map along the fourth axis, NaN where no site is; a comment behind the header has the names, a line each.
+/** Writes numbers of sites of a surface as numbers of its vertices (conus_vertex_maps_write()); a vertex that is no
+ * site has none. Those of sites that are voxels of one volume are written on its grid: NIfTI-1, float32, a volume for
+ * each map along the fourth axis, NaN where no site is; a comment behind the header has the names, a line each.
  * @param path Ends in .func.gii or .shape.gii, or of voxels in .nii or .nii.gz.
  * @param sites Of conus_sites_load(), conus_sites_of_roi(), or conus_sites_find() of voxels.
  * @param maps [count] Their values are [conus_sites_count()].
@@ -724,220 +484,151 @@ CONUS_API bool conus_sites_have_voxels(const conus_sites *sites);
  * @param structure What the surface is; NULL = as its file says. Of voxels without meaning.
  * @param fill A vertex that is no site has the numbers of the nearest one that is nearer than this, of equal ones of
  * the first, mm; 0 = it has none. Of voxels 0.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for sites of neither kind; the errors of conus_vertex_maps_write() and of
- * reading the surface.
- */
+ * @return #CONUS_ERROR_ARGUMENT for sites of neither kind; the errors of conus_vertex_maps_write() and of reading the
+ * surface. */
 CONUS_CHECKED conus_status conus_sites_write_maps(const char *path, const conus_sites *sites,
                                                   const conus_vertex_map *maps, size_t count, const char *structure,
                                                   double fill);
 
-/**
- * Gives note @p index that a careful user should know about these sites.
- * @param sites The sites.
- * @param index From 0.
- * @return One line; NULL past the last. Borrowed from the sites.
- */
+/** Gives note @p index that a careful user should know about these sites. @return One line; NULL past the last. */
 CONUS_API const char *conus_sites_note(const conus_sites *sites, size_t index);
 
-/**
- * Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
- * data mean.
- * @param sites The sites.
- * @param index From 0.
- * @return #CONUS_SEVERITY_NOTE also past the last.
- */
+/** How much it matters, as of conus_pose_stream_note_severity(). */
 CONUS_API conus_severity conus_sites_note_severity(const conus_sites *sites, size_t index);
-/** @} */
 
-/** @name Regions of interest
- * @{ */
+/* Regions of interest */
 
-/**
- * Describes the volume of a region of interest; of tetrahedra a grid of 2 mm that they lie in.
- * @param roi The region.
- * @return Its threshold is the one that holds, 0 of a mask. Borrowed from the region.
- */
+/** Describes the volume of a region of interest; of tetrahedra a grid of 2 mm that they lie in.
+ * @return Its threshold is the one that holds, 0 of a mask. */
 CONUS_API const conus_volume_info *conus_roi_volume(const conus_roi *roi);
-/** @} */
 
-/** @name Selections
- * @{ */
+/* Selections */
 
-/**
- * Gives the n of the n x n buffer.
- * @param selector The selector.
- * @return That of its options, or the default.
- */
+/** Gives the n of the n x n buffer. @return That of its options, or the default. */
 CONUS_API uint32_t conus_selector_resolution(const conus_selector *selector);
 
-/**
- * Tells the place of an object among the colours that pictures give to an answer: what is hit first comes first, in the
- * order of the results, then pathways and bundles, which somebody asked for, then areas that are only behind others.
- * @param selection NULL has none.
+/** Tells the place of an object among the colours that pictures give to an answer: what is hit first comes first, in
+ * the order of the results, then pathways and bundles, which somebody asked for, then areas that are only behind
+ * others.
  * @param object Its number, from 1. Objects that a level joins have the same place.
- * @return From 1; 0 = the cone does not reach it.
- */
+ * @return From 1; 0 = the cone does not reach it. */
 CONUS_API size_t conus_selection_rank(const conus_selection *selection, uint32_t object);
 
-/**
- * Tells how much pictures show of the colour of an object, so that what has little of a cone is not as loud as what has
- * most of it: all with half of the cone or more, less with less, in eight steps, 0.4 with a fiftieth; the rest is the
- * grey of what is not hit.
- * @param selection NULL has none.
+/** Tells how much pictures show of the colour of an object, so that what has little of a cone is not as loud as what
+ * has most of it: all with half of the cone or more, less with less, in eight steps, 0.4 with a fiftieth; the rest is
+ * the grey of what is not hit.
  * @param object Its number, from 1.
- * @return 0.4 to 1; 1 of what is not hit first, or of a ball.
- */
+ * @return 0.4 to 1; 1 of what is not hit first, or of a ball. */
 CONUS_API double conus_selection_weight(const conus_selection *selection, uint32_t object);
 
-/**
- * Counts a point. One that is not finite is not counted.
- * @param check The counts.
+/** Counts a point. One that is not finite is not counted.
  * @param number The caller's number of the point.
  * @param point World mm.
- * @param radius Of the ball around it, mm; 0 of a point without one.
- */
+ * @param radius Of the ball around it, mm; 0 of a point without one. */
 CONUS_API void conus_pose_check_add_point(conus_pose_check *check, uint64_t number, const double point[3],
                                           double radius);
-/** @} */
 
-/** @name Reports
- * @{ */
+/* Reports */
 
-/**
- * Says whether a column of reports holds numbers that are measured or counted.
+/** A format of reports. */
+typedef struct conus_format_info {
+    const char *name; /**< "tsv": as programs call it. */
+    bool is_foreign;  /**< Another program reads it. */
+    bool is_of_probe; /**< It is one string of a whole probe. */
+    bool of_batch;    /**< conus_batch writes it. */
+} conus_format_info;
+
+/** Gives the format that a #conus_format stands for. @return NULL past the last. Static. */
+CONUS_API const conus_format_info *conus_format_at(size_t format);
+
+/** Says whether a column of reports holds numbers that are measured or counted.
  * @param name Name of the column, in whatever rows and list of voxels.
- * @return False of names, kinds and labels, "name" and "index" for example, and of a column that no report has.
- */
+ * @return False of names, kinds and labels, "name" and "index" for example, and of a column that no report has. */
 CONUS_API bool conus_column_is_number(const char *name);
 
-/**
- * Adds the best combination of several needles. Without one it has no row.
+/** Adds the best combination of several needles. Without one it has no row.
  * @param report Of #CONUS_ROWS_NEEDLES, whose columns then are those of all needles' constraints, too, or of
  * #CONUS_ROWS_PAIRS. Nothing else is added to it.
  * @param together Its needles' selectors have the atlas and the frame of @p report; must outlive the last text of it.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, for a second answer, and for needles of which the
- * constraints have too many columns together.
- */
+ * @return #CONUS_ERROR_ARGUMENT in a report of other rows, for a second answer, and for needles of which the
+ * constraints have too many columns together. */
 CONUS_CHECKED conus_status conus_report_add_together(conus_report *report, const conus_together *together);
 
-/**
- * Gives the table of connected areas: names in the first row and the first column, and the number of streamlines
+/** Gives the table of connected areas: names in the first row and the first column, and the number of streamlines
  * between them; in JSON also their mean lengths, and the sources.
  * @param[out] text Borrowed from the report until the next text is asked for. UTF-8.
- * @param[out] size Bytes.
  * @param report Of #CONUS_ROWS_CONNECTIONS, as #CONUS_FORMAT_TSV, #CONUS_FORMAT_CSV or #CONUS_FORMAT_JSON.
  * @param table Of conus_connectivity() with pairs, as for conus_report_add_table(): its parts are written.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another report; #CONUS_ERROR_UNSUPPORTED for more than 8192 areas.
- */
+ * @return #CONUS_ERROR_ARGUMENT for another report; #CONUS_ERROR_UNSUPPORTED for more than 8192 areas. */
 CONUS_CHECKED conus_status conus_report_matrix(const char **text, size_t *size, conus_report *report,
                                                const conus_table *table);
 
-/**
- * Writes the voxels hit first (with all layers, and of a ball, all with their centre in it), nearest first, as TSV:
+/** Writes the voxels hit first (with all layers, and of a ball, all with their centre in it), nearest first, as TSV:
  * query pathway i j k x y z value distance_mm kind index; behind query the column atlas, where the report has it. With
  * all layers, and of a ball, the points of bundles' streamlines in it follow, by bundle, streamline and point: i is the
  * streamline's number in its tractogram, j the point's along it, both from 0; k and value are n/a.
  * @param[out] text As of conus_report_text().
- * @param[out] size Bytes, without the NUL.
- * @param report The report.
- * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
- */
+ * @param[out] size Bytes, without the NUL. */
 CONUS_CHECKED conus_status conus_report_voxels(const char **text, size_t *size, conus_report *report);
 
-/**
- * Writes the JSON sidecar of a mask of one of the answers (docs/formats.md).
+/** Writes the JSON sidecar of a mask of one of the answers (docs/formats.md).
  * @param[out] text As of conus_report_text().
- * @param[out] size Bytes, without the NUL.
- * @param report The report.
- * @param grid The mask.
- * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
- */
+ * @param[out] size Bytes, without the NUL. */
 CONUS_CHECKED conus_status conus_report_grid_sidecar(const char **text, size_t *size, conus_report *report,
                                                      const conus_grid *grid);
 
-/**
- * Writes the probes.tsv of the draft BEP032 of BIDS: for each probe the smallest area of the area tree that contains
+/** Writes the probes.tsv of the draft BEP032 of BIDS: for each probe the smallest area of the area tree that contains
  * all of its contacts, and their side.
  * @param[out] text UTF-8 with a final NUL. Borrowed until the next call on the report.
  * @param[out] size Bytes, without the NUL.
  * @param report Of #CONUS_FORMAT_BEP032, with all contacts.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another report, and while answers are missing.
- */
+ * @return #CONUS_ERROR_ARGUMENT for another report, and while answers are missing. */
 CONUS_CHECKED conus_status conus_report_probes(const char **text, size_t *size, conus_report *report);
 
-/**
- * Writes the coordsystem.json of the draft BEP032 of BIDS: the space of x, y and z, and their unit.
+/** Writes the coordsystem.json of the draft BEP032 of BIDS: the space of x, y and z, and their unit.
  * @param[out] text UTF-8 with a final NUL. Borrowed until the next call on the report.
  * @param[out] size Bytes, without the NUL.
  * @param report With the option @p placed.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another report.
- */
+ * @return #CONUS_ERROR_ARGUMENT for another report. */
 CONUS_CHECKED conus_status conus_report_coordsystem(const char **text, size_t *size, conus_report *report);
 
-/**
- * Writes the text of the answers since the last call and forgets them, for a report that goes on. The header row of
+/** Writes the text of the answers since the last call and forgets them, for a report that goes on. The header row of
  * TSV, CSV and #CONUS_FORMAT_BIDS, or of a track's table, comes once, with the first call. Not for #CONUS_FORMAT_JSON
  * and the formats of probes, which are one whole.
  * @param[out] text As of conus_report_text().
  * @param[out] size Bytes, without the NUL.
- * @param report The report.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a format that is one whole, and as of conus_report_text().
- */
+ * @return #CONUS_ERROR_ARGUMENT for a format that is one whole, and as of conus_report_text(). */
 CONUS_CHECKED conus_status conus_report_take(const char **text, size_t *size, conus_report *report);
-/** @} */
 
-/** @name Weights
- * @{ */
+/* Weights */
 
-/**
- * Gives a weight at a place.
- * @param weight The weight.
+/** Gives a weight at a place.
  * @param x Degrees off the axis, mm from it, or mm from a ball's centre.
  * @param z mm along the axis; nothing of a weight that does not depend on it.
- * @return 0 or more.
- */
+ * @return 0 or more. */
 CONUS_API double conus_weight_at(const conus_weight *weight, double x, double z);
 
-/**
- * Gives the largest weight from the axis to a place.
- * @param weight The weight.
+/** Gives the largest weight from the axis to a place.
  * @param x As for conus_weight_at().
  * @param range Between which depths, mm; both 0 = all.
- * @return 0 or more.
- */
+ * @return 0 or more. */
 CONUS_API double conus_weight_largest(const conus_weight *weight, double x, const double range[2]);
 
-/**
- * Gives the shortest length in which a weight changes.
- * @param weight The weight.
- * @return mm; infinity of one by angle alone, and of hard.
- */
+/** Gives the shortest length in which a weight changes. @return Mm; infinity of one by angle alone, and of hard. */
 CONUS_API double conus_weight_finest(const conus_weight *weight);
 
-/**
- * Names the region that the weight is of.
- * @param weight The weight.
- * @return "cone", "cylinder", "ball", or "any".
- */
+/** Names the region that the weight is of. @return "cone", "cylinder", "ball", or "any". */
 CONUS_API const char *conus_weight_region(const conus_weight *weight);
 
-/**
- * Gives the standard deviation of gauss.
- * @param weight The weight.
- * @return Degrees; 0 of another form.
- */
+/** Gives the standard deviation of gauss. @return Degrees; 0 of another form. */
 CONUS_API double conus_weight_sigma(const conus_weight *weight);
 
-/**
- * Finds the path in the text of a weight or a prior.
+/** Finds the path in the text of a weight or a prior.
  * @param text As for conus_weight_create(), or conus_selector_options.prior.
- * @return Bytes of the path with which it begins; 0 where it names no file.
- */
+ * @return Bytes of the path with which it begins; 0 where it names no file. */
 CONUS_API size_t conus_weight_path_length(const char *text);
-/** @} */
 
-/** @name Calibration
- * @{ */
+/* Calibration */
 
 /** A pose of a device, and what was aimed at or meant. */
 typedef struct conus_trial {
@@ -948,49 +639,36 @@ typedef struct conus_trial {
     uint32_t meant;  /**< and the object that was meant. */
 } conus_trial;
 
-/**
- * Finds from trials how far off a device points, and how widely (Eq. 34).
- * @param[out] out Columns parameter, value, low, high, p, n; end it with conus_table_destroy().
+/** Finds from trials how far off a device points, and how widely (Eq. 34).
+ * @param[out] out Columns parameter, value, low, high, p, n.
  * @param trials [count]
  * @param count 5 and more.
- * @return #CONUS_OK; #CONUS_ERROR_DATA for fewer trials, for trials that are all off alike, and for a device that does
- * not point towards its aim.
- */
+ * @return #CONUS_ERROR_DATA for fewer trials, for trials that are all off alike, and for a device that does not point
+ * towards its aim. */
 CONUS_CHECKED conus_status conus_calibrate(conus_table **out, const conus_trial *trials, size_t count);
 
-/**
- * Finds how often the posteriors of a selector name what was meant, and how often they say that they do (Eq. 34).
+/** Finds how often the posteriors of a selector name what was meant, and how often they say that they do (Eq. 34).
  * @param[out] out Columns kind, low, high, n, said, right, right_low, right_high, log_loss, power: a row of all trials,
- * then of each bin; end it with conus_table_destroy().
+ * then of each bin.
  * @param selector With a prior, and not of cylinders. Its range is that of the last trial afterwards.
  * @param trials [count]
  * @param count 5 and more.
  * @param progress Hears of each trial; false ends it. NULL = no callback.
- * @param user Passed to @p progress.
- * @return #CONUS_OK; #CONUS_ERROR_DATA for fewer trials, and for an object that has no row of its own;
- * #CONUS_ERROR_ARGUMENT for another selector; #CONUS_ERROR_CANCELLED; the errors of conus_select().
- */
+ * @return #CONUS_ERROR_DATA for fewer trials, and for an object that has no row of its own; #CONUS_ERROR_ARGUMENT for
+ * another selector; #CONUS_ERROR_CANCELLED; the errors of conus_select(). */
 CONUS_CHECKED conus_status conus_reliability(conus_table **out, conus_selector *selector, const conus_trial *trials,
                                              size_t count, conus_progress progress, void *user);
-/** @} */
 
-/** @name Positions of caps
- * @{ */
+/* Positions of caps */
 
-/**
- * Reads a scalp, and finds the positions of the 10-10 system on it (Eq. 35).
- * @param[out] out The scalp; end it with conus_scalp_destroy().
+/** Reads a scalp, and finds the positions of the 10-10 system on it (Eq. 35).
  * @param path A closed surface, as for conus_sites_load().
  * @param landmarks Nasion, inion, left and right ear (LPA, RPA), world, mm: at most 20 mm off it.
- * @return #CONUS_OK; #CONUS_ERROR_DATA for another surface, and for landmarks that are not its own; the errors of
- * conus_sites_load().
- */
+ * @return #CONUS_ERROR_DATA for another surface, and for landmarks that are not its own; the errors of
+ * conus_sites_load(). */
 CONUS_CHECKED conus_status conus_scalp_load(conus_scalp **out, const char *path, const double landmarks[4][3]);
 
-/**
- * Ends a scalp.
- * @param scalp NULL is allowed.
- */
+/** Ends a scalp. */
 CONUS_API void conus_scalp_destroy(conus_scalp *scalp);
 
 /** How a device stands at a position of a cap, straight into the head. */
@@ -1002,31 +680,23 @@ typedef struct conus_position_options {
                       left, -360 to 360. */
 } conus_position_options;
 
-/**
- * Finds the pose of a device at a position (Eq. 35).
- * @param[out] out Its pose.
+/** Finds the pose of a device at a position (Eq. 35).
  * @param place Of kind #CONUS_PLACE_POSITION.
  * @param options How it stands.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a position without a normal, and a number out of its range.
- */
+ * @return #CONUS_ERROR_ARGUMENT for a position without a normal, and a number out of its range. */
 CONUS_CHECKED conus_status conus_position_pose(conus_pose *out, const conus_place *place,
                                                const conus_position_options *options);
 
-/**
- * Lists positions of the 10-10 system on a scalp, or on the head of MNI 152 (Eq. 35).
+/** Lists positions of the 10-10 system on a scalp, or on the head of MNI 152 (Eq. 35).
  * @param[out] out Columns query_id, x, y, z, dx, dy, dz, ux, uy, uz, error_deg, error_mm, world; those of a direction
  * are NaN where no normal is known. End it with conus_table_destroy().
  * @param names [count] "C3"; NULL = all.
- * @param count How many.
  * @param options NULL = none is off, and no handle.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another name, with the closest one, and as conus_position_pose().
- */
+ * @return #CONUS_ERROR_ARGUMENT for another name, with the closest one, and as conus_position_pose(). */
 CONUS_CHECKED conus_status conus_positions(conus_table **out, const char *const *names, size_t count,
                                            const conus_position_options *options);
-/** @} */
 
-/** @name Rankings
- * @{ */
+/* Rankings */
 
 /** A ranking. */
 typedef struct conus_score_info {
@@ -1037,108 +707,66 @@ typedef struct conus_score_info {
     bool needs_weight;       /**< Only with conus_selector_options.weight. */
 } conus_score_info;
 
-/**
- * Gives entry @p index of the table of rankings.
- * @param index From 0.
- * @return NULL past the last. Static.
- */
+/** Gives entry @p index of the table of rankings. @return NULL past the last. Static. */
 CONUS_API const conus_score_info *conus_score(size_t index);
 
-/**
- * Gives what a ranking needs: a name, or a formula of names, numbers, + - * /, a minus in front and parentheses, as
+/** Gives what a ranking needs: a name, or a formula of names, numbers, + - * /, a minus in front and parentheses, as
  * "0.5*share + 0.5*centre". Where a name has no value, or a divisor is 0, the formula has none: such objects rank last.
  * @param[out] out Its name is @p score, "share" for NULL, and is borrowed from the caller.
  * @param score NULL = "share".
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a wrong formula; the message says what is wrong with it.
- */
+ * @return #CONUS_ERROR_ARGUMENT for a wrong formula; the message says what is wrong with it. */
 CONUS_CHECKED conus_status conus_score_parse(conus_score_info *out, const char *score);
-/** @} */
 
-/** @name Atlases
- * @{ */
+/* Atlases */
 
-/**
- * Tells as what conus_atlas_set_context() reads a file.
- * @param path The file.
- * @return True where it is a surface; false for everything else, also for a file that is not there.
- */
+/** Tells as what conus_atlas_set_context() reads a file.
+ * @return True where it is a surface; false for everything else, also for a file that is not there. */
 CONUS_API bool conus_context_is_surface(const char *path);
 
-/**
- * Hides the objects that @p hidden marks and shows all others.
+/** Hides the objects that @p hidden marks and shows all others.
  * @param atlas The atlas; unchanged on failure.
  * @param hidden [object count + 1], by number; entry 0 has no meaning. NULL shows all.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where nothing is left.
- */
+ * @return #CONUS_ERROR_ARGUMENT where nothing is left. */
 CONUS_CHECKED conus_status conus_atlas_set_hidden(conus_atlas *atlas, const bool *hidden);
 
-/**
- * Returns whether an object is hidden.
- * @param atlas The atlas.
+/** Returns whether an object is hidden.
  * @param number Number of the object.
- * @return Whether it is hidden; false for a number that is no object.
- */
+ * @return Whether it is hidden; false for a number that is no object. */
 CONUS_API bool conus_atlas_is_hidden(const conus_atlas *atlas, size_t number);
 
-/**
- * Gives the memory that conus_atlas_pack() needs.
- * @param atlas The atlas.
- * @return Bytes.
- */
+/** Gives the memory that conus_atlas_pack() needs. @return Bytes. */
 CONUS_API size_t conus_atlas_packed_size(const conus_atlas *atlas);
 
-/**
- * Packs the atlas as it is. The packed bytes hold no pointers and may be mapped at another address in each process, but
- * they are for this build of conus on this kind of machine: conus_atlas_save() makes files.
+/** Packs the atlas as it is. The packed bytes hold no pointers and may be mapped at another address in each process,
+ * but they are for this build of conus on this kind of machine: conus_atlas_save() makes files.
  * @param[out] memory [size], at a multiple of 64 bytes. On failure its content has no meaning.
  * @param size Bytes, at least conus_atlas_packed_size().
- * @param atlas The atlas.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for too few bytes or another alignment; #CONUS_ERROR_MEMORY.
- */
+ * @return #CONUS_ERROR_ARGUMENT for too few bytes or another alignment; #CONUS_ERROR_MEMORY. */
 CONUS_CHECKED conus_status conus_atlas_pack(void *memory, size_t size, const conus_atlas *atlas);
 
-/**
- * Makes an atlas of what conus_atlas_pack() wrote. An atlas that is then changed (its thresholds, its hemispheres) gets
- * its own copies of the arrays that the change concerns. The large arrays are not checked: attach only what you trust.
- * @param[out] out The atlas; end it with conus_atlas_destroy().
+/** Makes an atlas of what conus_atlas_pack() wrote. An atlas that is then changed (its thresholds, its hemispheres)
+ * gets its own copies of the arrays that the change concerns. The large arrays are not checked: attach only what you
+ * trust.
  * @param memory The packed atlas, at a multiple of 64 bytes. It is never written to and must outlive the atlas.
- * @param size Bytes.
- * @return #CONUS_OK; #CONUS_ERROR_DATA where there is no whole atlas of this version.
- */
+ * @return #CONUS_ERROR_DATA where there is no whole atlas of this version. */
 CONUS_CHECKED conus_status conus_atlas_attach(conus_atlas **out, const void *memory, size_t size);
 
-/**
- * Gives all areas, pathways and bundles the colours back that they had before conus_atlas_use_safe_colours() or
- * conus_atlas_use_palette().
- * @param atlas The atlas.
- */
+/** Gives all areas, pathways and bundles the colours back that they had before conus_atlas_use_safe_colours() or
+ * conus_atlas_use_palette(). */
 CONUS_API void conus_atlas_use_own_colours(conus_atlas *atlas);
-/** @} */
 
-/** @name What an atlas has
- * @{ */
+/* What an atlas has */
 
-/**
- * Returns whether a deformation field has moved the atlas, so that conus_atlas_own_point() is no affine.
- * @param atlas The atlas.
- * @return Whether one has.
- */
+/** Returns whether a deformation field has moved the atlas, so that conus_atlas_own_point() is no affine. */
 CONUS_API bool conus_atlas_is_warped(const conus_atlas *atlas);
 
-/**
- * Finds where a ray first meets a surface around the areas, from either side. Looks at every triangle.
- * @param atlas The atlas.
+/** Finds where a ray first meets a surface around the areas, from either side. Looks at every triangle.
  * @param origin World mm.
  * @param direction Of any length but 0.
- * @return How far that is from @p origin, in units of the length of @p direction; INFINITY where it meets none.
- */
+ * @return How far that is from @p origin, in units of the length of @p direction; INFINITY where it meets none. */
 CONUS_API double conus_atlas_context_depth(const conus_atlas *atlas, const double origin[3], const double direction[3]);
 
-/**
- * Tells the same of a volume alone, by its header and its grid.
- * @param info The volume.
- * @return The brain. Its texts are static.
- */
+/** Tells the same of a volume alone, by its header and its grid. @return The brain. Its texts are static. */
 CONUS_API conus_brain_view conus_volume_brain(const conus_volume_info *info);
 
 /** What is published of an atlas. All texts are static. */
@@ -1159,13 +787,10 @@ typedef struct conus_atlas_identity_view {
                                          volumes of labels, areas in halves or hidden. */
 } conus_atlas_identity_view;
 
-/**
- * Finds out which published atlas this is. The sum is that of the numbers of voxels along i, j, k (32 bits each), the
+/** Finds out which published atlas this is. The sum is that of the numbers of voxels along i, j, k (32 bits each), the
  * matrix from voxels to mm (row by row, without the last one, 32-bit floats) and the labels (32 bits each, i fastest),
  * all little-endian. It does not depend on how the file is written. Reads every voxel.
- * @param atlas The atlas.
- * @return The sum and the facts.
- */
+ * @return The sum and the facts. */
 CONUS_API conus_atlas_identity_view conus_atlas_identity(const conus_atlas *atlas);
 
 /** How far apart two brains are. */
@@ -1176,173 +801,103 @@ typedef enum conus_brain_gap {
     CONUS_BRAIN_GAP_OTHER     /**< Another brain. */
 } conus_brain_gap;
 
-/**
- * Compares two brains.
+/** Compares two brains.
  * @param a One.
- * @param b The other.
- * @return #CONUS_BRAIN_GAP_NONE also where one is unknown, and of one person's own and another own one.
- */
+ * @return #CONUS_BRAIN_GAP_NONE also where one is unknown, and of one person's own and another own one. */
 CONUS_API conus_brain_gap conus_brain_compare(conus_brain_view a, conus_brain_view b);
 
-/**
- * Finds the mean position of the voxels or triangles of an object and of those below it in the area tree, or of the
+/** Finds the mean position of the voxels or triangles of an object and of those below it in the area tree, or of the
  * points of a bundle, hidden or not.
  * @param[out] out World mm.
- * @param atlas The atlas.
  * @param number Number of the object.
- * @return #CONUS_OK; #CONUS_ERROR_DATA if there are none.
- */
+ * @return #CONUS_ERROR_DATA if there are none. */
 CONUS_CHECKED conus_status conus_atlas_centre(double out[3], const conus_atlas *atlas, size_t number);
 
-/**
- * Counts the voxels of a scalar or context volume by their value.
+/** Counts the voxels of a scalar or context volume by their value.
  * @param[out] counts [bins] How many voxels have values in each of @p bins equal parts of the range from minimum to
  * maximum.
  * @param bins How many parts.
- * @param atlas The atlas.
- * @param index The volume.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where there is no such volume.
- */
+ * @return #CONUS_ERROR_ARGUMENT where there is no such volume. */
 CONUS_CHECKED conus_status conus_atlas_histogram(uint64_t *counts, size_t bins, const conus_atlas *atlas, size_t index);
 
-/**
- * Finds the grey values that span the contrast of a scalar or context volume, without a few extremes.
+/** Finds the grey values that span the contrast of a scalar or context volume, without a few extremes.
  * @param[out] window The grey values of black and of white.
- * @param atlas The atlas.
- * @param index The volume.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where there is no such volume.
- */
+ * @return #CONUS_ERROR_ARGUMENT where there is no such volume. */
 CONUS_CHECKED conus_status conus_atlas_window(double window[2], const conus_atlas *atlas, size_t index);
 
-/**
- * Finds out which areas are left and which right. The side of an area is that of the label table, or that in a pair as
+/** Finds out which areas are left and which right. The side of an area is that of the label table, or that in a pair as
  * #CONUS_HEMISPHERES_MERGED makes one, or that of a word in its name, such as "left" or "rh". An area without any of
  * these has the side of the nearest area above it in the tree that has one. Where it lies does not count.
  * @param[out] sides [conus_atlas_object_count() + 1] By number: 'L', 'R', or 0 of areas of both sides or of none that
- * is known, and of pathways and bundles; entry 0 is 0.
- * @param atlas The atlas.
- * @return #CONUS_OK; #CONUS_ERROR_MEMORY.
- */
+ * is known, and of pathways and bundles; entry 0 is 0. */
 CONUS_CHECKED conus_status conus_atlas_sides(char *sides, const conus_atlas *atlas);
 
-/**
- * Gives the depth of an area in the tree, as levels count it.
- * @param atlas The atlas.
+/** Gives the depth of an area in the tree, as levels count it.
  * @param number Number of the object.
- * @return 1 for roots; a merged area has the depth of its pair; 0 for a pathway or bundle.
- */
+ * @return 1 for roots; a merged area has the depth of its pair; 0 for a pathway or bundle. */
 CONUS_API uint32_t conus_atlas_depth(const conus_atlas *atlas, size_t number);
 
-/**
- * Gives the word that tells an object from others of the same name. No two pathways and bundles share a name, but an
+/** Gives the word that tells an object from others of the same name. No two pathways and bundles share a name, but an
  * area may share one with them, and so may a left and a right area whose table says which is which. Tables, legends and
  * lists say it where it is needed: "bundle Arc", "left insula".
  * @param[out] prefixes [number of objects + 1], by number: "area", "pathway", "bundle", "left", "right", "left area" or
- *             "right area", and "" where no name is shared, and for 0. The texts are static. Untouched on failure.
- * @param atlas The atlas.
- * @return #CONUS_OK, or #CONUS_ERROR_MEMORY.
- */
+ * "right area", and "" where no name is shared, and for 0. The texts are static. Untouched on failure. */
 CONUS_API conus_status conus_atlas_prefixes(const char **prefixes, const conus_atlas *atlas);
 
-/**
- * Counts the volumes. Those of labels come first, one for each grid; pathways and the context follow.
- * @param atlas NULL counts 0.
- * @return How many volumes there are.
- */
+/** Counts the volumes. Those of labels come first, one for each grid; pathways and the context follow. */
 CONUS_API size_t conus_atlas_volume_count(const conus_atlas *atlas);
 
 /** A surface that conus_atlas_set_context() has put around the areas. */
 typedef struct conus_context_surface {
-    size_t struct_size; /**< Its size, as #CONUS_CONTEXT_SURFACE_INIT sets it; 0 = that of this version. */
-    const char *path;   /**< UTF-8 where the file system has it so. Borrowed until the atlas ends. */
-    size_t vertices;    /**< In the file. */
-    size_t triangles;   /**< Those without area are left out. */
-    bool closed;        /**< Every edge is of two triangles: it has an inside. */
-    char hemisphere;    /**< 'L', 'R', 'B', or 0 where the file does not say. */
-    double opacity;     /**< Above 0 to 1. */
-    double low[3];      /**< Lowest x, y, z of its vertices, world mm. */
-    double high[3];     /**< The highest. */
+    size_t struct_size;
+    const char *path; /**< UTF-8 where the file system has it so. Borrowed until the atlas ends. */
+    size_t vertices;  /**< In the file. */
+    size_t triangles; /**< Those without area are left out. */
+    bool closed;      /**< Every edge is of two triangles: it has an inside. */
+    char hemisphere;  /**< 'L', 'R', 'B', or 0 where the file does not say. */
+    double opacity;   /**< Above 0 to 1. */
+    double low[3];    /**< Lowest x, y, z of its vertices, world mm. */
+    double high[3];   /**< The highest. */
 } conus_context_surface;
-
-/** The size of the struct that the caller was compiled with. */
 #define CONUS_CONTEXT_SURFACE_INIT CONUS_INIT_(conus_context_surface)
 
-/**
- * Counts the surfaces around the areas.
- * @param atlas NULL counts 0.
- * @return How many conus_atlas_set_context() has added.
- */
+/** Counts the surfaces around the areas. @return How many conus_atlas_set_context() has added. */
 CONUS_API size_t conus_atlas_context_surface_count(const conus_atlas *atlas);
 
-/**
- * Tells about a surface around the areas.
+/** Tells about a surface around the areas.
  * @param[in,out] out Its struct_size is read; unchanged on failure.
- * @param atlas The atlas.
  * @param index From 0, in the order in which they were added.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT past the last.
- */
+ * @return #CONUS_ERROR_ARGUMENT past the last. */
 CONUS_CHECKED conus_status conus_atlas_context_surface(conus_context_surface *out, const conus_atlas *atlas,
                                                        size_t index);
 
-/**
- * Counts the other files that an atlas is made of: a manifest, surfaces, labels of their vertices, lists of what is
- * shown, volumes of labels that are joined with another on its grid.
- * @param atlas NULL counts 0.
- * @return How many files there are.
- */
+/** Counts the other files that an atlas is made of: a manifest, surfaces, labels of their vertices, lists of what is
+ * shown, volumes of labels that are joined with another on its grid. */
 CONUS_API size_t conus_atlas_file_count(const conus_atlas *atlas);
 
-/**
- * Gives the path of other file @p index.
- * @param atlas The atlas.
- * @param index From 0.
- * @return NULL past the last. Borrowed until the atlas is changed or ends.
- */
+/** Gives the path of other file @p index. @return NULL past the last. Borrowed until the atlas is changed or ends. */
 CONUS_API const char *conus_atlas_file(const conus_atlas *atlas, size_t index);
 
-/**
- * Gives the source of the names, in words.
- * @param atlas The atlas.
- * @return "ITK-SNAP labels in aal.label", "none found". Borrowed until the atlas is changed or ends.
- */
+/** Gives the source of the names, in words.
+ * @return "ITK-SNAP labels in aal.label", "none found". Borrowed until the atlas is changed or ends. */
 CONUS_API const char *conus_atlas_label_source(const conus_atlas *atlas);
 
-/**
- * Counts the notes that a careful user should know about this atlas: labels without names, a guessed space.
- * @param atlas NULL counts 0.
- * @return How many notes there are.
- */
+/** Counts the notes that a careful user should know about this atlas: labels without names, a guessed space. */
 CONUS_API size_t conus_atlas_note_count(const conus_atlas *atlas);
 
-/**
- * Gives note @p index.
- * @param atlas The atlas.
- * @param index From 0.
- * @return One line; NULL past the last. Borrowed until the atlas is changed or ends.
- */
+/** Gives note @p index. @return One line; NULL past the last. Borrowed until the atlas is changed or ends. */
 CONUS_API const char *conus_atlas_note(const conus_atlas *atlas, size_t index);
 
-/**
- * Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
- * data mean.
- * @param atlas The atlas.
- * @param index From 0.
- * @return #CONUS_SEVERITY_NOTE also past the last.
- */
+/** How much it matters, as of conus_pose_stream_note_severity(). */
 CONUS_API conus_severity conus_atlas_note_severity(const conus_atlas *atlas, size_t index);
 
-/**
- * Gives the note that left and right are exchanged, of the names or of the places. Tell nobody a side of such an atlas:
- * names say one, places the other. conus_atlas_exchange_sides() mends one whose places are.
- * @param atlas The atlas.
+/** Gives the note that left and right are exchanged, of the names or of the places. Tell nobody a side of such an
+ * atlas: names say one, places the other. conus_atlas_exchange_sides() mends one whose places are.
  * @return The note: at least three pairs of a left and a right area, and three quarters of all, lie the other way
- * round. NULL where they do not. Borrowed until the atlas is changed or ends.
- */
+ * round. NULL where they do not. Borrowed until the atlas is changed or ends. */
 CONUS_API const char *conus_atlas_exchanged(const conus_atlas *atlas);
-/** @} */
 
-/** @name Packs
- * @{ */
+/* Packs */
 
 /** What a pack says of itself. */
 typedef struct conus_pack_info {
@@ -1354,11 +909,7 @@ typedef struct conus_pack_info {
     size_t source_count; /**< How many files it was packed from. */
 } conus_pack_info;
 
-/**
- * Gives the pack that an atlas was opened from.
- * @param atlas NULL has none.
- * @return NULL where it was not. Borrowed until the atlas ends.
- */
+/** Gives the pack that an atlas was opened from. @return NULL where it was not. Borrowed until the atlas ends. */
 CONUS_API const conus_pack_info *conus_atlas_pack_info(const conus_atlas *atlas);
 
 /** What has become of a source since. */
@@ -1368,46 +919,31 @@ typedef enum conus_source_state {
     CONUS_SOURCE_MISSING   /**< There is no such file. */
 } conus_source_state;
 
-/**
- * Gives source @p index of the pack, as it was when the pack was opened.
+/** Gives source @p index of the pack, as it was when the pack was opened.
  * @param[out] state What has become of it; unchanged where there is none. May be NULL.
- * @param atlas The atlas.
- * @param index From 0.
- * @return Its path, as it was read; NULL past the last. Borrowed until the atlas ends.
- */
+ * @return Its path, as it was read; NULL past the last. Borrowed until the atlas ends. */
 CONUS_API const char *conus_atlas_pack_source(conus_source_state *state, const conus_atlas *atlas, size_t index);
-/** @} */
 
-/** @name Names of atlases
- * @{ */
+/* Names of atlases */
 
 typedef struct conus_catalogue conus_catalogue; /**< The atlases found, and the places searched. */
 
 /** How conus_catalogue_create() looks. */
 typedef struct conus_catalogue_options {
-    size_t struct_size; /**< Its size, as #CONUS_CATALOGUE_OPTIONS_INIT sets it; 0 = that of this version. */
-    conus_log log;      /**< Receives the notes of conus_catalogue_note(); NULL = no callback. */
-    void *log_user;     /**< Passed to @p log. */
+    size_t struct_size;
+    conus_log log;  /**< Receives the notes of conus_catalogue_note(); NULL = no callback. */
+    void *log_user; /**< Passed to @p log. */
 } conus_catalogue_options;
-
-/** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_CATALOGUE_OPTIONS_INIT CONUS_INIT_(conus_catalogue_options)
 
-/**
- * Looks for atlases in the folders that the environment names: $CONUS_ATLAS_PATH, and where mricron, FSL, FreeSurfer,
+/** Looks for atlases in the folders that the environment names: $CONUS_ATLAS_PATH, and where mricron, FSL, FreeSurfer,
  * BrainGlobe, TemplateFlow, AFNI, SPM, CAT12, nilearn and MRIcroGL keep theirs. Reads names, the headers of volumes and
  * the XMLs of FSL atlases, no voxel. A folder that cannot be read, or that holds more than is looked at, is a note.
- * @param[out] out The catalogue; end it with conus_catalogue_destroy().
- * @param options NULL = defaults.
  * @return #CONUS_OK, also where nothing is found.
- * @threads Any, while none changes the environment.
- */
+ * @threads Any, while none changes the environment. */
 CONUS_CHECKED conus_status conus_catalogue_create(conus_catalogue **out, const conus_catalogue_options *options);
 
-/**
- * Ends a catalogue.
- * @param catalogue NULL is allowed.
- */
+/** Ends a catalogue. */
 CONUS_API void conus_catalogue_destroy(conus_catalogue *catalogue);
 
 /** An atlas that is installed. */
@@ -1421,19 +957,11 @@ typedef struct conus_installed {
     double spacing[3];  /**< Edge lengths of a voxel, mm; 0 where they are not known. */
 } conus_installed;
 
-/**
- * Counts the atlases.
- * @param catalogue NULL counts 0.
- * @return How many there are.
- */
+/** Counts the atlases. */
 CONUS_API size_t conus_catalogue_count(const conus_catalogue *catalogue);
 
-/**
- * Gives atlas @p index. Those of one source stand together; $CONUS_ATLAS_PATH comes first.
- * @param catalogue The catalogue.
- * @param index From 0.
- * @return NULL past the last. Borrowed from the catalogue.
- */
+/** Gives atlas @p index. Those of one source stand together; $CONUS_ATLAS_PATH comes first.
+ * @return NULL past the last. */
 CONUS_API const conus_installed *conus_catalogue_atlas(const conus_catalogue *catalogue, size_t index);
 
 /** A folder in which atlases are looked for. */
@@ -1444,74 +972,45 @@ typedef struct conus_catalogue_place {
     bool there;         /**< There is such a folder. */
 } conus_catalogue_place;
 
-/**
- * Counts the places in which was looked, there or not.
- * @param catalogue NULL counts 0.
- * @return How many there are.
- */
+/** Counts the places in which was looked, there or not. */
 CONUS_API size_t conus_catalogue_place_count(const conus_catalogue *catalogue);
 
-/**
- * Gives place @p index, in the order in which they were looked at.
- * @param catalogue The catalogue.
- * @param index From 0.
- * @return NULL past the last. Borrowed from the catalogue.
- */
+/** Gives place @p index, in the order in which they were looked at. @return NULL past the last. */
 CONUS_API const conus_catalogue_place *conus_catalogue_place_at(const conus_catalogue *catalogue, size_t index);
 
-/**
- * Counts the notes about what was left out.
- * @param catalogue NULL counts 0.
- * @return How many there are.
- */
+/** Counts the notes about what was left out. */
 CONUS_API size_t conus_catalogue_note_count(const conus_catalogue *catalogue);
 
-/**
- * Gives note @p index.
- * @param catalogue The catalogue.
- * @param index From 0.
- * @return One line; NULL past the last. Borrowed from the catalogue.
- */
+/** Gives note @p index. @return One line; NULL past the last. */
 CONUS_API const char *conus_catalogue_note(const conus_catalogue *catalogue, size_t index);
 
-/**
- * Finds the one atlas that is called @p name, or "source:name". If there is none, upper and lower case are taken for
+/** Finds the one atlas that is called @p name, or "source:name". If there is none, upper and lower case are taken for
  * the same, and so are names that differ only in '-', '_', '.', '+' and spaces.
- * @param[out] out Borrowed from the catalogue.
- * @param catalogue The catalogue.
  * @param name What to find.
- * @return #CONUS_OK; #CONUS_ERROR_IO if there is none, with the closest names in the message; #CONUS_ERROR_ARGUMENT,
- * with the candidates in the message, if several files have that name.
- */
+ * @return #CONUS_ERROR_IO if there is none, with the closest names in the message; #CONUS_ERROR_ARGUMENT, with the
+ * candidates in the message, if several files have that name. */
 CONUS_CHECKED conus_status conus_catalogue_find(const conus_installed **out, const conus_catalogue *catalogue,
                                                 const char *name);
 
-/**
- * Finds the one image that is called @p name, as conus_catalogue_find() finds an atlas: a volume in the folders of the
+/** Finds the one image that is called @p name, as conus_catalogue_find() finds an atlas: a volume in the folders of the
  * catalogue that counts as no labels, such as mricron's ch2 or FSL's MNI152_T1_1mm.
  * @param[out] out Borrowed from the catalogue; without labels.
- * @param catalogue The catalogue.
  * @param name What to find: the file's name without its ending.
- * @return As conus_catalogue_find().
- */
+ * @return As conus_catalogue_find(). */
 CONUS_CHECKED conus_status conus_catalogue_find_image(const conus_installed **out, const conus_catalogue *catalogue,
                                                       const char *name);
 
-/**
- * Says whether what a user gave as an atlas or image is a path, which then is no name: it has a '/', or there is such a
- * file or folder, also where ",volume=K", ",map=K" and the like stand behind it.
+/** Says whether what a user gave as an atlas or image is a path, which then is no name: it has a '/', or there is such
+ * a file or folder, also where ",volume=K", ",map=K" and the like stand behind it.
  * @param text What the user gave.
- * @return Whether it is a path for conus_atlas_load(). If not, ask conus_catalogue_find().
- */
+ * @return Whether it is a path for conus_atlas_load(). If not, ask conus_catalogue_find(). */
 CONUS_API bool conus_atlas_is_path(const char *text);
-/** @} */
 
-/** @name Tractograms
- * @{ */
+/* Tractograms */
 
 /** A tractogram of an atlas. */
 typedef struct conus_tractogram_info {
-    size_t struct_size;   /**< Its size, as #CONUS_TRACTOGRAM_INFO_INIT sets it; 0 = that of this version. */
+    size_t struct_size;
     const char *path;     /**< As opened: bytes, not always UTF-8. Borrowed, as the next two, until the atlas ends. */
     const char *format;   /**< "TrackVis 2, gzip"; "array" of streamlines from memory. */
     const char *sha256;   /**< SHA-256 of the file, in hexadecimal; "" for a folder and for memory. */
@@ -1526,151 +1025,102 @@ typedef struct conus_tractogram_info {
     size_t bundle;        /**< Number of the first of the objects that are its streamlines. */
     size_t bundles;       /**< How many follow each other there: its groups and the rest, or one for all. */
 } conus_tractogram_info;
-
-/** The size of the struct that the caller was compiled with. */
 #define CONUS_TRACTOGRAM_INFO_INIT CONUS_INIT_(conus_tractogram_info)
 
-/**
- * Counts the tractograms.
- * @param atlas NULL counts 0.
- * @return How many there are.
- */
+/** Counts the tractograms. */
 CONUS_API size_t conus_atlas_tractogram_count(const conus_atlas *atlas);
 
-/**
- * Tells about a tractogram.
+/** Tells about a tractogram.
  * @param[in,out] out Its struct_size is read; unchanged on failure.
- * @param atlas The atlas.
  * @param index From 0, in the order in which they were added.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT past the last.
- */
+ * @return #CONUS_ERROR_ARGUMENT past the last. */
 CONUS_CHECKED conus_status conus_atlas_tractogram(conus_tractogram_info *out, const conus_atlas *atlas, size_t index);
 
 typedef struct conus_tractogram conus_tractogram; /**< Streamlines of a file, for several atlases. */
 
-/**
- * Loads a tractogram that conus_atlas_add_tractogram() adds to one atlas after the other, in memory once.
- * @param[out] out The tractogram; end it with conus_tractogram_destroy().
- * @param path The tractogram.
+/** Loads a tractogram that conus_atlas_add_tractogram() adds to one atlas after the other, in memory once.
  * @param options Those that say how the file is read: max_memory and space; NULL = defaults.
- * @return As conus_atlas_add_streamlines().
- */
+ * @return As conus_atlas_add_streamlines(). */
 CONUS_CHECKED conus_status conus_tractogram_load(conus_tractogram **out, const char *path,
                                                  const conus_streamlines_options *options);
 
-/**
- * Adds the streamlines of a loaded tractogram, as conus_atlas_add_streamlines() does those of its file.
+/** Adds the streamlines of a loaded tractogram, as conus_atlas_add_streamlines() does those of its file.
  * @param atlas The atlas; unchanged on failure.
  * @param tractogram The tractogram. It must outlive the atlas.
  * @param options Name, radius and log; NULL = defaults.
- * @return As conus_atlas_add_streamlines().
- */
+ * @return As conus_atlas_add_streamlines(). */
 CONUS_CHECKED conus_status conus_atlas_add_tractogram(conus_atlas *atlas, const conus_tractogram *tractogram,
                                                       const conus_streamlines_options *options);
 
-/**
- * Ends a tractogram, after the atlases that it was added to.
- * @param tractogram NULL is allowed.
- */
+/** Ends a tractogram, after the atlases that it was added to. */
 CONUS_API void conus_tractogram_destroy(conus_tractogram *tractogram);
 
-/**
- * Tells whether a file, or a folder, begins like a tractogram that conus_atlas_add_streamlines() reads. Of VTK's files
+/** Tells whether a file, or a folder, begins like a tractogram that conus_atlas_add_streamlines() reads. Of VTK's files
  * those with lines and without polygons are.
  * @param path The file or folder.
- * @return True where it is one; false for everything else, also for a file that is not there.
- */
+ * @return True where it is one; false for everything else, also for a file that is not there. */
 CONUS_API bool conus_path_is_tractogram(const char *path);
-/** @} */
 
-/** @name Files that programs read and write
- * @{ */
+/* Files that programs read and write */
 
-/**
- * Makes a text that came from outside, a name or a path, harmless for a terminal, in place. A space replaces each
+/** Makes a text that came from outside, a name or a path, harmless for a terminal, in place. A space replaces each
  * character that would steer the terminal, except line feeds and tabs. '?' replaces each byte that is not UTF-8.
  * Messages and notes of this library are plain already.
- * @param[in,out] text Ends with a NUL.
- */
+ * @param[in,out] text Ends with a NUL. */
 CONUS_API void conus_plain_text(char *text);
 
-/**
- * Has this process remember each file that this library reads from now on, on any thread, until it ends. From then on
- * no function of this library that writes files replaces one of these, by whatever name or link:
- * #CONUS_ERROR_ARGUMENT. What it has written itself and then reads may be written again.
- * @return #CONUS_OK; #CONUS_ERROR_MEMORY.
- */
+/** Has this process remember each file that this library reads from now on, on any thread, until it ends. From then on
+ * no function of this library that writes files replaces one of these, by whatever name or link: #CONUS_ERROR_ARGUMENT.
+ * What it has written itself and then reads may be written again. */
 CONUS_CHECKED conus_status conus_inputs_keep(void);
 
-/**
- * Adds a file that the program has read by itself, or is going to read.
- * @param path What is no regular file is not added.
- */
+/** Adds a file that the program has read by itself, or is going to read.
+ * @param path What is no regular file is not added. */
 CONUS_API void conus_inputs_add(const char *path);
 
-/**
- * Finds out whether a new file @p path would take the place of a file that was read.
+/** Finds out whether a new file @p path would take the place of a file that was read.
  * @param path The file, also by a link to it.
- * @return The name by which it was read, borrowed until the process ends; NULL where it was not.
- */
+ * @return The name by which it was read, borrowed until the process ends; NULL where it was not. */
 CONUS_API const char *conus_inputs_find(const char *path);
 
-/**
- * Gives the name of the file that was read, in the order of reading; a file that was read twice is there twice.
- * @param index From 0.
- * @return NULL past the last. Borrowed until the process ends.
- */
+/** Gives the name of the file that was read, in the order of reading; a file that was read twice is there twice.
+ * @return NULL past the last. Borrowed until the process ends. */
 CONUS_API const char *conus_inputs_at(size_t index);
 
-/**
- * Writes a file that appears whole or not at all.
+/** Writes a file that appears whole or not at all.
  * @param path The file; replaced if it exists.
- * @param data The bytes.
- * @param size How many bytes.
- * @return #CONUS_OK; #CONUS_ERROR_IO where the system refuses.
- */
+ * @return #CONUS_ERROR_IO where the system refuses. */
 CONUS_CHECKED conus_status conus_write_file(const char *path, const void *data, size_t size);
-/** @} */
 
-/** @name Manifests
- * @{ */
+/* Manifests */
 
 /** How conus_manifest_write() reads. */
 typedef struct conus_manifest_options {
-    size_t struct_size;  /**< Its size, as #CONUS_MANIFEST_OPTIONS_INIT sets it; 0 = that of this version. */
+    size_t struct_size;
     uint64_t max_memory; /**< Largest file, in bytes; 0 = 8 GiB. */
     conus_log log;       /**< Receives as what each file was taken, a line each; NULL = silent. */
     void *log_user;      /**< Passed to @p log. */
 } conus_manifest_options;
-
-/** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_MANIFEST_OPTIONS_INIT CONUS_INIT_(conus_manifest_options)
 
-/**
- * Writes a first manifest (docs/formats.md) of what lies in the folder of @p path and the folders in it: volumes, FSL
+/** Writes a first manifest (docs/formats.md) of what lies in the folder of @p path and the folders in it: volumes, FSL
  * atlases, surfaces, BrainGlobe folders. It guesses what a volume is for. A file that is there is never replaced.
  * @param path NAME.atlas.json.
- * @param options NULL = defaults.
- * @return #CONUS_OK; #CONUS_ERROR_IO where the system refuses, or the file is there; #CONUS_ERROR_DATA where the folder
- * holds nothing for a manifest.
- */
+ * @return #CONUS_ERROR_IO where the system refuses, or the file is there; #CONUS_ERROR_DATA where the folder holds
+ * nothing for a manifest. */
 CONUS_CHECKED conus_status conus_manifest_write(const char *path, const conus_manifest_options *options);
-/** @} */
 
-/** @name Synthetic atlases
- * @{ */
+/* Synthetic atlases */
 
 /** The grid of a phantom. */
 typedef struct conus_phantom_options {
-    size_t struct_size; /**< Its size, as #CONUS_PHANTOM_OPTIONS_INIT sets it; 0 = that of this version. */
+    size_t struct_size;
     uint32_t size; /**< Voxels along the longest edge, 16 to 512; 0 = 64. Size times the smallest spacing is the cube
                       around the origin for which the shapes are made: 64 mm, or scaled. */
     double spacing[3]; /**< mm; zeros = 1, 1, 1. At least 4 voxels must fit along every edge. */
     double oblique;    /**< Turns the grid about (1, 1, 1) by this angle, degrees. */
     bool flip[3];      /**< Lets i, j, k grow towards left, posterior, inferior. */
 } conus_phantom_options;
-
-/** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_PHANTOM_OPTIONS_INIT CONUS_INIT_(conus_phantom_options)
 
 /** A kind of phantom. */
@@ -1679,53 +1129,34 @@ typedef struct conus_phantom_info {
     const char *description; /**< One line. */
 } conus_phantom_info;
 
-/**
- * Gives entry @p index of the table of phantoms.
- * @param index From 0.
- * @return NULL past the last. Static.
- */
+/** Gives entry @p index of the table of phantoms. @return NULL past the last. Static. */
 CONUS_API const conus_phantom_info *conus_phantom(size_t index);
 
-/**
- * Writes a phantom: KIND.nii.gz, its label table KIND.tsv, and KIND.json with the shapes in world mm; of the kinds
+/** Writes a phantom: KIND.nii.gz, its label table KIND.tsv, and KIND.json with the shapes in world mm; of the kinds
  * brain and bundle, which take no options, other files (docs/formats.md).
  * @param kind A name of conus_phantom().
  * @param folder Made if missing.
- * @param options NULL = defaults.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another kind or an option out of its range; #CONUS_ERROR_IO where the
- * system refuses.
- */
+ * @return #CONUS_ERROR_ARGUMENT for another kind or an option out of its range; #CONUS_ERROR_IO where the system
+ * refuses. */
 CONUS_CHECKED conus_status conus_phantom_write(const char *kind, const char *folder,
                                                const conus_phantom_options *options);
-/** @} */
 
-/** @name Images
- * @{ */
+/* Images */
 
-/**
- * Says what the colours of a picture mean: its legend in words, with the names that the atlas has, a line each row.
- * @param image The image.
- * @return UTF-8; "" if there is nothing to say. Borrowed from the image.
- */
+/** Says what the colours of a picture mean: its legend in words, with the names that the atlas has, a line each row.
+ * @return UTF-8; "" if there is nothing to say. */
 CONUS_API const char *conus_image_legend(const conus_image *image);
 
-/**
- * Makes an image with the channels R, G, B, A from bytes.
- * @param[out] out The image; end it with conus_image_destroy().
+/** Makes an image with the channels R, G, B, A from bytes.
  * @param rgba [height width 4] sRGB and opacity, top row first. Copied.
  * @param width Pixels.
  * @param height Pixels.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a size out of its range.
- */
+ * @return #CONUS_ERROR_ARGUMENT for a size out of its range. */
 CONUS_CHECKED conus_status conus_image_from_bytes(conus_image **out, const uint8_t *rgba, uint32_t width,
                                                   uint32_t height);
 
-/**
- * Reads OpenEXR (flat scan lines, one part) or PNG (as linear, premultiplied R, G, B, A). The content decides.
- * @param[out] out The image; end it with conus_image_destroy().
- * @param path The file.
- * @return #CONUS_OK; #CONUS_ERROR_IO, #CONUS_ERROR_DATA or #CONUS_ERROR_UNSUPPORTED for a file that cannot be read.
- */
+/** Reads OpenEXR (flat scan lines, one part) or PNG (as linear, premultiplied R, G, B, A). The content decides.
+ * @return #CONUS_ERROR_IO, #CONUS_ERROR_DATA or #CONUS_ERROR_UNSUPPORTED for a file that cannot be read. */
 CONUS_CHECKED conus_status conus_image_load(conus_image **out, const char *path);
 
 /** How two images differ. In a float channel NaN equals NaN and infinity itself; one of them against anything else
@@ -1741,34 +1172,23 @@ typedef struct conus_image_difference {
     uint32_t y;            /**< Row of its first pixel, from the top. */
 } conus_image_difference;
 
-/**
- * Compares two images channel by channel; attributes do not count.
- * @param[out] out The difference.
- * @param a One image.
- * @param b The other.
+/** Compares two images channel by channel; attributes do not count.
  * @param tolerance 0 or more.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT unless both have the same size and the same channels, in whatever order.
- */
+ * @return #CONUS_ERROR_ARGUMENT unless both have the same size and the same channels, in whatever order. */
 CONUS_CHECKED conus_status conus_image_compare(conus_image_difference *out, const conus_image *a, const conus_image *b,
                                                double tolerance);
-/** @} */
 
-/** @name Pictures
- * @{ */
+/* Pictures */
 
 typedef struct conus_cutter conus_cutter; /**< A flat cut of one atlas that is drawn again and again. */
 
-/**
- * Says whether areas hide the context volume from outside: they lie at or less than 8 mm behind its first bright voxel
+/** Says whether areas hide the context volume from outside: they lie at or less than 8 mm behind its first bright voxel
  * in 92 of 100 columns that look at it along its axes, from six sides.
  * @param[out] out False without a context, or without areas of voxels that are not hidden.
- * @param atlas The atlas.
- * @return #CONUS_OK; the errors of conus_atlas_window().
- */
+ * @return The errors of conus_atlas_window(). */
 CONUS_CHECKED conus_status conus_context_is_covered(bool *out, const conus_atlas *atlas);
 
-/**
- * Draws the points of a view alone, as conus_render() has them over its drawing, or conus_cuts_image() over a cut: for
+/** Draws the points of a view alone, as conus_render() has them over its drawing, or conus_cuts_image() over a cut: for
  * windows, which lay them over a picture of their own.
  * @param[out] out Channels R, G, B, A, as of conus_render(): transparent but for balls, lines and names. End it with
  * conus_image_destroy().
@@ -1776,81 +1196,53 @@ CONUS_CHECKED conus_status conus_context_is_covered(bool *out, const conus_atlas
  * @param view Its width, height, camera, frustum, field_of_view, dpi, no_legend and points count; of the background
  * whether it is dark; of the selection and own_colours which colours points have.
  * @param cut Where the cut is, and its mm_per_pixel; NULL = the view is in space, and has a camera.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view or cut out of its range; #CONUS_ERROR_DATA for an atlas without
- * anything that shows; #CONUS_ERROR_MEMORY.
- */
+ * @return #CONUS_ERROR_ARGUMENT for a view or cut out of its range; #CONUS_ERROR_DATA for an atlas without anything
+ * that shows; #CONUS_ERROR_MEMORY. */
 CONUS_CHECKED conus_status conus_points_image(conus_image **out, const conus_atlas *atlas, const conus_view *view,
                                               const conus_cut_view *cut);
 
-/**
- * Prepares to draw one cut after the other, as windows do. The pictures are those of conus_cut(), but voxels and
+/** Prepares to draw one cut after the other, as windows do. The pictures are those of conus_cut(), but voxels and
  * surfaces are read again only where a view lies elsewhere. Another selection over the same place costs little.
- * @param[out] out The cutter; end it with conus_cutter_destroy().
  * @param atlas Must outlive the cutter and must not change: after conus_atlas_set_threshold(), conus_atlas_set_hidden()
- * or other colours, make another cutter.
- * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
- */
+ * or other colours, make another cutter. */
 CONUS_CHECKED conus_status conus_cutter_create(conus_cutter **out, const conus_atlas *atlas);
 
-/**
- * Ends a cutter.
- * @param cutter NULL is allowed.
- */
+/** Ends a cutter. */
 CONUS_API void conus_cutter_destroy(conus_cutter *cutter);
 
-/**
- * Draws a cut into the cutter.
- * @param cutter The cutter.
+/** Draws a cut into the cutter.
  * @param view What to draw.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view out of its range.
- */
+ * @return #CONUS_ERROR_ARGUMENT for a view out of its range. */
 CONUS_CHECKED conus_status conus_cutter_draw(conus_cutter *cutter, const conus_cut_view *view);
 
-/**
- * Gives the pixels that were drawn last.
- * @param cutter The cutter.
+/** Gives the pixels that were drawn last.
  * @return [height width 4] As conus_cut() fills them; NULL before the first picture. Borrowed until the next
- * conus_cutter_draw(), and without a meaning where that failed.
- */
+ * conus_cutter_draw(), and without a meaning where that failed. */
 CONUS_API const uint8_t *conus_cutter_rgba(const conus_cutter *cutter);
 
-/**
- * Gives the numbers of objects of the pixels that were drawn last.
- * @param cutter The cutter.
- * @return [height width] As of conus_cutter_rgba().
- */
+/** Gives the numbers of objects of the pixels that were drawn last.
+ * @return [height width] As of conus_cutter_rgba(). */
 CONUS_API const uint32_t *conus_cutter_objects(const conus_cutter *cutter);
 
-/**
- * Gives the numbers of the objects that the pixels were drawn with: those of conus_cutter_objects() with smooth
+/** Gives the numbers of the objects that the pixels were drawn with: those of conus_cutter_objects() with smooth
  * borders.
- * @param cutter The cutter.
- * @return [height width] As of conus_cutter_rgba().
- */
+ * @return [height width] As of conus_cutter_rgba(). */
 CONUS_API const uint32_t *conus_cutter_shown(const conus_cutter *cutter);
 
-/**
- * Names preset @p index of grey values for the context volume.
- * @param index From 0.
- * @return NULL past the last. Static.
- */
+/** Names preset @p index of grey values for the context volume. @return NULL past the last. Static. */
 CONUS_API const char *conus_transfer_preset(size_t index);
 
-/**
- * Draws a cut as a figure: with letters of directions at its edges where they are within 15 degrees of them, a scale
+/** Draws a cut as a figure: with letters of directions at its edges where they are within 15 degrees of them, a scale
  * bar, and with a selection its legend, as conus_render() has them.
  * @param[out] out Channels R, G, B, A, as of conus_render(). End it with conus_image_destroy().
- * @param atlas The atlas.
- * @param view What to draw. Its width and height are the figure's. A legend on the right takes some of the width;
- * where the cut then becomes narrower than high, mm_per_pixel grows, so that its shorter side shows as much.
+ * @param view What to draw. Its width and height are the figure's. A legend on the right takes some of the width; where
+ * the cut then becomes narrower than high, mm_per_pixel grows, so that its shorter side shows as much.
  * @param sheet Its legend, background, dpi, no_legend, frame, shapes, measured, listed, points, title and own_colours
  * count; the background is seen beside the cut only. NULL = defaults.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view or sheet out of its range; #CONUS_ERROR_MEMORY for more than 8
- * GiB, at 32 bytes per pixel.
- */
+ * @return #CONUS_ERROR_ARGUMENT for a view or sheet out of its range; #CONUS_ERROR_MEMORY for more than 8 GiB, at 32
+ * bytes per pixel. */
 CONUS_CHECKED conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const conus_cut_view *view,
                                            const conus_view *sheet);
-/** @} */
 
 #ifdef __cplusplus
 }

@@ -59,53 +59,41 @@ typedef struct conus_transfer_point {
     double rgba[4]; /**< sRGB, and the opacity of 1 mm; 0 to 1. */
 } conus_transfer_point;
 
-/**
- * Makes an atlas ready for pictures.
+/** Makes an atlas ready for pictures.
  * @param[out] out The renderer; end it with conus_renderer_destroy().
  * @param atlas Must outlive the renderer.
  * @param options NULL = defaults.
  * @return #CONUS_OK; with #CONUS_ENGINE_GL #CONUS_ERROR_GL without an OpenGL 4.5 context and #CONUS_ERROR_UNSUPPORTED
- * in a build without OpenGL; #CONUS_ERROR_MEMORY above max_memory; the errors of reading a TF file.
- */
+ * in a build without OpenGL; #CONUS_ERROR_MEMORY above max_memory; the errors of reading a TF file. */
 CONUS_CHECKED conus_status conus_renderer_create(conus_renderer **out, const conus_atlas *atlas,
                                                  const conus_renderer_options *options);
 
-/**
- * Ends a renderer.
- * @param renderer NULL is allowed.
- */
+/** Ends a renderer.
+ * @param renderer NULL is allowed. */
 CONUS_API void conus_renderer_destroy(conus_renderer *renderer);
 
-/**
- * Names what draws, as GL calls its renderer.
+/** Names what draws, as GL calls its renderer.
  * @param renderer The renderer.
- * @return "llvmpipe (LLVM 15.0.6, 256 bits)", or "rays". Borrowed from the renderer.
- */
+ * @return "llvmpipe (LLVM 15.0.6, 256 bits)", or "rays". Borrowed from the renderer. */
 CONUS_API const char *conus_renderer_device(const conus_renderer *renderer);
 
-/**
- * Gives the transfer function of the context.
+/** Gives the transfer function of the context.
  * @param[out] count How many points; 0 where there is no context.
  * @param renderer The renderer.
- * @return [count] Borrowed until it is changed.
- */
+ * @return [count] Borrowed until it is changed. */
 CONUS_API const conus_transfer_point *conus_renderer_transfer(size_t *count, const conus_renderer *renderer);
 
-/**
- * Changes the transfer function of the context.
+/** Changes the transfer function of the context.
  * @param renderer The renderer.
  * @param points [count] Their values never fall. Copied.
  * @param count 1 to 4096.
- * @return #CONUS_OK, also without a context, where it changes nothing; #CONUS_ERROR_ARGUMENT for other points.
- */
+ * @return #CONUS_OK, also without a context, where it changes nothing; #CONUS_ERROR_ARGUMENT for other points. */
 CONUS_CHECKED conus_status conus_renderer_set_transfer(conus_renderer *renderer, const conus_transfer_point *points,
                                                        size_t count);
 
-/**
- * Takes over what has been hidden and shown in the atlas since the renderer was made.
+/** Takes over what has been hidden and shown in the atlas since the renderer was made.
  * @param renderer The renderer.
- * @return #CONUS_OK; #CONUS_ERROR_GL where the driver fails.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_GL where the driver fails. */
 CONUS_CHECKED conus_status conus_renderer_update(conus_renderer *renderer);
 
 /** A side of the head from which a picture shows it. */
@@ -261,23 +249,21 @@ typedef struct conus_view {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_VIEW_INIT CONUS_INIT_(conus_view)
 
-/**
- * Draws the atlas: its areas, or its pathways where it has any (all areas would hide them), and
- * then of the areas those that the selection hits, or with #CONUS_LAYERS_ALL passes.
- * Where left and right, or the like, are across the picture to within 15 degrees, letters at its edges say so; else a
- * cross of all directions does. These and the scale bar lie beside what is drawn; with a camera in the corner where
- * they hide least, on a patch where they hide something. The legend lists what conus_selection_result() lists, in that
- * order. Its letters become smaller where names do not fit, down to 6/7 of their size, below that only for a name that
- * is wider than the place. Where rows do not fit, the last ones behind others are counted in one. Where all is opaque,
- * first hits that the camera does not see are "(not seen)".
+/** Draws the atlas: its areas, or its pathways where it has any (all areas would hide them), and then of the areas
+ * those that the selection hits, or with #CONUS_LAYERS_ALL passes. Where left and right, or the like, are across the
+ * picture to within 15 degrees, letters at its edges say so; else a cross of all directions does. These and the scale
+ * bar lie beside what is drawn; with a camera in the corner where they hide least, on a patch where they hide
+ * something. The legend lists what conus_selection_result() lists, in that order. Its letters become smaller where
+ * names do not fit, down to 6/7 of their size, below that only for a name that is wider than the place. Where rows do
+ * not fit, the last ones behind others are counted in one. Where all is opaque, first hits that the camera does not see
+ * are "(not seen)".
  * @param[out] out Channels R, G, B, A: float, linear light, premultiplied; A is 1 unless the background is transparent.
  * End it with conus_image_destroy().
  * @param renderer The renderer.
  * @param view What to draw.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view out of its range; #CONUS_ERROR_MEMORY for a picture above the
- * renderer's max_memory, 32 bytes per pixel; #CONUS_ERROR_GL where the driver fails;
- * #CONUS_ERROR_CANCELLED where progress returns false.
- */
+ * renderer's max_memory, 32 bytes per pixel; #CONUS_ERROR_GL where the driver fails; #CONUS_ERROR_CANCELLED where
+ * progress returns false. */
 CONUS_CHECKED conus_status conus_render(conus_image **out, conus_renderer *renderer, const conus_view *view);
 /** @} */
 
@@ -316,15 +302,13 @@ typedef struct conus_cut_view {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_CUT_VIEW_INIT CONUS_INIT_(conus_cut_view)
 
-/**
- * Draws a cut.
+/** Draws a cut.
  * @param[out] rgba [height width 4] sRGB and opacity, top row first.
  * @param[out] objects [height width] Number of the object that each pixel's centre is in, 0 = nothing; NULL = not
  * wanted.
  * @param atlas The atlas.
  * @param view What to draw.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view out of its range.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view out of its range. */
 CONUS_CHECKED conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const conus_atlas *atlas,
                                      const conus_cut_view *view);
 
@@ -335,11 +319,10 @@ typedef struct conus_cut_plane {
     double up[3];    /**< Unit vector to the picture's top, perpendicular to it. */
 } conus_cut_plane;
 
-/**
- * Draws cuts side by side on one sheet, all at the largest scale at which the box around the atlas and its context fits
- * in each: with the letters of directions outside of the cuts, below each one where its plane is, one scale bar, and
- * with a selection its cone in each cut and one legend. Black at the edges of a cut is the background, if nothing else
- * is there; without a context all is where nothing is.
+/** Draws cuts side by side on one sheet, all at the largest scale at which the box around the atlas and its context
+ * fits in each: with the letters of directions outside of the cuts, below each one where its plane is, one scale bar,
+ * and with a selection its cone in each cut and one legend. Black at the edges of a cut is the background, if nothing
+ * else is there; without a context all is where nothing is.
  * @param[out] out Channels R, G, B, A, as of conus_render(). End it with conus_image_destroy().
  * @param atlas The atlas.
  * @param planes [count] Where the cuts are, in the order of reading.
@@ -349,14 +332,13 @@ typedef struct conus_cut_plane {
  * @param sheet Of the whole: its size, legend, background, dpi, no_legend, selection, own_colours, print, listed,
  * points, title, is_beam and frame; all else is of the view in space. Without a selection, points and colours that
  * somebody chose, what is listed has its colour, and all other areas only outlines over an image; where there are
- * pathways or bundles these are what is listed, too. Its height 0 means as high as the cuts need it, at most
- * three quarters of the width, in print 1.4 times the width. With dpi outlines are half a point wide and of one grey.
- * NULL = defaults.
+ * pathways or bundles these are what is listed, too. Its height 0 means as high as the cuts need it, at most three
+ * quarters of the width, in print 1.4 times the width. With dpi outlines are half a point wide and of one grey. NULL =
+ * defaults.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for something out of its range, and for a sheet too small for so many cuts;
  * #CONUS_ERROR_DATA for an atlas in which nothing shows; #CONUS_ERROR_MEMORY for more than 8 GiB, at 32 bytes per
  * pixel; the errors of conus_render().
- * @threads The one that made the renderer; without one any, while none changes the atlas.
- */
+ * @threads The one that made the renderer; without one any, while none changes the atlas. */
 CONUS_CHECKED conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const conus_cut_plane *planes,
                                             size_t count, const conus_cut_view *look, conus_renderer *renderer,
                                             const conus_view *sheet);

@@ -164,8 +164,7 @@ typedef struct conus_plan_faults {
     const char *why; /**< Why that row is no pose; "" = there is no such row. Borrowed from the plan. */
 } conus_plan_faults;
 
-/**
- * Prepares to try poses.
+/** Prepares to try poses.
  * @param[out] out The plan; end it with conus_plan_destroy().
  * @param selector Must outlive the plan. Its range holds where a pose has none of its own, its radius is the needle's.
  * A structure has all that is below it, whatever its level; a measure of a cone needs one that reports nothing else
@@ -175,58 +174,46 @@ typedef struct conus_plan_faults {
  * @param options NULL = defaults. Its strings are copied.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a name that is unknown or means several, with the closest one in the
  * message, a structure without a shape, one both reached and avoided, a constraint given twice, a number out of its
- * range, a measure that the kind or the selector does not have, and an unknown key.
- */
+ * range, a measure that the kind or the selector does not have, and an unknown key. */
 CONUS_CHECKED conus_status conus_plan_create(conus_plan **out, conus_selector *selector,
                                              const conus_constraint *constraints, size_t count,
                                              const conus_plan_options *options);
 
-/**
- * Ends a plan.
- * @param plan NULL is allowed.
- */
+/** Ends a plan.
+ * @param plan NULL is allowed. */
 CONUS_API void conus_plan_destroy(conus_plan *plan);
 
-/**
- * Tries poses. The list is the same for any number of threads, and with or without pruning.
+/** Tries poses. The list is the same for any number of threads, and with or without pruning.
  * @param plan Not run before.
  * @param poses The stream. A row that is no candidate is counted, see conus_plan_rejected().
  * @param limit Rows to read at most.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a plan that was run; #CONUS_ERROR_CANCELLED; the errors of
  * conus_pose_stream_read() and conus_select().
- * @threads One at a time for each @p plan and @p poses, and for the selector.
- */
+ * @threads One at a time for each @p plan and @p poses, and for the selector. */
 CONUS_CHECKED conus_status conus_plan_run(conus_plan *plan, conus_pose_stream *poses, uint64_t limit);
 
-/**
- * Tries one pose, at once and all by itself: before a run, after it, or without one. The list does not change.
+/** Tries one pose, at once and all by itself: before a run, after it, or without one. The list does not change.
  * @param[out] out All that the list would say of it, also where it breaks constraints; candidate, rank and front are 0.
  * Borrowed from the plan until the next call.
  * @param plan The plan.
  * @param row The pose, with the id, range and opening that a row of a stream would have; NaN and 0 as there.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a row that would be no candidate, and a pose that is not rigid; the
  * errors of conus_select().
- * @threads One at a time for each @p plan, and for the selector; not during conus_plan_run().
- */
+ * @threads One at a time for each @p plan, and for the selector; not during conus_plan_run(). */
 CONUS_CHECKED conus_status conus_plan_try(const conus_planned **out, conus_plan *plan, const conus_pose_row *row);
 
-/**
- * Counts the poses of the list: feasible ones by rank, then perhaps others.
+/** Counts the poses of the list: feasible ones by rank, then perhaps others.
  * @param plan NULL counts 0.
- * @return How many there are; 0 before conus_plan_run().
- */
+ * @return How many there are; 0 before conus_plan_run(). */
 CONUS_API size_t conus_plan_count(const conus_plan *plan);
 
-/**
- * Gives pose @p index of the list.
+/** Gives pose @p index of the list.
  * @param plan The plan.
  * @param index From 0.
- * @return NULL past the last. Borrowed from the plan.
- */
+ * @return NULL past the last. Borrowed from the plan. */
 CONUS_API const conus_planned *conus_plan_pose(const conus_plan *plan, size_t index);
 
-/**
- * Lists what a plan found besides its poses.
+/** Lists what a plan found besides its poses.
  * @param[out] out The columns below; end it with conus_table_destroy().
  * @param plan The plan.
  * @param what "constraints", in their order: kind, name (of its structure), asked ("at least 5 mm of the axis in
@@ -235,26 +222,21 @@ CONUS_API const conus_planned *conus_plan_pose(const conus_plan *plan, size_t in
  * "entries", of which there are as many as conus_plan_options.entries: feasible (how many of its poses break no
  * constraint), candidate (number of the best of these by the rank; 0 = there is none, and all that follows is n/a),
  * leeway_mm, slack_mm, depth_mm, entry_angle_deg, reach1 (value of the first REACH; n/a without one), also where that
- * pose is not in the list; the same for any number of threads, and with or without pruning. "targets": likewise of
- * each target.
+ * pose is not in the list; the same for any number of threads, and with or without pruning. "targets": likewise of each
+ * target.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another word or NULL, and of entries and targets before
- * conus_plan_run().
- */
+ * conus_plan_run(). */
 CONUS_CHECKED conus_status conus_plan_list(conus_table **out, const conus_plan *plan, const char *what);
 
-/**
- * Counts the candidates that hold the first constraints: the funnel.
+/** Counts the candidates that hold the first constraints: the funnel.
  * @param plan The plan.
  * @param constraints So many constraints, the first ones; 0 counts all candidates, all of them the feasible ones.
- * @return How many candidates hold them.
- */
+ * @return How many candidates hold them. */
 CONUS_API uint64_t conus_plan_left(const conus_plan *plan, size_t constraints);
 
-/**
- * Says which rows were no candidates.
+/** Says which rows were no candidates.
  * @param plan The plan.
- * @return Their number, and the first.
- */
+ * @return Their number, and the first. */
 CONUS_API conus_plan_faults conus_plan_rejected(const conus_plan *plan);
 /** @} */
 
@@ -276,34 +258,28 @@ typedef struct conus_sites conus_sites; /**< Points where needles may enter, or 
 /** @name Sites
  * @{ */
 
-/**
- * Makes sites of points.
+/** Makes sites of points.
  * @param[out] out The sites; end them with conus_sites_destroy().
  * @param points [count][3] World mm. Copied.
  * @param count May be 0.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a point that is not finite.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a point that is not finite. */
 CONUS_CHECKED conus_status conus_sites_create(conus_sites **out, const double *points, size_t count);
 
-/**
- * Makes sites of the vertices of a surface, in the order of the file, with normals: the mean of the triangles around a
+/** Makes sites of the vertices of a surface, in the order of the file, with normals: the mean of the triangles around a
  * vertex, weighted by their areas, those at its other numbers too. Of a closed surface they point outwards, by its
  * signed volume; else as its triangles are wound, with a note. Vertices without a triangle, and those whose normals
  * cancel out, are left out.
  * @param[out] out The sites; end them with conus_sites_destroy().
  * @param path A surface in any format that conus_atlas_load() reads.
  * @param flip Normals point to the other side.
- * @return #CONUS_OK; the errors of conus_atlas_load() about surfaces.
- */
+ * @return #CONUS_OK; the errors of conus_atlas_load() about surfaces. */
 CONUS_CHECKED conus_status conus_sites_load(conus_sites **out, const char *path, bool flip);
 
-/**
- * Makes sites of the centres of the voxels of a region that have one of another kind, or the edge of the grid, at one
+/** Makes sites of the centres of the voxels of a region that have one of another kind, or the edge of the grid, at one
  * of their six faces; in the order of the file.
  * @param[out] out The sites; end them with conus_sites_destroy().
  * @param roi The region.
- * @return #CONUS_OK; #CONUS_ERROR_MEMORY.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_MEMORY. */
 CONUS_CHECKED conus_status conus_sites_of_roi(conus_sites **out, const conus_roi *roi);
 
 /** Which points of a structure are sites. */
@@ -318,89 +294,69 @@ typedef enum conus_sites_kind {
     CONUS_SITES_VOXELS        /**< The centres of its voxels, in the order of the file. */
 } conus_sites_kind;
 
-/**
- * Finds points of a structure.
+/** Finds points of a structure.
  * @param[out] out The sites; end them with conus_sites_destroy().
  * @param selector Of the atlas; its options do not matter.
  * @param names The structure, as conus_constraint.names; but for voxels with all that is hidden in it.
  * @param kind Which points.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a name that is unknown or means several, with close ones in the
- * message, and a structure without voxels, or, but for voxels, without these and a closed surface.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a name that is unknown or means several, with close ones in the message,
+ * and a structure without voxels, or, but for voxels, without these and a closed surface. */
 CONUS_CHECKED conus_status conus_sites_find(conus_sites **out, const conus_selector *selector, const char *names,
                                             conus_sites_kind kind);
 
-/**
- * Keeps the sites that are in a structure, or those that are not.
+/** Keeps the sites that are in a structure, or those that are not.
  * @param sites The sites; unchanged on failure.
  * @param selector As for conus_sites_find().
  * @param names The structure: voxels and closed surfaces have an inside.
  * @param inside Whether those in it are kept.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT as of conus_sites_find().
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT as of conus_sites_find(). */
 CONUS_CHECKED conus_status conus_sites_keep_named(conus_sites *sites, const conus_selector *selector, const char *names,
                                                   bool inside);
 
-/**
- * Keeps the sites that are in the voxels of a region, or those that are not.
+/** Keeps the sites that are in the voxels of a region, or those that are not.
  * @param sites The sites.
  * @param roi The region, in their space.
- * @param inside Whether those in it are kept.
- */
+ * @param inside Whether those in it are kept. */
 CONUS_API void conus_sites_keep_roi(conus_sites *sites, const conus_roi *roi, bool inside);
 
-/**
- * Keeps the vertices that have a label, or those that have none.
+/** Keeps the vertices that have a label, or those that have none.
  * @param sites Of conus_sites_load(); unchanged on failure.
  * @param path Labels of its vertices, as conus_load_options.labels of a surface; label 0 is none.
  * @param labelled Whether those with a label are kept.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for sites of no surface; #CONUS_ERROR_DATA for labels of another number of
- * vertices; the errors of conus_atlas_load() about labels.
- */
+ * vertices; the errors of conus_atlas_load() about labels. */
 CONUS_CHECKED conus_status conus_sites_keep_labelled(conus_sites *sites, const char *path, bool labelled);
 
-/**
- * Thins sites out: in their order, one is kept unless a kept one is nearer than @p spacing.
+/** Thins sites out: in their order, one is kept unless a kept one is nearer than @p spacing.
  * @param sites The sites; unchanged on failure.
  * @param spacing mm, from 0.001 on.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a spacing out of its range.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a spacing out of its range. */
 CONUS_CHECKED conus_status conus_sites_space(conus_sites *sites, double spacing);
 
-/**
- * Counts sites.
+/** Counts sites.
  * @param sites NULL counts 0.
- * @return How many there are.
- */
+ * @return How many there are. */
 CONUS_API size_t conus_sites_count(const conus_sites *sites);
 
-/**
- * Gives the points.
+/** Gives the points.
  * @param sites The sites.
- * @return [count][3] World mm. Borrowed from the sites, until they are thinned out.
- */
+ * @return [count][3] World mm. Borrowed from the sites, until they are thinned out. */
 CONUS_API const double *conus_sites_points(const conus_sites *sites);
 
-/**
- * Gives the normals.
+/** Gives the normals.
  * @param sites The sites.
- * @return [count][3] Of length 1; NULL but of a surface. Borrowed from the sites, until they are thinned out.
- */
+ * @return [count][3] Of length 1; NULL but of a surface. Borrowed from the sites, until they are thinned out. */
 CONUS_API const double *conus_sites_normals(const conus_sites *sites);
 
-/**
- * Gives the number that site @p index has where it comes from.
+/** Gives the number that site @p index has where it comes from.
  * @param sites The sites.
  * @param index From 0.
  * @return From 0: of a vertex in its file, of a voxel in its volume, x fastest, of a point in the array; 0 of a
- * centroid; UINT64_MAX past the last.
- */
+ * centroid; UINT64_MAX past the last. */
 CONUS_API uint64_t conus_sites_source(const conus_sites *sites, size_t index);
 
-/**
- * Ends sites.
- * @param sites NULL is allowed.
- */
+/** Ends sites.
+ * @param sites NULL is allowed. */
 CONUS_API void conus_sites_destroy(conus_sites *sites);
 /** @} */
 
@@ -435,8 +391,7 @@ typedef struct conus_candidates {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_CANDIDATES_INIT CONUS_INIT_(conus_candidates)
 
-/**
- * Makes a stream of all candidates, in the order of entries, of one entry in that of targets, of these two in that of
+/** Makes a stream of all candidates, in the order of entries, of one entry in that of targets, of these two in that of
  * tilts: the direction itself, then rings at tilt_step, 2 tilt_step and so on up to tilt_most; a ring at the angle t
  * has ceil(360 sin(t) / tilt_step) directions, from the device's +y on towards its +x (Eq. 2); of one tilt in that of
  * turns, which move the device's +y towards its +x. No memory grows with their number. A row's id is "eI-tJ-kK-rR" with
@@ -446,8 +401,7 @@ typedef struct conus_candidates {
  * @param candidates Its arrays must outlive the stream.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for no entry or target, for one that is not finite, for a normal without
  * length, for none where they are needed, for tilts and turns out of their range, for a far end at targets that there
- * are not, and for more candidates than #CONUS_CANDIDATE_LIMIT.
- */
+ * are not, and for more candidates than #CONUS_CANDIDATE_LIMIT. */
 CONUS_CHECKED conus_status conus_candidates_open(conus_pose_stream **out, const conus_candidates *candidates);
 
 /** @name Needles planned together
@@ -553,8 +507,7 @@ typedef struct conus_conflict {
     double entry_distance; /**< mm: this distance of entries has one, likewise. */
 } conus_conflict;
 
-/**
- * Plans needles together: has the candidates of each listed, finds the best combinations, and proves them.
+/** Plans needles together: has the candidates of each listed, finds the best combinations, and proves them.
  * @param[out] out The answer; end it with conus_together_destroy().
  * @param questions [count] An array of structs of the size that its first one's struct_size says. Selectors must
  * outlive the answer.
@@ -563,50 +516,38 @@ typedef struct conus_conflict {
  * @return #CONUS_OK, also where there is no combination; #CONUS_ERROR_ARGUMENT for a number out of its range, a needle
  * that is named twice in a question, and a given one that is none; #CONUS_ERROR_CANCELLED where a run ended before a
  * combination was found; after that the answer is the best one so far, which is not proven; the errors of
- * conus_plan_create(), conus_plan_run() and
- * conus_plan_try().
- */
+ * conus_plan_create(), conus_plan_run() and conus_plan_try(). */
 CONUS_CHECKED conus_status conus_plan_together(conus_together **out, const conus_question *questions, size_t count,
                                                const conus_together_options *options);
 
-/**
- * Ends an answer.
- * @param together NULL is allowed.
- */
+/** Ends an answer.
+ * @param together NULL is allowed. */
 CONUS_API void conus_together_destroy(conus_together *together);
 
-/**
- * Gives a combination, the best one first.
+/** Gives a combination, the best one first.
  * @param together The answer.
  * @param index From 0.
- * @return NULL past the last. Borrowed from the answer.
- */
+ * @return NULL past the last. Borrowed from the answer. */
 CONUS_API const conus_combination *conus_together_combination(const conus_together *together, size_t index);
 
-/**
- * Gives a needle.
+/** Gives a needle.
  * @param together The answer.
  * @param index From 0.
- * @return NULL past the last. Borrowed from the answer.
- */
+ * @return NULL past the last. Borrowed from the answer. */
 CONUS_API const conus_placed *conus_together_needle(const conus_together *together, size_t index);
 
-/**
- * Says why there is no combination.
+/** Says why there is no combination.
  * @param together The answer.
  * @return NULL where there is one that is feasible, and where it is not known whether there is. Borrowed from the
- * answer.
- */
+ * answer. */
 CONUS_API const conus_conflict *conus_together_conflict(const conus_together *together);
 
-/**
- * Makes a table of all pairs of the combinations: how near the needles come to each other, and where.
+/** Makes a table of all pairs of the combinations: how near the needles come to each other, and where.
  * @param[out] out A row for each two needles: combination, needle, other, slack_mm, leeway_mm, distance_mm, body,
  * other_body, x, y, z, other_x, other_y, other_z, entry_distance_mm; without a combination no row. End it with
  * conus_table_destroy().
  * @param together The answer.
- * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
- */
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected. */
 CONUS_CHECKED conus_status conus_together_pairs(conus_table **out, const conus_together *together);
 /** @} */
 

@@ -27,57 +27,47 @@ typedef struct conus_pose {
     double world_from_device[16]; /**< Column-major; maps device mm to world mm. */
 } conus_pose;
 
-/**
- * Makes a device at @p origin that points along @p direction.
+/** Makes a device at @p origin that points along @p direction.
  * @param[out] out The pose.
  * @param origin World mm.
  * @param direction Any length but 0.
  * @param up Upwards of the device; NULL = the default of Eq. 2.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a number that is not finite, and for a direction of length 0 or along @p
- * up.
- */
+ * up. */
 CONUS_CHECKED conus_status conus_pose_along(conus_pose *out, const double origin[3], const double direction[3],
                                             const double up[3]);
 
-/**
- * Makes a device at @p origin that points at a point.
+/** Makes a device at @p origin that points at a point.
  * @param[out] out The pose.
  * @param origin World mm.
  * @param target World mm.
  * @param up As for conus_pose_along().
- * @return #CONUS_OK; as conus_pose_along().
- */
+ * @return #CONUS_OK; as conus_pose_along(). */
 CONUS_CHECKED conus_status conus_pose_toward(conus_pose *out, const double origin[3], const double target[3],
                                              const double up[3]);
 
-/**
- * Makes a pose from a rigid, right-handed matrix. Deviations up to 2e-3 (three decimals in files) are made exact:
- * the axis is kept as given.
+/** Makes a pose from a rigid, right-handed matrix. Deviations up to 2e-3 (three decimals in files) are made exact: the
+ * axis is kept as given.
  * @param[out] out The pose.
  * @param world_from_device Column-major; maps device mm to world mm.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another matrix.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another matrix. */
 CONUS_CHECKED conus_status conus_pose_from_matrix(conus_pose *out, const double world_from_device[16]);
 
-/**
- * Makes a pose from a position and a quaternion.
+/** Makes a pose from a position and a quaternion.
  * @param[out] out The pose.
  * @param origin World mm.
  * @param wxyz w, x, y, z; any length but 0.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a number that is not finite, and for a quaternion of length 0.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a number that is not finite, and for a quaternion of length 0. */
 CONUS_CHECKED conus_status conus_pose_from_quaternion(conus_pose *out, const double origin[3], const double wxyz[4]);
 
-/**
- * Turns a device about its axis as its space has it (Eq. 2): its frame is made in the axes of the space. Up is dorsal
+/** Turns a device about its axis as its space has it (Eq. 2): its frame is made in the axes of the space. Up is dorsal
  * there, and not the world's z. Where the atlas's world is a mirror image of the space, as that of BrainGlobe's folders
  * is of #CONUS_SPACE_CCF, the device's x comes to lie on the other side: the pose is then left-handed. Such a pose is
  * the same device at the same place in each form of an atlas; all functions that take a pose take it. In
  * #CONUS_SPACE_RAS and #CONUS_SPACE_LPS a pose of conus_pose_along() stays as it is.
  * @param[in,out] pose As conus_pose_along() and conus_pose_toward() make it.
  * @param frame The frame.
- * @param has_up It was made with an up vector, which is kept.
- */
+ * @param has_up It was made with an up vector, which is kept. */
 CONUS_API void conus_frame_turn_pose(conus_pose *pose, const conus_frame *frame, bool has_up);
 /** @} */
 
@@ -207,43 +197,35 @@ typedef struct conus_pose_row {
  * one thread at a time.
  * @{ */
 
-/**
- * Opens poses for reading one block after the other. A file without any pose opens, too, unless nothing in it tells
+/** Opens poses for reading one block after the other. A file without any pose opens, too, unless nothing in it tells
  * its format.
  * @param[out] out The stream; end it with conus_pose_stream_destroy().
  * @param path A file or a pipe; NULL or "-" is standard input. ",x=COLUMN,y=COLUMN,..." behind it is
  * conus_pose_options.columns, unless a file is called so.
  * @param options NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_IO, #CONUS_ERROR_DATA or #CONUS_ERROR_UNSUPPORTED for a file that cannot be read;
- * #CONUS_ERROR_MEMORY above max_memory.
- */
+ * #CONUS_ERROR_MEMORY above max_memory. */
 CONUS_CHECKED conus_status conus_pose_stream_open(conus_pose_stream **out, const char *path,
                                                   const conus_pose_options *options);
 
-/**
- * Reads the next rows. A bad row is given with its error.
+/** Reads the next rows. A bad row is given with its error.
  * @param[out] rows [capacity] The first @p count of them are filled. Their strings live until the next call on the
  * stream.
  * @param[out] count Rows read: fewer than @p capacity only at the end, 0 when there are no more.
  * @param stream The stream.
  * @param capacity At least 1.
- * @return #CONUS_OK; #CONUS_ERROR_IO also where the file changes before all of it is read.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_IO also where the file changes before all of it is read. */
 CONUS_CHECKED conus_status conus_pose_stream_read(conus_pose_row *rows, size_t *count, conus_pose_stream *stream,
                                                   size_t capacity);
 
-/**
- * Ends a live stream behind the last whole line that has come, also for a thread that waits for the next one. On other
+/** Ends a live stream behind the last whole line that has come, also for a thread that waits for the next one. On other
  * streams it has no effect.
  * @param stream The stream.
- * @threads Any, at any time, and a signal handler.
- */
+ * @threads Any, at any time, and a signal handler. */
 CONUS_API void conus_pose_stream_stop(conus_pose_stream *stream);
 
-/**
- * Ends a stream.
- * @param stream NULL is allowed.
- */
+/** Ends a stream.
+ * @param stream NULL is allowed. */
 CONUS_API void conus_pose_stream_destroy(conus_pose_stream *stream);
 /** @} */
 
@@ -251,44 +233,34 @@ CONUS_API void conus_pose_stream_destroy(conus_pose_stream *stream);
  * A list holds all rows of a file.
  * @{ */
 
-/**
- * Reads all rows of conus_pose_stream_open(); there may be none.
+/** Reads all rows of conus_pose_stream_open(); there may be none.
  * @param[out] out The list; end it with conus_pose_list_destroy().
  * @param path As for conus_pose_stream_open().
  * @param options NULL = defaults.
- * @return #CONUS_OK; the errors of conus_pose_stream_open() and conus_pose_stream_read().
- */
+ * @return #CONUS_OK; the errors of conus_pose_stream_open() and conus_pose_stream_read(). */
 CONUS_CHECKED conus_status conus_pose_list_load(conus_pose_list **out, const char *path,
                                                 const conus_pose_options *options);
 
-/**
- * Counts the rows.
+/** Counts the rows.
  * @param list NULL counts 0.
- * @return How many rows there are.
- */
+ * @return How many rows there are. */
 CONUS_API size_t conus_pose_list_count(const conus_pose_list *list);
 
-/**
- * Gives row @p index.
+/** Gives row @p index.
  * @param list The list.
  * @param index From 0.
- * @return NULL past the last. Borrowed from the list.
- */
+ * @return NULL past the last. Borrowed from the list. */
 CONUS_API const conus_pose_row *conus_pose_list_row(const conus_pose_list *list, size_t index);
 
-/**
- * Checks that the file and the atlas belong to one brain. Adds a note where one of them does not name its space. A file
- * that names no space fits any atlas; a scan of one person fits an atlas that was moved (conus_atlas_move()).
+/** Checks that the file and the atlas belong to one brain. Adds a note where one of them does not name its space. A
+ * file that names no space fits any atlas; a scan of one person fits an atlas that was moved (conus_atlas_move()).
  * @param list The list.
  * @param atlas The atlas.
- * @return #CONUS_OK; #CONUS_ERROR_DATA where they name different brains, a scan of one person and a template, say.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_DATA where they name different brains, a scan of one person and a template, say. */
 CONUS_CHECKED conus_status conus_pose_list_match(conus_pose_list *list, const conus_atlas *atlas);
 
-/**
- * Ends a list.
- * @param list NULL is allowed.
- */
+/** Ends a list.
+ * @param list NULL is allowed. */
 CONUS_API void conus_pose_list_destroy(conus_pose_list *list);
 /** @} */
 
@@ -357,12 +329,10 @@ typedef struct conus_place_options {
 CONUS_CHECKED conus_status conus_place_find(conus_place *out, const conus_atlas *atlas, const char *text,
                                             const conus_place_options *options);
 
-/**
- * Says how a place was understood: "Hippocampus_L: (-27.0, -13.0, -15.0), 6.0 mm inside".
+/** Says how a place was understood: "Hippocampus_L: (-27.0, -13.0, -15.0), 6.0 mm inside".
  * @param[out] out [#CONUS_PLACE_TEXT] The text, without a line's end, cut where it is too long.
  * @param place The place.
- * @param frame Space and unit of the numbers; NULL = the world.
- */
+ * @param frame Space and unit of the numbers; NULL = the world. */
 CONUS_API void conus_place_text(char out[512], const conus_place *place, const conus_frame *frame);
 
 /** Points whose names say where they are, and how far from there they lie. */
@@ -399,38 +369,31 @@ typedef struct conus_probe_options {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_PROBE_OPTIONS_INIT CONUS_INIT_(conus_probe_options)
 
-/**
- * Loads a file of ProbeInterface, or the probes of a recording: SpikeGLX's .ap.meta or .imro, Open Ephys's settings.xml
- * (docs/formats.md).
+/** Loads a file of ProbeInterface, or the probes of a recording: SpikeGLX's .ap.meta or .imro, Open Ephys's
+ * settings.xml (docs/formats.md).
  * @param[out] out The probes; end them with conus_probe_destroy().
  * @param path A file.
  * @param options NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_IO or #CONUS_ERROR_DATA for a file that cannot be read, contradicts itself or has no
  * contour, where that is needed; #CONUS_ERROR_ARGUMENT for a tip out of its range; #CONUS_ERROR_MEMORY above
- * max_memory.
- */
+ * max_memory. */
 CONUS_CHECKED conus_status conus_probe_load(conus_probe **out, const char *path, const conus_probe_options *options);
 
-/**
- * Ends the probes.
- * @param probe NULL is allowed.
- */
+/** Ends the probes.
+ * @param probe NULL is allowed. */
 CONUS_API void conus_probe_destroy(conus_probe *probe);
 
-/**
- * Lists the contacts, in the order of the file.
+/** Lists the contacts, in the order of the file.
  * @param[out] out Columns id (that of no other in the file: "e7", of several probes "probe2:e7"), probe, number (of the
  * probe, from 1), shank_id, channel, x_um, y_um, z_um (as in the file), offset_x, offset_y, offset_z (mm from the
  * probe's tip in the device's frame, Eq. 2). Its part "tips" has x_um, y_um, z_um of each probe's tip: the lowest point
  * of its contour, in the middle of an edge that is as low; of several that are as low, shanks side by side, that of the
  * least x. End it with conus_table_destroy().
  * @param probe The probes.
- * @return #CONUS_OK; #CONUS_ERROR_MEMORY.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_MEMORY. */
 CONUS_CHECKED conus_status conus_probe_table(conus_table **out, const conus_probe *probe);
 
-/**
- * Puts the contacts where poses say: the tip at the pose's position, the shank along its axis, from base to tip, and
+/** Puts the contacts where poses say: the tip at the pose's position, the shank along its axis, from base to tip, and
  * the probe's x axis along the device's +x.
  * @param[out] out A point for each contact, with its id; its line is its number from 1. End it with
  * conus_pose_list_destroy().
@@ -438,8 +401,7 @@ CONUS_CHECKED conus_status conus_probe_table(conus_table **out, const conus_prob
  * @param poses [count] One for each probe.
  * @param count As many as there are probes.
  * @param roll Turns each probe about its axis, its +y towards its +x, degrees: as conus_candidates.roll_step.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another number of poses, and for a turn or a pose that is not finite.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another number of poses, and for a turn or a pose that is not finite. */
 CONUS_CHECKED conus_status conus_probe_place(conus_pose_list **out, const conus_probe *probe, const conus_pose *poses,
                                              size_t count, double roll);
 /** @} */

@@ -136,115 +136,93 @@ typedef struct conus_report_options {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_REPORT_OPTIONS_INIT CONUS_INIT_(conus_report_options)
 
-/**
- * Starts a report on answers of a selector.
+/** Starts a report on answers of a selector.
  * @param[out] out The report; end it with conus_report_destroy().
  * @param selector Must outlive the report. NULL for rows that are of no atlas.
  * @param options NULL = defaults. Its strings must outlive the report.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for options that do not go together.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for options that do not go together. */
 CONUS_CHECKED conus_status conus_report_create(conus_report **out, const conus_selector *selector,
                                                const conus_report_options *options);
 
-/**
- * Adds one answer.
+/** Adds one answer.
  * @param report The report.
  * @param query_id Copied, as UTF-8 without control characters.
  * @param selection The answer; may end afterwards.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows. */
 CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *query_id,
                                             const conus_selection *selection);
 
-/**
- * Adds the answer of a study: of conus_sweep(), conus_jitter(), conus_overlap(), conus_clusters(), conus_segments(),
+/** Adds the answer of a study: of conus_sweep(), conus_jitter(), conus_overlap(), conus_clusters(), conus_segments(),
  * conus_clearance() or conus_connectivity(). To #CONUS_FORMAT_SPIKEGLX and #CONUS_FORMAT_OPEN_EPHYS segments are a
  * shank, whose tip is at the far end of the selector's range; then all queries are shanks.
  * @param report The report.
  * @param query_id As for conus_report_add().
  * @param table Of the report's selector, with positions in the frame of the report. It may end afterwards.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, of another frame, or within another distance.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, of another frame, or within another distance. */
 CONUS_CHECKED conus_status conus_report_add_table(conus_report *report, const char *query_id, conus_table *table);
 
-/**
- * Adds the poses that a plan lists.
+/** Adds the poses that a plan lists.
  * @param report Of #CONUS_ROWS_PLAN, whose columns then are those of the plan's constraints, too, or of
  * #CONUS_ROWS_CONSTRAINTS. Nothing else is added to it.
  * @param plan Of the report's selector; must outlive the last text of @p report.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, and for a second plan.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, and for a second plan. */
 CONUS_CHECKED conus_status conus_report_add_plan(conus_report *report, conus_plan *plan);
 
-/**
- * Adds the distances of the axes that a plan lists from the structures to be avoided, from their near to their far
+/** Adds the distances of the axes that a plan lists from the structures to be avoided, from their near to their far
  * ends: a row for each depth, the last one at the far end, and each structure that is avoided by clearance.
  * @param report Of #CONUS_ROWS_PROFILE. Nothing else is added to it.
  * @param plan As for conus_report_add_plan().
  * @param step mm from depth to depth, more than 0.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, for a second plan, and for a step that is out of
- * range or gives a needle more than 100000 depths.
- */
+ * range or gives a needle more than 100000 depths. */
 CONUS_CHECKED conus_status conus_report_add_profile(conus_report *report, conus_plan *plan, double step);
 
-/**
- * Adds how far the poses that a plan lists may be off: a row for each side of each degree of freedom, and with a box
+/** Adds how far the poses that a plan lists may be off: a row for each side of each degree of freedom, and with a box
  * one of all at once (Eq. 23).
  * @param report Of #CONUS_ROWS_TOLERANCE. Nothing else is added to it.
  * @param plan As for conus_report_add_plan().
  * @param options Where the pivot is; shifts are along the axes of the report's space, whatever these say. NULL =
  * defaults.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, and for a second plan; the errors of
- * conus_select().
- */
+ * conus_select(). */
 CONUS_CHECKED conus_status conus_report_add_tolerance(conus_report *report, conus_plan *plan,
                                                       const conus_tolerance_options *options);
 
-/**
- * Adds a query without an answer: one row of kind "error" with "line N: " and @p reason for a name, all else missing.
+/** Adds a query without an answer: one row of kind "error" with "line N: " and @p reason for a name, all else missing.
  * @param report The report.
  * @param query_id As for conus_report_add().
  * @param line The pose's in its file; 0 = it has none, and only the reason is written.
  * @param reason One line. Copied.
- * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
- */
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected. */
 CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const char *query_id, size_t line,
                                                   const char *reason);
 
-/**
- * Joins a report on another atlas, which was asked the same: each text of @p report has, for each query (of
+/** Joins a report on another atlas, which was asked the same: each text of @p report has, for each query (of
  * #CONUS_ROWS_SHARES for all answers that belong together), its own rows and behind them those of @p more, then those
  * of reports that are joined later. The queries are added to each report, in the same order.
  * @param report The report whose texts are taken from now on.
  * @param more Must outlive the last text of @p report. Its own texts are still its own; it can be joined once.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT unless both have a column `atlas`, each with another name, the same options
- * but level, and both atlases or neither were moved (conus_atlas_move()): rows of moved ones have more columns.
- */
+ * but level, and both atlases or neither were moved (conus_atlas_move()): rows of moved ones have more columns. */
 CONUS_CHECKED conus_status conus_report_join(conus_report *report, conus_report *more);
 
-/**
- * Writes the whole text in the report's format.
+/** Writes the whole text in the report's format.
  * @param[out] text UTF-8 with a final NUL. Borrowed until the next call on the report.
  * @param[out] size Bytes, without the NUL.
  * @param report The report.
  * @return #CONUS_OK; #CONUS_ERROR_DATA for answers that the format cannot hold; #CONUS_ERROR_ARGUMENT where a joined
- * report has another number of queries.
- */
+ * report has another number of queries. */
 CONUS_CHECKED conus_status conus_report_text(const char **text, size_t *size, conus_report *report);
 
-/**
- * Writes the JSON sidecar: columns, units, space, atlas files with SHA-256, settings, version.
+/** Writes the JSON sidecar: columns, units, space, atlas files with SHA-256, settings, version.
  * @param[out] text As of conus_report_text().
  * @param[out] size Bytes, without the NUL.
  * @param report The report.
- * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
- */
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected. */
 CONUS_CHECKED conus_status conus_report_sidecar(const char **text, size_t *size, conus_report *report);
 
-/**
- * Ends a report.
- * @param report NULL is allowed.
- */
+/** Ends a report.
+ * @param report NULL is allowed. */
 CONUS_API void conus_report_destroy(conus_report *report);
 
 #ifdef __cplusplus

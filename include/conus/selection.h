@@ -54,8 +54,7 @@ typedef enum conus_layers {
 /** How much the rays of a cone or cylinder count (Eq. 30). Immutable. */
 typedef struct conus_weight conus_weight;
 
-/**
- * Reads a weight.
+/** Reads a weight.
  * @param[out] out The weight; end it with conus_weight_destroy().
  * @param text A form or the path of a table (Eq. 30); docs/commands.md, --weight, has all of them. "hard": all counts
  * alike. "gauss=2": as the axis's tilt has a standard deviation of 2 degrees about each of two axes, or
@@ -65,43 +64,32 @@ typedef struct conus_weight conus_weight;
  * device points X degrees to its right and Y degrees up of what is meant. Behind any ",above=": from which weight on a
  * place counts as above (Eq. 33).
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an unknown form and numbers out of their ranges; #CONUS_ERROR_IO;
- * #CONUS_ERROR_DATA for another table.
- */
+ * #CONUS_ERROR_DATA for another table. */
 CONUS_CHECKED conus_status conus_weight_create(conus_weight **out, const char *text);
 
-/**
- * Ends a weight.
- * @param weight NULL is allowed.
- */
+/** Ends a weight.
+ * @param weight NULL is allowed. */
 CONUS_API void conus_weight_destroy(conus_weight *weight);
 
-/**
- * Gives the full opening of the cone that the weight fills, outside of which it is next to nothing.
+/** Gives the full opening of the cone that the weight fills, outside of which it is next to nothing.
  * @param weight The weight.
- * @return Degrees; NaN of one that fills no cone of its own.
- */
+ * @return Degrees; NaN of one that fills no cone of its own. */
 CONUS_API double conus_weight_angle(const conus_weight *weight);
 
-/**
- * Gives the radius of the cylinder or ball that the weight fills.
+/** Gives the radius of the cylinder or ball that the weight fills.
  * @param weight The weight.
- * @return mm; NaN of one that fills neither.
- */
+ * @return mm; NaN of one that fills neither. */
 CONUS_API double conus_weight_radius(const conus_weight *weight);
 
-/**
- * Gives the depths that the weight fills.
+/** Gives the depths that the weight fills.
  * @param[out] out Nearest and farthest, mm; both 0 where it has none.
  * @param weight The weight.
- * @return Whether it has some.
- */
+ * @return Whether it has some. */
 CONUS_API bool conus_weight_range(double out[2], const conus_weight *weight);
 
-/**
- * Says whether the weight depends on the depth, so that it is none of rays.
+/** Says whether the weight depends on the depth, so that it is none of rays.
  * @param weight The weight.
- * @return Then a selector has all layers, whatever its options say.
- */
+ * @return Then a selector has all layers, whatever its options say. */
 CONUS_API bool conus_weight_needs_layers(const conus_weight *weight);
 
 /** How a selector answers. */
@@ -134,56 +122,44 @@ typedef struct conus_selector_options {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_SELECTOR_OPTIONS_INIT CONUS_INIT_(conus_selector_options)
 
-/**
- * Builds the engine for an atlas.
+/** Builds the engine for an atlas.
  * @param[out] out The selector; end it with conus_selector_destroy().
  * @param atlas Must outlive the selector. Nothing may be added to it meanwhile.
  * @param options NULL = defaults. Its strings are copied.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an option out of its range; #CONUS_ERROR_GL where the gl engine finds no
- * driver.
- */
+ * driver. */
 CONUS_CHECKED conus_status conus_selector_create(conus_selector **out, const conus_atlas *atlas,
                                                  const conus_selector_options *options);
 
-/**
- * Makes another selector for the same atlas, so that a second thread may answer at the same time. It has the same
+/** Makes another selector for the same atlas, so that a second thread may answer at the same time. It has the same
  * options and the same tables of the atlas, which are in memory once.
  * @param[out] out The selector; end it with conus_selector_destroy().
  * @param selector Must outlive @p out. With the gl engine one thread has the device at a time.
- * @return #CONUS_OK.
- */
+ * @return #CONUS_OK. */
 CONUS_CHECKED conus_status conus_selector_share(conus_selector **out, const conus_selector *selector);
 
-/**
- * Gives what is asked next a range of its own: conus_select() and whatever else goes by the selector's range.
+/** Gives what is asked next a range of its own: conus_select() and whatever else goes by the selector's range.
  * @param selector The selector. Its range stays as it was after a failure.
  * @param range As conus_selector_options.range; NaN = that of the options. NULL = both of the options.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for ends that are no range, and for one with the paper's slices.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for ends that are no range, and for one with the paper's slices. */
 CONUS_CHECKED conus_status conus_selector_set_range(conus_selector *selector, const double range[2]);
 
-/**
- * Ends a selector. Objects made for it must be destroyed before.
- * @param selector NULL is allowed.
- */
+/** Ends a selector. Objects made for it must be destroyed before.
+ * @param selector NULL is allowed. */
 CONUS_API void conus_selector_destroy(conus_selector *selector);
 
-/**
- * Names the engine in use.
+/** Names the engine in use.
  * @param selector The selector.
- * @return "rays, avx512", "gl, llvmpipe (LLVM 15.0.6, 256 bits)". Borrowed from the selector.
- */
+ * @return "rays, avx512", "gl, llvmpipe (LLVM 15.0.6, 256 bits)". Borrowed from the selector. */
 CONUS_API const char *conus_selector_engine(const conus_selector *selector);
 
-/**
- * Aims a cone, or a cylinder if the selector has a radius.
+/** Aims a cone, or a cylinder if the selector has a radius.
  * @param[out] out The selection; end it with conus_selection_destroy().
  * @param selector The selector.
  * @param pose Apex and axis.
  * @param angle Full opening, degrees, in (0, 180); 0 for a cylinder.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another angle or a pose that is not rigid; #CONUS_ERROR_GL where the
- * driver fails.
- */
+ * driver fails. */
 CONUS_CHECKED conus_status conus_select(conus_selection **out, conus_selector *selector, const conus_pose *pose,
                                         double angle);
 
@@ -191,9 +167,8 @@ CONUS_CHECKED conus_status conus_select(conus_selection **out, conus_selector *s
  * probes are asked so where no radius is given. */
 #define CONUS_POINT_RADIUS 1e-6
 
-/**
- * Finds what is at a point and near it, instead of in a cone. An object with a voxel's cell or a part of its surface in
- * the ball has a result. Volume, fraction and the like are those of voxels with their centre in the ball. Share is
+/** Finds what is at a point and near it, instead of in a cone. An object with a voxel's cell or a part of its surface
+ * in the ball has a result. Volume, fraction and the like are those of voxels with their centre in the ball. Share is
  * their part of all such voxels of the object's grid, NaN for a mesh, and the score. Distance is that of the nearest
  * point of a cell or surface, 0 within the object, and contact is that point. There are no pixels, and no picture.
  *
@@ -205,22 +180,17 @@ CONUS_CHECKED conus_status conus_select(conus_selection **out, conus_selector *s
  * @param centre World mm.
  * @param radius mm; 0 = only the point.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a number out of its range, and with a selector that has a range;
- * #CONUS_ERROR_DATA with the radius 0 for an atlas without objects.
- */
+ * #CONUS_ERROR_DATA with the radius 0 for an atlas without objects. */
 CONUS_CHECKED conus_status conus_select_ball(conus_selection **out, conus_selector *selector, const double centre[3],
                                              double radius);
 
-/**
- * Gives the radius of a selection by conus_select_ball(), mm.
+/** Gives the radius of a selection by conus_select_ball(), mm.
  * @param selection The selection.
- * @return 0 of a point without a radius, and of a cone or cylinder.
- */
+ * @return 0 of a point without a radius, and of a cone or cylinder. */
 CONUS_API double conus_selection_ball(const conus_selection *selection);
 
-/**
- * Ends a selection.
- * @param selection NULL is allowed.
- */
+/** Ends a selection.
+ * @param selection NULL is allowed. */
 CONUS_API void conus_selection_destroy(conus_selection *selection);
 
 /** One object in the cone. */
@@ -279,21 +249,17 @@ typedef struct conus_result {
     double value_dose;  /**< For a pathway: the integral of value times weight. */
 } conus_result;
 
-/**
- * Counts the results. They are ordered by rank, with unassigned last (there even if nothing is unassigned). With
+/** Counts the results. They are ordered by rank, with unassigned last (there even if nothing is unassigned). With
  * #CONUS_LAYERS_ALL an object that is occluded, or too thin for any ray but with a voxel's centre in the cone, has a
  * result of 0 pixels.
  * @param selection NULL counts 0.
- * @return How many results there are.
- */
+ * @return How many results there are. */
 CONUS_API size_t conus_selection_count(const conus_selection *selection);
 
-/**
- * Gives result @p index.
+/** Gives result @p index.
  * @param selection The selection.
  * @param index From 0.
- * @return NULL past the last. Borrowed from the selection.
- */
+ * @return NULL past the last. Borrowed from the selection. */
 CONUS_API const conus_result *conus_selection_result(const conus_selection *selection, size_t index);
 
 /** The evidence behind the results: for each of n x n pixels, row j = 0 at the device's bottom (Eq. 3). */
@@ -308,19 +274,15 @@ typedef struct conus_evidence {
     const bool *in_cone;    /**< [n*n] The aperture. */
 } conus_evidence;
 
-/**
- * Gives the evidence.
+/** Gives the evidence.
  * @param selection The selection.
- * @return Its arrays are borrowed from the selection; resolution is 0 where there are no pixels.
- */
+ * @return Its arrays are borrowed from the selection; resolution is 0 where there are no pixels. */
 CONUS_API conus_evidence conus_selection_evidence(const conus_selection *selection);
 
-/**
- * Computes where the ray of a pixel hits.
+/** Computes where the ray of a pixel hits.
  * @param[out] out World mm; NaN where it hit nothing, or there is no such pixel.
  * @param selection The selection.
- * @param pixel Row-major index.
- */
+ * @param pixel Row-major index. */
 CONUS_API void conus_selection_position(double out[3], const conus_selection *selection, size_t pixel);
 
 /** An interval of a pixel's ray inside one object. */
@@ -332,12 +294,10 @@ typedef struct conus_interval {
     uint64_t voxel; /**< The voxel, triangle or point of the entry, as in the evidence. */
 } conus_interval;
 
-/**
- * Gives all intervals of all rays, with #CONUS_LAYERS_ALL: by pixel, then entry, then object.
+/** Gives all intervals of all rays, with #CONUS_LAYERS_ALL: by pixel, then entry, then object.
  * @param[out] count How many; 0 without #CONUS_LAYERS_ALL.
  * @param selection The selection.
- * @return [count]; NULL without #CONUS_LAYERS_ALL. Borrowed from the selection.
- */
+ * @return [count]; NULL without #CONUS_LAYERS_ALL. Borrowed from the selection. */
 CONUS_API const conus_interval *conus_selection_intervals(size_t *count, const conus_selection *selection);
 /** @} */
 
@@ -363,24 +323,19 @@ typedef struct conus_tracker_options {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_TRACKER_OPTIONS_INIT CONUS_INIT_(conus_tracker_options)
 
-/**
- * Starts a track.
+/** Starts a track.
  * @param[out] out The tracker; end it with conus_tracker_destroy().
  * @param selector Must outlive the tracker.
  * @param options NULL = defaults.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an option out of its range.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an option out of its range. */
 CONUS_CHECKED conus_status conus_tracker_create(conus_tracker **out, conus_selector *selector,
                                                 const conus_tracker_options *options);
 
-/**
- * Ends a tracker.
- * @param tracker NULL is allowed.
- */
+/** Ends a tracker.
+ * @param tracker NULL is allowed. */
 CONUS_API void conus_tracker_destroy(conus_tracker *tracker);
 
-/**
- * Answers for the device at a time: conus_select() with a history. An object that left the cone stays in the ranking,
+/** Answers for the device at a time: conus_select() with a history. An object that left the cone stays in the ranking,
  * with 0 pixels, for as long as it has a score or could be confirmed. Of two steps at one time the later one counts
  * from there on. After a failure the tracker is as it was, so that a lost frame has no effect.
  * @param[out] out The selection; end it with conus_selection_destroy().
@@ -390,17 +345,14 @@ CONUS_API void conus_tracker_destroy(conus_tracker *tracker);
  * @param angle As for conus_select().
  * @param trigger The trigger is held down. The step at which it goes down confirms what was selected `delay` ago,
  * before the press moved the hand.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a time before the last step; the errors of conus_select().
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a time before the last step; the errors of conus_select(). */
 CONUS_CHECKED conus_status conus_tracker_step(conus_selection **out, conus_tracker *tracker, double time_s,
                                               const conus_pose *pose, double angle, bool trigger);
 
-/**
- * Gives what was selected some time before the last step.
+/** Gives what was selected some time before the last step.
  * @param tracker The tracker.
  * @param ago Seconds, 0 to the window.
- * @return Number of the object; 0 if none was.
- */
+ * @return Number of the object; 0 if none was. */
 CONUS_API uint32_t conus_tracker_selected(const conus_tracker *tracker, double ago);
 
 /** Where a selection stands in its track. */
@@ -410,11 +362,9 @@ typedef struct conus_step {
     uint32_t confirmed; /**< Object that the trigger confirms at this step; 0 = none, no press. */
 } conus_step;
 
-/**
- * Gives the step of a selection.
+/** Gives the step of a selection.
  * @param selection The selection.
- * @return NULL if the selection is not from a tracker. Borrowed from the selection.
- */
+ * @return NULL if the selection is not from a tracker. Borrowed from the selection. */
 CONUS_API const conus_step *conus_selection_step(const conus_selection *selection);
 /** @} */
 
@@ -455,45 +405,35 @@ typedef struct conus_pose_suggestion {
     conus_pose pose;   /**< The pose, so read. */
 } conus_pose_suggestion;
 
-/**
- * Starts to count for the atlas, aperture and radius of a selector.
+/** Starts to count for the atlas, aperture and radius of a selector.
  * @param[out] out The counts; end them with conus_pose_check_destroy().
  * @param selector Must outlive the counts.
- * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
- */
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected. */
 CONUS_CHECKED conus_status conus_pose_check_create(conus_pose_check **out, const conus_selector *selector);
 
-/**
- * Ends the counts.
- * @param check NULL is allowed.
- */
+/** Ends the counts.
+ * @param check NULL is allowed. */
 CONUS_API void conus_pose_check_destroy(conus_pose_check *check);
 
-/**
- * Counts a pose. One that conus_select() refuses is not counted. It compares the apex with boxes, and sends one ray
+/** Counts a pose. One that conus_select() refuses is not counted. It compares the apex with boxes, and sends one ray
  * where the apex lies in the box around a closed surface.
  * @param check The counts.
  * @param number The caller's number of the pose.
  * @param pose Apex and axis.
- * @param angle Full opening, degrees.
- */
+ * @param angle Full opening, degrees. */
 CONUS_API void conus_pose_check_add(conus_pose_check *check, uint64_t number, const conus_pose *pose, double angle);
 
-/**
- * Gives the counts.
+/** Gives the counts.
  * @param check The counts.
- * @return Borrowed; it changes with conus_pose_check_add().
- */
+ * @return Borrowed; it changes with conus_pose_check_add(). */
 CONUS_API const conus_pose_findings *conus_pose_check_found(const conus_pose_check *check);
 
-/**
- * Finds in what other way odd poses may have been meant. It tries the units metres and micrometres, the space LPS and
+/** Finds in what other way odd poses may have been meant. It tries the units metres and micrometres, the space LPS and
  * the other end of the device on the first tiny pose, or else the first that points away, and selects with each.
  * @param[out] out The first way by which that pose hits something; object 0 if there is none.
  * @param found Counts of poses.
  * @param selector That for which they were counted.
- * @return #CONUS_OK, also without such a way; only #CONUS_ERROR_MEMORY and errors of the engine are expected.
- */
+ * @return #CONUS_OK, also without such a way; only #CONUS_ERROR_MEMORY and errors of the engine are expected. */
 CONUS_CHECKED conus_status conus_pose_check_suggest(conus_pose_suggestion *out, const conus_pose_findings *found,
                                                     conus_selector *selector);
 /** @} */
@@ -543,16 +483,13 @@ typedef struct conus_answers {
                                     finite, say. conus_select() with that pose says why. */
 } conus_answers;
 
-/**
- * Receives answers in the order of the poses, on the thread that called conus_select_many().
+/** Receives answers in the order of the poses, on the thread that called conus_select_many().
  * @param user The pointer that conus_select_many() got.
  * @param answers Valid until the callback returns.
- * @return False ends the run with #CONUS_ERROR_CANCELLED.
- */
+ * @return False ends the run with #CONUS_ERROR_CANCELLED. */
 typedef bool (*conus_answer_sink)(void *user, const conus_answers *answers);
 
-/**
- * Answers poses that are in memory, with threads. The answers are the same, bit for bit, for any number of threads and
+/** Answers poses that are in memory, with threads. The answers are the same, bit for bit, for any number of threads and
  * any size of blocks, and those of conus_select(). A pose that cannot be answered has a status and no results. After a
  * failure, @p sink has received what comes before it.
  * @param[out] findings Findings about the poses, with their indices as numbers, once all are answered; NULL = not
@@ -563,8 +500,7 @@ typedef bool (*conus_answer_sink)(void *user, const conus_answers *answers);
  * @param sink Receives the answers.
  * @param user Passed to @p sink.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an option out of its range, and for arrays that are missing;
- * #CONUS_ERROR_CANCELLED where @p sink ends the run; the errors of conus_select() but those of a pose.
- */
+ * #CONUS_ERROR_CANCELLED where @p sink ends the run; the errors of conus_select() but those of a pose. */
 CONUS_CHECKED conus_status conus_select_many(conus_pose_findings *findings, conus_selector *selector,
                                              const conus_pose_array *poses, const conus_many_options *options,
                                              conus_answer_sink sink, void *user);

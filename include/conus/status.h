@@ -56,17 +56,13 @@ typedef enum conus_status {
     CONUS_ERROR_CANCELLED    /**< A callback asked for the end. */
 } conus_status;
 
-/**
- * Names a status.
+/** Names a status.
  * @param code A status; any number is allowed.
- * @return "CONUS_ERROR_DATA", or "CONUS_ERROR_UNKNOWN" for a number that is no status. Static.
- */
+ * @return "CONUS_ERROR_DATA", or "CONUS_ERROR_UNKNOWN" for a number that is no status. Static. */
 CONUS_API const char *conus_status_name(conus_status code);
 
-/**
- * Describes the last failure on the calling thread: one line with what was found and what is allowed.
- * @return "" if no function failed. Borrowed until the next failure on this thread.
- */
+/** Describes the last failure on the calling thread: one line with what was found and what is allowed.
+ * @return "" if no function failed. Borrowed until the next failure on this thread. */
 CONUS_API const char *conus_message(void);
 
 /** How much a note matters. */
@@ -82,22 +78,18 @@ typedef struct conus_note {
     const char *line;        /**< One line without its end, UTF-8. */
 } conus_note;
 
-/**
- * Receives a note of a driver, an engine or a reader when it is made, on the thread that called into the library; what
+/** Receives a note of a driver, an engine or a reader when it is made, on the thread that called into the library; what
  * the gl engine says of a batch may come on another, which ends with the call, one note at a time. Each note comes
  * once, also of a call that fails afterwards.
  * @param user The pointer that the options gave.
- * @param note Valid until the callback returns.
- */
+ * @param note Valid until the callback returns. */
 typedef void (*conus_log)(void *user, const conus_note *note);
 
-/**
- * Receives how far a task is, on the thread that called into the library.
+/** Receives how far a task is, on the thread that called into the library.
  * @param user The pointer that the options gave.
  * @param done Steps that are done.
  * @param total Steps in all.
- * @return False cancels the task, which then fails with #CONUS_ERROR_CANCELLED.
- */
+ * @return False cancels the task, which then fails with #CONUS_ERROR_CANCELLED. */
 typedef bool (*conus_progress)(void *user, size_t done, size_t total);
 
 #ifdef __cplusplus

@@ -18,8 +18,7 @@
 extern "C" {
 #endif
 
-/**
- * Finds when a cone that grows admits each object, in the order of the angles. Occluded objects count; the selector's
+/** Finds when a cone that grows admits each object, in the order of the angles. Occluded objects count; the selector's
  * range and level hold. Of voxels their centres count, of a mesh all its surface, and its inside where closed, of
  * streamlines all points of their lines, without a radius.
  * @param[out] out The columns of `conus sweep` (docs/formats.md) but query; end it with conus_table_destroy().
@@ -48,8 +47,7 @@ typedef struct conus_jitter_options {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_JITTER_OPTIONS_INIT CONUS_INIT_(conus_jitter_options)
 
-/**
- * Traces from poses around @p pose as its errors make them. They are always the same ones: low-discrepancy samples
+/** Traces from poses around @p pose as its errors make them. They are always the same ones: low-discrepancy samples
  * without a random seed.
  * @param[out] out The columns of `conus sweep --jitter` (docs/formats.md) but query, the most probable object first,
  * what is unassigned last; end it with conus_table_destroy(). The answer of a pose (p_hit) is the object that the
@@ -59,8 +57,7 @@ typedef struct conus_jitter_options {
  * @param angle As for conus_select().
  * @param options The errors; must be given.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an option out of its range; #CONUS_ERROR_CANCELLED; the errors of
- * conus_select().
- */
+ * conus_select(). */
 CONUS_CHECKED conus_status conus_jitter(conus_table **out, conus_selector *selector, const conus_pose *pose,
                                         double angle, const conus_jitter_options *options);
 
@@ -76,12 +73,10 @@ typedef struct conus_pose_error {
     const char *source;   /**< Where it is published. */
 } conus_pose_error;
 
-/**
- * Finds a published error.
+/** Finds a published error.
  * @param[out] out The error.
  * @param name Its name; of vr-controller with the target's width in degrees, 0 to 90: "vr-controller:4".
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an unknown name, with the closest one.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an unknown name, with the closest one. */
 CONUS_CHECKED conus_status conus_pose_error_find(conus_pose_error *out, const char *name);
 
 /** The contacts on a shank that is given by its axis: rows of them, from the tip on. */
@@ -92,8 +87,7 @@ typedef struct conus_contacts {
     double tip;       /**< mm from the tip to the first row. */
 } conus_contacts;
 
-/**
- * Follows the axis of a device through all objects, occluded or not. The selector's range and level hold; its radius,
+/** Follows the axis of a device through all objects, occluded or not. The selector's range and level hold; its radius,
  * resolution, engine and sampling do not matter: cells and triangles are found exactly, on the CPU. Rows are ordered by
  * entry, of equal ones by exit, then by object. Those of one object neither overlap nor touch. Those in no object fill
  * what is left of the range; without one, what is left up to the last exit, or to infinity where nothing is met. An
@@ -102,23 +96,20 @@ typedef struct conus_contacts {
  * conus_table_destroy().
  * @param selector The selector. Where its engine is no exact one of rays, the first call makes one for it.
  * @param pose Apex and axis.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a pose that is not rigid.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a pose that is not rigid. */
 CONUS_CHECKED conus_status conus_segments(conus_table **out, conus_selector *selector, const conus_pose *pose);
 
-/**
- * Finds how far the axis of a device stays from each object, occluded or not: from the near end of the selector's range
- * to its far end, or without one as far as objects reach. Of voxels the distance is that to their cells (Eq. 5), of a
- * mesh to its triangles, and 0 where the needle begins inside of a closed one, of streamlines to their tubes (Eq. 18).
- * The selector's radius is the needle's; without one it is 0. Its level holds: a group is as near as the nearest
+/** Finds how far the axis of a device stays from each object, occluded or not: from the near end of the selector's
+ * range to its far end, or without one as far as objects reach. Of voxels the distance is that to their cells (Eq. 5),
+ * of a mesh to its triangles, and 0 where the needle begins inside of a closed one, of streamlines to their tubes (Eq.
+ * 18). The selector's radius is the needle's; without one it is 0. Its level holds: a group is as near as the nearest
  * of it. Rows are ordered by clearance, of equal ones by depth, then by object.
  * @param[out] out The columns of `conus query --clearance` (docs/formats.md) but query; end it with
  * conus_table_destroy().
  * @param selector The selector. Its engine and resolution do not matter.
  * @param pose Apex and axis.
  * @param within Objects with a larger clearance are left out, mm, 0 or more; INFINITY = none is.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a pose that is not rigid or a number out of its range.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a pose that is not rigid or a number out of its range. */
 CONUS_CHECKED conus_status conus_clearance(conus_table **out, conus_selector *selector, const conus_pose *pose,
                                            double within);
 
@@ -137,36 +128,29 @@ typedef struct conus_roi_options {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_ROI_OPTIONS_INIT CONUS_INIT_(conus_roi_options)
 
-/**
- * Reads a region of interest. Values that are not finite belong to nothing.
+/** Reads a region of interest. Values that are not finite belong to nothing.
  * @param[out] out The region; end it with conus_roi_destroy().
  * @param path The volume, as for conus_atlas_load(); or a mesh with fields of SimNIBS (.hdf5), where the field |E| or
  * that behind ",field=NAME" counts, and with ",tissue=A:B" only tetrahedra of these tissues.
  * @param options NULL = defaults.
  * @return #CONUS_OK; the errors of conus_atlas_load() about volumes; #CONUS_ERROR_ARGUMENT for a threshold that is not
  * finite or that no voxel reaches, and where there is none though the volume is no mask; #CONUS_ERROR_DATA for a mask
- * without voxels.
- */
+ * without voxels. */
 CONUS_CHECKED conus_status conus_roi_load(conus_roi **out, const char *path, const conus_roi_options *options);
 
-/**
- * Makes a region of interest of voxels in memory.
+/** Makes a region of interest of voxels in memory.
  * @param[out] out The region; end it with conus_roi_destroy().
  * @param voxels Copied.
  * @param options NULL = defaults.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a type or a dimension out of its range; else as conus_roi_load().
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a type or a dimension out of its range; else as conus_roi_load(). */
 CONUS_CHECKED conus_status conus_roi_create(conus_roi **out, const conus_voxels *voxels,
                                             const conus_roi_options *options);
 
-/**
- * Ends a region of interest.
- * @param roi NULL is allowed.
- */
+/** Ends a region of interest.
+ * @param roi NULL is allowed. */
 CONUS_API void conus_roi_destroy(conus_roi *roi);
 
-/**
- * Finds which objects a region of interest covers, and how much of each (Eq. 16): the largest volume first, last the
+/** Finds which objects a region of interest covers, and how much of each (Eq. 16): the largest volume first, last the
  * part in no object, of number 0. Areas and pathways may overlap: parts of the region need not sum to 1. The selector's
  * level holds; its angle, range and engine do not matter. Surfaces that are not closed have no inside and are left out.
  * Exact for voxels and closed surfaces as they are, and for tetrahedra in voxels. Volumes outside of all surfaces, and
@@ -178,15 +162,13 @@ CONUS_API void conus_roi_destroy(conus_roi *roi);
  * farthest from 0 on the threshold's side, of several the first in the file.
  * @param selector The selector.
  * @param roi In the space of the atlas; may end afterwards.
- * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
- */
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected. */
 CONUS_CHECKED conus_status conus_overlap(conus_table **out, const conus_selector *selector, const conus_roi *roi);
 
 /** mm: local maxima of a cluster are at least so far from each other. */
 #define CONUS_MAXIMA_APART 8.0
 
-/**
- * Finds the clusters of a region of interest: voxels are of one cluster where they have a face, an edge or a corner in
+/** Finds the clusters of a region of interest: voxels are of one cluster where they have a face, an edge or a corner in
  * common (26 neighbours). They are ordered by size, the largest first, then by peak, the highest first, then by the
  * place of the peak in the file. Of each a row of kind "cluster" comes first, the whole; then its parts in objects, as
  * conus_overlap() finds and orders those of the region: over all clusters they sum to it, about within its
@@ -198,17 +180,15 @@ CONUS_CHECKED conus_status conus_overlap(conus_table **out, const conus_selector
  * end it with conus_table_destroy().
  * @param selector The selector. Its level holds; its angle, range and engine do not matter.
  * @param roi Of voxels, in the space of the atlas; may end afterwards.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a region of tetrahedra; else only #CONUS_ERROR_MEMORY is expected.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a region of tetrahedra; else only #CONUS_ERROR_MEMORY is expected. */
 CONUS_CHECKED conus_status conus_clusters(conus_table **out, const conus_selector *selector, const conus_roi *roi);
 
 /** mm: how far from an end its area is looked for, unless told. */
 #define CONUS_ENDPOINT_RADIUS 2.0
 
-/**
- * Finds the areas at both ends of streamlines: of all bundles that are not hidden, each streamline once for each of its
- * bundles. The selector's level holds. Streamlines have no direction: end_a is the area with the lower number; where
- * only one end has an area, end_b has none.
+/** Finds the areas at both ends of streamlines: of all bundles that are not hidden, each streamline once for each of
+ * its bundles. The selector's level holds. Streamlines have no direction: end_a is the area with the lower number;
+ * where only one end has an area, end_b has none.
  *
  * The rows are about bundles: ordered by them, then by streamlines, the most first, then by end_a and end_b, none last.
  * With pairs the table has two parts. "pairs" has the columns without those of the bundle: the streamlines of all
@@ -223,8 +203,7 @@ CONUS_CHECKED conus_status conus_clusters(conus_table **out, const conus_selecto
  * @param radius mm, up to 100: an end in no area has the nearest one within it. 0 = #CONUS_ENDPOINT_RADIUS; below 0 =
  * such an end has none.
  * @param with_pairs Whether the parts are wanted, too.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a radius out of its range, and for a selection of another atlas.
- */
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a radius out of its range, and for a selection of another atlas. */
 CONUS_CHECKED conus_status conus_connectivity(conus_table **out, conus_selector *selector,
                                               const conus_selection *selection, double radius, bool with_pairs);
 

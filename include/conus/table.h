@@ -41,79 +41,60 @@ typedef struct conus_column {
     const bool *missing;      /**< [rows] Of counts: where it is n/a; NULL = nowhere. */
 } conus_column;
 
-/**
- * Ends a table.
- * @param table NULL is allowed.
- */
+/** Ends a table.
+ * @param table NULL is allowed. */
 CONUS_API void conus_table_destroy(conus_table *table);
 
-/**
- * Counts the rows.
+/** Counts the rows.
  * @param table NULL counts 0.
- * @return How many rows there are.
- */
+ * @return How many rows there are. */
 CONUS_API size_t conus_table_rows(const conus_table *table);
 
-/**
- * Counts the columns.
+/** Counts the columns.
  * @param table NULL counts 0.
- * @return How many columns there are.
- */
+ * @return How many columns there are. */
 CONUS_API size_t conus_table_columns(const conus_table *table);
 
-/**
- * Gives a column by its place.
+/** Gives a column by its place.
  * @param table The table; NULL has none.
  * @param index From 0.
- * @return NULL past the last. Borrowed from the table.
- */
+ * @return NULL past the last. Borrowed from the table. */
 CONUS_API const conus_column *conus_table_column(const conus_table *table, size_t index);
 
-/**
- * Gives a column by its name.
+/** Gives a column by its name.
  * @param table The table; NULL has none.
  * @param name "angle_deg".
- * @return NULL where there is none of this name. Borrowed from the table.
- */
+ * @return NULL where there is none of this name. Borrowed from the table. */
 CONUS_API const conus_column *conus_table_find(const conus_table *table, const char *name);
 
-/**
- * Gives the numbers of a column.
+/** Gives the numbers of a column.
  * @param table The table; NULL has none.
  * @param column Its name.
- * @return [rows]; NULL unless it is a column of numbers. Borrowed from the table.
- */
+ * @return [rows]; NULL unless it is a column of numbers. Borrowed from the table. */
 CONUS_API const double *conus_table_numbers(const conus_table *table, const char *column);
 
-/**
- * Gives the counts of a column.
+/** Gives the counts of a column.
  * @param table The table; NULL has none.
  * @param column Its name.
- * @return [rows]; NULL unless it is a column of counts. Borrowed from the table.
- */
+ * @return [rows]; NULL unless it is a column of counts. Borrowed from the table. */
 CONUS_API const int64_t *conus_table_counts(const conus_table *table, const char *column);
 
-/**
- * Gives the texts of a column.
+/** Gives the texts of a column.
  * @param table The table; NULL has none.
  * @param column Its name.
- * @return [rows], each NULL where it is n/a; NULL unless it is a column of texts. Borrowed from the table.
- */
+ * @return [rows], each NULL where it is n/a; NULL unless it is a column of texts. Borrowed from the table. */
 CONUS_API const char *const *conus_table_texts(const conus_table *table, const char *column);
 
-/**
- * Gives the objects that rows are about.
+/** Gives the objects that rows are about.
  * @param table The table; NULL has none.
  * @return [rows] Numbers in the atlas that was asked, as they are reported (level); 0 = none. Borrowed from the table.
  */
 CONUS_API const uint32_t *conus_table_objects(const conus_table *table);
 
-/**
- * Gives a part of an answer that is a table of its own; the study says which it has.
+/** Gives a part of an answer that is a table of its own; the study says which it has.
  * @param table The table; NULL has none.
  * @param part Its name: "pairs".
- * @return NULL where there is none of this name. Borrowed from the table: it is not destroyed.
- */
+ * @return NULL where there is none of this name. Borrowed from the table: it is not destroyed. */
 CONUS_API const conus_table *conus_table_part(const conus_table *table, const char *part);
 
 #ifdef __cplusplus

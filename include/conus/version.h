@@ -28,10 +28,8 @@ extern "C" {
 /** The version of these headers as text: "0.1.0". */
 #define CONUS_VERSION CONUS_VERSION_OF_(CONUS_VERSION_MAJOR, CONUS_VERSION_MINOR, CONUS_VERSION_PATCH)
 
-/**
- * Gives the version of the library that runs. It may be newer than #CONUS_VERSION, which the caller was compiled with.
- * @return "0.1.0". Static.
- */
+/** Gives the version of the library that runs. It may be newer than #CONUS_VERSION, which the caller was compiled with.
+ * @return "0.1.0". Static. */
 CONUS_API const char *conus_version(void);
 
 #ifdef __cplusplus

@@ -1152,7 +1152,7 @@ class Selector(Guarded):
         Table
             The most probable first.
         """
-        aim, out = self._pose(origin, toward, direction, up, pose), ffi.new("conus_table **")
+        aim = self._pose(origin, toward, direction, up, pose)
         options, opening = ffi.new("conus_jitter_options *"), self._angle(angle)
         options.tilt, options.shift = real("degrees", degrees), real("mm", mm)
         options.samples = whole("samples", samples)
@@ -1163,8 +1163,7 @@ class Selector(Guarded):
             if law.entry > 0:
                 raise ArgumentError(f"error: {error} is an error of needles, which plan(jitter=...) knows")
             options.tilt, options.shift = law.tilt_deg, law.shift
-        self._call(lib.conus_jitter, out, self._p, aim, opening, options)
-        jitter = Table(out[0])
+        jitter = self._table(lib.conus_jitter, aim, opening, options)
         self._warn_of(aim, opening)
         return jitter
 
@@ -1221,9 +1220,7 @@ class Selector(Guarded):
             ``volume_error_mm3``, 0 where a volume is exact.
         """
         region = _region(roi, threshold, byte_count("max_memory", max_memory))
-        out = ffi.new("conus_table **")
-        self._call(lib.conus_overlap, out, self._p, region)
-        return Table(out[0])
+        return self._table(lib.conus_overlap, region)
 
     def clusters(self, roi: Any, threshold: float = 0, *, max_memory: int = 0) -> Table:
         """The clusters of a region of interest, what each covers, and its local maxima: ``conus overlap --clusters``.
@@ -1232,9 +1229,7 @@ class Selector(Guarded):
         region of tetrahedra has no clusters.
         """
         region = _region(roi, threshold, byte_count("max_memory", max_memory))
-        out = ffi.new("conus_table **")
-        self._call(lib.conus_clusters, out, self._p, region)
-        return Table(out[0])
+        return self._table(lib.conus_clusters, region)
 
     def select_many(
         self,

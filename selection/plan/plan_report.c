@@ -10,6 +10,7 @@
 #include "selection/plan/plan.h"
 #include "selection/report/report.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
@@ -100,7 +101,7 @@ static void add_column(struct report_plan *out, size_t index, const char *const 
                        const char *what, size_t member)
 {
     const struct report_constraint *constraint = &out->constraints[index];
-    buffer_format(&out->words, "%s%s%zu%s", affixes[0], constraint->kind, constraint->index, affixes[1]);
+    buffer_format(&out->words, "%s%s%" PRIu64 "%s", affixes[0], constraint->kind, constraint->index, affixes[1]);
     buffer_append(&out->words, "", 1);
     buffer_format(&out->words, "%s; %s", what, ASKED);
     say_constraint(&out->words, constraint);

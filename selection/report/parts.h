@@ -5,14 +5,38 @@
 
 #include "selection/report/report.h"
 
-/* The writers of all formats. report.c calls them as it collects, report_text.c as it hands out; a writer appends
- * its text to @p out. */
+/** The writers of a format, which append to @p out. */
+struct report_format {
+    void (*header)(struct buffer *out, const conus_report *report); /**< The header row; NULL = there is none. */
+    /** The queries that are there, without it. */
+    conus_status (*part)(struct buffer *out, const conus_report *report);
+    conus_status (*whole)(struct buffer *out, const conus_report *report); /**< In place of both: all there is. */
+};
+
+/** Of a format: another program reads it, it is one string of a whole probe, batches write it, it has columns. */
+enum format_facts { FOREIGN = 1, OF_PROBE = 2, OF_BATCH = 4, IN_COLUMNS = 8 };
+
+/** All formats, in the order of conus_format: ROW(NAME, WORD, FACTS). A new one is a row here, and a file that defines
+ * its report_format_NAME. */
+#define REPORT_FORMATS(ROW)                                                                                            \
+    ROW(table, "table", IN_COLUMNS)                                                                                    \
+    ROW(tsv, "tsv", OF_BATCH | IN_COLUMNS)                                                                             \
+    ROW(csv, "csv", OF_BATCH | IN_COLUMNS)                                                                             \
+    ROW(json, "json", IN_COLUMNS)                                                                                      \
+    ROW(ndjson, "ndjson", OF_BATCH | IN_COLUMNS)                                                                       \
+    ROW(afni, "afni", FOREIGN | OF_BATCH)                                                                              \
+    ROW(bids, "bids", FOREIGN | OF_BATCH | IN_COLUMNS)                                                                 \
+    ROW(spikeglx, "spikeglx", FOREIGN | OF_PROBE | OF_BATCH)                                                           \
+    ROW(open_ephys, "open-ephys", FOREIGN | OF_PROBE | OF_BATCH)                                                       \
+    ROW(bep032, "bep032", FOREIGN | IN_COLUMNS)
+#define REPORT_FORMAT_DECLARED(name, word, facts) extern const struct report_format report_format_##name;
+REPORT_FORMATS(REPORT_FORMAT_DECLARED)
+
+/** Whether sidecars describe columns of the format. */
+bool report_in_columns(conus_format format);
 
 /* report_rows.c: TSV, CSV and NDJSON. */
 void report_write_cell(struct buffer *out, struct cell cell);
-/** The header row of TSV and CSV. */
-void report_write_names(struct buffer *out, const conus_report *report);
-void report_write_rows(struct buffer *out, const conus_report *report);
 /** Which pairs connect areas, area by area. */
 struct report_matrix {
     const conus_table *areas, *pairs;
@@ -36,20 +60,12 @@ void report_write_study(struct buffer *out, const conus_report *report);    /**<
 /* report_json.c */
 conus_status report_write_json_matrix(struct buffer *out, const conus_report *report,
                                       const struct report_matrix *matrix);
-conus_status report_write_json(struct buffer *out, const conus_report *report);
 conus_status report_write_sidecar(struct buffer *out, const conus_report *report);
 conus_status report_write_grid_sidecar(struct buffer *out, const conus_report *report, const conus_grid *grid);
 
 /* report_electrodes.c: BIDS. */
 /** Reads the table of options.electrodes, whose rows the queries are. */
 conus_status report_read_electrodes(conus_report *report);
-void report_write_electrodes_header(struct buffer *out, const conus_report *report);
-conus_status report_write_electrodes(struct buffer *out, const conus_report *report);
-
-/* Other programs. */
-void report_write_afni(struct buffer *out, const conus_report *report);
-conus_status report_write_spikeglx(struct buffer *out, const conus_report *report);
-conus_status report_write_open_ephys(struct buffer *out, const conus_report *report);
 
 /** report_voxels.c: Adds the voxels that the rays of @p selection, the report's last query, hit first, or with all
  * layers those with their centre in it, as rows of report->voxels. */

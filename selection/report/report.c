@@ -28,6 +28,9 @@ static conus_status keep_level(conus_report *report, const conus_selector *selec
 static conus_status check_options(const conus_report_options *options)
 {
     bool foreign = report_is_foreign(options->format);
+    if (!conus_format_at(options->format)) {
+        return fail(CONUS_ERROR_ARGUMENT, "format: %d, there is none of this number", (int)options->format);
+    }
     if (options->rows == CONUS_ROWS_SUMMARIES && options->format == CONUS_FORMAT_TABLE) {
         return fail(CONUS_ERROR_ARGUMENT, "format: summaries are not written as a table for people");
     }

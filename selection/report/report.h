@@ -37,7 +37,7 @@ struct report_constraint {
     const conus_constraint *asked;
     const char *kind, *measure; /**< Words; the latter is NULL of constraints without one. */
     const char *name;           /**< Name of its structure, or NULL. */
-    size_t index;               /**< From 1 among those of its kind. */
+    uint64_t index;             /**< From 1 among those of its kind. */
     uint64_t left;              /**< How many candidates hold it and those before it. */
     const conus_planned *miss;  /**< The pose that breaks only this constraint; NULL = none. */
     const char *words;          /**< The constraint in words. */
@@ -210,7 +210,8 @@ static inline bool report_is_shown(const conus_report *report, size_t row)
 /** Whether a format is another program's. */
 static inline bool report_is_foreign(conus_format format)
 {
-    return format >= CONUS_FORMAT_AFNI;
+    const conus_format_info *info = conus_format_at(format);
+    return info && info->is_foreign;
 }
 
 /** The marks whose columns the report has; NULL = none. */
@@ -228,7 +229,8 @@ static inline bool report_is_of_axes(conus_rows rows)
 /** Whether a format is one string of a whole probe. */
 static inline bool report_is_of_probe(conus_format format)
 {
-    return format == CONUS_FORMAT_SPIKEGLX || format == CONUS_FORMAT_OPEN_EPHYS;
+    const conus_format_info *info = conus_format_at(format);
+    return info && info->is_of_probe;
 }
 
 static inline bool report_is_selected(const conus_report *report, const struct report_row *row)
@@ -252,15 +254,18 @@ conus_status report_write_part(struct buffer *out, const conus_report *report);
 
 /** Where the value of a column lies. */
 enum column_home {
-    HOME_ROW = 0,  /**< In struct report_row. */
-    HOME_QUERY,    /**< In struct report_query. */
-    HOME_POSE,     /**< In the conus_planned of the row, */
-    HOME_VERDICTS, /**< or in the verdicts of its constraints. */
-    HOME_CONTACT,  /**< In the contact of the report's probes that the query is about. */
-    HOME_MARKS,    /**< In struct report_query, also of one without an answer, */
-    HOME_KEPT,     /**< or in its texts that were kept, at this index, likewise. */
-    HOME_TABLE,    /**< In the row's table, the column of this index, */
-    HOME_NEEDLE    /**< or in the plan of the row's needle, the column that is there. */
+    HOME_ROW = 0,     /**< In struct report_row. */
+    HOME_QUERY,       /**< In struct report_query. */
+    HOME_POSE,        /**< In the conus_planned of the row, */
+    HOME_VERDICTS,    /**< in the verdicts of its constraints, */
+    HOME_VERDICT,     /**< in that of the row's own, */
+    HOME_CONSTRAINT,  /**< in the struct report_constraint of this, */
+    HOME_COMBINATION, /**< or in the conus_combination of the row. */
+    HOME_CONTACT,     /**< In the contact of the report's probes that the query is about. */
+    HOME_MARKS,       /**< In struct report_query, also of one without an answer, */
+    HOME_KEPT,        /**< or in its texts that were kept, at this index, likewise. */
+    HOME_TABLE,       /**< In the row's table, the column of this index, */
+    HOME_NEEDLE       /**< or in the plan of the row's needle, the column that is there. */
 };
 
 /** Without one of its needs a cell is n/a. */
@@ -272,6 +277,16 @@ enum column_needs {
     NEEDS_BUNDLE = 8 /**< The row is of CONUS_KIND_BUNDLE. */
 };
 
+/** Without one of these a report has no such column. */
+enum column_only {
+    ONLY_LAYERS = 1,    /**< All layers. */
+    ONLY_MOVED = 2,     /**< An atlas that was moved. */
+    ONLY_WEIGHT = 4,    /**< A weight, */
+    ONLY_POSTERIOR = 8, /**< a posterior, */
+    ONLY_DOSES = 16,    /**< or a weight, and all layers or points. */
+    ONLY_BUNDLES = 32   /**< Bundles, of this atlas or of one that is joined. */
+};
+
 struct report_column {
     const char *name;
     const char *units; /**< NULL if it has none. */
@@ -279,14 +294,9 @@ struct report_column {
     enum column_type type;
     size_t offset; /**< Where the value lies in its home, or its index there. */
     enum column_home home;
-    unsigned needs;      /**< enum column_needs */
-    bool layers_only;    /**< Only in reports of all layers. */
-    bool moved_only;     /**< Only of an atlas that was moved. */
-    bool weights_only;   /**< Only with a weight, */
-    bool posterior_only; /**< a posterior, */
-    bool doses_only;     /**< or a weight, and all layers or points. */
-    bool bundles_only;   /**< Only where an atlas has bundles. */
-    bool unless_zeros;   /**< Only where some row is not 0. */
+    unsigned needs;    /**< enum column_needs */
+    unsigned only;     /**< enum column_only */
+    bool unless_zeros; /**< Only where some row is not 0. */
     struct cell (*get)(const conus_report *report, const struct report_row *row);
 };
 

@@ -84,9 +84,12 @@ static void write_query(struct buffer *out, const conus_report *report, size_t i
     buffer_text(out, found ? "\n" : "***** Not near any region stored in databases *****\n\n");
 }
 
-void report_write_afni(struct buffer *out, const conus_report *report)
+static conus_status write_queries(struct buffer *out, const conus_report *report)
 {
     for (size_t i = 0; i < report->query_count; i++) {
         write_query(out, report, i);
     }
+    return CONUS_OK;
 }
+
+const struct report_format report_format_afni = {.part = write_queries};

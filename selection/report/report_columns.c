@@ -42,10 +42,9 @@ unsigned report_needs_met(const conus_report *report, const struct report_row *r
 #define OF_QUERY(kind, member)                                                                                         \
     .type = COLUMN_##kind, .offset = offsetof(struct report_query, member), .home = HOME_QUERY
 #define NAMED(getter) .type = COLUMN_NAME, .get = getter
-#define OF_BUNDLE(kind, member)                                                                                        \
-    OF_ROW(kind, result.member), .needs = NEEDS_BUNDLE, .layers_only = true, .bundles_only = true
+#define OF_BUNDLE(kind, member) OF_ROW(kind, result.member), .needs = NEEDS_BUNDLE, .only = ONLY_LAYERS | ONLY_BUNDLES
 
-#define OF_DOSE(kind, member) OF_ROW(kind, result.member), .needs = NEEDS_CENSUS, .doses_only = true
+#define OF_DOSE(kind, member) OF_ROW(kind, result.member), .needs = NEEDS_CENSUS, .only = ONLY_DOSES
 
 static struct cell get_query(const conus_report *report, const struct report_row *row)
 {
@@ -99,12 +98,11 @@ static struct cell get_atlas(const conus_report *report, const struct report_row
 static const struct report_column atlas_column = {"atlas", NULL, "name of the atlas that is asked", NAMED(get_atlas)};
 
 /* Those behind it of a report with marks. */
-static struct cell get_row(const conus_report *report, const struct report_row *row)
-{
-    return integer_cell(report->queries[row->query].number);
-}
-
-static const struct report_column row_column = {"row", NULL, "number of the pose in its file, from 1", .get = get_row,
+static const struct report_column row_column = {"row",
+                                                NULL,
+                                                "number of the pose in its file, from 1",
+                                                .type = COLUMN_LARGE_COUNT,
+                                                .offset = offsetof(struct report_query, number),
                                                 .home = HOME_MARKS};
 static const struct report_column time_column = {
     "time_s",          "s", "time of the pose", .type = COLUMN_TIME, .offset = offsetof(struct report_query, time_s),
@@ -139,9 +137,9 @@ static const struct report_column answer_columns[] = {
     {"contact_x", "mm", "first contact on its ray closest to the axis, x", OF_ROW(X, result.contact)},
     {"contact_y", "mm", "the same, y", OF_ROW(Y, result.contact)},
     {"contact_z", "mm", "the same, z", OF_ROW(Z, result.contact)},
-    {"atlas_x", "mm", "where that is in the atlas's own space, x", OF_ROW(OWN_X, result.contact), .moved_only = true},
-    {"atlas_y", "mm", "the same, y", OF_ROW(OWN_Y, result.contact), .moved_only = true},
-    {"atlas_z", "mm", "the same, z", OF_ROW(OWN_Z, result.contact), .moved_only = true},
+    {"atlas_x", "mm", "where that is in the atlas's own space, x", OF_ROW(OWN_X, result.contact), .only = ONLY_MOVED},
+    {"atlas_y", "mm", "the same, y", OF_ROW(OWN_Y, result.contact), .only = ONLY_MOVED},
+    {"atlas_z", "mm", "the same, z", OF_ROW(OWN_Z, result.contact), .only = ONLY_MOVED},
     {"entry_mm", "mm", "nearest entry over all layers", OF_ROW(NUMBER, result.entry), .needs = NEEDS_LAYERS},
     {"exit_mm", "mm", "farthest exit over all layers", OF_ROW(NUMBER, result.exit), .needs = NEEDS_LAYERS},
     {"path_mm", "mm", "mean path length over its rays", OF_ROW(NUMBER, result.path), .needs = NEEDS_LAYERS},
@@ -153,17 +151,17 @@ static const struct report_column answer_columns[] = {
     {"max_value", NULL, "largest value of its voxels in the cone, likewise", OF_ROW(NUMBER, result.max_value),
      .needs = NEEDS_LAYERS},
     {"voxels", NULL, "its voxels whose centre is in the cone", .get = get_voxels, .needs = NEEDS_CENSUS,
-     .layers_only = true},
+     .only = ONLY_LAYERS},
     {"cone_fraction", NULL, "its volume in the cone as a part of that of all areas in the cone",
-     OF_ROW(NUMBER, result.cone_fraction), .needs = NEEDS_LAYERS, .layers_only = true},
+     OF_ROW(NUMBER, result.cone_fraction), .needs = NEEDS_LAYERS, .only = ONLY_LAYERS},
     {"sum_value", NULL, "sum of the values of its voxels in the cone, likewise", OF_ROW(NUMBER, result.sum_value),
-     .needs = NEEDS_LAYERS, .layers_only = true},
+     .needs = NEEDS_LAYERS, .only = ONLY_LAYERS},
     {"centroid_x", "mm", "centroid of its voxels in the cone, of a pathway weighted by value, x",
-     OF_ROW(X, result.centroid), .needs = NEEDS_LAYERS, .layers_only = true},
-    {"centroid_y", "mm", "the same, y", OF_ROW(Y, result.centroid), .needs = NEEDS_LAYERS, .layers_only = true},
-    {"centroid_z", "mm", "the same, z", OF_ROW(Z, result.centroid), .needs = NEEDS_LAYERS, .layers_only = true},
+     OF_ROW(X, result.centroid), .needs = NEEDS_LAYERS, .only = ONLY_LAYERS},
+    {"centroid_y", "mm", "the same, y", OF_ROW(Y, result.centroid), .needs = NEEDS_LAYERS, .only = ONLY_LAYERS},
+    {"centroid_z", "mm", "the same, z", OF_ROW(Z, result.centroid), .needs = NEEDS_LAYERS, .only = ONLY_LAYERS},
     {"unoccluded", NULL, "pixels that hit it first, as a part of those that pierce it", .get = get_unoccluded,
-     .needs = NEEDS_LAYERS, .layers_only = true},
+     .needs = NEEDS_LAYERS, .only = ONLY_LAYERS},
     {"streamlines", NULL, "of a bundle: its streamlines that come into the cone", OF_BUNDLE(LARGE_COUNT, streamlines)},
     {"streamlines_total", NULL, "of a bundle: all of its streamlines", OF_BUNDLE(LARGE_COUNT, streamlines_total)},
     {"length_mm", "mm", "length of the parts of its streamlines in the cone", OF_BUNDLE(NUMBER, length)},
@@ -173,11 +171,11 @@ static const struct report_column answer_columns[] = {
     {"along", NULL, "how far along its streamline that is, 0 to 1 of its length, in the direction of the bundle",
      OF_BUNDLE(NUMBER, along)},
     {"weight", NULL, "its part of the weights of all rays; all parts of a query sum to 1",
-     OF_ROW(NUMBER, result.weight), .weights_only = true},
+     OF_ROW(NUMBER, result.weight), .only = ONLY_WEIGHT},
     {"weight_error", NULL, "standard error of the weight, from the pixels at its outline",
-     OF_ROW(NUMBER, result.weight_error), .weights_only = true},
+     OF_ROW(NUMBER, result.weight_error), .only = ONLY_WEIGHT},
     {"posterior", NULL, "probability that it is meant, of what is hit first", OF_ROW(NUMBER, result.posterior),
-     .posterior_only = true},
+     .only = ONLY_POSTERIOR},
     {"dose", NULL, "integral of the weight over its part in the cone: mm^3, of a bundle mm, times the weight's unit",
      OF_DOSE(NUMBER, dose)},
     {"dose_share", NULL, "the same as a part of that of the whole cone; areas and unassigned sum to 1",
@@ -239,6 +237,11 @@ static const struct report_column share_columns[] = {
 /* Plans: one row per pose, constraint, or constraint and depth. */
 
 #define OF_POSE(kind, member) .type = COLUMN_##kind, .offset = offsetof(conus_planned, member), .home = HOME_POSE
+#define OF_VERDICT(kind, member) .type = COLUMN_##kind, .offset = offsetof(conus_verdict, member), .home = HOME_VERDICT
+#define OF_CONSTRAINT(kind, member)                                                                                    \
+    .type = COLUMN_##kind, .offset = offsetof(struct report_constraint, member), .home = HOME_CONSTRAINT
+#define OF_COMBINATION(kind, member)                                                                                   \
+    .type = COLUMN_##kind, .offset = offsetof(conus_combination, member), .home = HOME_COMBINATION
 
 static const conus_verdict *verdict_of(const struct report_row *row)
 {
@@ -250,20 +253,10 @@ static const struct report_constraint *constraint_of(const conus_report *report,
     return &report_plan_of(report, row)->constraints[row->planned.constraint];
 }
 
-static struct cell rank_cell(uint64_t rank)
-{
-    return rank ? integer_cell(rank) : no_cell();
-}
-
 static struct cell get_plan_rank(const conus_report *report, const struct report_row *row)
 {
-    return rank_cell(report->needles.count ? 0 : row->planned.pose->rank);
-}
-
-static struct cell get_feasible(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return integer_cell(row->planned.pose->feasible);
+    uint64_t rank = report->needles.count ? 0 : row->planned.pose->rank;
+    return rank ? integer_cell(rank) : no_cell();
 }
 
 /* The constraint by the name of its structure, or by its kind. */
@@ -296,18 +289,6 @@ static struct cell get_clearance_at(const conus_report *report, const struct rep
     return pose->clearance_of < SIZE_MAX ? number_cell(pose->verdicts[pose->clearance_of].depth) : no_cell();
 }
 
-static struct cell get_entry(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return rank_cell(row->planned.pose->entry);
-}
-
-static struct cell get_target(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return rank_cell(row->planned.pose->target);
-}
-
 /* Of several needles together: the combination, of which each row is a needle. */
 
 static const conus_combination *combination_of(const conus_report *report, const struct report_row *row)
@@ -326,31 +307,6 @@ static struct cell get_proven(const conus_report *report, const struct report_ro
     return combination->feasible ? integer_cell(combination->proven) : no_cell();
 }
 
-static struct cell get_all_leeway(const conus_report *report, const struct report_row *row)
-{
-    return number_cell(combination_of(report, row)->leeway);
-}
-
-static struct cell get_all_leeway_of(const conus_report *report, const struct report_row *row)
-{
-    return text_cell(combination_of(report, row)->leeway_of);
-}
-
-static struct cell get_all_bound(const conus_report *report, const struct report_row *row)
-{
-    return number_cell(combination_of(report, row)->bound);
-}
-
-static struct cell get_all_sum(const conus_report *report, const struct report_row *row)
-{
-    return number_cell(combination_of(report, row)->sum);
-}
-
-static struct cell get_all_depth(const conus_report *report, const struct report_row *row)
-{
-    return number_cell(combination_of(report, row)->depth);
-}
-
 static struct cell get_needle(const conus_report *report, const struct report_row *row)
 {
     return text_cell(report->needles.at[row->planned.needle]->name);
@@ -365,11 +321,11 @@ static struct cell get_needle_row(const conus_report *report, const struct repor
 static const struct report_column needle_columns[] = {
     {"combination", NULL, "number of the combination, from 1; 0 of one that breaks something", .get = get_combination},
     {"proven", NULL, "1 if it is proven that no combination that may stand there is better, else 0", .get = get_proven},
-    {"all_leeway_mm", "mm", "the least leeway of all needles and pairs", .get = get_all_leeway},
-    {"all_leeway_of", NULL, "the needle that has it, or both of the pair", NAMED(get_all_leeway_of)},
-    {"all_bound", "mm", "no combination that may stand there has a larger least leeway", .get = get_all_bound},
-    {"all_sum_mm", "mm", "sum of the needles' leeways", .get = get_all_sum},
-    {"all_depth_mm", "mm", "sum of the needles' depths", .get = get_all_depth},
+    {"all_leeway_mm", "mm", "the least leeway of all needles and pairs", OF_COMBINATION(NUMBER, leeway)},
+    {"all_leeway_of", NULL, "the needle that has it, or both of the pair", OF_COMBINATION(TEXT, leeway_of)},
+    {"all_bound", "mm", "no combination that may stand there has a larger least leeway", OF_COMBINATION(NUMBER, bound)},
+    {"all_sum_mm", "mm", "sum of the needles' leeways", OF_COMBINATION(NUMBER, sum)},
+    {"all_depth_mm", "mm", "sum of the needles' depths", OF_COMBINATION(NUMBER, depth)},
     {"needle", NULL, "name of the needle", NAMED(get_needle)},
     {"row", NULL, "number of the row of the table that it answers, from 1", .get = get_needle_row},
 };
@@ -377,11 +333,11 @@ static const struct report_column needle_columns[] = {
 static const struct report_column plan_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
     {"rank", NULL, "1 is the best of those that break nothing", .get = get_plan_rank},
-    {"feasible", NULL, "1 if the pose breaks no constraint, else 0", .get = get_feasible},
+    {"feasible", NULL, "1 if the pose breaks no constraint, else 0", OF_POSE(FLAG, feasible)},
     {"broken", NULL, "the first constraint that it breaks, by the name of its structure, else by its kind",
      NAMED(get_broken)},
-    {"entry", NULL, "number of the entry of a candidate, from 1", .get = get_entry},
-    {"target", NULL, "number of its target, from 1", .get = get_target},
+    {"entry", NULL, "number of the entry of a candidate, from 1", OF_POSE(LARGE_RANK, entry)},
+    {"target", NULL, "number of its target, from 1", OF_POSE(LARGE_RANK, target)},
     {"x", "mm", "position of the device, the apex, x", OF_POSE(X, pose.world_from_device[12])},
     {"y", "mm", "the same, y", OF_POSE(Y, pose.world_from_device[12])},
     {"z", "mm", "the same, z", OF_POSE(Z, pose.world_from_device[12])},
@@ -410,27 +366,6 @@ static struct cell get_number(const conus_report *report, const struct report_ro
     return integer_cell(row->planned.constraint + 1);
 }
 
-static struct cell get_constraint_kind(const conus_report *report, const struct report_row *row)
-{
-    return text_cell(constraint_of(report, row)->kind);
-}
-
-static struct cell get_constraint_index(const conus_report *report, const struct report_row *row)
-{
-    return integer_cell(constraint_of(report, row)->index);
-}
-
-static struct cell get_constraint_name(const conus_report *report, const struct report_row *row)
-{
-    return text_cell(constraint_of(report, row)->name);
-}
-
-static struct cell get_value(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return number_cell(verdict_of(row)->value);
-}
-
 static struct cell get_limit(const conus_report *report, const struct report_row *row)
 {
     const conus_constraint *asked = constraint_of(report, row)->asked;
@@ -439,33 +374,14 @@ static struct cell get_limit(const conus_report *report, const struct report_row
     return number_cell(is_upper ? asked->most : asked->limit);
 }
 
-static struct cell get_slack(const conus_report *report, const struct report_row *row)
+static struct cell get_constraint_index(const conus_report *report, const struct report_row *row)
 {
-    (void)report;
-    return number_cell(verdict_of(row)->slack);
-}
-
-static struct cell get_leeway(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return number_cell(verdict_of(row)->leeway);
-}
-
-static struct cell get_holds(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return integer_cell(verdict_of(row)->holds);
-}
-
-static struct cell get_chance(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return number_cell(verdict_of(row)->p);
+    return integer_cell(constraint_of(report, row)->index);
 }
 
 #define CONSTRAINT_KIND                                                                                                \
     {                                                                                                                  \
-        "kind", NULL, "reach, avoid, length, lean, apart or first", NAMED(get_constraint_kind)                         \
+        "kind", NULL, "reach, avoid, length, lean, apart or first", OF_CONSTRAINT(TEXT, kind)                          \
     }
 #define CONSTRAINT_INDEX                                                                                               \
     {                                                                                                                  \
@@ -473,14 +389,8 @@ static struct cell get_chance(const conus_report *report, const struct report_ro
     }
 #define CONSTRAINT_NAME                                                                                                \
     {                                                                                                                  \
-        "name", NULL, "names of the objects of its structure", NAMED(get_constraint_name)                              \
+        "name", NULL, "names of the objects of its structure", OF_CONSTRAINT(TEXT, name)                               \
     }
-
-static struct cell get_shank(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return integer_cell(verdict_of(row)->shank);
-}
 
 static const struct report_column constraint_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
@@ -488,13 +398,13 @@ static const struct report_column constraint_columns[] = {
     CONSTRAINT_KIND,
     CONSTRAINT_INDEX,
     CONSTRAINT_NAME,
-    {"value", NULL, "what was measured, mm or degrees, or as the constraint says", .get = get_value},
+    {"value", NULL, "what was measured, mm or degrees, or as the constraint says", OF_VERDICT(NUMBER, value)},
     {"limit", NULL, "what it is compared with; of a length the end that is nearer", .get = get_limit},
-    {"slack", NULL, "by how much the constraint holds; negative where it breaks", .get = get_slack},
-    {"holds", NULL, "1 if it holds, else 0", .get = get_holds},
-    {"leeway_mm", "mm", "no point of the axis may be off by so much that it breaks", .get = get_leeway},
-    {"p_holds", NULL, "probability that it holds, of a pose with errors", .get = get_chance},
-    {"shank", NULL, "number of the parallel needle that has these values, from 1", .get = get_shank},
+    {"slack", NULL, "by how much the constraint holds; negative where it breaks", OF_VERDICT(NUMBER, slack)},
+    {"holds", NULL, "1 if it holds, else 0", OF_VERDICT(FLAG, holds)},
+    {"leeway_mm", "mm", "no point of the axis may be off by so much that it breaks", OF_VERDICT(NUMBER, leeway)},
+    {"p_holds", NULL, "probability that it holds, of a pose with errors", OF_VERDICT(NUMBER, p)},
+    {"shank", NULL, "number of the parallel needle that has these values, from 1", OF_VERDICT(COUNT, shank)},
 };
 
 static struct cell get_profile_clearance(const conus_report *report, const struct report_row *row)
@@ -544,18 +454,6 @@ static struct cell get_unit(const conus_report *report, const struct report_row 
     return text_cell(is_turn(row) ? "degree" : "mm");
 }
 
-static struct cell get_holds_to(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return number_cell(row->planned.tolerance.holds_to);
-}
-
-static struct cell get_fails_at(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return number_cell(row->planned.tolerance.fails_at);
-}
-
 static struct cell get_breaks(const conus_report *report, const struct report_row *row)
 {
     return constraint_cell(report, row, row->planned.tolerance.constraint);
@@ -580,8 +478,10 @@ static const struct report_column tolerance_columns[] = {
      NAMED(get_freedom)},
     {"side", NULL, "+ or -, to which side", NAMED(get_side)},
     {"unit", NULL, "of the next two: mm or degree", NAMED(get_unit)},
-    {"holds_to", NULL, "no constraint breaks up to here; proven, if the method is exact or graze", .get = get_holds_to},
-    {"fails_at", NULL, "here one breaks; n/a where none does up to 20 mm or 30 degrees", .get = get_fails_at},
+    {"holds_to", NULL, "no constraint breaks up to here; proven, if the method is exact or graze",
+     OF_ROW(NUMBER, planned.tolerance.holds_to)},
+    {"fails_at", NULL, "here one breaks; n/a where none does up to 20 mm or 30 degrees",
+     OF_ROW(NUMBER, planned.tolerance.fails_at)},
     {"breaks", NULL, "the constraint that breaks there, by the name of its structure, else by its kind",
      NAMED(get_breaks)},
     {"object", NULL, "what is nearest there, of a structure to be avoided, or is first on the axis",
@@ -757,18 +657,22 @@ static bool has_bundles(const conus_report *report)
     return report;
 }
 
-static bool has_doses(const conus_report *report)
+/* Which of enum column_only a report has. */
+static unsigned columns_there(const conus_report *report)
 {
-    return report->weight.form && (report->selector.layers || report->options.points);
+    const bool has_weight = report->weight.form;
+    return (report->selector.layers ? ONLY_LAYERS : 0u) | (report->atlas->is_moved ? ONLY_MOVED : 0u) |
+           (has_weight ? ONLY_WEIGHT : 0u) | (report->prior.power > 0 ? ONLY_POSTERIOR : 0u) |
+           (has_weight && (report->selector.layers || report->options.points) ? ONLY_DOSES : 0u) |
+           (has_bundles(report) ? ONLY_BUNDLES : 0u);
 }
 
 static void list_table(struct report_columns *out, const conus_report *report, const struct report_column *table,
                        size_t count)
 {
+    const unsigned there = columns_there(report);
     for (size_t i = 0; i < count; i++) {
-        if ((report->selector.layers || !table[i].layers_only) && (report->atlas->is_moved || !table[i].moved_only) &&
-            (!table[i].weights_only || report->weight.form) && (!table[i].doses_only || has_doses(report)) &&
-            (!table[i].posterior_only || report->prior.power > 0) && (!table[i].bundles_only || has_bundles(report))) {
+        if (!(table[i].only & ~there)) {
             list_column(out, &table[i]);
         }
     }
@@ -887,19 +791,6 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
         list_answers(out, report);
         list_table(out, report, share_columns, COUNT_OF(share_columns));
         break;
-    case CONUS_ROWS_ADMISSIONS:
-    case CONUS_ROWS_CHANCES:
-    case CONUS_ROWS_CONNECTIONS:
-    case CONUS_ROWS_SEGMENTS:
-    case CONUS_ROWS_CLEARANCES:
-    case CONUS_ROWS_COVERAGES:
-    case CONUS_ROWS_CLUSTERS:
-    case CONUS_ROWS_PAIRS:
-    case CONUS_ROWS_CALIBRATION:
-    case CONUS_ROWS_RELIABILITY:
-    case CONUS_ROWS_POSITIONS:
-        list_fields(out, report);
-        break;
     case CONUS_ROWS_NEEDLES:
         list_table(out, report, needle_columns, COUNT_OF(needle_columns));
         list_table(out, report, plan_columns, COUNT_OF(plan_columns));
@@ -917,6 +808,9 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
         break;
     case CONUS_ROWS_TOLERANCE:
         list_table(out, report, tolerance_columns, COUNT_OF(tolerance_columns));
+        break;
+    default: /* of tables */
+        list_fields(out, report);
         break;
     }
     const conus_row_marks *marks = report_marks(report);
@@ -972,6 +866,30 @@ bool conus_column_is_number(const char *name)
     return is_number;
 }
 
+/* What the offsets of columns are in. */
+static const void *home_of(const conus_report *report, enum column_home home, const struct report_row *row)
+{
+    switch (home) {
+    case HOME_QUERY:
+    case HOME_MARKS:
+        return &report->queries[row->query];
+    case HOME_CONTACT:
+        return report->queries[row->query].contact;
+    case HOME_POSE:
+        return row->planned.pose;
+    case HOME_VERDICTS:
+        return row->planned.pose->verdicts;
+    case HOME_VERDICT:
+        return verdict_of(row);
+    case HOME_CONSTRAINT:
+        return constraint_of(report, row);
+    case HOME_COMBINATION:
+        return combination_of(report, row);
+    default:
+        return row;
+    }
+}
+
 struct cell report_cell(const conus_report *report, const struct report_column *column, const struct report_row *row)
 {
     const struct report_query *query = &report->queries[row->query];
@@ -993,13 +911,8 @@ struct cell report_cell(const conus_report *report, const struct report_column *
         if (column->home == HOME_TABLE) {
             return table_cell(&table_columns(row->of_table.table)[column->offset], row->of_table.index);
         }
-        bool of_query = column->home == HOME_QUERY || column->home == HOME_MARKS;
-        const void *from = column->home == HOME_ROW       ? (const void *)row
-                           : of_query                     ? (const void *)query
-                           : column->home == HOME_CONTACT ? (const void *)query->contact
-                           : column->home == HOME_POSE    ? (const void *)row->planned.pose
-                                                          : (const void *)row->planned.pose->verdicts;
-        return cell_at(column->type, (const char *)from + column->offset, report->atlas, &report->frame);
+        const char *home = home_of(report, column->home, row);
+        return cell_at(column->type, home + column->offset, report->atlas, &report->frame);
     }
     const char *reason = report->options.rows == CONUS_ROWS_SUMMARIES     ? "error"
                          : report->options.rows == CONUS_ROWS_CONNECTIONS ? "bundle"

@@ -86,13 +86,13 @@ conus_status report_read_electrodes(conus_report *report)
     return status;
 }
 
-void report_write_electrodes_header(struct buffer *out, const conus_report *report)
+static void write_header(struct buffer *out, const conus_report *report)
 {
     write_fields(out, report->electrode_lines[0], report->electrode_field_count);
     write_cells(out, report, NULL);
 }
 
-conus_status report_write_electrodes(struct buffer *out, const conus_report *report)
+static conus_status write_electrodes(struct buffer *out, const conus_report *report)
 {
     const struct text *lines = report->electrode_lines + 1 + report->taken;
     if (report->taken + report->query_count >= report->electrode_line_count) {
@@ -104,3 +104,5 @@ conus_status report_write_electrodes(struct buffer *out, const conus_report *rep
     }
     return CONUS_OK;
 }
+
+const struct report_format report_format_bids = {.header = write_header, .part = write_electrodes};

@@ -100,7 +100,7 @@ static void write_line(struct buffer *out, const conus_report *report, const str
     char text[CELL_SIZE];
     const char *gap = "";
     for (size_t c = 0; c < columns->count; c++) {
-        bool is_name = columns->at[c]->type == COLUMN_NAME;
+        bool is_name = columns->at[c]->type == COLUMN_NAME || columns->at[c]->type == COLUMN_TEXT;
         read_line(text, report, columns->at[c], line);
         if (widths[c]) {
             buffer_format(out, "%s%*s", gap, is_name ? 0 : widths[c] - table_wider(0, text), "");

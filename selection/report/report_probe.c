@@ -406,7 +406,7 @@ static const conus_object *object_at(const conus_report *report, size_t channel)
                                         : innermost(report, query, report->queries[query].asked.cone.range[1] - height);
 }
 
-conus_status report_write_spikeglx(struct buffer *out, const conus_report *report)
+static conus_status write_spikeglx(struct buffer *out, const conus_report *report)
 {
     size_t first = 0;
     if (has_axes(report)) {
@@ -427,7 +427,7 @@ conus_status report_write_spikeglx(struct buffer *out, const conus_report *repor
     return status;
 }
 
-conus_status report_write_open_ephys(struct buffer *out, const conus_report *report)
+static conus_status write_open_ephys(struct buffer *out, const conus_report *report)
 {
     const char *separator = "";
     bool of_contacts = !has_axes(report) && !report->options.contacts.count;
@@ -452,3 +452,6 @@ conus_status report_write_open_ephys(struct buffer *out, const conus_report *rep
     buffer_text(out, report->query_count ? "\n" : "");
     return status;
 }
+
+const struct report_format report_format_spikeglx = {.part = write_spikeglx};
+const struct report_format report_format_open_ephys = {.part = write_open_ephys};

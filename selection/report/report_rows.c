@@ -65,7 +65,7 @@ static void write_table_text(struct buffer *out, const conus_report *report, con
     }
 }
 
-void report_write_names(struct buffer *out, const conus_report *report)
+static void write_names(struct buffer *out, const conus_report *report)
 {
     const struct table_marks marks = marks_of(report);
     const char *before = "";
@@ -221,9 +221,15 @@ static void write_row(void *user, const conus_report *of, const struct report_ro
     }
 }
 
-void report_write_rows(struct buffer *out, const conus_report *report)
+static conus_status write_rows(struct buffer *out, const conus_report *report)
 {
     struct writing writing = {.out = out};
     report_list_columns(&writing.columns, report);
     report_each_row(report, write_row, &writing);
+    return CONUS_OK;
 }
+
+const struct report_format report_format_tsv = {.header = write_names, .part = write_rows};
+const struct report_format report_format_csv = {.header = write_names, .part = write_rows};
+const struct report_format report_format_ndjson = {.part = write_rows};
+const struct report_format report_format_bep032 = {.header = write_names, .part = write_rows};

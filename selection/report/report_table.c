@@ -5,7 +5,9 @@
 #include "conus/own.h"
 #include "selection/report/parts.h"
 
+#include <inttypes.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -229,66 +231,6 @@ static void write_short(struct buffer *out, double value)
     buffer_format(out, "  %9s", isfinite(value) ? text : "-");
 }
 
-/* The dose's share, the mean weight and the volume above the level, where there is a weight. */
-static void write_dose(struct buffer *out, const conus_report *report, const conus_result *result)
-{
-    if (report->weight.form) {
-        write_number(out, 6, 1, 100 * result->dose_share, " %");
-        write_short(out, result->mean_weight);
-        write_short(out, result->above);
-    }
-}
-
-static void write_dose_header(struct buffer *out, const conus_report *report, bool is_first)
-{
-    if (report->weight.form) {
-        buffer_format(out, "  %8s  %9s  %9s", is_first ? "dose" : "of all", is_first ? "mean" : "weight",
-                      is_first ? "above" : "mm^3");
-    }
-}
-
-/* In percent, behind the pixels, with a weight of rays. */
-static void write_weight(struct buffer *out, const conus_report *report, const conus_result *result)
-{
-    if (report->weight.form && !report->weight.by_depth) {
-        write_number(out, 6, 1, 100 * result->weight, " %");
-        write_number(out, 5, 1, 100 * result->weight_error, "");
-    }
-    if (report->prior.power > 0 && result->object) {
-        write_number(out, 7, 1, 100 * result->posterior, " %");
-    } else if (report->prior.power > 0 && report->selector.layers) {
-        buffer_format(out, "  %9s", "");
-    }
-    if (report->selector.layers) {
-        write_dose(out, report, result);
-    }
-}
-
-static void write_label(struct buffer *out, const conus_report *report, const conus_result *result, int width)
-{
-    char share[TABLE_SHARE_SIZE];
-    write_rank(out, report, result, width);
-    buffer_format(out, "  %6s %%  %6u", table_share(share, result->share, report->selector.resolution), result->pixels);
-    write_weight(out, report, result);
-}
-
-/* The first or second line above the columns of write_label(). */
-static void write_label_header(struct buffer *out, const conus_report *report, int width, bool is_first,
-                               const char *below_pixels)
-{
-    buffer_format(out, "%4s  %-*s  %10s  %8s  %6s", is_first ? "rank" : "", width, is_first ? "name" : "",
-                  is_first ? "label" : "", is_first ? "share" : "of cone", is_first ? "pixels" : below_pixels);
-    if (report->weight.form && !report->weight.by_depth) {
-        buffer_format(out, "  %8s  %5s", is_first ? "weight" : "of all", is_first ? "error" : "%");
-    }
-    if (report->prior.power > 0) {
-        buffer_format(out, "  %9s", is_first ? "posterior" : "");
-    }
-    if (report->selector.layers) {
-        write_dose_header(out, report, is_first);
-    }
-}
-
 const char *table_share(char out[TABLE_SHARE_SIZE], double share, uint32_t resolution)
 {
     const int digits = resolution >= 32;
@@ -323,93 +265,196 @@ static bool has_means(const conus_report *report)
     return found;
 }
 
-static void write_mean_header(struct buffer *out, const conus_report *report, const char *words)
+/* The columns of answers for people. */
+
+enum shown { NUMBER, PERCENT, HUNDREDTHS, SHORT, VOLUME, COUNT, LARGE_COUNT, SHARE, STREAMLINES, POINT };
+
+/* What a column needs to be there. */
+enum needed { NOTHING, WEIGHT, POSTERIOR, DOSES, MEANS, BUNDLES };
+
+/* The rows that have it; others have spaces there, or end before it. */
+enum rows_with { ALL_ROWS, OBJECTS_ONLY, BUNDLES_ONLY };
+
+struct people_column {
+    const char *title, *below; /* Both lines of its head; of a point the axes' names and the unit are added. */
+    int width;
+    enum shown shown;
+    int digits;
+    size_t offset; /* In conus_result. */
+    enum needed needed;
+    enum rows_with rows;
+};
+
+/* The table of one kind of query. */
+struct people_form {
+    const struct people_column *columns;
+    size_t count;
+};
+
+#define AT(member) .offset = offsetof(conus_result, member)
+#define HIT_COLUMNS(below_pixels)                                                                                      \
+    {"share", "of cone", 8, SHARE, 1, AT(share)}, {"pixels", below_pixels, 6, COUNT, 0, AT(pixels)},                   \
+        {"weight", "of all", 8, PERCENT, 1, AT(weight), WEIGHT},                                                       \
+        {"error", "%", 5, HUNDREDTHS, 1, AT(weight_error), WEIGHT},                                                    \
+    {                                                                                                                  \
+        "posterior", "", 9, PERCENT, 1, AT(posterior), POSTERIOR, OBJECTS_ONLY                                         \
+    }
+#define DOSE_COLUMNS                                                                                                   \
+    {"dose", "of all", 8, PERCENT, 1, AT(dose_share), DOSES}, {"mean", "weight", 9, SHORT, 0, AT(mean_weight), DOSES}, \
+    {                                                                                                                  \
+        "above", "mm^3", 9, SHORT, 0, AT(above), DOSES                                                                 \
+    }
+#define BUNDLE_COLUMNS(where)                                                                                          \
+    {"streamlines", where, 15, STREAMLINES, 0, AT(streamlines), BUNDLES, BUNDLES_ONLY},                                \
+    {                                                                                                                  \
+        "length", "mm", 9, NUMBER, 1, AT(length), BUNDLES, BUNDLES_ONLY                                                \
+    }
+
+static const struct people_column visible_columns[] = {
+    HIT_COLUMNS(""),
+    {"nearest", "mm", 9, NUMBER, 2, AT(distance), NOTHING, OBJECTS_ONLY},
+    {"off axis", "degrees", 8, NUMBER, 2, AT(offset), NOTHING, OBJECTS_ONLY},
+    {"contact", "", 26, POINT, 0, AT(contact), NOTHING, OBJECTS_ONLY},
+};
+
+static const struct people_column layers_columns[] = {
+    HIT_COLUMNS("seen"),
+    DOSE_COLUMNS,
+    {"pixels", "pierced", 7, COUNT, 0, AT(pierced), NOTHING, OBJECTS_ONLY},
+    {"enters", "mm", 8, NUMBER, 2, AT(entry), NOTHING, OBJECTS_ONLY},
+    {"leaves", "mm", 8, NUMBER, 2, AT(exit), NOTHING, OBJECTS_ONLY},
+    {"inside", "mm", 7, NUMBER, 2, AT(path), NOTHING, OBJECTS_ONLY},
+    {"volume", "mm^3", 9, VOLUME, 0, AT(volume), NOTHING, OBJECTS_ONLY},
+    {"of whole", "area", 8, PERCENT, 2, AT(fraction), NOTHING, OBJECTS_ONLY},
+    {"mean", "value", 9, NUMBER, 4, AT(mean_value), MEANS, OBJECTS_ONLY},
+    BUNDLE_COLUMNS("in the cone"),
+};
+
+static const struct people_column ball_columns[] = {
+    {"share", "of ball", 8, PERCENT, 2, AT(share)},
+    DOSE_COLUMNS,
+    {"voxels", "", 8, LARGE_COUNT, 0, AT(voxels)},
+    {"volume", "mm^3", 9, VOLUME, 0, AT(volume)},
+    {"of whole", "area", 8, PERCENT, 2, AT(fraction), NOTHING, OBJECTS_ONLY},
+    {"mean", "value", 9, NUMBER, 4, AT(mean_value), MEANS, OBJECTS_ONLY},
+    {"distance", "mm", 8, NUMBER, 2, AT(distance), NOTHING, OBJECTS_ONLY},
+    {"nearest point", "", 26, POINT, 0, AT(contact), NOTHING, OBJECTS_ONLY},
+    BUNDLE_COLUMNS("in the ball"),
+};
+
+static const struct people_column point_columns[] = {
+    {"distance", "mm", 8, NUMBER, 2, AT(distance)},
+    {"nearest point", "", 26, POINT, 0, AT(contact)},
+};
+
+static bool is_there(const conus_report *report, enum needed needed)
 {
-    if (has_means(report)) {
-        buffer_format(out, "  %9s", words);
+    switch (needed) {
+    case WEIGHT:
+        return report->weight.form && !report->weight.by_depth;
+    case POSTERIOR:
+        return report->prior.power > 0;
+    case DOSES:
+        return report->weight.form;
+    case MEANS:
+        return has_means(report);
+    case BUNDLES:
+        return atlas_has_bundles(report->atlas);
+    default:
+        return true;
     }
 }
 
-static void write_mean(struct buffer *out, const conus_report *report, const conus_result *result)
-{
-    if (has_means(report)) {
-        write_number(out, 9, 4, result->mean_value, "");
-    }
-}
-
-static void write_visible_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
-{
-    write_label(out, report, result, width);
-    if (result->object) {
-        double contact[3];
-        memcpy(contact, result->contact, sizeof contact);
-        report_point(report, contact);
-        write_number(out, 9, 2, result->distance, "");
-        write_number(out, 8, 2, result->offset, "");
-        write_number(out, 8, table_digits(report), contact[0], "");
-        write_number(out, 7, table_digits(report), contact[1], "");
-        write_number(out, 7, table_digits(report), contact[2], "");
-    }
-    buffer_text(out, "\n");
-}
-
-static void write_visible_header(struct buffer *out, const conus_report *report, int width)
+static void write_heads(struct buffer *out, const conus_report *report, const struct people_form *form, int width)
 {
     char axes[TABLE_AXES_SIZE];
-    write_label_header(out, report, width, true, "");
-    buffer_format(out, "  %9s  %8s  %26s\n", "nearest", "off axis", table_axes(axes, report, "contact"));
-    write_label_header(out, report, width, false, "");
-    buffer_format(out, "  %9s  %8s  %26s\n", "mm", "degrees", conus_space_unit(report->frame.space));
+    for (int line = 0; line < 2; line++) {
+        buffer_format(out, "%4s  %-*s  %10s", line ? "" : "rank", width, line ? "" : "name", line ? "" : "label");
+        for (const struct people_column *at = form->columns; at < form->columns + form->count; at++) {
+            const char *head = line ? at->below : at->title;
+            if (at->shown == POINT) {
+                head = line ? conus_space_unit(report->frame.space) : table_axes(axes, report, at->title);
+            }
+            if (is_there(report, at->needed)) {
+                buffer_format(out, "  %*s", at->width, head);
+            }
+        }
+        buffer_text(out, "\n");
+    }
 }
 
-/* Appends the columns of bundles, where there are bundles, and ends the line. Where along the bundle that is,
- * TSV and JSON have. */
-static void end_result(struct buffer *out, const conus_result *result)
+static void write_people_cell(struct buffer *out, const conus_report *report, const struct people_column *column,
+                              const conus_result *result)
 {
-    char counts[48];
-    if (result->kind == CONUS_KIND_BUNDLE) {
-        snprintf(counts, sizeof counts, "%llu of %llu", (unsigned long long)result->streamlines,
-                 (unsigned long long)result->streamlines_total);
-        buffer_format(out, "  %15s", counts);
-        write_number(out, 9, 1, result->length, "");
+    const void *at = (const char *)result + column->offset;
+    const double *number = at;
+    const int width = column->width;
+    char text[48];
+    double point[3];
+    switch (column->shown) {
+    case NUMBER:
+        write_number(out, width, column->digits, *number, "");
+        break;
+    case PERCENT:
+        write_number(out, width - 2, column->digits, 100 * *number, " %");
+        break;
+    case HUNDREDTHS:
+        write_number(out, width, column->digits, 100 * *number, "");
+        break;
+    case SHORT:
+        write_short(out, *number);
+        break;
+    case VOLUME:
+        write_volume(out, *number);
+        break;
+    case COUNT:
+        buffer_format(out, "  %*" PRIu32, width, *(const uint32_t *)at);
+        break;
+    case LARGE_COUNT:
+        buffer_format(out, "  %*" PRIu64, width, *(const uint64_t *)at);
+        break;
+    case SHARE:
+        buffer_format(out, "  %6s %%", table_share(text, *number, report->selector.resolution));
+        break;
+    case STREAMLINES:
+        snprintf(text, sizeof text, "%" PRIu64 " of %" PRIu64, result->streamlines, result->streamlines_total);
+        buffer_format(out, "  %*s", width, text);
+        break;
+    case POINT:
+        memcpy(point, number, sizeof point);
+        report_point(report, point);
+        for (int a = 0; a < 3; a++) {
+            write_number(out, a ? 7 : 8, table_digits(report), point[a], "");
+        }
+        break;
+    }
+}
+
+static void write_result(struct buffer *out, const conus_report *report, const struct people_form *form,
+                         const conus_result *result, int width)
+{
+    int blank = 0;
+    write_rank(out, report, result, width);
+    for (const struct people_column *at = form->columns; at < form->columns + form->count; at++) {
+        bool has_it = at->rows == ALL_ROWS || (at->rows == OBJECTS_ONLY && result->object) ||
+                      (at->rows == BUNDLES_ONLY && result->kind == CONUS_KIND_BUNDLE);
+        if (is_there(report, at->needed) && has_it) {
+            buffer_format(out, "%*s", blank, "");
+            write_people_cell(out, report, at, result);
+            blank = 0;
+        } else if (is_there(report, at->needed)) {
+            blank += 2 + at->width;
+        }
+    }
+}
+
+/* The value of a pathway, or a probability, at the point; ends the line. */
+static void end_at_point(struct buffer *out, const conus_result *result)
+{
+    if (isfinite(result->contact_value)) {
+        buffer_format(out, "  value %.4g", result->contact_value);
     }
     buffer_text(out, "\n");
-}
-
-static void end_header(struct buffer *out, const conus_report *report, const char *streamlines, const char *length)
-{
-    if (atlas_has_bundles(report->atlas)) {
-        buffer_format(out, "  %15s  %9s", streamlines, length);
-    }
-    buffer_text(out, "\n");
-}
-
-static void write_layers_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
-{
-    write_label(out, report, result, width);
-    if (result->object) {
-        buffer_format(out, "  %7u", result->pierced);
-        write_number(out, 8, 2, result->entry, "");
-        write_number(out, 8, 2, result->exit, "");
-        write_number(out, 7, 2, result->path, "");
-        write_volume(out, result->volume);
-        write_number(out, 6, 2, 100 * result->fraction, " %");
-        write_mean(out, report, result);
-    }
-    end_result(out, result);
-}
-
-static void write_layers_header(struct buffer *out, const conus_report *report, int width)
-{
-    static const char form[] = "  %7s  %8s  %8s  %7s  %9s  %8s";
-    write_label_header(out, report, width, true, "seen");
-    buffer_format(out, form, "pixels", "enters", "leaves", "inside", "volume", "of whole");
-    write_mean_header(out, report, "mean");
-    end_header(out, report, "streamlines", "length");
-    write_label_header(out, report, width, false, "seen");
-    buffer_format(out, form, "pierced", "mm", "mm", "mm", "mm^3", "area");
-    write_mean_header(out, report, "value");
-    end_header(out, report, "in the cone", "mm");
 }
 
 void table_write_error(struct buffer *out, const conus_report *report, const struct report_query *query, bool more)
@@ -417,76 +462,6 @@ void table_write_error(struct buffer *out, const conus_report *report, const str
     table_write_id(out, report, query);
     buffer_format(out, "no answer: %s\n%s", query->error, more ? "\n" : "");
 }
-
-static void write_ball_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
-{
-    double contact[3];
-    memcpy(contact, result->contact, sizeof contact);
-    report_point(report, contact);
-    write_rank(out, report, result, width);
-    write_number(out, 6, 2, 100 * result->share, " %");
-    write_dose(out, report, result);
-    buffer_format(out, "  %8llu", (unsigned long long)result->voxels);
-    write_volume(out, result->volume);
-    if (result->object) {
-        write_number(out, 6, 2, 100 * result->fraction, " %");
-        write_mean(out, report, result);
-        write_number(out, 8, 2, result->distance, "");
-        write_number(out, 8, table_digits(report), contact[0], "");
-        write_number(out, 7, table_digits(report), contact[1], "");
-        write_number(out, 7, table_digits(report), contact[2], "");
-    }
-    end_result(out, result);
-}
-
-static void write_ball_header(struct buffer *out, const conus_report *report, int width)
-{
-    char axes[TABLE_AXES_SIZE];
-    static const char form[] = "  %8s  %9s  %8s";
-    static const char label[] = "%4s  %-*s  %10s  %8s";
-    buffer_format(out, label, "rank", width, "name", "label", "share");
-    write_dose_header(out, report, true);
-    buffer_format(out, form, "voxels", "volume", "of whole");
-    write_mean_header(out, report, "mean");
-    buffer_format(out, "  %8s  %26s", "distance", table_axes(axes, report, "nearest point"));
-    end_header(out, report, "streamlines", "length");
-    buffer_format(out, label, "", width, "", "", "of ball");
-    write_dose_header(out, report, false);
-    buffer_format(out, form, "", "mm^3", "area");
-    write_mean_header(out, report, "value");
-    buffer_format(out, "  %8s  %26s", "mm", conus_space_unit(report->frame.space));
-    end_header(out, report, "in the ball", "mm");
-}
-
-static void write_point_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
-{
-    double contact[3];
-    memcpy(contact, result->contact, sizeof contact);
-    report_point(report, contact);
-    write_rank(out, report, result, width);
-    write_number(out, 8, 2, result->distance, "");
-    write_number(out, 8, table_digits(report), contact[0], "");
-    write_number(out, 7, table_digits(report), contact[1], "");
-    write_number(out, 7, table_digits(report), contact[2], "");
-    if (isfinite(result->contact_value)) {
-        buffer_format(out, "  value %.4g", result->contact_value);
-    }
-    buffer_text(out, "\n");
-}
-
-static void write_point_header(struct buffer *out, const conus_report *report, int width)
-{
-    char axes[TABLE_AXES_SIZE];
-    buffer_format(out, "%4s  %-*s  %10s  %8s  %26s\n", "rank", width, "name", "label", "distance",
-                  table_axes(axes, report, "nearest point"));
-    buffer_format(out, "%4s  %-*s  %10s  %8s  %26s\n", "", width, "", "", "mm", conus_space_unit(report->frame.space));
-}
-
-/* The table of one kind of query. */
-struct table_form {
-    void (*header)(struct buffer *out, const conus_report *report, int width);
-    void (*result)(struct buffer *out, const conus_report *report, const conus_result *result, int width);
-};
 
 /* Says which objects the centre of a ball is in. */
 static void write_here(struct buffer *out, const conus_report *report, size_t index)
@@ -509,22 +484,28 @@ static void write_here(struct buffer *out, const conus_report *report, size_t in
 /* The answers of one atlas to query `index`. */
 static void write_answers(struct buffer *out, const conus_report *report, size_t index, int width)
 {
-    static const struct table_form visible = {write_visible_header, write_visible_result};
-    static const struct table_form layers = {write_layers_header, write_layers_result};
-    static const struct table_form ball = {write_ball_header, write_ball_result};
-    static const struct table_form point = {write_point_header, write_point_result};
-    const struct table_form *form = report->queries[index].is_point         ? &point
-                                    : report->queries[index].asked.ball > 0 ? &ball
-                                    : report->selector.layers               ? &layers
-                                                                            : &visible;
+    static const struct people_form visible = {visible_columns, sizeof visible_columns / sizeof visible_columns[0]};
+    static const struct people_form layers = {layers_columns, sizeof layers_columns / sizeof layers_columns[0]};
+    static const struct people_form ball = {ball_columns, sizeof ball_columns / sizeof ball_columns[0]};
+    static const struct people_form point = {point_columns, sizeof point_columns / sizeof point_columns[0]};
+    const struct people_form *form = report->queries[index].is_point         ? &point
+                                     : report->queries[index].asked.ball > 0 ? &ball
+                                     : report->selector.layers               ? &layers
+                                                                             : &visible;
     table_write_atlas(out, report);
     if (report->queries[index].asked.ball > 0) {
         buffer_text(out, "at the point: ");
         write_here(out, report, index);
     }
-    form->header(out, report, width);
+    write_heads(out, report, form, width);
     for (size_t row = report->queries[index].first_row; row < report_row_end(report, index); row++) {
-        form->result(out, report, &report->rows[row].result, width);
+        const conus_result *result = &report->rows[row].result;
+        write_result(out, report, form, result, width);
+        if (form == &point) {
+            end_at_point(out, result);
+        } else {
+            buffer_text(out, "\n");
+        }
     }
 }
 
@@ -648,10 +629,7 @@ static void write_at_point(struct buffer *out, const conus_report *report, size_
         table_write_name(out, table_name(report, result->object), widths->names - width_of(before));
         buffer_format(out, "  %10s", table_label(label, report, result->object));
         write_number(out, 8, 2, result->distance, "");
-        if (isfinite(result->contact_value)) {
-            buffer_format(out, "  value %.4g", result->contact_value);
-        }
-        buffer_text(out, "\n");
+        end_at_point(out, result);
         id = at = "";
     }
 }

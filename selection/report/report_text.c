@@ -30,40 +30,31 @@ static table_writer *table_of(const conus_report *report)
                                     : report_write_shares;
 }
 
+static conus_status write_table(struct buffer *out, const conus_report *report)
+{
+    table_of(report)(out, report);
+    return CONUS_OK;
+}
+
+const struct report_format report_format_table = {.part = write_table};
+
+#define ADDRESS_OF(name, word, facts) &report_format_##name,
+static const struct report_format *const formats[] = {REPORT_FORMATS(ADDRESS_OF)};
+
+static const struct report_format *format_of(const conus_report *report)
+{
+    return formats[report->options.format];
+}
+
 conus_status report_write_part(struct buffer *out, const conus_report *report)
 {
-    switch (report->options.format) {
-    case CONUS_FORMAT_TABLE:
-        table_of(report)(out, report);
-        break;
-    case CONUS_FORMAT_TSV:
-    case CONUS_FORMAT_CSV:
-    case CONUS_FORMAT_NDJSON:
-    case CONUS_FORMAT_BEP032:
-        report_write_rows(out, report);
-        break;
-    case CONUS_FORMAT_AFNI:
-        report_write_afni(out, report);
-        break;
-    case CONUS_FORMAT_BIDS:
-        return report_write_electrodes(out, report);
-    case CONUS_FORMAT_SPIKEGLX:
-        return report_write_spikeglx(out, report);
-    case CONUS_FORMAT_OPEN_EPHYS:
-        return report_write_open_ephys(out, report);
-    case CONUS_FORMAT_JSON:
-        break;
-    }
-    return CONUS_OK;
+    return format_of(report)->part(out, report);
 }
 
 void report_write_header(struct buffer *out, const conus_report *report)
 {
-    if (report->options.format == CONUS_FORMAT_BIDS) {
-        report_write_electrodes_header(out, report);
-    } else if (report->options.format == CONUS_FORMAT_TSV || report->options.format == CONUS_FORMAT_CSV ||
-               report->options.format == CONUS_FORMAT_BEP032) {
-        report_write_names(out, report);
+    if (format_of(report)->header) {
+        format_of(report)->header(out, report);
     }
 }
 
@@ -100,8 +91,8 @@ static conus_status write_text(conus_report *report)
         return status;
     }
     buffer_finish(&report->text);
-    if (report->options.format == CONUS_FORMAT_JSON) {
-        return report_write_json(&report->text, report);
+    if (format_of(report)->whole) {
+        return format_of(report)->whole(&report->text, report);
     }
     if (!report->is_begun) {
         write_places(&report->text, report);
@@ -122,7 +113,7 @@ conus_status conus_report_text(const char **text, size_t *size, conus_report *re
 
 conus_status conus_report_take(const char **text, size_t *size, conus_report *report)
 {
-    if (report->options.format == CONUS_FORMAT_JSON || report_is_of_probe(report->options.format)) {
+    if (format_of(report)->whole || report_is_of_probe(report->options.format)) {
         return fail(CONUS_ERROR_ARGUMENT, "format: this one is written as a whole; NDJSON can be taken in parts");
     }
     conus_status status = hand_out(report, write_text(report), text, size);

@@ -4,26 +4,36 @@
 
 #include "base/path.h"
 #include "base/system/system.h"
+#include "conus/own.h"
 #include "options/messages.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const formats[] = {"table", "tsv", "csv", "json", "ndjson", NULL};
+static const char *name_of_any(size_t index)
+{
+    const conus_format_info *info = conus_format_at(index);
+    return info ? info->name : NULL;
+}
+
+/* Those of other programs are behind all others. */
+static const char *name_of_own(size_t index)
+{
+    const conus_format_info *info = conus_format_at(index);
+    return info && !info->is_foreign ? info->name : NULL;
+}
 
 const struct option format_options[] = {
-    {OPTION_VALUED("format", struct answer_settings, format, "FORMAT"), .help = "format of the answer:",
-     .otherwise = "by the ending of -o, else table", .choices = formats, .words = "CSV, pandas", .role = OPTION_KEPT},
+    {OPTION_VALUED("format", struct answer_settings, format, "FORMAT"),
+     .help = "format of the answer:", .otherwise = "by the ending of -o, else table", .choice_at = name_of_own,
+     .words = "CSV, pandas", .role = OPTION_KEPT},
     {0},
 };
 
-static const char *const query_formats[] = {"table", "tsv",      "csv",        "json",   "ndjson", "afni",
-                                            "bids",  "spikeglx", "open-ephys", "bep032", NULL};
-
 const struct option query_format_options[] = {
     {OPTION_VALUED("format", struct answer_settings, format, "FORMAT"),
-     .help = "format of the answer; the last five are for other programs (docs/formats.md):",
-     .otherwise = "by the ending of -o, else table", .choices = query_formats, .words = "CSV, pandas",
+     .help = "format of the answer; those behind ndjson are for other programs (docs/formats.md):",
+     .otherwise = "by the ending of -o, else table", .choice_at = name_of_any, .words = "CSV, pandas",
      .role = OPTION_KEPT},
     {0},
 };

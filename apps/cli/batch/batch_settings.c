@@ -2,6 +2,7 @@
 /* The table of options of conus batch, and what --format means. */
 #include "cli/batch/batch.h"
 
+#include "conus/own.h"
 #include "options/messages.h"
 #include "options/options.h"
 #include "options/output.h"
@@ -10,7 +11,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const formats[] = {"tsv", "csv", "ndjson", "afni", "bids", "spikeglx", "open-ephys", NULL};
+/* The place of format `index` of batches among all; behind these where there are fewer. */
+static size_t find_format(size_t index)
+{
+    size_t place = 0;
+    const conus_format_info *info;
+    while ((info = conus_format_at(place)) && (index > 0 || !info->of_batch)) {
+        index -= info->of_batch;
+        place++;
+    }
+    return place;
+}
+
+static const char *name_of_format(size_t index)
+{
+    const conus_format_info *info = conus_format_at(find_format(index));
+    return info ? info->name : NULL;
+}
 
 static const struct option pose_options[] = {
     {OPTION_VALUED("poses", struct batch_settings, poses, "FILE"),
@@ -37,8 +54,8 @@ static const struct option output_options[] = {
      .words = "save, export, Excel", .common = true, .role = OPTION_WRITES_ANSWER, .format = "tsv",
      .holds = HOLDS_ROWS},
     {OPTION_VALUED("format", struct batch_settings, format, "FORMAT"),
-     .help = "format of the rows; the last four are for other programs (docs/formats.md):",
-     .otherwise = "by the ending of -o, else tsv", .choices = formats, .role = OPTION_KEPT},
+     .help = "format of the rows; those behind ndjson are for other programs (docs/formats.md):",
+     .otherwise = "by the ending of -o, else tsv", .choice_at = name_of_format, .role = OPTION_KEPT},
     {OPTION_NAMED("summary", struct batch_settings, summary),
      .help = "one row per pose: the best area, pathway or bundle, the runner-up, and by how much", .words = "best",
      .common = true},
@@ -86,11 +103,8 @@ const struct option_group batch_groups[] = {
 
 bool batch_format(conus_format *out, const struct batch_settings *settings, const struct arguments *arguments)
 {
-    static const conus_format named[] = {CONUS_FORMAT_TSV,       CONUS_FORMAT_CSV,  CONUS_FORMAT_NDJSON,
-                                         CONUS_FORMAT_AFNI,      CONUS_FORMAT_BIDS, CONUS_FORMAT_SPIKEGLX,
-                                         CONUS_FORMAT_OPEN_EPHYS};
     bool is_besides = settings->of_axis && option_given(arguments, "output"); /* --format is of the other file */
-    *out = is_besides ? CONUS_FORMAT_TSV : named[settings->format];
+    *out = is_besides ? CONUS_FORMAT_TSV : (conus_format)find_format(settings->format);
     if ((option_given(arguments, "format") && !is_besides) || output_is_no_file(settings->output)) {
         return true;
     }
