@@ -571,23 +571,6 @@ CONUS_API const conus_constraint *conus_plan_constraint(const conus_plan *plan, 
 CONUS_API const char *conus_plan_name(const conus_plan *plan, size_t index);
 
 /**
- * Gives the errors under which the probabilities are.
- * @param plan The plan.
- * @return NULL without jitter. Defaults are filled in. Borrowed from the plan.
- */
-CONUS_API const conus_jitter_options *conus_plan_jitter(const conus_plan *plan);
-
-/**
- * Tells whether a constraint has a leeway, of poses where it holds. Without one it does not count for the leeway of
- * poses: LENGTH, LEAN, FIRST, contacts, probabilities, the measures of a cone, and a REACH by surfaces that are not
- * closed.
- * @param plan The plan.
- * @param index Index of the constraint.
- * @return Whether it has one.
- */
-CONUS_API bool conus_plan_has_leeway(const conus_plan *plan, size_t index);
-
-/**
  * Measures how far a point of a listed pose's axis is from the structure of a constraint, to draw a curve of it.
  * @param[out] out mm, the radius not taken off (Eq. 21).
  * @param plan The plan.
@@ -634,6 +617,19 @@ CONUS_API const conus_answered *conus_together_question(const conus_together *to
  * @return With the defaults filled in. Borrowed from the answer.
  */
 CONUS_API const conus_together_options *conus_together_asked(const conus_together *together);
+
+/**
+ * Gives the candidates of a needle that are not below its cut (Eq. 28): no other one is in a combination that is as
+ * good as the last that is listed, or of lists that are not known whole. Reads them again.
+ * @param[out] out [*count] By question, then by number. Of each place only where it is and its leeway are known, NaN
+ * where its question has none. Borrowed from the answer, until the next call.
+ * @param[out] count At least 0.
+ * @param together The answer. What its questions point to must still live.
+ * @param index Of the needle.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA where the candidates are others now; their errors.
+ */
+CONUS_CHECKED conus_status conus_together_candidates(const conus_chosen **out, size_t *count, conus_together *together,
+                                                     size_t index);
 /** @} */
 
 /** @name Surfaces of areas, and numbers of vertices

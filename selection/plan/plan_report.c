@@ -152,7 +152,7 @@ static conus_status fill(struct report_plan *out, const conus_plan *plan)
     size_t counts[sizeof kinds / sizeof kinds[0]] = {0};
     out->candidates = conus_plan_left(plan, 0);
     out->rejected = conus_plan_rejected(plan).count;
-    out->jitter = conus_plan_jitter(plan);
+    out->jitter = plan_asked_of(plan)->jitter.errors ? &plan_asked_of(plan)->jitter.options : NULL;
     out->constraints = memory_zeroed(out->count, sizeof *out->constraints);
     out->columns = memory_zeroed(3 * out->count, sizeof *out->columns);
     for (size_t i = 0; i < out->count && out->constraints && out->columns; i++) {
@@ -262,26 +262,14 @@ static conus_status join_columns(struct report_needles *needles)
 
 static conus_status fill_needles(struct report_needles *out, const conus_together *together)
 {
-    const size_t count = conus_together_count(together);
     size_t questions = 0;
-    while (conus_together_combination(together, out->combination_count)) {
-        out->combination_count++;
-    }
     while (conus_together_question(together, questions)) {
         questions++;
     }
-    out->asked = conus_together_asked(together);
-    out->conflict = conus_together_conflict(together);
+    out->of = together;
+    out->count = conus_together_count(together);
     out->questions = memory_zeroed(questions, sizeof *out->questions);
-    out->at = memory_zeroed(count, sizeof(conus_placed *));
-    out->combinations = memory_zeroed(out->combination_count + 1, sizeof(conus_combination *));
-    conus_status status = out->questions && out->at && out->combinations ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t n = 0; n < out->combination_count && !status; n++) {
-        out->combinations[n] = conus_together_combination(together, n);
-    }
-    for (; out->count < count && !status; out->count++) {
-        out->at[out->count] = conus_together_needle(together, out->count);
-    }
+    conus_status status = out->questions ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < questions && !status; i++) {
         out->questions[i].answered = conus_together_question(together, i);
         status = fill(&out->questions[i].plan, out->questions[i].answered->plan);
@@ -316,13 +304,14 @@ conus_status conus_report_add_together(conus_report *report, const conus_togethe
     if (rows == CONUS_ROWS_PAIRS) {
         return add_pairs(report, together);
     }
-    for (size_t n = 0; n < added.combination_count && !status; n++) {
+    const conus_combination *combination;
+    for (size_t n = 0; (combination = conus_together_combination(together, n)) && !status; n++) {
         for (size_t i = 0; i < added.count && !status; i++) {
             struct report_row *row;
-            status = add_pose(&row, report, added.combinations[n]->chosen[i].pose, 1);
+            status = add_pose(&row, report, combination->chosen[i].pose, 1);
             if (!status) {
                 row->planned.needle = i;
-                row->planned.question = added.combinations[n]->chosen[i].question;
+                row->planned.question = combination->chosen[i].question;
                 row->planned.combination = n;
             }
         }

@@ -65,13 +65,9 @@ struct report_question {
 struct report_needles {
     struct report_question *questions; /**< [question_count] */
     size_t question_count;
-    const conus_placed **at; /**< [count] */
-    size_t count;
-    const conus_combination **combinations; /**< [combination_count] */
-    size_t combination_count;
-    const conus_together_options *asked;
-    const conus_conflict *conflict; /**< NULL = there is none. */
-    struct report_column *columns;  /**< [column_count] Their offset is their index. */
+    const conus_together *of;
+    size_t count;                  /**< Of its needles. */
+    struct report_column *columns; /**< [column_count] Their offset is their index. */
     size_t column_count;
 };
 
@@ -252,15 +248,18 @@ conus_status report_write_part(struct buffer *out, const conus_report *report);
 
 /** Where the value of a column lies. */
 enum column_home {
-    HOME_ROW = 0,  /**< In struct report_row. */
-    HOME_QUERY,    /**< In struct report_query. */
-    HOME_POSE,     /**< In the conus_planned of the row, */
-    HOME_VERDICTS, /**< or in the verdicts of its constraints. */
-    HOME_CONTACT,  /**< In the contact of the report's probes that the query is about. */
-    HOME_MARKS,    /**< In struct report_query, also of one without an answer, */
-    HOME_KEPT,     /**< or in its texts that were kept, at this index, likewise. */
-    HOME_TABLE,    /**< In the row's table, the column of this index, */
-    HOME_NEEDLE    /**< or in the plan of the row's needle, the column that is there. */
+    HOME_ROW = 0,     /**< In struct report_row. */
+    HOME_QUERY,       /**< In struct report_query. */
+    HOME_POSE,        /**< In the conus_planned of the row, */
+    HOME_VERDICTS,    /**< or in the verdicts of its constraints, */
+    HOME_VERDICT,     /**< in that of the row's constraint, */
+    HOME_CONSTRAINT,  /**< in the constraint itself (struct report_constraint), */
+    HOME_COMBINATION, /**< or in the conus_combination of the row. */
+    HOME_CONTACT,     /**< In the contact of the report's probes that the query is about. */
+    HOME_MARKS,       /**< In struct report_query, also of one without an answer, */
+    HOME_KEPT,        /**< or in its texts that were kept, at this index, likewise. */
+    HOME_TABLE,       /**< In the row's table, the column of this index, */
+    HOME_NEEDLE       /**< or in the plan of the row's needle, the column that is there. */
 };
 
 /** Without one of its needs a cell is n/a. */

@@ -239,6 +239,11 @@ static const struct report_column share_columns[] = {
 /* Plans: one row per pose, constraint, or constraint and depth. */
 
 #define OF_POSE(kind, member) .type = COLUMN_##kind, .offset = offsetof(conus_planned, member), .home = HOME_POSE
+#define OF_VERDICT(kind, member) .type = COLUMN_##kind, .offset = offsetof(conus_verdict, member), .home = HOME_VERDICT
+#define OF_CONSTRAINT(member)                                                                                          \
+    .type = COLUMN_TEXT, .offset = offsetof(struct report_constraint, member), .home = HOME_CONSTRAINT
+#define OF_COMBINATION(kind, member)                                                                                   \
+    .type = COLUMN_##kind, .offset = offsetof(conus_combination, member), .home = HOME_COMBINATION
 
 static const conus_verdict *verdict_of(const struct report_row *row)
 {
@@ -250,20 +255,10 @@ static const struct report_constraint *constraint_of(const conus_report *report,
     return &report_plan_of(report, row)->constraints[row->planned.constraint];
 }
 
-static struct cell rank_cell(uint64_t rank)
-{
-    return rank ? integer_cell(rank) : no_cell();
-}
-
 static struct cell get_plan_rank(const conus_report *report, const struct report_row *row)
 {
-    return rank_cell(report->needles.count ? 0 : row->planned.pose->rank);
-}
-
-static struct cell get_feasible(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return integer_cell(row->planned.pose->feasible);
+    const uint64_t rank = report->needles.count ? 0 : row->planned.pose->rank;
+    return rank ? integer_cell(rank) : no_cell();
 }
 
 /* The constraint by the name of its structure, or by its kind. */
@@ -296,23 +291,11 @@ static struct cell get_clearance_at(const conus_report *report, const struct rep
     return pose->clearance_of < SIZE_MAX ? number_cell(pose->verdicts[pose->clearance_of].depth) : no_cell();
 }
 
-static struct cell get_entry(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return rank_cell(row->planned.pose->entry);
-}
-
-static struct cell get_target(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return rank_cell(row->planned.pose->target);
-}
-
 /* Of several needles together: the combination, of which each row is a needle. */
 
 static const conus_combination *combination_of(const conus_report *report, const struct report_row *row)
 {
-    return report->needles.combinations[row->planned.combination];
+    return conus_together_combination(report->needles.of, row->planned.combination);
 }
 
 static struct cell get_combination(const conus_report *report, const struct report_row *row)
@@ -326,34 +309,9 @@ static struct cell get_proven(const conus_report *report, const struct report_ro
     return combination->feasible ? integer_cell(combination->proven) : no_cell();
 }
 
-static struct cell get_all_leeway(const conus_report *report, const struct report_row *row)
-{
-    return number_cell(combination_of(report, row)->leeway);
-}
-
-static struct cell get_all_leeway_of(const conus_report *report, const struct report_row *row)
-{
-    return text_cell(combination_of(report, row)->leeway_of);
-}
-
-static struct cell get_all_bound(const conus_report *report, const struct report_row *row)
-{
-    return number_cell(combination_of(report, row)->bound);
-}
-
-static struct cell get_all_sum(const conus_report *report, const struct report_row *row)
-{
-    return number_cell(combination_of(report, row)->sum);
-}
-
-static struct cell get_all_depth(const conus_report *report, const struct report_row *row)
-{
-    return number_cell(combination_of(report, row)->depth);
-}
-
 static struct cell get_needle(const conus_report *report, const struct report_row *row)
 {
-    return text_cell(report->needles.at[row->planned.needle]->name);
+    return text_cell(conus_together_needle(report->needles.of, row->planned.needle)->name);
 }
 
 static struct cell get_needle_row(const conus_report *report, const struct report_row *row)
@@ -365,11 +323,11 @@ static struct cell get_needle_row(const conus_report *report, const struct repor
 static const struct report_column needle_columns[] = {
     {"combination", NULL, "number of the combination, from 1; 0 of one that breaks something", .get = get_combination},
     {"proven", NULL, "1 if it is proven that no combination that may stand there is better, else 0", .get = get_proven},
-    {"all_leeway_mm", "mm", "the least leeway of all needles and pairs", .get = get_all_leeway},
-    {"all_leeway_of", NULL, "the needle that has it, or both of the pair", NAMED(get_all_leeway_of)},
-    {"all_bound", "mm", "no combination that may stand there has a larger least leeway", .get = get_all_bound},
-    {"all_sum_mm", "mm", "sum of the needles' leeways", .get = get_all_sum},
-    {"all_depth_mm", "mm", "sum of the needles' depths", .get = get_all_depth},
+    {"all_leeway_mm", "mm", "the least leeway of all needles and pairs", OF_COMBINATION(NUMBER, leeway)},
+    {"all_leeway_of", NULL, "the needle that has it, or both of the pair", OF_COMBINATION(TEXT, leeway_of)},
+    {"all_bound", "mm", "no combination that may stand there has a larger least leeway", OF_COMBINATION(NUMBER, bound)},
+    {"all_sum_mm", "mm", "sum of the needles' leeways", OF_COMBINATION(NUMBER, sum)},
+    {"all_depth_mm", "mm", "sum of the needles' depths", OF_COMBINATION(NUMBER, depth)},
     {"needle", NULL, "name of the needle", NAMED(get_needle)},
     {"row", NULL, "number of the row of the table that it answers, from 1", .get = get_needle_row},
 };
@@ -377,11 +335,11 @@ static const struct report_column needle_columns[] = {
 static const struct report_column plan_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
     {"rank", NULL, "1 is the best of those that break nothing", .get = get_plan_rank},
-    {"feasible", NULL, "1 if the pose breaks no constraint, else 0", .get = get_feasible},
+    {"feasible", NULL, "1 if the pose breaks no constraint, else 0", OF_POSE(FLAG, feasible)},
     {"broken", NULL, "the first constraint that it breaks, by the name of its structure, else by its kind",
      NAMED(get_broken)},
-    {"entry", NULL, "number of the entry of a candidate, from 1", .get = get_entry},
-    {"target", NULL, "number of its target, from 1", .get = get_target},
+    {"entry", NULL, "number of the entry of a candidate, from 1", OF_POSE(LARGE_RANK, entry)},
+    {"target", NULL, "number of its target, from 1", OF_POSE(LARGE_RANK, target)},
     {"x", "mm", "position of the device, the apex, x", OF_POSE(X, pose.world_from_device[12])},
     {"y", "mm", "the same, y", OF_POSE(Y, pose.world_from_device[12])},
     {"z", "mm", "the same, z", OF_POSE(Z, pose.world_from_device[12])},
@@ -410,25 +368,9 @@ static struct cell get_number(const conus_report *report, const struct report_ro
     return integer_cell(row->planned.constraint + 1);
 }
 
-static struct cell get_constraint_kind(const conus_report *report, const struct report_row *row)
-{
-    return text_cell(constraint_of(report, row)->kind);
-}
-
 static struct cell get_constraint_index(const conus_report *report, const struct report_row *row)
 {
     return integer_cell(constraint_of(report, row)->index);
-}
-
-static struct cell get_constraint_name(const conus_report *report, const struct report_row *row)
-{
-    return text_cell(constraint_of(report, row)->name);
-}
-
-static struct cell get_value(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return number_cell(verdict_of(row)->value);
 }
 
 static struct cell get_limit(const conus_report *report, const struct report_row *row)
@@ -439,33 +381,9 @@ static struct cell get_limit(const conus_report *report, const struct report_row
     return number_cell(is_upper ? asked->most : asked->limit);
 }
 
-static struct cell get_slack(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return number_cell(verdict_of(row)->slack);
-}
-
-static struct cell get_leeway(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return number_cell(verdict_of(row)->leeway);
-}
-
-static struct cell get_holds(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return integer_cell(verdict_of(row)->holds);
-}
-
-static struct cell get_chance(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return number_cell(verdict_of(row)->p);
-}
-
 #define CONSTRAINT_KIND                                                                                                \
     {                                                                                                                  \
-        "kind", NULL, "reach, avoid, length, lean, apart or first", NAMED(get_constraint_kind)                         \
+        "kind", NULL, "reach, avoid, length, lean, apart or first", OF_CONSTRAINT(kind)                                \
     }
 #define CONSTRAINT_INDEX                                                                                               \
     {                                                                                                                  \
@@ -473,14 +391,8 @@ static struct cell get_chance(const conus_report *report, const struct report_ro
     }
 #define CONSTRAINT_NAME                                                                                                \
     {                                                                                                                  \
-        "name", NULL, "names of the objects of its structure", NAMED(get_constraint_name)                              \
+        "name", NULL, "names of the objects of its structure", OF_CONSTRAINT(name)                                     \
     }
-
-static struct cell get_shank(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return integer_cell(verdict_of(row)->shank);
-}
 
 static const struct report_column constraint_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
@@ -488,13 +400,13 @@ static const struct report_column constraint_columns[] = {
     CONSTRAINT_KIND,
     CONSTRAINT_INDEX,
     CONSTRAINT_NAME,
-    {"value", NULL, "what was measured, mm or degrees, or as the constraint says", .get = get_value},
+    {"value", NULL, "what was measured, mm or degrees, or as the constraint says", OF_VERDICT(NUMBER, value)},
     {"limit", NULL, "what it is compared with; of a length the end that is nearer", .get = get_limit},
-    {"slack", NULL, "by how much the constraint holds; negative where it breaks", .get = get_slack},
-    {"holds", NULL, "1 if it holds, else 0", .get = get_holds},
-    {"leeway_mm", "mm", "no point of the axis may be off by so much that it breaks", .get = get_leeway},
-    {"p_holds", NULL, "probability that it holds, of a pose with errors", .get = get_chance},
-    {"shank", NULL, "number of the parallel needle that has these values, from 1", .get = get_shank},
+    {"slack", NULL, "by how much the constraint holds; negative where it breaks", OF_VERDICT(NUMBER, slack)},
+    {"holds", NULL, "1 if it holds, else 0", OF_VERDICT(FLAG, holds)},
+    {"leeway_mm", "mm", "no point of the axis may be off by so much that it breaks", OF_VERDICT(NUMBER, leeway)},
+    {"p_holds", NULL, "probability that it holds, of a pose with errors", OF_VERDICT(NUMBER, p)},
+    {"shank", NULL, "number of the parallel needle that has these values, from 1", OF_VERDICT(COUNT, shank)},
 };
 
 static struct cell get_profile_clearance(const conus_report *report, const struct report_row *row)
@@ -544,18 +456,6 @@ static struct cell get_unit(const conus_report *report, const struct report_row 
     return text_cell(is_turn(row) ? "degree" : "mm");
 }
 
-static struct cell get_holds_to(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return number_cell(row->planned.tolerance.holds_to);
-}
-
-static struct cell get_fails_at(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return number_cell(row->planned.tolerance.fails_at);
-}
-
 static struct cell get_breaks(const conus_report *report, const struct report_row *row)
 {
     return constraint_cell(report, row, row->planned.tolerance.constraint);
@@ -580,8 +480,10 @@ static const struct report_column tolerance_columns[] = {
      NAMED(get_freedom)},
     {"side", NULL, "+ or -, to which side", NAMED(get_side)},
     {"unit", NULL, "of the next two: mm or degree", NAMED(get_unit)},
-    {"holds_to", NULL, "no constraint breaks up to here; proven, if the method is exact or graze", .get = get_holds_to},
-    {"fails_at", NULL, "here one breaks; n/a where none does up to 20 mm or 30 degrees", .get = get_fails_at},
+    {"holds_to", NULL, "no constraint breaks up to here; proven, if the method is exact or graze",
+     OF_ROW(NUMBER, planned.tolerance.holds_to)},
+    {"fails_at", NULL, "here one breaks; n/a where none does up to 20 mm or 30 degrees",
+     OF_ROW(NUMBER, planned.tolerance.fails_at)},
     {"breaks", NULL, "the constraint that breaks there, by the name of its structure, else by its kind",
      NAMED(get_breaks)},
     {"object", NULL, "what is nearest there, of a structure to be avoided, or is first on the axis",
@@ -994,11 +896,14 @@ struct cell report_cell(const conus_report *report, const struct report_column *
             return table_cell(&table_columns(row->of_table.table)[column->offset], row->of_table.index);
         }
         bool of_query = column->home == HOME_QUERY || column->home == HOME_MARKS;
-        const void *from = column->home == HOME_ROW       ? (const void *)row
-                           : of_query                     ? (const void *)query
-                           : column->home == HOME_CONTACT ? (const void *)query->contact
-                           : column->home == HOME_POSE    ? (const void *)row->planned.pose
-                                                          : (const void *)row->planned.pose->verdicts;
+        const void *from = column->home == HOME_ROW           ? (const void *)row
+                           : of_query                         ? (const void *)query
+                           : column->home == HOME_CONTACT     ? (const void *)query->contact
+                           : column->home == HOME_POSE        ? (const void *)row->planned.pose
+                           : column->home == HOME_VERDICT     ? (const void *)verdict_of(row)
+                           : column->home == HOME_CONSTRAINT  ? (const void *)constraint_of(report, row)
+                           : column->home == HOME_COMBINATION ? (const void *)combination_of(report, row)
+                                                              : (const void *)row->planned.pose->verdicts;
         return cell_at(column->type, (const char *)from + column->offset, report->atlas, &report->frame);
     }
     const char *reason = report->options.rows == CONUS_ROWS_SUMMARIES     ? "error"

@@ -100,7 +100,7 @@ static void write_line(struct buffer *out, const conus_report *report, const str
     char text[CELL_SIZE];
     const char *gap = "";
     for (size_t c = 0; c < columns->count; c++) {
-        bool is_name = columns->at[c]->type == COLUMN_NAME;
+        bool is_name = columns->at[c]->type == COLUMN_NAME || columns->at[c]->type == COLUMN_TEXT;
         read_line(text, report, columns->at[c], line);
         if (widths[c]) {
             buffer_format(out, "%s%*s", gap, is_name ? 0 : widths[c] - table_wider(0, text), "");
@@ -140,7 +140,7 @@ void report_write_plan(struct buffer *out, const conus_report *report)
     for (size_t first = 2; first < lines; first += each) {
         size_t n = report->rows[first - 2].planned.combination;
         if (report->needles.count) {
-            write_combination(out, report->needles.combinations[n], n + 1);
+            write_combination(out, conus_together_combination(report->needles.of, n), n + 1);
         }
         write_line(out, report, &columns, widths, 0);
         write_line(out, report, &columns, widths, 1);

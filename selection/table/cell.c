@@ -25,6 +25,10 @@ struct cell cell_at(enum column_type type, const void *place, const conus_atlas 
     switch (type) {
     case COLUMN_RANK:
         return *count ? integer_cell(*count) : no_cell();
+    case COLUMN_LARGE_RANK:
+        return *(const uint64_t *)place ? integer_cell(*(const uint64_t *)place) : no_cell();
+    case COLUMN_FLAG:
+        return integer_cell(*(const bool *)place);
     case COLUMN_COUNT:
         return integer_cell(*count);
     case COLUMN_LARGE_COUNT:

@@ -50,6 +50,8 @@ enum column_type {
     COLUMN_COUNT,       /**< A uint32_t.                                                    */
     COLUMN_LARGE_COUNT, /**< A uint64_t. */
     COLUMN_RANK,        /**< A uint32_t, n/a if 0.                                          */
+    COLUMN_LARGE_RANK,  /**< A uint64_t, likewise. */
+    COLUMN_FLAG,        /**< A bool: 1 or 0. */
     COLUMN_NUMBER,      /**< A double, n/a unless finite.                                   */
     COLUMN_TIME,        /**< A double, seconds.                                             */
     COLUMN_X,           /**< A coordinate of a double[3], world, written in the frame's space. */
