@@ -262,14 +262,26 @@ static conus_status join_columns(struct report_needles *needles)
 
 static conus_status fill_needles(struct report_needles *out, const conus_together *together)
 {
+    const size_t count = conus_together_count(together);
     size_t questions = 0;
+    while (conus_together_combination(together, out->combination_count)) {
+        out->combination_count++;
+    }
     while (conus_together_question(together, questions)) {
         questions++;
     }
-    out->of = together;
-    out->count = conus_together_count(together);
+    out->asked = conus_together_asked(together);
+    out->conflict = conus_together_conflict(together);
     out->questions = memory_zeroed(questions, sizeof *out->questions);
-    conus_status status = out->questions ? CONUS_OK : CONUS_ERROR_MEMORY;
+    out->at = memory_zeroed(count, sizeof(conus_placed *));
+    out->combinations = memory_zeroed(out->combination_count + 1, sizeof(conus_combination *));
+    conus_status status = out->questions && out->at && out->combinations ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t n = 0; n < out->combination_count && !status; n++) {
+        out->combinations[n] = conus_together_combination(together, n);
+    }
+    for (; out->count < count && !status; out->count++) {
+        out->at[out->count] = conus_together_needle(together, out->count);
+    }
     for (size_t i = 0; i < questions && !status; i++) {
         out->questions[i].answered = conus_together_question(together, i);
         status = fill(&out->questions[i].plan, out->questions[i].answered->plan);
@@ -304,14 +316,13 @@ conus_status conus_report_add_together(conus_report *report, const conus_togethe
     if (rows == CONUS_ROWS_PAIRS) {
         return add_pairs(report, together);
     }
-    const conus_combination *combination;
-    for (size_t n = 0; (combination = conus_together_combination(together, n)) && !status; n++) {
+    for (size_t n = 0; n < added.combination_count && !status; n++) {
         for (size_t i = 0; i < added.count && !status; i++) {
             struct report_row *row;
-            status = add_pose(&row, report, combination->chosen[i].pose, 1);
+            status = add_pose(&row, report, added.combinations[n]->chosen[i].pose, 1);
             if (!status) {
                 row->planned.needle = i;
-                row->planned.question = combination->chosen[i].question;
+                row->planned.question = added.combinations[n]->chosen[i].question;
                 row->planned.combination = n;
             }
         }

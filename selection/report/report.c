@@ -265,6 +265,8 @@ void report_needles_finish(struct report_needles *needles)
         memory_free(needles->questions[i].places);
     }
     memory_free(needles->questions);
+    memory_free((void *)needles->at);
+    memory_free((void *)needles->combinations);
     memory_free(needles->columns);
 }
 

@@ -65,9 +65,13 @@ struct report_question {
 struct report_needles {
     struct report_question *questions; /**< [question_count] */
     size_t question_count;
-    const conus_together *of;
-    size_t count;                  /**< Of its needles. */
-    struct report_column *columns; /**< [column_count] Their offset is their index. */
+    const conus_placed **at; /**< [count] */
+    size_t count;
+    const conus_combination **combinations; /**< [combination_count] */
+    size_t combination_count;
+    const conus_together_options *asked;
+    const conus_conflict *conflict; /**< NULL = there is none. */
+    struct report_column *columns;  /**< [column_count] Their offset is their index. */
     size_t column_count;
 };
 

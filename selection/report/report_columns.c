@@ -295,7 +295,7 @@ static struct cell get_clearance_at(const conus_report *report, const struct rep
 
 static const conus_combination *combination_of(const conus_report *report, const struct report_row *row)
 {
-    return conus_together_combination(report->needles.of, row->planned.combination);
+    return report->needles.combinations[row->planned.combination];
 }
 
 static struct cell get_combination(const conus_report *report, const struct report_row *row)
@@ -311,7 +311,7 @@ static struct cell get_proven(const conus_report *report, const struct report_ro
 
 static struct cell get_needle(const conus_report *report, const struct report_row *row)
 {
-    return text_cell(conus_together_needle(report->needles.of, row->planned.needle)->name);
+    return text_cell(report->needles.at[row->planned.needle]->name);
 }
 
 static struct cell get_needle_row(const conus_report *report, const struct report_row *row)

@@ -523,7 +523,7 @@ static json_t *json_from_question(const struct report_needles *needles, size_t i
     json_t *funnel = json_array();
     bool whole = list_constraints(constraints, funnel, &question->plan);
     for (size_t i = 0; i < answered->needle_count; i++) {
-        json_t *name = json_from_text(conus_together_needle(needles->of, answered->needles[i])->name);
+        json_t *name = json_from_text(needles->at[answered->needles[i]]->name);
         whole = json_array_append_new(names, name) == 0 && whole;
     }
     for (size_t i = 0; i < answered->shank_count; i++) {
@@ -544,11 +544,11 @@ static json_t *json_from_question(const struct report_needles *needles, size_t i
 /* null where there is none */
 static json_t *json_from_conflict(const struct report_needles *needles)
 {
-    const conus_conflict *conflict = conus_together_conflict(needles->of);
+    const conus_conflict *conflict = needles->conflict;
     json_t *names = conflict ? json_array() : NULL;
     bool whole = true;
     for (size_t i = 0; conflict && i < conflict->count; i++) {
-        const conus_placed *placed = conus_together_needle(needles->of, conflict->needles[i]);
+        const conus_placed *placed = needles->at[conflict->needles[i]];
         whole = json_array_append_new(names, json_from_text(placed->name)) == 0 && whole;
     }
     return !conflict ? json_null()
@@ -563,8 +563,8 @@ static json_t *json_from_combinations(uint64_t *nodes, const struct report_needl
 {
     json_t *list = json_array();
     bool whole = true;
-    const conus_combination *combination;
-    for (size_t n = 0; (combination = conus_together_combination(needles->of, n)); n++) {
+    for (size_t n = 0; n < needles->combination_count; n++) {
+        const conus_combination *combination = needles->combinations[n];
         *nodes = combination->nodes;
         if (combination->feasible) {
             json_t *entry = json_pack("{s: b, s: o, s: b}", "proven", combination->proven, "bound_mm",
@@ -579,12 +579,12 @@ static bool add_needles(json_t *root, const struct report_needles *needles)
 {
     json_t *rows = json_array();
     json_t *list = json_array();
-    const conus_together_options *asked = conus_together_asked(needles->of);
+    const conus_together_options *asked = needles->asked;
     uint64_t nodes = 0;
     json_t *combinations = json_from_combinations(&nodes, needles);
     bool whole = true;
     for (size_t i = 0; i < needles->count; i++) {
-        const conus_placed *placed = conus_together_needle(needles->of, i);
+        const conus_placed *placed = needles->at[i];
         json_t *needle =
             json_pack("{s: o, s: b, s: o, s: o}", "name", json_from_text(placed->name), "given", placed->given != NULL,
                       "largest_leeway_mm", json_from_end(placed->largest), "cut_mm", json_from_end(placed->cut));

@@ -140,7 +140,7 @@ void report_write_plan(struct buffer *out, const conus_report *report)
     for (size_t first = 2; first < lines; first += each) {
         size_t n = report->rows[first - 2].planned.combination;
         if (report->needles.count) {
-            write_combination(out, conus_together_combination(report->needles.of, n), n + 1);
+            write_combination(out, report->needles.combinations[n], n + 1);
         }
         write_line(out, report, &columns, widths, 0);
         write_line(out, report, &columns, widths, 1);
