@@ -189,8 +189,8 @@ struct moment {
 
 static void add_voxel(struct moment *moment, const size_t dim[3], size_t voxel)
 {
-    const size_t at[3] = {voxel % dim[0], voxel / dim[0] % dim[1], voxel / dim[0] / dim[1]};
-    const double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
+    double p[3];
+    grid_index(p, dim, voxel);
     vec3_add_scaled(moment->sum, moment->sum, 1, p);
     moment->weight++;
 }

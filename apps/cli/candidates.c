@@ -409,13 +409,14 @@ static bool have_usual_turns(const struct written_pose *poses, size_t count, con
 /* 17 digits are those of one double. */
 static void put_table(FILE *out, const struct written_pose *poses, size_t count, const conus_frame *frame)
 {
-    bool has_up = !have_usual_turns(poses, count, frame);
+    const bool of_needles = count && poses[0].needle;
+    bool has_up = of_needles || !have_usual_turns(poses, count, frame);
     bool has_angle = false;
     for (size_t i = 0; i < count; i++) {
         has_angle = has_angle || poses[i].pose->has_angle;
     }
-    fprintf(out, "query_id\tx\ty\tz\tdx\tdy\tdz%s\tnear\tfar%s\n", has_up ? "\tux\tuy\tuz" : "",
-            has_angle ? "\tangle" : "");
+    fprintf(out, "%squery_id\tx\ty\tz\tdx\tdy\tdz%s\tnear\tfar%s%s\n", of_needles ? "needle\trow\tcandidate\t" : "",
+            has_up ? "\tux\tuy\tuz" : "", has_angle ? "\tangle" : "", of_needles ? "\tleeway_mm" : "");
     for (size_t i = 0; i < count; i++) {
         const conus_planned *pose = poses[i].pose;
         const double *m = pose->pose.world_from_device;
@@ -424,6 +425,10 @@ static void put_table(FILE *out, const struct written_pose *poses, size_t count,
         conus_frame_from_world(v[0], frame, m + 12);
         conus_frame_direction_from_world(v[1], frame, axis);
         conus_frame_direction_from_world(v[2], frame, m + 4);
+        if (of_needles) {
+            put_id(out, poses[i].needle, '"');
+            fprintf(out, "\t%zu\t%llu\t", poses[i].row, (unsigned long long)poses[i].number);
+        }
         put_id(out, poses[i].id, '"');
         for (int k = 0; k < (has_up ? 9 : 6); k++) {
             fprintf(out, "\t%.17g", v[k / 3][k % 3]);
@@ -433,6 +438,9 @@ static void put_table(FILE *out, const struct written_pose *poses, size_t count,
             fprintf(out, "\t%.17g", pose->angle);
         } else if (has_angle) {
             fputs("\tn/a", out);
+        }
+        if (of_needles) {
+            fprintf(out, isnan(pose->leeway) ? "\tn/a" : "\t%.9g", pose->leeway);
         }
         fputc('\n', out);
     }

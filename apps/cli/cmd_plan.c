@@ -390,8 +390,10 @@ static int write_poses(const struct planning *planning)
     struct written_pose *poses = calloc(count + 1, sizeof *poses);
     for (size_t i = 0; i < count && poses; i++) {
         const conus_planned *pose = conus_plan_pose(planning->plan, i);
-        poses[i] =
-            (struct written_pose){pose->id, pose, planning->constraints.shanks, planning->constraints.shank_count};
+        poses[i] = (struct written_pose){.id = pose->id,
+                                         .pose = pose,
+                                         .shanks = planning->constraints.shanks,
+                                         .shank_count = planning->constraints.shank_count};
     }
     int code = poses ? candidates_write(planning->settings->poses_out, poses, count, &planning->request.frame)
                      : print_no_memory();

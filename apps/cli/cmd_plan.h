@@ -59,6 +59,9 @@ struct written_pose {
     const conus_planned *pose;
     const double *shanks; /**< [shank_count][2] Beside its axis, mm; NULL = one on it. */
     size_t shank_count;
+    const char *needle; /**< Whose candidate it is: then tables say that, and the next two; NULL = nobody's. */
+    size_t row;         /**< Of the table of needles, from 1. */
+    uint64_t number;    /**< Of the needle's candidates. */
 };
 
 /** Writes poses: a table (.tsv), lines for 3D Slicer, one for each shank (.mrk.json), polylines (.vtk), or the first
@@ -70,7 +73,7 @@ int candidates_write(const char *path, const struct written_pose *poses, size_t 
 /** Only of several needles together; parts are read row by row. */
 struct needles_settings {
     const char *file; /**< NULL = one needle is planned. */
-    const char *given, *between, *pairs, *diverse;
+    const char *given, *between, *pairs, *diverse, *candidates;
     struct option_list parts;
     double entry_distance;
     uint32_t effort;

@@ -42,6 +42,11 @@ const struct option needles_options[] = {
     {OPTION_VALUED("pairs", struct needles_settings, pairs, "FILE"),
      .help = "write how near each two needles come to each other, and where", .needs = "needles",
      .role = OPTION_WRITES_ROWS, .holds = HOLDS_ROWS},
+    {OPTION_VALUED("candidates", struct needles_settings, candidates, "FILE"),
+     .help =
+         "write each needle's candidates that may be in a combination as good as the last one of the list: with the "
+         "answer and its sidecar another program can prove it",
+     .words = "certificate, proof, verify", .needs = "needles", .endings = ".tsv", OPTION_WRITING(POSES)},
     {0},
 };
 
@@ -125,17 +130,24 @@ static size_t cut_line(char *cells[COLUMN_LIMIT], struct text line, char separat
     return count;
 }
 
-static const char *question_name_at(const void *list, size_t index)
+/* The option of a question that has this name, or that `*index` options are before, which it counts down. */
+static const struct option *question_option(size_t *index, const char *name)
 {
-    (void)list;
     for (size_t t = 0; plan_question_options[t]; t++) {
         for (const struct option *option = plan_question_options[t]; option->name; option++) {
-            if (!index--) {
-                return option->name;
+            if (strcmp(option->name, name) == 0 || !(*index)--) {
+                return option;
             }
         }
     }
-    return index == 0 ? "needle" : index == 1 ? "once" : NULL;
+    return NULL;
+}
+
+static const char *question_name_at(const void *list, size_t index)
+{
+    (void)list;
+    const struct option *option = question_option(&index, "");
+    return option ? option->name : index == 0 ? "needle" : index == 1 ? "once" : NULL;
 }
 
 /* The option that a column is called like, "reach.1" being another "reach"; NULL of the column needle. Prints an error
@@ -147,14 +159,8 @@ static bool find_column(const struct option **out, char *name, const struct plan
     if (dot && dot[1] && strspn(dot + 1, "0123456789") == strlen(dot + 1)) {
         *dot = '\0';
     }
-    for (size_t t = 0; plan_question_options[t]; t++) {
-        for (*out = plan_question_options[t]; (*out)->name; (*out)++) {
-            if (strcmp((*out)->name, name) == 0) {
-                return true;
-            }
-        }
-    }
-    *out = strcmp(name, "once") == 0 ? &once_column : NULL;
+    size_t all = SIZE_MAX;
+    *out = strcmp(name, "once") == 0 ? &once_column : question_option(&all, name);
     if (*out || strcmp(name, "needle") == 0) {
         return true;
     }
@@ -296,28 +302,11 @@ static int parse_row(struct question_row *row)
     return code ? code : read_parts(row);
 }
 
-/* The next of the names in a cell, without blanks about it; NULL past the last. It ends the name there. */
-static char *next_name(char **rest)
-{
-    char *name = *rest;
-    char *comma = name ? strchr(name, ',') : NULL;
-    if (!name) {
-        return NULL;
-    }
-    *rest = comma ? comma + 1 : NULL;
-    size_t size = comma ? (size_t)(comma - name) : strlen(name);
-    while (size && name[size - 1] == ' ') {
-        size--;
-    }
-    name[size] = '\0';
-    return name + strspn(name, " ");
-}
-
 /* The number of the needle of a name; their number = there is none. */
-static size_t find_needle(const struct planner *planner, const char *name)
+static size_t find_needle(const struct planner *planner, struct text name)
 {
     size_t i = 0;
-    while (i < planner->name_count && strcmp(planner->names[i], name) != 0) {
+    while (i < planner->name_count && !text_equal(name, planner->names[i])) {
         i++;
     }
     return i;
@@ -327,27 +316,27 @@ static size_t find_needle(const struct planner *planner, const char *name)
 static int name_needles(struct planner *planner, struct question_row *row)
 {
     const char *path = planner->settings->needles.file;
-    char *copy = strdup(row->name);
-    char *rest = copy;
-    char *name;
-    int code = copy ? EXIT_DONE : print_no_memory();
-    while (!code && (name = next_name(&rest))) {
+    struct text rest = text_from(row->name);
+    struct text name;
+    int code = EXIT_DONE;
+    for (bool more = true; !code && text_field(&rest, ',', &more, &name);) {
+        name = text_trim(name);
         size_t at = find_needle(planner, name);
-        code = is_empty(name) ? print_usage_error("%s: line %zu: no needle", path, row->line)
-               : strchr(name, '/')
-                   ? print_usage_error("%s: line %zu: needle %s: a name without \"/\"", path, row->line, name)
+        code = !name.size || text_equal(name, "n/a") ? print_usage_error("%s: line %zu: no needle", path, row->line)
+               : memchr(name.data, '/', name.size)
+                   ? print_usage_error("%s: line %zu: needle %.*s: a name without \"/\"", path, row->line,
+                                       (int)name.size, name.data)
                : at == NEEDLE_MOST ? print_usage_error("%s: more than %d needles", path, NEEDLE_MOST)
                : row->needles >> at & 1
-                   ? print_usage_error("%s: line %zu: needle %s is named twice", path, row->line, name)
+                   ? print_usage_error("%s: line %zu: needle %s is named twice", path, row->line, planner->names[at])
                    : EXIT_DONE;
         row->needles |= 1U << at;
         if (!code && at == planner->name_count) {
-            planner->names[at] = strdup(name);
+            planner->names[at] = text_copy(name.data, name.size);
             planner->name_count += planner->names[at] != NULL;
             code = planner->names[at] ? EXIT_DONE : print_no_memory();
         }
     }
-    free(copy);
     return code;
 }
 
@@ -621,7 +610,7 @@ static int take_given(struct planner *planner)
     for (size_t i = 0; i < count && !code; i++) {
         const conus_pose_row *row = conus_pose_list_row(planner->given, i);
         const char *why = pose_settings_row_error(row);
-        size_t at = find_needle(planner, row->id);
+        size_t at = find_needle(planner, text_from(row->id));
         code = at == planner->name_count ? print_usage_error("--given: %s:%zu: %s is no needle of %s", path, row->line,
                                                              row->id, planner->settings->needles.file)
                : why                     ? print_data_error("--given: %s:%zu: %s", path, row->line, why)
@@ -847,7 +836,8 @@ static int write_poses(const struct planner *planner)
         const char *needle = conus_together_needle(planner->together, i % needles)->name;
         size_t size = strlen(needle) + 8;
         char *name = malloc(size);
-        poses[i] = (struct written_pose){name, chosen->pose, constraints->shanks, constraints->shank_count};
+        poses[i] = (struct written_pose){
+            .id = name, .pose = chosen->pose, .shanks = constraints->shanks, .shank_count = constraints->shank_count};
         whole = name;
         if (name && planner->options.top > 1) {
             snprintf(name, size, "%zu-%s", i / needles + 1, needle);
@@ -864,6 +854,32 @@ static int write_poses(const struct planner *planner)
     return code;
 }
 
+static int write_candidates(const struct planner *planner)
+{
+    const size_t needles = conus_together_count(planner->together);
+    struct written_pose *poses = NULL;
+    size_t count = 0;
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < needles && !code; i++) {
+        const conus_chosen *chosen = NULL;
+        size_t more = 0;
+        code = print_status(conus_together_candidates(&chosen, &more, planner->together, i));
+        struct written_pose *longer = code ? NULL : realloc(poses, (count + more + 1) * sizeof *poses);
+        poses = longer ? longer : poses;
+        code = code || longer ? code : print_no_memory();
+        for (size_t k = 0; k < more && !code; k++) {
+            poses[count++] = (struct written_pose){.id = chosen[k].pose->id,
+                                                   .pose = chosen[k].pose,
+                                                   .needle = conus_together_needle(planner->together, i)->name,
+                                                   .row = chosen[k].question + 1,
+                                                   .number = chosen[k].candidate};
+        }
+    }
+    code = code ? code : candidates_write(planner->settings->needles.candidates, poses, count, &planner->request.frame);
+    free(poses);
+    return code;
+}
+
 static int write_all(struct planner *planner)
 {
     struct request *request = &planner->request;
@@ -873,6 +889,7 @@ static int write_all(struct planner *planner)
     provenance.question.region = "axis";
     code = code ? code : rows_files_write(&request->rows, &provenance);
     code = code || !settings->poses_out ? code : write_poses(planner);
+    code = code || !settings->needles.candidates ? code : write_candidates(planner);
     provenance.question.rows = "needles";
     return code ? code : request_write_answer(request, &provenance);
 }

@@ -310,33 +310,16 @@ static conus_status find_vertex(double out[3], struct finding *finding, const do
     return status;
 }
 
-/* Against the way that its triangles wind, for a surface turned inside out. */
-static double facing(const struct mesh *mesh)
-{
-    double volume = 0;
-    double from[3];
-    for (int a = 0; a < 3; a++) {
-        from[a] = (double)mesh->positions[a];
-    }
-    for (size_t t = 0; t < mesh->triangle_count; t++) {
-        double corner[3][3], normal[3];
-        mesh_corners(corner, mesh, t);
-        for (int k = 0; k < 3; k++) {
-            vec3_sub(corner[k], corner[k], from);
-        }
-        vec3_cross(normal, corner[1], corner[2]);
-        volume += vec3_dot(corner[0], normal);
-    }
-    return volume < 0 ? -1 : 1;
-}
-
 /* Sets the normals of the positions from @p begin on: areas of triangles with a corner near, as vectors. */
 static conus_status find_normals(conus_scalp *scalp, size_t begin, const struct mesh *mesh)
 {
     uint64_t *near = memory_zeroed(mesh->vertex_count, sizeof *near); /* a bit for each position */
-    const double side = facing(mesh);
-    if (!near) {
-        return CONUS_ERROR_MEMORY;
+    struct mesh_shape shape = {0};
+    conus_status status = near ? mesh_measure(&shape, mesh) : CONUS_ERROR_MEMORY;
+    const double side = shape.volume_mm3 < 0 ? -1 : 1; /* of a surface turned inside out */
+    if (status) {
+        memory_free(near);
+        return status;
     }
     for (size_t v = 0; v < mesh->vertex_count; v++) {
         const float *p = mesh->positions + 3 * v;

@@ -372,14 +372,6 @@ CONUS_API const conus_constraint *conus_plan_constraint(const conus_plan *plan, 
  * UTF-8. */
 CONUS_API const char *conus_plan_name(const conus_plan *plan, size_t index);
 
-/** Gives the errors under which the probabilities are. @return NULL without jitter. Defaults are filled in. */
-CONUS_API const conus_jitter_options *conus_plan_jitter(const conus_plan *plan);
-
-/** Tells whether a constraint has a leeway, of poses where it holds. Without one it does not count for the leeway of
- * poses: LENGTH, LEAN, FIRST, contacts, probabilities, the measures of a cone, and a REACH by surfaces that are not
- * closed. */
-CONUS_API bool conus_plan_has_leeway(const conus_plan *plan, size_t index);
-
 /** Measures how far a point of a listed pose's axis is from the structure of a constraint, to draw a curve of it.
  * @param[out] out mm, the radius not taken off (Eq. 21).
  * @param pose Index in the list.
@@ -411,6 +403,16 @@ CONUS_API const conus_answered *conus_together_question(const conus_together *to
 
 /** Gives the options of the answer. @return With the defaults filled in. */
 CONUS_API const conus_together_options *conus_together_asked(const conus_together *together);
+
+/** Gives the candidates of a needle that are not below its cut (Eq. 28): no other one is in a combination that is as
+ * good as the last that is listed, or of lists that are not known whole. Reads them again.
+ * @param[out] out [*count] By question, then by number. Of each place only where it is and its leeway are known, NaN
+ * where its question has none. Borrowed from the answer, until the next call.
+ * @param together The answer. What its questions point to must still live.
+ * @param index Of the needle.
+ * @return #CONUS_ERROR_DATA where the candidates are others now; their errors. */
+CONUS_CHECKED conus_status conus_together_candidates(const conus_chosen **out, size_t *count, conus_together *together,
+                                                     size_t index);
 
 /* Surfaces of areas, and numbers of vertices */
 

@@ -288,6 +288,17 @@ static void note_on_line(const struct field *field, struct dose *dose, const dou
     }
 }
 
+/* Adds a part of a region where W has this value; the second time, whether it is above the level. */
+static void add_part(const struct field *field, struct dose *dose, double part, double value)
+{
+    if (isnan(field->level)) {
+        dose->rays += part;
+        dose->on_rays += part * value;
+    } else {
+        dose->rays_above += value >= field->level ? part : 0;
+    }
+}
+
 /* Adds what a ray passes of a surface from `from` to `to`, mm. */
 static void add_piece(const struct field *field, struct dose *dose, const struct line *line, double weight, double from,
                       double to)
@@ -304,12 +315,9 @@ static void add_piece(const struct field *field, struct dose *dose, const struct
             const double value = value_at(field, v);
             const double part =
                 i < GAUSS_POINTS ? weight * gauss_rule[i].weight * (end - t) * (is_cone ? at * at : 1) : 0;
+            add_part(field, dose, part, value);
             if (isnan(field->level)) {
-                dose->rays += part;
-                dose->on_rays += part * value;
                 note_on_line(field, dose, v, value);
-            } else {
-                dose->rays_above += value >= field->level ? part : 0;
             }
         }
     }
@@ -367,14 +375,9 @@ static void add_solids(const struct field *field)
             const double middle = cbrt((inner * inner * inner + radius * radius * radius) / 2);
             const double value = weight_value(field->weight, middle, 0);
             before = volume;
-            if (isnan(field->level)) {
-                dose->rays += shell;
-                dose->on_rays += shell * value;
-                if (shell > 0 && value > dose->largest) {
-                    dose_note_largest(dose, value, (const double[]){NAN, NAN, NAN}, 0);
-                }
-            } else {
-                dose->rays_above += value >= field->level ? shell : 0;
+            add_part(field, dose, shell, value);
+            if (isnan(field->level) && shell > 0 && value > dose->largest) {
+                dose_note_largest(dose, value, (const double[]){NAN, NAN, NAN}, 0);
             }
         }
     }

@@ -776,14 +776,9 @@ conus_plan_faults conus_plan_rejected(const conus_plan *plan)
     return (conus_plan_faults){plan->rejected.count, plan->rejected.line, plan->rejected.why};
 }
 
-const conus_jitter_options *conus_plan_jitter(const conus_plan *plan)
+const struct plan_asked *plan_asked_of(const conus_plan *plan)
 {
-    return plan->asked.jitter.errors ? &plan->asked.jitter.options : NULL;
-}
-
-bool conus_plan_has_leeway(const conus_plan *plan, size_t index)
-{
-    return index < plan->asked.count && plan->asked.constraints[index].has_leeway;
+    return &plan->asked;
 }
 
 void plan_measure_all(conus_plan *plan)
@@ -845,7 +840,9 @@ conus_status plan_copy(conus_planned *out, const conus_plan *plan, const conus_p
         memory_free(id);
         return CONUS_ERROR_MEMORY;
     }
-    memcpy(verdicts, pose->verdicts, plan->asked.count * sizeof *verdicts);
+    if (pose->verdicts) {
+        memcpy(verdicts, pose->verdicts, plan->asked.count * sizeof *verdicts);
+    }
     *out = *pose;
     out->id = id;
     out->verdicts = verdicts;
@@ -858,7 +855,18 @@ void plan_copy_finish(conus_planned *copy)
     memory_free((void *)copy->verdicts);
 }
 
-conus_status plan_find(conus_planned *copies, size_t count, conus_plan *plan, conus_pose_stream *poses)
+/* Where the pose of a row is, which was a candidate. */
+static conus_status place_row(conus_planned *out, const conus_plan *plan, const conus_pose_row *row,
+                              const conus_planned *known)
+{
+    const char *why = plan_trial_begin(out, row, &plan->asked);
+    out->id = row->id ? row->id : "";
+    out->candidate = known->candidate;
+    out->leeway = known->leeway;
+    return why ? fail(CONUS_ERROR_DATA, "%s", why) : CONUS_OK;
+}
+
+conus_status plan_find(conus_planned *copies, size_t count, conus_plan *plan, conus_pose_stream *poses, bool untried)
 {
     conus_pose_row rows[BLOCK];
     size_t read = 1;
@@ -869,8 +877,10 @@ conus_status plan_find(conus_planned *copies, size_t count, conus_plan *plan, co
         status = conus_pose_stream_read(rows, &read, poses, BLOCK);
         while (!status && found < count && copies[found].candidate - before <= read) {
             const uint64_t number = copies[found].candidate;
-            const conus_planned *pose = NULL;
-            status = try_row(&pose, plan, &rows[number - before - 1], number);
+            const conus_pose_row *row = &rows[number - before - 1];
+            conus_planned place;
+            const conus_planned *pose = &place;
+            status = untried ? place_row(&place, plan, row, &copies[found]) : try_row(&pose, plan, row, number);
             status = status ? status : plan_copy(&copies[found++], plan, pose);
         }
     }

@@ -31,7 +31,8 @@ struct plan_constraint {
     bool *reported; /**< [object_count + 1] The object as which each is reported; NULL except for measures of a cone. */
     struct plan_part *parts;
     size_t part_count;
-    bool has_leeway;
+    bool has_leeway;  /**< Where it holds. LENGTH, LEAN, FIRST, contacts, probabilities, measures of a cone, and a REACH
+                         by surfaces that are not closed have none, and do not count for the leeway of poses. */
     size_t shanks[2]; /**< It is about those from the first to before the second, from 0: */
     bool any_shank;   /**< any of these; else each. */
 };
@@ -277,9 +278,10 @@ void plan_forget_list(conus_plan *plan);
 conus_status plan_copy(conus_planned *out, const conus_plan *plan, const conus_planned *pose);
 void plan_copy_finish(conus_planned *copy);
 
-/** Tries poses again, as conus_plan_try(): those whose numbers are the `candidate` of each copy, in ascending order. A
- * copy is as it was where @p poses ends before. */
-conus_status plan_find(conus_planned *copies, size_t count, conus_plan *plan, conus_pose_stream *poses);
+/** Reads poses again, those whose numbers are the `candidate` of each copy, in ascending order. Tries them, as
+ * conus_plan_try(), unless they are @p untried: then a copy keeps its leeway. It is as it was where @p poses ends
+ * before. */
+conus_status plan_find(conus_planned *copies, size_t count, conus_plan *plan, conus_pose_stream *poses, bool untried);
 
 /** Measures everything of every pose, also what decides nothing: slower, the same answer, to compare with. */
 void plan_measure_all(conus_plan *plan);
@@ -299,6 +301,8 @@ struct plan_asked {
     struct plan_jitter jitter;
     bool measures_all; /**< Of every pose, also what decides nothing. */
 };
+
+const struct plan_asked *plan_asked_of(const conus_plan *plan);
 
 /** The results of earlier poses, so that less has to be measured of later ones. */
 struct plan_bar {

@@ -418,11 +418,9 @@ conus_status plan_deepest(struct inner_point *out, const struct plan_constraint 
 static void add_centre(void *user, const struct volume *volume, size_t voxel)
 {
     double *sum = user;
-    size_t at[3];
-    find_index(at, volume, voxel);
-    const double index[3] = {(double)at[0], (double)at[1], (double)at[2]};
     double point[3];
-    mat4_point(point, volume->info.world_from_voxel, index);
+    grid_index(point, volume->info.dim, voxel);
+    mat4_point(point, volume->info.world_from_voxel, point);
     for (int a = 0; a < 4; a++) {
         sum[a] += a < 3 ? point[a] : 1;
     }

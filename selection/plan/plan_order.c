@@ -164,24 +164,15 @@ void plan_order_finish(struct plan_order *order)
 
 static double value_of(const struct plan_name *name, const conus_planned *pose)
 {
-    switch (name->quantity) {
-    case PLAN_LEEWAY:
-        return pose->leeway;
-    case PLAN_SLACK:
-        return pose->slack;
-    case PLAN_CLEARANCE:
-        return pose->clearance;
-    case PLAN_CHANCE:
-        return pose->p_ok;
-    case PLAN_DEPTH:
-        return pose->far;
-    case PLAN_ENTRY_ANGLE:
-        return pose->entry_angle;
-    case PLAN_VALUE:
-        return pose->verdicts[name->constraint].value;
-    default:
-        return pose->score;
-    }
+    static const size_t at[] = {[PLAN_LEEWAY] = offsetof(conus_planned, leeway),
+                                [PLAN_SLACK] = offsetof(conus_planned, slack),
+                                [PLAN_CLEARANCE] = offsetof(conus_planned, clearance),
+                                [PLAN_CHANCE] = offsetof(conus_planned, p_ok),
+                                [PLAN_DEPTH] = offsetof(conus_planned, far),
+                                [PLAN_ENTRY_ANGLE] = offsetof(conus_planned, entry_angle),
+                                [PLAN_SCORE] = offsetof(conus_planned, score)};
+    return name->quantity == PLAN_VALUE ? pose->verdicts[name->constraint].value
+                                        : *(const double *)((const char *)pose + at[name->quantity]);
 }
 
 /* As printed, so that the order agrees with the text. */

@@ -153,7 +153,7 @@ static conus_status fill(struct report_plan *out, const conus_plan *plan)
     size_t counts[sizeof kinds / sizeof kinds[0]] = {0};
     out->candidates = conus_plan_left(plan, 0);
     out->rejected = conus_plan_rejected(plan).count;
-    out->jitter = conus_plan_jitter(plan);
+    out->jitter = plan_asked_of(plan)->jitter.errors ? &plan_asked_of(plan)->jitter.options : NULL;
     out->constraints = memory_zeroed(out->count, sizeof *out->constraints);
     out->columns = memory_zeroed(3 * out->count, sizeof *out->columns);
     for (size_t i = 0; i < out->count && out->constraints && out->columns; i++) {

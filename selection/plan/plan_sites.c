@@ -6,14 +6,6 @@
 #include "base/geometry/math3.h"
 #include "selection/plan/plan_deepest.h"
 
-static void place_voxel(double out[3], const struct volume *volume, size_t voxel)
-{
-    const size_t *dim = volume->info.dim;
-    const size_t at[3] = {voxel % dim[0], voxel / dim[0] % dim[1], voxel / dim[0] / dim[1]};
-    const double index[3] = {(double)at[0], (double)at[1], (double)at[2]};
-    mat4_point(out, volume->info.world_from_voxel, index);
-}
-
 static conus_status add_voxels(conus_sites *sites, const struct plan_constraint *structure, const struct volume *volume)
 {
     conus_status status = CONUS_OK;
@@ -21,7 +13,8 @@ static conus_status add_voxels(conus_sites *sites, const struct plan_constraint 
          voxel = volume_next(volume, voxel + 1)) {
         double point[3];
         if (structure->has[volume_object(volume, voxel)]) {
-            place_voxel(point, volume, voxel);
+            grid_index(point, volume->info.dim, voxel);
+            mat4_point(point, volume->info.world_from_voxel, point);
             status = sites_add(sites, point, NULL, voxel);
         }
     }

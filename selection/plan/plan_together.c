@@ -7,6 +7,7 @@
 #include "base/options.h"
 #include "base/order.h"
 #include "base/status.h"
+#include "base/text.h"
 #include "selection/plan/plan.h"
 #include "selection/plan/together/together.h"
 #include "selection/selection.h"
@@ -26,16 +27,9 @@ static const int64_t HIGHEST = 1000000000000000;
 
 /* A question, and those of its candidates that are known. */
 struct question_of {
-    char *name; /* its needles */
-    conus_selector *selector;
-    conus_status (*open)(conus_pose_stream **out, void *user);
-    void (*close)(conus_pose_stream *stream, void *user);
-    void *user;
-    conus_plan_options options;
-    const conus_constraint *constraints; /* the caller's, until it returns */
-    size_t constraint_count;
+    conus_question asked; /* what it points to is the caller's, until conus_plan_together() returns */
     struct bodies bodies;
-    bool once, has_leeway;
+    bool has_leeway;
     bool is_asked; /* a needle that is not given may answer it */
     size_t needles[NEEDLE_LIMIT], needle_count;
     conus_plan *plan;
@@ -55,6 +49,9 @@ struct needle_of {
     struct search_item item;
     struct body_list bodies;
     struct search_item *joined; /* [list.count] of several questions */
+    conus_planned *above;       /* [above_count] Its candidates that are not below the cut, once they were asked for. */
+    conus_chosen *candidates;   /* [above_count] */
+    size_t above_count;
     struct search_list list;
 };
 
@@ -156,17 +153,17 @@ static conus_status check_plan_options(const conus_plan_options *options)
 
 static conus_status create_plan(struct question_of *question, conus_together *together)
 {
-    conus_plan_options options = question->options;
+    conus_plan_options options = *options_of(conus_plan_options, question->asked.options);
     options.top = SAMPLE_FIRST;
     options.progress = show_progress;
     options.progress_user = together;
-    conus_status status = conus_plan_create(&question->plan, question->selector, question->constraints,
-                                            question->constraint_count, &options);
+    conus_status status = conus_plan_create(&question->plan, question->asked.selector, question->asked.constraints,
+                                            question->asked.constraint_count, &options);
     if (!status) {
         plan_sample(question->plan);
     }
-    for (size_t i = 0; i < question->constraint_count && !status; i++) {
-        question->has_leeway = question->has_leeway || conus_plan_has_leeway(question->plan, i);
+    for (size_t i = 0; i < question->asked.constraint_count && !status; i++) {
+        question->has_leeway = question->has_leeway || plan_asked_of(question->plan)->constraints[i].has_leeway;
     }
     return status;
 }
@@ -215,8 +212,8 @@ static conus_status take_list(struct question_of *question, int64_t least)
 
 static void close_candidates(conus_pose_stream *stream, const struct question_of *question)
 {
-    if (question->close && stream) {
-        question->close(stream, question->user);
+    if (question->asked.close && stream) {
+        question->asked.close(stream, question->asked.user);
     } else {
         conus_pose_stream_destroy(stream);
     }
@@ -226,7 +223,7 @@ static void close_candidates(conus_pose_stream *stream, const struct question_of
 static conus_status list_down_to(struct question_of *question, int64_t least)
 {
     conus_pose_stream *stream = NULL;
-    conus_status status = question->open(&stream, question->user);
+    conus_status status = question->asked.open(&stream, question->asked.user);
     status = status ? status : plan_list_again(question->plan, stream, least, LIST_LAST);
     close_candidates(stream, question);
     return status ? status : take_list(question, least);
@@ -236,7 +233,7 @@ static conus_status list_down_to(struct question_of *question, int64_t least)
 static conus_status begin_list(struct question_of *question, conus_together *together)
 {
     conus_pose_stream *stream = NULL;
-    conus_status status = question->open(&stream, question->user);
+    conus_status status = question->asked.open(&stream, question->asked.user);
     status = status ? status : conus_plan_run(question->plan, stream, UINT64_MAX);
     close_candidates(stream, question);
     const conus_planned *last = status ? NULL : conus_plan_pose(question->plan, SAMPLE_FIRST - 1);
@@ -266,7 +263,7 @@ static conus_status join_lists(conus_together *together, size_t index)
     for (size_t p = 0; p < list->part_count; p++) {
         const struct question_of *question = &together->questions[needle->questions[p]];
         list->parts[p] = (struct search_part){needle->given ? &needle->bodies : &question->list, needle->questions[p],
-                                              question->once, question->has_leeway};
+                                              question->asked.once, question->has_leeway};
         needle->has_leeway = needle->has_leeway && question->has_leeway;
         count += list->parts[p].bodies->count;
     }
@@ -342,8 +339,8 @@ static conus_status find_places(conus_together *together, struct question_of *qu
     conus_pose_stream *stream = NULL;
     conus_status status = note_places(together, question);
     if (!status && question->place_count) {
-        status = question->open(&stream, question->user);
-        status = status ? status : plan_find(question->places, question->place_count, question->plan, stream);
+        status = question->asked.open(&stream, question->asked.user);
+        status = status ? status : plan_find(question->places, question->place_count, question->plan, stream, false);
         close_candidates(stream, question);
     }
     return status;
@@ -388,51 +385,46 @@ static conus_status place_given(struct needle_of *needle, conus_together *togeth
     return status;
 }
 
-/* The needle of a name, a new one where there is none; NULL after an error. */
-static conus_status find_needle(size_t *out, conus_together *together, const char *name, size_t size)
+/* The number of the needle of a name; their number = there is none. */
+static size_t find_needle(const conus_together *together, struct text name)
 {
     size_t i = 0;
-    while (i < together->count &&
-           (strncmp(together->needles[i].name, name, size) != 0 || together->needles[i].name[size])) {
+    while (i < together->count && !text_equal(name, together->needles[i].name)) {
         i++;
     }
-    *out = i;
-    if (i == NEEDLE_LIMIT) {
-        return fail(CONUS_ERROR_ARGUMENT, "needles: more than %d", NEEDLE_LIMIT);
-    }
-    if (i == together->count) {
-        together->needles[i].name = memory_text(name, size);
-        together->count += together->needles[i].name != NULL;
-    }
-    return i < together->count ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return i;
+}
+
+static conus_status add_needle(conus_together *together, struct text name)
+{
+    struct needle_of *made = &together->needles[together->count];
+    made->name = memory_text(name.data, name.size);
+    together->count += made->name != NULL;
+    return made->name ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 /* Reads which needles may answer a question: "A, B" */
 static conus_status name_needles(conus_together *together, size_t index)
 {
     struct question_of *question = &together->questions[index];
-    const char *at = question->name;
+    const char *all = question->asked.needles;
+    struct text rest = text_from(all);
+    struct text name;
     conus_status status = CONUS_OK;
-    for (bool more = true; more && !status; at += more) {
-        at += strspn(at, " ");
-        size_t length = strcspn(at, ",");
-        size_t size = length;
-        while (size && at[size - 1] == ' ') {
-            size--;
-        }
-        more = at[length] == ',';
-        size_t needle = 0;
-        status = size ? find_needle(&needle, together, at, size)
-                      : fail(CONUS_ERROR_ARGUMENT, "needles: \"%s\": a needle without a name", question->name);
+    for (bool more = true; !status && text_field(&rest, ',', &more, &name);) {
+        name = text_trim(name);
+        const size_t needle = find_needle(together, name);
         struct needle_of *named = &together->needles[needle];
-        if (!status && named->question_count && named->questions[named->question_count - 1] == index) {
-            status = fail(CONUS_ERROR_ARGUMENT, "needles: \"%s\": %s is named twice", question->name, named->name);
-        }
+        status = !name.size               ? fail(CONUS_ERROR_ARGUMENT, "needles: \"%s\": a needle without a name", all)
+                 : needle == NEEDLE_LIMIT ? fail(CONUS_ERROR_ARGUMENT, "needles: more than %d", NEEDLE_LIMIT)
+                 : needle == together->count ? add_needle(together, name)
+                 : named->questions[named->question_count - 1] == index
+                     ? fail(CONUS_ERROR_ARGUMENT, "needles: \"%s\": %s is named twice", all, named->name)
+                     : CONUS_OK;
         if (!status) {
             named->questions[named->question_count++] = index;
             question->needles[question->needle_count++] = needle;
         }
-        at += length;
     }
     return status;
 }
@@ -441,17 +433,9 @@ static conus_status init_question(conus_together *together, const conus_question
 {
     struct question_of *out = &together->questions[together->question_count];
     const conus_plan_options options = *options_of(conus_plan_options, asked->options);
-    const char *name = asked->needles ? asked->needles : "";
-    out->selector = asked->selector;
-    out->open = asked->open;
-    out->close = asked->close;
-    out->user = asked->user;
-    out->options = options;
-    out->constraints = asked->constraints;
-    out->constraint_count = asked->constraint_count;
-    out->once = asked->once;
-    out->name = memory_text(name, strlen(name));
-    conus_status status = out->name ? name_needles(together, together->question_count) : CONUS_ERROR_MEMORY;
+    out->asked = *asked;
+    out->asked.needles = asked->needles ? asked->needles : "";
+    conus_status status = name_needles(together, together->question_count);
     together->question_count++;
     if (status) {
         return status;
@@ -461,7 +445,7 @@ static conus_status init_question(conus_together *together, const conus_question
                     : bodies_init(&out->bodies, asked->selector->options.radius, options.shanks, options.shank_count,
                                   asked->parts, asked->part_count);
     status = status ? status : create_plan(out, together);
-    return status == CONUS_ERROR_ARGUMENT ? fail_in(status, out->name) : status;
+    return status == CONUS_ERROR_ARGUMENT ? fail_in(status, out->asked.needles) : status;
 }
 
 /* Takes the places of needles that are given. */
@@ -470,10 +454,7 @@ static conus_status take_given(conus_together *together)
     conus_status status = CONUS_OK;
     for (size_t n = 0; n < together->options.given_count && !status; n++) {
         const conus_pose_row *row = &together->options.given[n];
-        size_t i = 0;
-        while (i < together->count && strcmp(together->needles[i].name, row->id) != 0) {
-            i++;
-        }
+        const size_t i = find_needle(together, text_from(row->id));
         if (i == together->count || together->needles[i].given) {
             return fail(CONUS_ERROR_ARGUMENT,
                         i == together->count ? "given: %s is no needle" : "given: %s is given twice", row->id);
@@ -506,9 +487,10 @@ static conus_status begin_needles(conus_together *together)
     for (size_t q = 0; q < together->question_count && !status; q++) {
         struct question_of *question = &together->questions[q];
         status = !question->is_asked ? CONUS_OK
-                 : question->open    ? begin_list(question, together)
-                                     : fail(CONUS_ERROR_ARGUMENT, "open: there is none, and the needle is not given");
-        status = status == CONUS_ERROR_ARGUMENT ? fail_in(status, question->name) : status;
+                 : question->asked.open
+                     ? begin_list(question, together)
+                     : fail(CONUS_ERROR_ARGUMENT, "open: there is none, and the needle is not given");
+        status = status == CONUS_ERROR_ARGUMENT ? fail_in(status, question->asked.needles) : status;
     }
     return status ? status : join_all(together);
 }
@@ -909,7 +891,7 @@ static void describe_needles(conus_together *together)
         const struct bodies *bodies = &question->bodies;
         together->answered[q] = (conus_answered){.needles = question->needles,
                                                  .needle_count = question->needle_count,
-                                                 .once = question->once,
+                                                 .once = question->asked.once,
                                                  .plan = question->plan,
                                                  .radius = bodies->radius[0],
                                                  .shanks = bodies->shanks[0],
@@ -990,6 +972,69 @@ conus_status conus_plan_together(conus_together **out, const conus_question *que
     return CONUS_OK;
 }
 
+static void forget_above(struct needle_of *needle)
+{
+    for (size_t i = 0; i < needle->above_count; i++) {
+        plan_copy_finish(&needle->above[i]);
+    }
+    memory_free(needle->above);
+    memory_free(needle->candidates);
+    needle->above = NULL;
+    needle->candidates = NULL;
+    needle->above_count = 0;
+}
+
+/* Adds those of one question; `before`: so many candidates are those of the questions before it. */
+static conus_status add_above(struct needle_of *needle, conus_together *together, size_t part, uint64_t before)
+{
+    const struct search_list *list = &needle->list;
+    struct question_of *question = &together->questions[list->parts[part].question];
+    const int64_t cut = together->cuts[needle - together->needles];
+    conus_planned *first = needle->above + needle->above_count;
+    conus_pose_stream *stream = NULL;
+    size_t count = 0;
+    for (size_t i = 0; i < list->count; i++) {
+        const struct search_item *item = &list->items[i];
+        if (item->part == part && (!question->has_leeway || item->leeway >= cut)) {
+            first[count++] = (conus_planned){.candidate = question->items[item->index].number,
+                                             .leeway = question->has_leeway ? NM * (double)item->leeway : NAN};
+        }
+    }
+    order_sort(first, count, sizeof *first, compare_places);
+    conus_status status = question->asked.open(&stream, question->asked.user);
+    status = status ? status : plan_find(first, count, question->plan, stream, true);
+    close_candidates(stream, question);
+    for (size_t i = 0; i < count; i++) {
+        needle->candidates[needle->above_count++] =
+            (conus_chosen){&first[i], first[i].candidate + before, list->parts[part].question};
+        status = status || first[i].id ? status : fail_changed(needle);
+    }
+    return status;
+}
+
+conus_status conus_together_candidates(const conus_chosen **out, size_t *count, conus_together *together, size_t index)
+{
+    struct needle_of *needle = &together->needles[index];
+    const size_t most = needle->list.count + 1;
+    uint64_t before = 0;
+    forget_above(needle);
+    needle->above = memory_zeroed(most, sizeof *needle->above);
+    needle->candidates = memory_zeroed(most, sizeof *needle->candidates);
+    conus_status status = needle->above && needle->candidates ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status && needle->given) {
+        needle->candidates[0] = (conus_chosen){&needle->place, 1, needle->questions[0]};
+    }
+    for (size_t p = 0; p < needle->question_count && !needle->given && !status; p++) {
+        status = add_above(needle, together, p, before);
+        before += conus_plan_left(together->questions[needle->questions[p]].plan, 0);
+    }
+    if (!status) {
+        *out = needle->candidates;
+        *count = needle->given ? 1 : needle->above_count;
+    }
+    return status;
+}
+
 void conus_together_destroy(conus_together *together)
 {
     if (!together) {
@@ -1001,13 +1046,13 @@ void conus_together_destroy(conus_together *together)
             plan_copy_finish(&question->places[n]);
         }
         memory_free(question->places);
-        memory_free(question->name);
         conus_plan_destroy(question->plan);
         finish_list(question);
     }
     for (size_t i = 0; i < together->count; i++) {
         struct needle_of *needle = &together->needles[i];
         plan_copy_finish(&needle->place);
+        forget_above(needle);
         body_list_finish(&needle->bodies);
         memory_free(needle->joined);
         memory_free(needle->name);
@@ -1053,7 +1098,7 @@ const conus_conflict *conus_together_conflict(const conus_together *together)
 
 conus_status conus_together_pairs(conus_table **out, const conus_together *together)
 {
-    const conus_selector *selector = together->questions[0].selector;
+    const conus_selector *selector = together->questions[0].asked.selector;
     const struct table_source source = {selector->atlas, &selector->frame};
     return table_create(out, &source, &pair_fields, &(const struct table_question){0}, together->pairs,
                         sizeof *together->pairs, together->pair_count);

@@ -101,6 +101,8 @@ static conus_type type_of(const struct table_field *field)
     case COLUMN_COUNT:
     case COLUMN_LARGE_COUNT:
     case COLUMN_RANK:
+    case COLUMN_LARGE_RANK:
+    case COLUMN_FLAG:
         return CONUS_TYPE_COUNT;
     default:
         return CONUS_TYPE_NUMBER;

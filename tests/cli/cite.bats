@@ -350,3 +350,16 @@ END
     cites g.json
     has "a full opening angle of 30°, or the step's own where the file gives one,"
 }
+
+# A cylinder has no apex; needles that are given have no candidates.
+@test "a cylinder's depths, and a plan that is given whole" {
+    scene
+    conus query nested.nii.gz --origin 0,-100,0 --toward 0,0,0 --radius 3 --range 10,90 -o tube.tsv
+    cites tube.tsv
+    has "counted: 10 mm and 90 mm from the device's position."
+    printf 'needle\nA\nB\n' >needles.tsv
+    printf 'query_id\tx\ty\tz\tdx\tdy\tdz\tfar\nA\t0\t-100\t0\t0\t1\t0\t100\nB\t4\t-100\t0\t0\t1\t0\t100\n' >given.tsv
+    conus plan nested.nii.gz --needles needles.tsv --given given.tsv --reach Core -q -o plan.tsv
+    cites plan.tsv
+    has 'A: some of the axis in Core; B: some of the axis in Core.'
+}

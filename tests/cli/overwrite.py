@@ -54,7 +54,7 @@ ROWS = [
     ("plan u-shape.nii.gz --poses poses.tsv --reach Ball,@list.txt,length=1",
      {"output": ".tsv", "poses-out": ".mrk.json"}, [*ATLAS, "poses.tsv", "list.txt"]),
     ("plan u-shape.nii.gz --needles needles.tsv --given given.tsv --reach Ball",
-     {"output": ".tsv", "pairs": ".tsv", "poses-out": ".tsv"}, [*ATLAS, "needles.tsv", "poses.tsv", "given.tsv"]),
+     {"output": ".tsv", "pairs": ".tsv", "poses-out": ".tsv", "candidates": ".tsv"}, [*ATLAS, "needles.tsv", "poses.tsv", "given.tsv"]),
     ("calibrate --poses trials.tsv", {"output": ".tsv", "sidecar": ".json"}, ["trials.tsv"]),
     ("calibrate u-shape.nii.gz --poses trials.tsv --weight gauss=2", {"output": ".tsv"}, [*ATLAS, "trials.tsv"]),
     ("positions C3 --scalp head.surf.gii,nasion=0:90:0,inion=0:-90:0,lpa=-90:0:0,rpa=90:0:0", {"output": ".tsv", "sidecar": ".json"},

@@ -23,6 +23,7 @@ struct sentence {
 
 #define CONUS "with conus, version {version}{rays?, which selects by conic volumes after Rick et al. (2010)}."
 #define DEPTHS " Only what lies between two depths along the axis counted: "
+#define APEX "{tube?device's position|apex}"
 #define OWN "{own?, or the pose's own where the file gives them}."
 #define EXACT                                                                                                          \
     "{tetrahedra? Volumes are exact for the tetrahedra and voxels as they are; surfaces were measured round lines "    \
@@ -104,8 +105,8 @@ static const struct sentence of_rows[] = {
 
 /* What else. apps/web/page/state.js has these sentences, too, of a page. */
 static const struct sentence of_settings[] = {
-    {"Settings.range_mm", DEPTHS "{Settings.range_mm.0} mm and {Settings.range_mm.1} mm from the apex" OWN},
-    {"!Settings.range_mm Question.options.range", DEPTHS "{Question.options.range} mm from the apex" OWN},
+    {"Settings.range_mm", DEPTHS "{Settings.range_mm.0} mm and {Settings.range_mm.1} mm from the " APEX OWN},
+    {"!Settings.range_mm Question.options.range", DEPTHS "{Question.options.range} mm from the " APEX OWN},
     {"!Settings.range_mm !Question.options.range own !Plan", DEPTHS "the pose's own, where the file gives them."},
     {"rays", " {Shape} was filled with {rays}."},
     {"rays !slices", " Each ray was followed exactly, {all?through all objects|to the first object that it hits}: no "
@@ -206,7 +207,7 @@ static const struct sentence of_item[] = {
     {"!asked low !high", "{name} (from {low})"},
     {"!asked !low high", "{name} (to below {high})"},
     {"!asked !low !high !needles", "{name} (all values)"},
-    {"needles", "{needles}{once?, for one needle only}: {constraints} ({feasible} of {candidates} hold)"},
+    {"needles", "{needles}{once?, for one needle only}: {constraints}{candidates? ({feasible} of @ hold)}"},
     {0},
 };
 

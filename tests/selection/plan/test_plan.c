@@ -291,7 +291,7 @@ static void measures_of_a_cylinder(void **state)
         first->share, 0, part, part, first->volume + second->volume, (first->volume + second->volume) / (360 + 72)};
     for (size_t i = 0; i < COUNT; i++) {
         check(planned->verdicts[i], i != 1, values[i], values[i], NAN);
-        assert_false(conus_plan_has_leeway(answer.plan, i));
+        assert_false(plan_asked_of(answer.plan)->constraints[i].has_leeway);
     }
     check(planned->verdicts[COUNT], false, part, 0.5 - part, NAN);
     assert_int_equal(planned->broken, 1);

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "conus/own.h"
 #include "scene.h"
+#include "selection/plan/plan.h"
 #include "selection/study/study.h"
 #include "test.h"
 #include "value_maps.h"
@@ -141,14 +142,14 @@ static void probabilities_are_integrals(void **state)
             assert_true(tried->p_ok <= tried->verdicts[k].p);
         }
         assert_near(tried->p_ok, cases[i].p[3], 0.003);
-        assert_int_equal(conus_plan_jitter(plan)->samples, SAMPLES);
+        assert_int_equal(plan_asked_of(plan)->jitter.options.samples, SAMPLES);
         end(plan, selector);
     }
     conus_plan *plan = NULL;
     conus_selector *selector = NULL;
     const conus_planned *tried = try_needle(&plan, &selector, atlas, wants, 3, NULL, needle);
     assert_true(isnan(tried->p_ok) && isnan(tried->verdicts[0].p));
-    assert_null(conus_plan_jitter(plan));
+    assert_null(plan_asked_of(plan)->jitter.errors);
     end(plan, selector);
     conus_atlas_destroy(atlas);
 }
@@ -209,7 +210,7 @@ static void contacts_are_counted(void **state)
     const conus_planned *tried = try_needle(&plan, &selector, atlas, &want, 1, NULL, needle);
     assert_near(tried->verdicts[0].value, 5, 0); /* two at 18, two at 15, one at 12 */
     assert_near(tried->verdicts[0].slack, 1, 0);
-    assert_true(tried->feasible && conus_plan_has_leeway(plan, 0));
+    assert_true(tried->feasible && plan_asked_of(plan)->constraints[0].has_leeway);
     assert_near(tried->leeway, 2, 1e-6); /* those at 15 are 3 mm inside, those at 18 and 12 are 2 */
     conus_pose_row row = {.id = "short", .range = {13, 25}, .pose = tried->pose};
     assert_ok(conus_plan_try(&tried, plan, &row));

@@ -7,6 +7,7 @@
 #include "conus/own.h"
 #include "mesh_scene.h"
 #include "scene.h"
+#include "selection/plan/plan.h"
 #include "tables.h"
 #include "test.h"
 #include "tract_scene.h"
@@ -336,7 +337,7 @@ static void tubes(void **state)
      * they overlap, for 3 mm and half of that. */
     double wanted = radius - sqrt(radius * radius / 16 + radius * radius / 4);
     assert_near(conus_plan_pose(plan, 0)->leeway, wanted, 2e-6);
-    assert_true(conus_plan_has_leeway(plan, 0));
+    assert_true(plan_asked_of(plan)->constraints[0].has_leeway);
     conus_plan_destroy(plan);
     conus_selector_destroy(selector);
     const double middle[3] = {10, 0, 30};
