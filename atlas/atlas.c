@@ -64,12 +64,7 @@ void conus_atlas_destroy(conus_atlas *atlas)
 
 conus_status atlas_give(conus_atlas **out, conus_atlas *atlas, conus_status status)
 {
-    if (status) {
-        conus_atlas_destroy(atlas);
-        return status;
-    }
-    *out = atlas;
-    return CONUS_OK;
+    return GIVE(status, out, atlas, conus_atlas_destroy(atlas));
 }
 
 conus_status atlas_append_volume(conus_atlas *atlas, struct volume *volume)

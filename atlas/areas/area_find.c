@@ -354,10 +354,7 @@ static conus_status find_area(uint32_t *out, const conus_atlas *atlas, struct te
         return fail_several(atlas, &found, text);
     }
     conus_status status = found.count ? CONUS_OK : refuse_changed(atlas, text);
-    if (!status) {
-        *out = found.numbers[0];
-    }
-    return status;
+    return GIVE(status, out, found.numbers[0], 0);
 }
 
 /* Finds one of the first `count` objects by its words, in which blanks, _, -, dots, commas and brackets are one, and a
@@ -411,10 +408,7 @@ conus_status area_find(uint32_t *out, const conus_atlas *atlas, struct text text
     if (!status && !found) {
         return fail_unknown(atlas, atlas->area_count, text);
     }
-    if (!status) {
-        *out = found;
-    }
-    return status;
+    return GIVE(status, out, found, 0);
 }
 
 conus_status object_find(uint32_t *out, const conus_atlas *atlas, struct text text)
@@ -429,10 +423,7 @@ conus_status object_find(uint32_t *out, const conus_atlas *atlas, struct text te
     if (!status && !found) {
         return fail_unknown(atlas, atlas->object_count, text);
     }
-    if (!status) {
-        *out = found;
-    }
-    return status;
+    return GIVE(status, out, found, 0);
 }
 
 static bool has_the_word(const conus_object *object, struct text text)

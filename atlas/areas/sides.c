@@ -263,12 +263,7 @@ conus_status hemispheres_pair(uint32_t **out, const conus_atlas *atlas)
     }
     memory_free(pairing.index.areas);
     memory_free(pairing.claims);
-    if (status) {
-        memory_free(pairing.right_of);
-        return status;
-    }
-    *out = pairing.right_of;
-    return CONUS_OK;
+    return GIVE(status, out, pairing.right_of, memory_free(pairing.right_of));
 }
 
 conus_status hemispheres_label_step(uint32_t *out, const conus_atlas *atlas)

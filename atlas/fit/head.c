@@ -215,10 +215,5 @@ conus_status surface_head_make(struct volume *out, const conus_atlas *atlas)
         const struct context_surface *surface = &atlas->context_surfaces[i];
         status = is_around_head(surface) ? fill_surface(&volume, &surface->mesh) : CONUS_OK;
     }
-    if (status) {
-        volume_finish(&volume);
-        return status;
-    }
-    *out = volume;
-    return CONUS_OK;
+    return GIVE(status, out, volume, volume_finish(&volume));
 }

@@ -26,12 +26,7 @@ conus_status mesh_init(struct mesh *out, size_t vertex_count, size_t triangle_co
     }
     mesh.positions = memory_zeroed(vertex_count, 3 * sizeof *mesh.positions);
     mesh.triangles = memory_zeroed(triangle_count, 3 * sizeof *mesh.triangles);
-    if (!mesh.positions || !mesh.triangles) {
-        mesh_finish(&mesh);
-        return CONUS_ERROR_MEMORY;
-    }
-    *out = mesh;
-    return CONUS_OK;
+    return GIVE(!mesh.positions || !mesh.triangles ? CONUS_ERROR_MEMORY : CONUS_OK, out, mesh, mesh_finish(&mesh));
 }
 
 conus_status mesh_copy(struct mesh *out, const struct mesh *mesh)
@@ -159,10 +154,7 @@ conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh)
     }
     integrate_triangles(&shape, mesh);
     status = shape.closed ? mesh_winds_once(&shape.has_volume, mesh, &shape) : CONUS_OK;
-    if (!status) {
-        *out = shape;
-    }
-    return status;
+    return GIVE(status, out, shape, 0);
 }
 
 double mesh_crossing(int *side, const struct mesh *mesh, size_t triangle, const double origin[3],

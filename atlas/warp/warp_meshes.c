@@ -117,12 +117,7 @@ conus_status warped_meshes_init(struct warped_meshes *out, const conus_atlas *at
     for (size_t i = 0; !status && i < atlas->mesh_count; i++) {
         status = move_mesh(&meshes, i, atlas, fields, count, notes);
     }
-    if (status) {
-        warped_meshes_finish(&meshes, atlas->mesh_count);
-    } else {
-        *out = meshes;
-    }
-    return status;
+    return GIVE(status, out, meshes, warped_meshes_finish(&meshes, atlas->mesh_count));
 }
 
 void warped_meshes_take(struct warped_meshes *meshes, conus_atlas *atlas)

@@ -144,10 +144,5 @@ conus_status warped_tracts_init(struct warped_tracts *out, const conus_atlas *at
     for (size_t i = 0; !status && i < atlas->tractogram_count; i++) {
         status = move_tractogram(&tracts, &tracts.items[i], &atlas->tractograms[i], fields, count);
     }
-    if (status) {
-        warped_tracts_finish(&tracts, atlas->tractogram_count);
-    } else {
-        *out = tracts;
-    }
-    return status;
+    return GIVE(status, out, tracts, warped_tracts_finish(&tracts, atlas->tractogram_count));
 }

@@ -333,12 +333,7 @@ conus_status warped_volumes_init(struct warped_volumes *out, const conus_atlas *
                       "other direction?",
                       plan->words);
     }
-    if (status) {
-        warped_volumes_finish(&volumes, atlas->volume_count);
-    } else {
-        *out = volumes;
-    }
-    return status;
+    return GIVE(status, out, volumes, warped_volumes_finish(&volumes, atlas->volume_count));
 }
 
 /* Whether an object's voxels are resampled. */
