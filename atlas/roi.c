@@ -117,11 +117,9 @@ double roi_tetrahedron_mm3(const double (*nodes)[3], const struct tetrahedron *t
 
 void roi_middle(double out[3], const conus_roi *roi, size_t index)
 {
-    const size_t *dim = roi->volume.info.dim;
     if (!roi->nodes) {
-        const size_t at[3] = {index % dim[0], index / dim[0] % dim[1], index / dim[0] / dim[1]};
-        mat4_point(out, roi->volume.info.world_from_voxel,
-                   (const double[]){(double)at[0], (double)at[1], (double)at[2]});
+        grid_index(out, roi->volume.info.dim, index);
+        mat4_point(out, roi->volume.info.world_from_voxel, out);
         return;
     }
     memset(out, 0, 3 * sizeof *out);

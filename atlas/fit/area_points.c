@@ -28,10 +28,8 @@ static void take(struct taking *taking, const double point[3])
 
 static void take_voxel(struct taking *taking, const struct volume *volume, size_t voxel)
 {
-    const size_t *dim = volume->info.dim;
-    const size_t j = voxel / dim[0] % dim[1];
-    const size_t k = voxel / dim[0] / dim[1];
-    double point[3] = {(double)(voxel % dim[0]), (double)j, (double)k};
+    double point[3];
+    grid_index(point, volume->info.dim, voxel);
     mat4_point(point, volume->info.world_from_voxel, point);
     take(taking, point);
 }

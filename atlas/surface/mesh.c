@@ -40,8 +40,7 @@ conus_status mesh_copy(struct mesh *out, const struct mesh *mesh)
     return status;
 }
 
-/* Twice the area times the unit normal. */
-static void normal_of(double out[3], const struct mesh *mesh, size_t triangle)
+void mesh_normal(double out[3], const struct mesh *mesh, size_t triangle)
 {
     double p[3][3];
     mesh_corners(p, mesh, triangle);
@@ -72,7 +71,7 @@ static size_t drop_flat_triangles(struct mesh *mesh)
     size_t kept = 0;
     for (size_t i = 0; i < mesh->triangle_count; i++) {
         double normal[3];
-        normal_of(normal, mesh, i);
+        mesh_normal(normal, mesh, i);
         if (vec3_length(normal) > 0) {
             for (size_t k = 0; k < 3; k++) {
                 mesh->triangles[3 * kept + k] = mesh->triangles[3 * i + k];
@@ -119,7 +118,7 @@ static void integrate_triangles(struct mesh_shape *out, const struct mesh *mesh)
         double p[3][3];
         double normal[3];
         double sum[3] = {0};
-        normal_of(normal, mesh, i);
+        mesh_normal(normal, mesh, i);
         mesh_corners(p, mesh, i);
         for (int k = 0; k < 3; k++) {
             vec3_sub(p[k], p[k], middle);
@@ -234,6 +233,16 @@ double mesh_distance(const struct mesh *mesh, size_t triangle, const double orig
     return mesh_crossing(&side, mesh, triangle, origin, direction);
 }
 
+void mesh_turn(struct mesh *mesh)
+{
+    for (size_t i = 0; i < mesh->triangle_count; i++) {
+        uint32_t *t = &mesh->triangles[3 * i];
+        uint32_t kept = t[1];
+        t[1] = t[2];
+        t[2] = kept;
+    }
+}
+
 void mesh_transform(struct mesh *mesh, const double world_from_mesh[16])
 {
     for (size_t i = 0; i < mesh->vertex_count; i++) {
@@ -244,10 +253,7 @@ void mesh_transform(struct mesh *mesh, const double world_from_mesh[16])
             p[a] = (float)moved[a];
         }
     }
-    for (size_t i = 0; mat4_determinant3(world_from_mesh) < 0 && i < mesh->triangle_count; i++) {
-        uint32_t *t = &mesh->triangles[3 * i];
-        uint32_t kept = t[1];
-        t[1] = t[2];
-        t[2] = kept;
+    if (mat4_determinant3(world_from_mesh) < 0) {
+        mesh_turn(mesh);
     }
 }

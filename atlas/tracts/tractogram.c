@@ -366,14 +366,10 @@ static enum tract_answer ask_run(const struct walk *walk, const struct tract_lea
     return walk->test(walk->user, low, high);
 }
 
-/* Prefetches the points of a run. */
-static void fetch_points(const struct tractogram *tractogram, const struct tract_leaf *leaf, size_t lane)
+/* Prefetches what is read of a run. */
+static void fetch_run(const struct tractogram *tractogram, const struct tract_leaf *leaf, size_t lane)
 {
-    size_t size = tractogram->points ? sizeof *tractogram->points : sizeof *tractogram->halves;
-    const char *points = tractogram->points ? (const char *)tractogram->points : (const char *)tractogram->halves;
-    points += 3 * size * leaf->point[lane];
-    __builtin_prefetch(points);
-    __builtin_prefetch(points + 3 * size * tract_leaf_segments(leaf, lane));
+    tract_fetch_points(tractogram, leaf->point[lane], tract_leaf_segments(leaf, lane));
     __builtin_prefetch(&tractogram->tree.marks[leaf->point[lane] / TRACT_MARK]);
 }
 
@@ -386,7 +382,7 @@ static void walk_leaf(const struct walk *walk, size_t number, bool inside)
     for (size_t lane = 0; lane < leaf->count; lane++) {
         enum tract_answer answer = inside ? TRACT_INSIDE : ask_run(walk, leaf, lane);
         if (answer != TRACT_OUTSIDE) {
-            fetch_points(walk->tractogram, leaf, lane);
+            fetch_run(walk->tractogram, leaf, lane);
             __builtin_prefetch(&walk->tractogram->first[walk->tractogram->tree.marks[leaf->point[lane] / TRACT_MARK]]);
             answers[count] = answer;
             lanes[count++] = lane;
@@ -420,7 +416,7 @@ void tract_tree_walk(const struct tractogram *tractogram, tract_box_test test, t
             if (answer == TRACT_INSIDE && leaf + 1 < end && leaf + 1 < leaf_count) {
                 const struct tract_leaf *next = &tractogram->tree.leaves[leaf + 1];
                 for (size_t lane = 0; lane < next->count; lane++) {
-                    fetch_points(tractogram, next, lane);
+                    fetch_run(tractogram, next, lane);
                 }
             }
             walk_leaf(&walk, leaf, answer == TRACT_INSIDE);

@@ -37,34 +37,18 @@ static bool same_place(const struct volume_source *a, const struct volume_source
            mat4_is_same(a->voxel_from_world, b->voxel_from_world);
 }
 
-/* The indices of a voxel. */
-static void find_indices(double out[3], const size_t dim[3], size_t voxel)
-{
-    const size_t at[3] = {voxel % dim[0], voxel / dim[0] % dim[1], voxel / dim[0] / dim[1]};
-    for (int a = 0; a < 3; a++) {
-        out[a] = (double)at[a];
-    }
-}
-
 /* The source's voxel that is nearest to where a point goes; SIZE_MAX = none. */
 static size_t nearest_voxel(const struct volume_source *source, const struct warp_way *way, const double point[3])
 {
     double p[3];
-    size_t voxel[3];
+    size_t voxel;
     const struct warp *first = &way->warps[source->first_warp];
     mat4_point(p, way->first, point);
     if (!warps_point(p, first + 1, way->count - source->first_warp - 1, p) || !deformation_point(p, &first->field, p)) {
         return SIZE_MAX;
     }
     mat4_point(p, source->voxel_from_world, p);
-    for (int a = 0; a < 3; a++) {
-        p[a] = floor(p[a] + 0.5);
-        if (!(p[a] >= 0 && p[a] < (double)source->dim[a])) {
-            return SIZE_MAX;
-        }
-        voxel[a] = (size_t)p[a];
-    }
-    return voxel[0] + source->dim[0] * (voxel[1] + source->dim[1] * voxel[2]);
+    return grid_find_voxel(&voxel, source->dim, p) ? voxel : SIZE_MAX;
 }
 
 /* The object of the volume whose source it is. */
@@ -170,7 +154,7 @@ static conus_status fill(struct warped_volumes *volumes, const conus_atlas *atla
             if (!any || !same_place(&source, &found)) {
                 for (size_t column = 0; column < plan->grid->dim[0]; column++) {
                     double point[3];
-                    find_indices(point, plan->grid->dim, first + column);
+                    grid_index(point, plan->grid->dim, first + column);
                     mat4_point(point, plan->grid->world_from_voxel, point);
                     nearest[column] = nearest_voxel(&source, way, point);
                 }
@@ -243,7 +227,7 @@ static bool has_place(const struct volume_source *source, const struct warp_way 
                       const struct ways_back *back, size_t voxel)
 {
     double p[3];
-    find_indices(p, source->dim, voxel);
+    grid_index(p, source->dim, voxel);
     mat4_point(p, back->world_from_voxel, p);
     if (!find_place(p, source, way)) {
         return false;

@@ -237,13 +237,6 @@ static bool put_words(struct calling *calling)
            (!answers_json(call->command) || put_word(calling, "format", "json")) && put_operands(calling);
 }
 
-static double seconds_now(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 /* Keeps what it writes. */
 static bool read_process(struct calling *calling, struct process *process, double deadline)
 {
@@ -253,7 +246,7 @@ static bool read_process(struct calling *calling, struct process *process, doubl
     while (process_writes(process)) {
         struct process_part parts[] = {{.data = data[0], .capacity = READ_SIZE},
                                        {.data = data[1], .capacity = READ_SIZE}};
-        enum process_reading reading = process_read(parts, process, deadline - seconds_now());
+        enum process_reading reading = process_read(parts, process, deadline - process_now());
         if (reading != PROCESS_CAME) {
             return reading == PROCESS_LATE ? refuse_call(calling, "no answer within %d s", SECOND_LIMIT)
                                            : refuse_call(calling, "the answer cannot be read");
@@ -280,9 +273,9 @@ static bool run_words(struct calling *calling, struct process_end *end)
     if (!system_program(self) || !process_begin(&process, &start)) {
         return refuse_call(calling, "no program can be started here");
     }
-    double deadline = seconds_now() + SECOND_LIMIT;
+    double deadline = process_now() + SECOND_LIMIT;
     bool ended = read_process(calling, &process, deadline);
-    ended = ended && (process_wait(end, &process, deadline - seconds_now()) ||
+    ended = ended && (process_wait(end, &process, deadline - process_now()) ||
                       refuse_call(calling, "no answer within %d s", SECOND_LIMIT));
     process_finish(&process);
     return ended && (end->kind == PROCESS_EXITED || refuse_call(calling, "conus ended: %s", end->how));
