@@ -64,12 +64,7 @@ void conus_atlas_destroy(conus_atlas *atlas)
 
 conus_status atlas_give(conus_atlas **out, conus_atlas *atlas, conus_status status)
 {
-    if (status) {
-        conus_atlas_destroy(atlas);
-        return status;
-    }
-    *out = atlas;
-    return CONUS_OK;
+    return GIVE(status, out, atlas, conus_atlas_destroy(atlas));
 }
 
 conus_status atlas_append_volume(conus_atlas *atlas, struct volume *volume)
@@ -392,6 +387,16 @@ static int compare_names(const void *a, const void *b)
     return strcmp((*one)->name, (*other)->name);
 }
 
+const conus_object **atlas_by_name(const conus_atlas *atlas, size_t count)
+{
+    const conus_object **named = memory_raw(count + 1, sizeof(void *));
+    for (size_t i = 0; named && i < count; i++) {
+        named[i] = &atlas->objects[i];
+    }
+    order_sort((void *)named, named ? count : 0, sizeof(void *), compare_names);
+    return named;
+}
+
 /* The words that tell objects of one name apart. */
 static void set_prefixes(const char **out, const conus_atlas *atlas, const conus_object *const *named, size_t count)
 {
@@ -414,14 +419,10 @@ static void set_prefixes(const char **out, const conus_atlas *atlas, const conus
 
 conus_status conus_atlas_prefixes(const char **prefixes, const conus_atlas *atlas)
 {
-    const conus_object **named = memory_raw(atlas->object_count + 1, sizeof(void *));
+    const conus_object **named = atlas_by_name(atlas, atlas->object_count);
     if (!named) {
         return CONUS_ERROR_MEMORY;
     }
-    for (size_t i = 0; i < atlas->object_count; i++) {
-        named[i] = &atlas->objects[i];
-    }
-    order_sort((void *)named, atlas->object_count, sizeof(void *), compare_names);
     for (size_t first = 0, end; first < atlas->object_count; first = end) {
         for (end = first + 1; end < atlas->object_count && strcmp(named[first]->name, named[end]->name) == 0;) {
             end++;

@@ -259,6 +259,9 @@ enum { ATLAS_DEPTH_LIMIT = 64 }; /**< Limit of areas above an area, so that each
 /** CONUS_ERROR_DATA if an area lies below itself, or has more than ATLAS_DEPTH_LIMIT areas above it. */
 conus_status atlas_check_tree(const conus_atlas *atlas);
 
+/** The first @p count objects by their names, to memory_free(); NULL without memory. */
+const conus_object **atlas_by_name(const conus_atlas *atlas, size_t count);
+
 /* Bundles: objects of an atlas that are streamlines, made from a tractogram. */
 
 /** object_place.group of a bundle of all streamlines of its tractogram. */
@@ -286,6 +289,10 @@ bool atlas_has_bundles(const conus_atlas *atlas);
 /** The object as which each streamline of @p tractogram, one of the atlas's, is shown: the first bundle that has it and
  * is not hidden. @p objects [streamline_count] is all 0 before, and stays so where there is none. */
 void bundles_find_objects(uint32_t *objects, const conus_atlas *atlas, const struct tractogram *tractogram);
+
+/** Gives @p atlas the surfaces [mesh_count] in their new place, which are measured, and its objects what follows from
+ * them. @p moved gets the old ones, to be freed. */
+void meshes_take(conus_atlas *atlas, struct mesh *moved);
 
 /** Moves all points of @p atlas's tractograms by @p world_from_atlas: new tractograms in @p out, [tractogram_count],
  * with points, point_count, tree and bounds only. CONUS_ERROR_DATA if a point leaves TRACT_COORDINATE_LIMIT;

@@ -235,13 +235,11 @@ static void add_mesh(struct moment *all, const struct mesh *mesh)
         double p[3][3];
         double normal[3];
         double middle[3];
+        mesh_normal(normal, mesh, t);
         mesh_corners(p, mesh, t);
         for (int a = 0; a < 3; a++) {
             middle[a] = (p[0][a] + p[1][a] + p[2][a]) / 3;
         }
-        vec3_sub(p[1], p[1], p[0]);
-        vec3_sub(p[2], p[2], p[0]);
-        vec3_cross(normal, p[1], p[2]);
         double area = vec3_length(normal) / 2;
         vec3_add_scaled(all->sum, all->sum, area, middle);
         all->weight += area;

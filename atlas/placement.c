@@ -60,6 +60,25 @@ static conus_status move_all(struct moved *moved, const conus_atlas *atlas, cons
     return status ? status : bundles_move(moved->tractograms, atlas, world_from_atlas);
 }
 
+void meshes_take(conus_atlas *atlas, struct mesh *moved)
+{
+    for (size_t i = 0; i < atlas->mesh_count; i++) {
+        struct mesh old = atlas->meshes[i];
+        atlas->meshes[i] = moved[i];
+        atlas->meshes[i].path = old.path;
+        old.path = NULL;
+        moved[i] = old;
+    }
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        if (atlas->places[i].is_mesh) {
+            const struct mesh *mesh = &atlas->meshes[atlas->places[i].index];
+            atlas->objects[i].triangles = mesh->triangle_count;
+            atlas->objects[i].closed = mesh->shape.closed;
+            atlas->objects[i].volume_mm3 = mesh->shape.has_volume ? fabs(mesh->shape.volume_mm3) : 0;
+        }
+    }
+}
+
 /* `moved` gets the old meshes and points. */
 static void take(conus_atlas *atlas, struct moved *moved)
 {
@@ -70,14 +89,7 @@ static void take(conus_atlas *atlas, struct moved *moved)
         memcpy(atlas->volumes[i].voxel_from_world, moved->volumes[i].voxel_from_world,
                sizeof atlas->volumes[i].voxel_from_world);
     }
-    for (size_t i = 0; i < atlas->mesh_count; i++) {
-        struct mesh old = atlas->meshes[i];
-        char *path = old.path;
-        atlas->meshes[i] = moved->meshes[i];
-        atlas->meshes[i].path = path;
-        old.path = NULL;
-        moved->meshes[i] = old;
-    }
+    meshes_take(atlas, moved->meshes);
     bundles_take(atlas, moved->tractograms);
 }
 
@@ -102,14 +114,7 @@ conus_status atlas_move(conus_atlas *atlas, const double atlas_from_world[16], c
         take(atlas, &moved);
         /* Volumes scale with the matrix; those of meshes are measured anew. */
         for (size_t i = 0; i < atlas->object_count; i++) {
-            const struct object_place *place = &atlas->places[i];
-            conus_object *object = &atlas->objects[i];
-            if (place->is_mesh) {
-                const struct mesh_shape *shape = &atlas->meshes[place->index].shape;
-                object->volume_mm3 = shape->has_volume ? fabs(shape->volume_mm3) : 0;
-            } else {
-                object->volume_mm3 *= growth;
-            }
+            atlas->objects[i].volume_mm3 *= atlas->places[i].is_mesh ? 1 : growth;
         }
         if (atlas->is_moved) {
             mat4_multiply(atlas->own_from_world, atlas->own_from_world, atlas_from_world);

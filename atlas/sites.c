@@ -35,12 +35,8 @@ conus_status sites_create(conus_sites **out, size_t capacity, bool has_normals)
     sites->points = memory_raw(capacity, sizeof *sites->points);
     sites->sources = memory_raw(capacity, sizeof *sites->sources);
     sites->normals = has_normals ? memory_raw(capacity, sizeof *sites->normals) : NULL;
-    if (!sites->points || !sites->sources || (has_normals && !sites->normals)) {
-        conus_sites_destroy(sites);
-        return CONUS_ERROR_MEMORY;
-    }
-    *out = sites;
-    return CONUS_OK;
+    return GIVE(!sites->points || !sites->sources || (has_normals && !sites->normals) ? CONUS_ERROR_MEMORY : CONUS_OK,
+                out, sites, conus_sites_destroy(sites));
 }
 
 conus_status sites_add(conus_sites *sites, const double point[3], const double *normal, uint64_t source)
@@ -87,12 +83,7 @@ conus_status conus_sites_create(conus_sites **out, const double *points, size_t 
                                    : fail(CONUS_ERROR_ARGUMENT, "point %zu: %g,%g,%g, allowed are finite numbers",
                                           i + 1, p[0], p[1], p[2]);
     }
-    if (status) {
-        conus_sites_destroy(sites);
-        return status;
-    }
-    *out = sites;
-    return CONUS_OK;
+    return GIVE(status, out, sites, conus_sites_destroy(sites));
 }
 
 /* Whether one of a voxel's faces leads out of the region. */
@@ -129,12 +120,7 @@ conus_status conus_sites_of_roi(conus_sites **out, const conus_roi *roi)
             status = sites_add(sites, point, NULL, voxel);
         }
     }
-    if (status) {
-        conus_sites_destroy(sites);
-        return status;
-    }
-    *out = sites;
-    return CONUS_OK;
+    return GIVE(status, out, sites, conus_sites_destroy(sites));
 }
 
 struct inside_roi {
@@ -189,12 +175,7 @@ conus_status site_cubes_init(struct site_cubes *out, double edge, size_t capacit
     }
     cubes.first = memory_zeroed(cubes.mask + 1, sizeof *cubes.first);
     cubes.next = memory_raw(capacity, sizeof *cubes.next);
-    if (!cubes.first || !cubes.next) {
-        site_cubes_finish(&cubes);
-        return CONUS_ERROR_MEMORY;
-    }
-    *out = cubes;
-    return CONUS_OK;
+    return GIVE(!cubes.first || !cubes.next ? CONUS_ERROR_MEMORY : CONUS_OK, out, cubes, site_cubes_finish(&cubes));
 }
 
 void site_cubes_finish(struct site_cubes *cubes)

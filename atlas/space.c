@@ -296,12 +296,7 @@ conus_status grid_create(conus_grid **out, const conus_volume_info *info, conus_
     view->description = memory_text(description, strlen(description));
     grid->size = sizes[number];
     view->data = grid->data = memory_zeroed(view->count, grid->size);
-    if (!view->description || !grid->data) {
-        conus_grid_destroy(grid);
-        return CONUS_ERROR_MEMORY;
-    }
-    *out = grid;
-    return CONUS_OK;
+    return GIVE(!view->description || !grid->data ? CONUS_ERROR_MEMORY : CONUS_OK, out, grid, conus_grid_destroy(grid));
 }
 
 conus_grid_view conus_grid_data(const conus_grid *grid)

@@ -158,19 +158,24 @@ conus_status volume_init(struct volume *out, const conus_volume_info *info)
     return CONUS_OK;
 }
 
-bool volume_find_voxel(size_t *voxel, const struct volume *volume, const double point[3])
+bool grid_find_voxel(size_t *voxel, const size_t dim[3], const double at[3])
 {
-    const size_t *dim = volume->info.dim;
     double cell[3];
-    mat4_point(cell, volume->voxel_from_world, point);
     for (int a = 0; a < 3; a++) {
-        cell[a] = floor(cell[a] + 0.5);
+        cell[a] = floor(at[a] + 0.5);
         if (!(cell[a] >= 0 && cell[a] < (double)dim[a])) {
             return false;
         }
     }
     *voxel = (size_t)cell[0] + dim[0] * ((size_t)cell[1] + dim[1] * (size_t)cell[2]);
     return true;
+}
+
+bool volume_find_voxel(size_t *voxel, const struct volume *volume, const double point[3])
+{
+    double at[3];
+    mat4_point(at, volume->voxel_from_world, point);
+    return grid_find_voxel(voxel, volume->info.dim, at);
 }
 
 /* The places of the bounds in value_spread.above. The first counts all voxels that are not below 0. */

@@ -234,7 +234,10 @@ static inline uint32_t volume_object_of(const struct volume *volume, float value
 /** Fills in volume->centres, for its world_from_voxel; it has objects. */
 void volume_measure_centres(struct volume *volume);
 
-/** Linear index of the voxel whose cell holds the world position @p point (Eq. 5); false outside the grid. */
+/** Linear index of the voxel of a grid whose cell holds the indices @p at; false outside the grid. */
+bool grid_find_voxel(size_t *voxel, const size_t dim[3], const double at[3]);
+
+/** The same of the world position @p point (Eq. 5). */
 bool volume_find_voxel(size_t *voxel, const struct volume *volume, const double point[3]);
 
 /** Object of the voxel with linear index @p voxel. */

@@ -22,6 +22,11 @@ conus_status fail_in(conus_status status, const char *where);
 #define fail_in(status, where) ((void)fail_in(status, where), (status))
 #endif
 
+/** How a function that makes a thing ends: *out gets it, or after a failure `end` frees what there is. Gives the
+ * status. */
+#define GIVE(status, out, thing, end)                                                                                  \
+    ((status) != CONUS_OK ? ((void)(end), (conus_status)(status)) : ((void)(*(out) = (thing)), (conus_status)CONUS_OK))
+
 /* Notes gathered on the way, for whoever reads the result, or passed to a log at once. */
 
 /** The caller's log for notes, as they are made. */

@@ -47,3 +47,28 @@ void threads_run(threads_work *work, void *user, size_t count)
         threads_wait(&pieces[i]);
     }
 }
+
+struct parts {
+    threads_test *check;
+    const void *user;
+    size_t count, pieces;
+    bool is_sound[THREADS_MOST];
+};
+
+static void check_part(void *user, size_t piece)
+{
+    struct parts *parts = user;
+    parts->is_sound[piece] = parts->check(parts->user, threads_begin(piece, parts->pieces, parts->count, 1),
+                                          threads_begin(piece + 1, parts->pieces, parts->count, 1));
+}
+
+bool threads_check(threads_test *check, const void *user, size_t count, size_t least)
+{
+    struct parts parts = {.check = check, .user = user, .count = count, .pieces = threads_for(count, least)};
+    bool sound = true;
+    threads_run(check_part, &parts, parts.pieces);
+    for (size_t i = 0; i < parts.pieces; i++) {
+        sound = sound && parts.is_sound[i];
+    }
+    return sound;
+}

@@ -21,6 +21,10 @@ typedef void threads_work(void *user, size_t piece);
  * can be started, its piece is done here. */
 void threads_run(threads_work *work, void *user, size_t count);
 
+/** Whether @p check holds for all of @p count things at @p user; threads take parts of them, of @p least or more. */
+typedef bool threads_test(const void *user, size_t from, size_t to);
+bool threads_check(threads_test *check, const void *user, size_t count, size_t least);
+
 /** A piece under way. A zeroed one is none. */
 struct thread_piece {
     threads_work *work;

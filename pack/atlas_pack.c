@@ -29,7 +29,6 @@ struct pack_walk {
     void *user;
     size_t small, small_end;
     size_t large, size;
-    bool is_verified;                    /* when attaching: the large arrays have their checksum */
     const struct tractogram *tractogram; /* whose scalars are passed */
     conus_status status;
 };
@@ -349,10 +348,6 @@ static void pass_tractogram(struct pack_walk *walk, void *item)
               pass_scalar);
     pass_list(walk, &tractogram->groups, &tractogram->group_count, group_count, sizeof *tractogram->groups, pass_group);
     pack_check(walk, tractogram->path && has_arrays(tractogram));
-    if (attaches && !walk->status && !walk->is_verified) {
-        walk->status = tractogram_check_tree(tractogram);
-        walk->status = walk->status == CONUS_ERROR_DATA ? fail_damaged() : walk->status;
-    }
 }
 
 static bool bundle_is_sound(const conus_atlas *atlas, size_t object)
@@ -578,7 +573,7 @@ static bool is_whole(const struct head *head, const uint8_t *memory, size_t size
            round_up(head->small_end) <= head->size && crc_of(memory, head->small_end) == head->crc;
 }
 
-static conus_status attach(conus_atlas **out, const void *memory, size_t size, bool is_verified)
+conus_status atlas_attach_verified(conus_atlas **out, const void *memory, size_t size)
 {
     struct head head;
     if (!memory || (uintptr_t)memory % PACK_LINE) {
@@ -594,26 +589,21 @@ static conus_status attach(conus_atlas **out, const void *memory, size_t size, b
                              .small = sizeof head,
                              .small_end = head.small_end,
                              .large = round_up(head.small_end),
-                             .size = head.size,
-                             .is_verified = is_verified};
+                             .size = head.size};
     if (!atlas) {
         return CONUS_ERROR_MEMORY;
     }
     pass_atlas(&walk, atlas);
-    if (walk.status) {
-        conus_atlas_destroy(atlas);
-        return walk.status;
-    }
-    *out = atlas;
-    return CONUS_OK;
+    return atlas_give(out, atlas, walk.status);
 }
 
 conus_status conus_atlas_attach(conus_atlas **out, const void *memory, size_t size)
 {
-    return attach(out, memory, size, false);
-}
-
-conus_status atlas_attach_verified(conus_atlas **out, const void *memory, size_t size)
-{
-    return attach(out, memory, size, true);
+    conus_atlas *atlas = NULL;
+    conus_status status = atlas_attach_verified(&atlas, memory, size);
+    for (size_t i = 0; !status && i < atlas->tractogram_count; i++) {
+        status = tractogram_check_tree(&atlas->tractograms[i]);
+        status = status == CONUS_ERROR_DATA ? fail_damaged() : status;
+    }
+    return atlas_give(out, atlas, status);
 }

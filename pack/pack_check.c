@@ -12,31 +12,6 @@
 #include <math.h>
 #include <string.h>
 
-struct parts {
-    pack_part_check *check;
-    const void *user;
-    size_t count, pieces;
-    bool is_sound[THREADS_MOST];
-};
-
-static void check_part(void *user, size_t piece)
-{
-    struct parts *parts = user;
-    parts->is_sound[piece] = parts->check(parts->user, threads_begin(piece, parts->pieces, parts->count, 1),
-                                          threads_begin(piece + 1, parts->pieces, parts->count, 1));
-}
-
-bool pack_check_parts(pack_part_check *check, const void *user, size_t count, size_t least)
-{
-    struct parts parts = {.check = check, .user = user, .count = count, .pieces = threads_for(count, least)};
-    bool sound = true;
-    threads_run(check_part, &parts, parts.pieces);
-    for (size_t i = 0; i < parts.pieces; i++) {
-        sound = sound && parts.is_sound[i];
-    }
-    return sound;
-}
-
 static conus_status refuse(const char *what, size_t index, const char *why)
 {
     return fail(CONUS_ERROR_DATA, "%s %zu (from 0): %s", what, index, why);
@@ -193,7 +168,7 @@ static conus_status check_volume(const conus_atlas *atlas, size_t index)
     if (!status && !steps_are_sound(&numbers)) {
         status = refuse(what, index, "a step or a hidden run leads to no object or voxel of it");
     }
-    if (!status && !pack_check_parts(numbers_are_sound, &numbers, volume->voxel_count, VOXELS_A_THREAD)) {
+    if (!status && !threads_check(numbers_are_sound, &numbers, volume->voxel_count, VOXELS_A_THREAD)) {
         status = refuse(what, index, "a voxel has an object that is not in it");
     }
     memory_free(numbers.are_allowed);
@@ -216,19 +191,6 @@ static conus_status check_mesh(const struct mesh *mesh, const char *what, size_t
                                                                                : refuse(what, index, "its box is none");
 }
 
-static bool points_are_sound(const void *user, size_t from, size_t to)
-{
-    const struct tractogram *tractogram = user;
-    bool beyond = false;
-    for (size_t i = 3 * from; tractogram->points && i < 3 * to; i++) {
-        beyond |= !(fabsf(tractogram->points[i]) <= (float)TRACT_COORDINATE_LIMIT);
-    }
-    for (size_t i = 3 * from; !tractogram->points && i < 3 * to; i++) {
-        beyond |= (tractogram->halves[i] & 0x7c00) == 0x7c00;
-    }
-    return !beyond;
-}
-
 static conus_status check_tractogram(const struct tractogram *tractogram, size_t index)
 {
     static const char what[] = "tractogram";
@@ -245,7 +207,7 @@ static conus_status check_tractogram(const struct tractogram *tractogram, size_t
             return refuse(what, index, "a scalar has no numbers");
         }
     }
-    return pack_check_parts(points_are_sound, tractogram, (size_t)tractogram->point_count, VOXELS_A_THREAD)
+    return threads_check(tract_points_are_within, tractogram, (size_t)tractogram->point_count, VOXELS_A_THREAD)
                ? CONUS_OK
                : refuse(what, index, "a coordinate is not within 1e9 mm of 0");
 }

@@ -9,6 +9,7 @@
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
+#include "base/threads.h"
 #include "base/writer.h"
 #include "conus/own.h"
 
@@ -355,7 +356,7 @@ static conus_status check_sums(const struct opening *opening)
     const size_t count = opening->head.sums.size / sizeof(uint32_t);
     char what[96];
     size_t i = 0;
-    if (pack_check_parts(chunks_are_sound, opening, count, 1)) {
+    if (threads_check(chunks_are_sound, opening, count, 1)) {
         return CONUS_OK;
     }
     while (i + 1 < count && chunks_are_sound(opening, i, i + 1)) {

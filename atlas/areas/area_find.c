@@ -137,12 +137,12 @@ static bool has_its_words_on_a_side(const conus_object *object, struct text text
            is_sided_name(object, object->abbreviation, text, 0, NO_WORD);
 }
 
-/* Of the first `count` objects. */
-static struct matches find_matches(const conus_atlas *atlas, size_t count, struct text text,
+/* Of objects behind the first `from`, up to number `count`. */
+static struct matches find_matches(const conus_atlas *atlas, size_t from, size_t count, struct text text,
                                    bool (*matches)(const conus_object *object, struct text text))
 {
     struct matches found = {0};
-    for (uint32_t number = 1; number <= count; number++) {
+    for (uint32_t number = (uint32_t)from + 1; number <= count; number++) {
         if (!atlas_is_paired(atlas, number) && matches(&atlas->objects[number - 1], text)) {
             if (found.count < SHOWN) {
                 found.numbers[found.count] = number;
@@ -151,12 +151,6 @@ static struct matches find_matches(const conus_atlas *atlas, size_t count, struc
         }
     }
     return found;
-}
-
-/* Long texts are cut in messages. */
-static int shown_size(struct text text)
-{
-    return (int)(text.size < QUOTED_SIZE ? text.size : QUOTED_SIZE);
 }
 
 /** How likely a name was meant: `near` is compared first, then `far`. */
@@ -223,9 +217,9 @@ static conus_status fail_unknown(const conus_atlas *atlas, size_t count, struct 
     }
     conus_status status = buffer_status(&list);
     if (!status) {
-        status =
-            fail(CONUS_ERROR_ARGUMENT, "no %s has the name, abbreviation or label \"%.*s\"%s%s", kind, shown_size(text),
-                 text.data, list.data ? list.data : "", has_comma ? " Names with commas are put in double quotes" : "");
+        status = fail(CONUS_ERROR_ARGUMENT, "no %s has the name, abbreviation or label \"%.*s\"%s%s", kind,
+                      TEXT_SHOW(text, QUOTED_SIZE), list.data ? list.data : "",
+                      has_comma ? " Names with commas are put in double quotes" : "");
     }
     buffer_finish(&list);
     return status;
@@ -250,22 +244,10 @@ static conus_status fail_several(const conus_atlas *atlas, const struct matches 
     conus_status status = buffer_status(&list);
     if (!status) {
         status = fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" may be any of %zu: %s%s; give a name or a label",
-                      shown_size(text), text.data, found->count, list.data, found->count > SHOWN ? ", ..." : "");
+                      TEXT_SHOW(text, QUOTED_SIZE), found->count, list.data, found->count > SHOWN ? ", ..." : "");
     }
     buffer_finish(&list);
     return status;
-}
-
-/* The number of the first pathway that the text names, 0 if there is none. */
-static uint32_t find_pathway(const conus_atlas *atlas, struct text text,
-                             bool (*matches)(const conus_object *object, struct text text))
-{
-    for (size_t i = atlas->area_count; i < atlas->object_count; i++) {
-        if (matches(&atlas->objects[i], text)) {
-            return (uint32_t)i + 1;
-        }
-    }
-    return 0;
 }
 
 /* Whether `name` is `text` and then `side`. */
@@ -332,13 +314,13 @@ static conus_status refuse_changed(const conus_atlas *atlas, struct text text)
     const conus_object *pair = find_pair(atlas, text);
     if (pair) {
         return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is merged with the other side into \"%s\", label %u",
-                    shown_size(text), text.data, pair->name, pair->label);
+                    TEXT_SHOW(text, QUOTED_SIZE), pair->name, pair->label);
     }
     if (area_find_halves(halves, atlas, text)) {
         const conus_object *left = &atlas->objects[halves[0] - 1];
         const conus_object *right = &atlas->objects[halves[1] - 1];
         return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is cut in two: \"%s\", label %u, and \"%s\", label %u",
-                    shown_size(text), text.data, left->name, left->label, right->name, right->label);
+                    TEXT_SHOW(text, QUOTED_SIZE), left->name, left->label, right->name, right->label);
     }
     return CONUS_OK;
 }
@@ -346,30 +328,27 @@ static conus_status refuse_changed(const conus_atlas *atlas, struct text text)
 /* Sets *out to 0 if no area has the name, and nothing explains why. */
 static conus_status find_area(uint32_t *out, const conus_atlas *atlas, struct text text)
 {
-    struct matches found = find_matches(atlas, atlas->area_count, text, is_called);
+    struct matches found = find_matches(atlas, 0, atlas->area_count, text, is_called);
     if (!found.count) {
-        found = find_matches(atlas, atlas->area_count, text, is_called_ignoring_case);
+        found = find_matches(atlas, 0, atlas->area_count, text, is_called_ignoring_case);
     }
     if (found.count > 1) {
         return fail_several(atlas, &found, text);
     }
     conus_status status = found.count ? CONUS_OK : refuse_changed(atlas, text);
-    if (!status) {
-        *out = found.numbers[0];
-    }
-    return status;
+    return GIVE(status, out, found.numbers[0], 0);
 }
 
 /* Finds one of the first `count` objects by its words, in which blanks, _, -, dots, commas and brackets are one, and a
  * word for the side may stand on either end. Sets *out to 0 if none is meant. */
 static conus_status find_by_words(uint32_t *out, const conus_atlas *atlas, size_t count, struct text text)
 {
-    struct matches found = find_matches(atlas, count, text, has_its_words);
+    struct matches found = find_matches(atlas, 0, count, text, has_its_words);
     if (!found.count) {
-        found = find_matches(atlas, count, text, has_its_words_and_side);
+        found = find_matches(atlas, 0, count, text, has_its_words_and_side);
     }
     if (!found.count) {
-        found = find_matches(atlas, count, text, has_its_words_on_a_side);
+        found = find_matches(atlas, 0, count, text, has_its_words_on_a_side);
         found.count = found.count > 1 ? found.count : 0; /* a side is never chosen for somebody */
     }
     *out = found.count == 1 ? found.numbers[0] : 0;
@@ -389,10 +368,10 @@ static conus_status refuse_side(const conus_atlas *atlas, struct text text)
              have_same_words(text, at, text_from(area->abbreviation), NO_WORD))) {
             const char own = find_side(&own_at, text_from(area->name));
             return own ? fail(CONUS_ERROR_ARGUMENT, "\"%.*s\": \"%s\" is on the %s by its name: which side is meant?",
-                              shown_size(text), text.data, area->name, own == 'L' ? "left" : "right")
+                              TEXT_SHOW(text, QUOTED_SIZE), area->name, own == 'L' ? "left" : "right")
                        : fail(CONUS_ERROR_ARGUMENT,
                               "\"%.*s\": \"%s\" has no sides here; --hemispheres split makes \"%s %s\" of it",
-                              shown_size(text), text.data, area->name, area->name, side == 'L' ? "left" : "right");
+                              TEXT_SHOW(text, QUOTED_SIZE), area->name, area->name, side == 'L' ? "left" : "right");
         }
     }
     return CONUS_OK;
@@ -403,36 +382,30 @@ conus_status area_find(uint32_t *out, const conus_atlas *atlas, struct text text
     uint32_t found = 0;
     conus_status status = find_area(&found, atlas, text);
     status = status || found ? status : find_by_words(&found, atlas, atlas->area_count, text);
-    if (!status && !found && find_pathway(atlas, text, is_called)) {
-        return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is a pathway, which is no part of the area tree", shown_size(text),
-                    text.data);
+    if (!status && !found && find_matches(atlas, atlas->area_count, atlas->object_count, text, is_called).numbers[0]) {
+        return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is a pathway, which is no part of the area tree",
+                    TEXT_SHOW(text, QUOTED_SIZE));
     }
     status = status || found ? status : refuse_side(atlas, text);
     if (!status && !found) {
         return fail_unknown(atlas, atlas->area_count, text);
     }
-    if (!status) {
-        *out = found;
-    }
-    return status;
+    return GIVE(status, out, found, 0);
 }
 
 conus_status object_find(uint32_t *out, const conus_atlas *atlas, struct text text)
 {
-    uint32_t found = find_pathway(atlas, text, is_called);
+    uint32_t found = find_matches(atlas, atlas->area_count, atlas->object_count, text, is_called).numbers[0];
     conus_status status = found ? CONUS_OK : find_area(&found, atlas, text);
     if (!status && !found) {
-        found = find_pathway(atlas, text, is_called_ignoring_case);
+        found = find_matches(atlas, atlas->area_count, atlas->object_count, text, is_called_ignoring_case).numbers[0];
     }
     status = status || found ? status : find_by_words(&found, atlas, atlas->object_count, text);
     status = status || found ? status : refuse_side(atlas, text);
     if (!status && !found) {
         return fail_unknown(atlas, atlas->object_count, text);
     }
-    if (!status) {
-        *out = found;
-    }
-    return status;
+    return GIVE(status, out, found, 0);
 }
 
 static bool has_the_word(const conus_object *object, struct text text)
@@ -449,7 +422,7 @@ static bool has_the_word(const conus_object *object, struct text text)
 
 conus_status object_find_word(uint32_t *out, const conus_atlas *atlas, struct text text)
 {
-    struct matches found = find_matches(atlas, atlas->object_count, text, has_the_word);
+    struct matches found = find_matches(atlas, 0, atlas->object_count, text, has_the_word);
     if (found.count > 1) {
         return fail_several(atlas, &found, text);
     }

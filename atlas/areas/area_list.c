@@ -66,8 +66,7 @@ static conus_status take_quoted(struct text *rest, bool *more, struct text *out)
     struct text after;
     const char *end = memchr(rest->data + 1, '"', rest->size - 1);
     if (!end) {
-        return fail(CONUS_ERROR_ARGUMENT, "%.*s: the closing quote is missing",
-                    (int)(rest->size < 40 ? rest->size : 40), rest->data);
+        return fail(CONUS_ERROR_ARGUMENT, "%.*s: the closing quote is missing", TEXT_SHOW(*rest, 40));
     }
     *out = (struct text){rest->data + 1, (size_t)(end - rest->data) - 1};
     *rest = (struct text){end + 1, rest->size - out->size - 2};
@@ -75,7 +74,7 @@ static conus_status take_quoted(struct text *rest, bool *more, struct text *out)
     after = text_trim(after);
     return !after.size ? CONUS_OK
                        : fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is followed by \"%.*s\", a comma is needed between areas",
-                              (int)(out->size < 40 ? out->size : 40), out->data, TEXT_SHOW(after, 40));
+                              TEXT_SHOW(*out, 40), TEXT_SHOW(after, 40));
 }
 
 static conus_status list_item(const struct reading *reading, struct text *rest, bool *more)

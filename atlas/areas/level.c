@@ -160,12 +160,7 @@ conus_status level_create(struct level **out, const conus_atlas *atlas, const ch
     }
     level->group = memory_zeroed(atlas->object_count + 1, sizeof *level->group);
     conus_status status = level->group ? fill_level(level, atlas, spec) : CONUS_ERROR_MEMORY;
-    if (status) {
-        level_destroy(level);
-        return status;
-    }
-    *out = level;
-    return CONUS_OK;
+    return GIVE(status, out, level, level_destroy(level));
 }
 
 void level_destroy(struct level *level)

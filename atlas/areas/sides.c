@@ -5,7 +5,6 @@
 #include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "base/order.h"
 #include "conus/own.h"
 
 #include <string.h>
@@ -108,25 +107,10 @@ struct pairing {
     uint32_t *claims;   /* [area_count + 1] how many left areas claim it as their right one */
 };
 
-static int by_name(const void *a, const void *b)
-{
-    const conus_object *x = *(const conus_object *const *)a;
-    const conus_object *y = *(const conus_object *const *)b;
-    return strcmp(x->name, y->name);
-}
-
 static conus_status index_names(struct name_index *out, const conus_atlas *atlas)
 {
-    out->areas = memory_raw(atlas->area_count, sizeof(void *));
-    if (!out->areas) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t i = 0; i < atlas->area_count; i++) {
-        out->areas[i] = &atlas->objects[i];
-    }
-    out->count = atlas->area_count;
-    order_sort(out->areas, out->count, sizeof(void *), by_name);
-    return CONUS_OK;
+    *out = (struct name_index){atlas_by_name(atlas, atlas->area_count), atlas->area_count};
+    return out->areas ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 /* The first of the areas called `name`, and how many there are. */
@@ -263,12 +247,7 @@ conus_status hemispheres_pair(uint32_t **out, const conus_atlas *atlas)
     }
     memory_free(pairing.index.areas);
     memory_free(pairing.claims);
-    if (status) {
-        memory_free(pairing.right_of);
-        return status;
-    }
-    *out = pairing.right_of;
-    return CONUS_OK;
+    return GIVE(status, out, pairing.right_of, memory_free(pairing.right_of));
 }
 
 conus_status hemispheres_label_step(uint32_t *out, const conus_atlas *atlas)

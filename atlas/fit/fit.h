@@ -23,6 +23,10 @@ struct head {
 conus_status head_make(struct head *out, const struct volume *context);
 void head_finish(struct head *head);
 
+/** Sets @p marks, all 0 before, of those values [dim] to 1 that lie between the first and the last one of @p threshold
+ * or more along two axes or three. */
+void enclose(uint8_t *marks, const float *values, double threshold, const size_t dim[3]);
+
 /** Whether the world point @p point is in the context's grid, and if so, whether it is in the head. */
 bool head_grid_has(bool *in_head, const struct head *head, const double point[3]);
 

@@ -92,6 +92,22 @@ static void mark_line(uint8_t *marks, const float *values, double threshold, siz
     }
 }
 
+void enclose(uint8_t *marks, const float *values, double threshold, const size_t dim[3])
+{
+    const size_t stride[3] = {1, dim[0], dim[0] * dim[1]};
+    for (size_t a = 0; a < 3; a++) {
+        const size_t b = (a + 1) % 3;
+        const size_t c = (a + 2) % 3;
+        for (size_t line = 0; line < dim[b] * dim[c]; line++) {
+            size_t first = line % dim[b] * stride[b] + line / dim[b] * stride[c];
+            mark_line(marks + first, values + first, threshold, stride[a], dim[a]);
+        }
+    }
+    for (size_t cell = 0; cell < stride[2] * dim[2]; cell++) {
+        marks[cell] = marks[cell] >= 2;
+    }
+}
+
 conus_status head_make(struct head *out, const struct volume *context)
 {
     struct head head = {.context = context};
@@ -106,18 +122,7 @@ conus_status head_make(struct head *out, const struct volume *context)
         return CONUS_ERROR_MEMORY;
     }
     head.threshold = find_threshold(values, cell_count(&head));
-    const size_t stride[3] = {1, head.dim[0], head.dim[0] * head.dim[1]};
-    for (size_t a = 0; a < 3; a++) {
-        const size_t b = (a + 1) % 3;
-        const size_t c = (a + 2) % 3;
-        for (size_t line = 0; line < head.dim[b] * head.dim[c]; line++) {
-            size_t first = line % head.dim[b] * stride[b] + line / head.dim[b] * stride[c];
-            mark_line(head.inside + first, values + first, head.threshold, stride[a], head.dim[a]);
-        }
-    }
-    for (size_t cell = 0; cell < cell_count(&head); cell++) {
-        head.inside[cell] = head.inside[cell] >= 2;
-    }
+    enclose(head.inside, values, head.threshold, head.dim);
     memory_free(values);
     *out = head;
     return CONUS_OK;
@@ -215,10 +220,5 @@ conus_status surface_head_make(struct volume *out, const conus_atlas *atlas)
         const struct context_surface *surface = &atlas->context_surfaces[i];
         status = is_around_head(surface) ? fill_surface(&volume, &surface->mesh) : CONUS_OK;
     }
-    if (status) {
-        volume_finish(&volume);
-        return status;
-    }
-    *out = volume;
-    return CONUS_OK;
+    return GIVE(status, out, volume, volume_finish(&volume));
 }

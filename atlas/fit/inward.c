@@ -14,15 +14,13 @@ static const double NEAR = 5; /* mm: how far from the point the head's surface c
 static void add_surface(double sum[3], const struct mesh *mesh, const double point[3])
 {
     for (size_t i = 0; i < mesh->triangle_count; i++) {
-        double corner[3][3], way[3], edges[2][3], area[3];
+        double corner[3][3], way[3], area[3];
         mesh_corners(corner, mesh, i);
         for (int a = 0; a < 3; a++) {
             way[a] = (corner[0][a] + corner[1][a] + corner[2][a]) / 3 - point[a];
         }
         if (vec3_length(way) <= NEAR) {
-            vec3_sub(edges[0], corner[1], corner[0]);
-            vec3_sub(edges[1], corner[2], corner[0]);
-            vec3_cross(area, edges[0], edges[1]);
+            mesh_normal(area, mesh, i);
             vec3_add_scaled(sum, sum, mesh->shape.volume_mm3 < 0 ? -0.5 : 0.5, area);
         }
     }

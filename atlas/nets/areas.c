@@ -304,12 +304,7 @@ conus_status nets_make(struct nets *out, const conus_atlas *atlas, uint32_t cell
     status = status ? status : fill(&nets, atlas, &net);
     net_grid_finish(&grid);
     net_finish(&net);
-    if (status) {
-        nets_finish(&nets);
-        return status;
-    }
-    *out = nets;
-    return CONUS_OK;
+    return GIVE(status, out, nets, nets_finish(&nets));
 }
 
 void nets_finish(struct nets *nets)

@@ -16,37 +16,19 @@ static const double DEFAULT_OPACITY = 0.12;
  * one outside the border, which is at a half: areas at the border do not show through. */
 static const double LEVEL = 0.2;
 
-/* Adds 2 to all points between the first and the last one, of those with an odd number, along a line. */
-static void enclose_line(float *points, size_t count, size_t step)
-{
-    size_t from = 0;
-    size_t to = count;
-    while (from < to && fmodf(points[from * step], 2) == 0) {
-        from++;
-    }
-    while (to > from && fmodf(points[(to - 1) * step], 2) == 0) {
-        to--;
-    }
-    for (; from < to; from++) {
-        points[from * step] += 2;
-    }
-}
-
 /* What lies between areas along two of the axes is inside, too: gaps, sulci and what is below the cortex. */
-static void enclose(struct net_grid *grid)
+static conus_status enclose_all(struct net_grid *grid)
 {
-    for (size_t point = 0; point < grid->count; point++) {
-        size_t index[3];
-        net_grid_index(index, grid, point);
-        for (int a = 0; a < 3; a++) {
-            if (index[a] == 0) {
-                enclose_line(grid->inside + point, grid->dim[a], grid->step[a]);
-            }
-        }
+    uint8_t *marks = memory_zeroed(grid->count, sizeof *marks);
+    if (!marks) {
+        return CONUS_ERROR_MEMORY;
     }
+    enclose(marks, grid->inside, 1, grid->dim);
     for (size_t point = 0; point < grid->count; point++) {
-        grid->inside[point] = grid->inside[point] >= 4;
+        grid->inside[point] = marks[point];
     }
+    memory_free(marks);
+    return CONUS_OK;
 }
 
 /* Along one axis by weights of 1, 2, 1; those at the ends stay. */
@@ -117,11 +99,8 @@ static conus_status fill_grid(struct net_grid *out, const conus_atlas *atlas)
         in_head = context && head_grid_has(&in_head, &head, at) && in_head;
         out->inside[point] = in_head || net_area_at(atlas, at) ? 1 : 0;
     }
-    if (!status) {
-        enclose(out);
-    }
     head_finish(&head);
-    return status;
+    return status ? status : enclose_all(out);
 }
 
 conus_status conus_atlas_add_shell(conus_atlas *atlas, double opacity)

@@ -220,10 +220,7 @@ static conus_status make_grid(conus_volume_info *out, const char *name, const co
     snprintf(grid.format, sizeof grid.format, "phantom");
     snprintf(grid.datatype, sizeof grid.datatype, "uint32");
     conus_status status = space_describe(&grid, m, "phantom");
-    if (!status) {
-        *out = grid;
-    }
-    return status;
+    return GIVE(status, out, grid, 0);
 }
 
 /* Voxels first[] to last[] - 1 hold every centre that may lie in `shape`. */
@@ -315,10 +312,7 @@ conus_status phantom_draw(struct phantom_drawing *out, const char *kind, const c
     }
     status = make_grid(&drawing.grid, drawing.phantom->info.name, &used, edge);
     status = status ? status : paint_shapes(&drawing);
-    if (!status) {
-        *out = drawing;
-    }
-    return status;
+    return GIVE(status, out, drawing, 0);
 }
 
 void phantom_drawing_finish(struct phantom_drawing *drawing)

@@ -158,10 +158,7 @@ conus_status phantom_brain_grid(conus_volume_info *out)
     snprintf(grid.format, sizeof grid.format, "phantom");
     snprintf(grid.datatype, sizeof grid.datatype, "uint16");
     conus_status status = space_describe(&grid, world_from_voxel, "phantom");
-    if (!status) {
-        *out = grid;
-    }
-    return status;
+    return GIVE(status, out, grid, 0);
 }
 
 /* 0 below `from`, 1 above `to`, smooth between. */

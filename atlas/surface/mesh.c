@@ -26,12 +26,7 @@ conus_status mesh_init(struct mesh *out, size_t vertex_count, size_t triangle_co
     }
     mesh.positions = memory_zeroed(vertex_count, 3 * sizeof *mesh.positions);
     mesh.triangles = memory_zeroed(triangle_count, 3 * sizeof *mesh.triangles);
-    if (!mesh.positions || !mesh.triangles) {
-        mesh_finish(&mesh);
-        return CONUS_ERROR_MEMORY;
-    }
-    *out = mesh;
-    return CONUS_OK;
+    return GIVE(!mesh.positions || !mesh.triangles ? CONUS_ERROR_MEMORY : CONUS_OK, out, mesh, mesh_finish(&mesh));
 }
 
 conus_status mesh_copy(struct mesh *out, const struct mesh *mesh)
@@ -45,8 +40,7 @@ conus_status mesh_copy(struct mesh *out, const struct mesh *mesh)
     return status;
 }
 
-/* Twice the area times the unit normal. */
-static void normal_of(double out[3], const struct mesh *mesh, size_t triangle)
+void mesh_normal(double out[3], const struct mesh *mesh, size_t triangle)
 {
     double p[3][3];
     mesh_corners(p, mesh, triangle);
@@ -77,7 +71,7 @@ static size_t drop_flat_triangles(struct mesh *mesh)
     size_t kept = 0;
     for (size_t i = 0; i < mesh->triangle_count; i++) {
         double normal[3];
-        normal_of(normal, mesh, i);
+        mesh_normal(normal, mesh, i);
         if (vec3_length(normal) > 0) {
             for (size_t k = 0; k < 3; k++) {
                 mesh->triangles[3 * kept + k] = mesh->triangles[3 * i + k];
@@ -124,7 +118,7 @@ static void integrate_triangles(struct mesh_shape *out, const struct mesh *mesh)
         double p[3][3];
         double normal[3];
         double sum[3] = {0};
-        normal_of(normal, mesh, i);
+        mesh_normal(normal, mesh, i);
         mesh_corners(p, mesh, i);
         for (int k = 0; k < 3; k++) {
             vec3_sub(p[k], p[k], middle);
@@ -159,10 +153,7 @@ conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh)
     }
     integrate_triangles(&shape, mesh);
     status = shape.closed ? mesh_winds_once(&shape.has_volume, mesh, &shape) : CONUS_OK;
-    if (!status) {
-        *out = shape;
-    }
-    return status;
+    return GIVE(status, out, shape, 0);
 }
 
 double mesh_crossing(int *side, const struct mesh *mesh, size_t triangle, const double origin[3],
@@ -242,6 +233,16 @@ double mesh_distance(const struct mesh *mesh, size_t triangle, const double orig
     return mesh_crossing(&side, mesh, triangle, origin, direction);
 }
 
+void mesh_turn(struct mesh *mesh)
+{
+    for (size_t i = 0; i < mesh->triangle_count; i++) {
+        uint32_t *t = &mesh->triangles[3 * i];
+        uint32_t kept = t[1];
+        t[1] = t[2];
+        t[2] = kept;
+    }
+}
+
 void mesh_transform(struct mesh *mesh, const double world_from_mesh[16])
 {
     for (size_t i = 0; i < mesh->vertex_count; i++) {
@@ -252,10 +253,7 @@ void mesh_transform(struct mesh *mesh, const double world_from_mesh[16])
             p[a] = (float)moved[a];
         }
     }
-    for (size_t i = 0; mat4_determinant3(world_from_mesh) < 0 && i < mesh->triangle_count; i++) {
-        uint32_t *t = &mesh->triangles[3 * i];
-        uint32_t kept = t[1];
-        t[1] = t[2];
-        t[2] = kept;
+    if (mat4_determinant3(world_from_mesh) < 0) {
+        mesh_turn(mesh);
     }
 }

@@ -77,6 +77,12 @@ double mesh_crossing(int *side, const struct mesh *mesh, size_t triangle, const 
  * folds back). */
 bool mesh_is_passed(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3]);
 
+/** Twice the area of @p triangle times its unit normal. */
+void mesh_normal(double out[3], const struct mesh *mesh, size_t triangle);
+
+/** Turns all triangles around. */
+void mesh_turn(struct mesh *mesh);
+
 /** Moves every vertex by @p world_from_mesh; turns triangles around where that mirrors. */
 void mesh_transform(struct mesh *mesh, const double world_from_mesh[16]);
 

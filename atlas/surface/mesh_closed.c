@@ -152,10 +152,7 @@ conus_status mesh_is_closed(bool *out, const struct mesh *mesh)
     memory_free(first);
     memory_free(edges.start);
     memory_free(edges.items);
-    if (!status) {
-        *out = closed;
-    }
-    return status;
+    return GIVE(status, out, closed, 0);
 }
 
 enum { LINES = 64, PAIR_LIMIT = 1 << 26 };

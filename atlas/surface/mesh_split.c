@@ -154,10 +154,5 @@ conus_status mesh_split(struct mesh_parts *out, const struct mesh *mesh, const u
     }
     memory_free(work.triangles);
     memory_free(work.place);
-    if (status) {
-        mesh_parts_finish(&parts);
-        return status;
-    }
-    *out = parts;
-    return CONUS_OK;
+    return GIVE(status, out, parts, mesh_parts_finish(&parts));
 }

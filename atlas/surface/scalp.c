@@ -331,13 +331,10 @@ static conus_status find_normals(conus_scalp *scalp, size_t begin, const struct 
     }
     for (size_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *at = mesh->triangles + 3 * t;
-        double corner[3][3], edges[2][3], area[3];
+        double area[3];
         const uint64_t of = near[at[0]] | near[at[1]] | near[at[2]];
         if (of) {
-            mesh_corners(corner, mesh, t);
-            vec3_sub(edges[0], corner[1], corner[0]);
-            vec3_sub(edges[1], corner[2], corner[0]);
-            vec3_cross(area, edges[0], edges[1]);
+            mesh_normal(area, mesh, t);
         }
         for (size_t i = begin; of >> (i - begin) && i < scalp->count; i++) {
             if (of >> (i - begin) & 1) {

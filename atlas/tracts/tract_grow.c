@@ -345,16 +345,6 @@ static struct hull set_leaf(struct tract_leaf *out, const struct item *items, si
     return hull;
 }
 
-/* Prefetches the points of a run. */
-static void fetch_points(const struct tractogram *tractogram, const struct item *item)
-{
-    const char *from = tractogram->points ? (const char *)(tractogram->points + 3 * (uint64_t)item->point)
-                                          : (const char *)(tractogram->halves + 3 * (uint64_t)item->point);
-    size_t size = 3 * (size_t)item->segments * (tractogram->points ? sizeof(float) : sizeof(uint16_t));
-    __builtin_prefetch(from);
-    __builtin_prefetch(from + size);
-}
-
 /* The place of the low corner of a lane's box along a diagonal. Returns the length of all diagonals. */
 static double find_corner(double *low, const struct tract_node *node, size_t lane, int diagonal)
 {
@@ -433,7 +423,8 @@ static void fill_leaves(const struct growing *growing, size_t first, size_t end)
         size_t count = left < TRACT_LEAF ? left : TRACT_LEAF;
         for (size_t i = 0; i < count; i++) {
             size_t ahead = from + TRACT_LEAF + i;
-            fetch_points(tractogram, &items[ahead < end ? ahead : from + i]);
+            const struct item *item = &items[ahead < end ? ahead : from + i];
+            tract_fetch_points(tractogram, item->point, item->segments);
         }
         struct item taken[TRACT_LEAF];
         memcpy(taken, items + from, count * sizeof *taken);

@@ -71,6 +71,16 @@ struct tract_levels {
 /** The levels of a tree of @p run_count runs, at most UINT32_MAX. */
 struct tract_levels tract_levels_of(size_t run_count);
 
+/** Prefetches the points of a run. */
+static inline void tract_fetch_points(const struct tractogram *tractogram, uint64_t point, uint64_t segments)
+{
+    size_t size = 3 * (tractogram->points ? sizeof *tractogram->points : sizeof *tractogram->halves);
+    const char *points = tractogram->points ? (const char *)tractogram->points : (const char *)tractogram->halves;
+    points += size * point;
+    __builtin_prefetch(points);
+    __builtin_prefetch(points + size * segments);
+}
+
 /* The start of a search along a ray in a tractogram, in single precision, and the slack by which everything is then
  * enlarged, so that no segment is lost. Processor and GPU search from there (Eq. 18). */
 

@@ -140,15 +140,16 @@ static conus_status check_first(const struct tractogram *tractogram)
     return CONUS_OK;
 }
 
-/* Whether all of `count` points from `from` on are within the limit; compilers can vectorise it. */
-static bool are_within(const struct tractogram *tractogram, uint64_t from, uint64_t count)
+bool tract_points_are_within(const void *user, size_t from, size_t to)
 {
     enum { EXPONENT = 0x7c00 };
+    const struct tractogram *tractogram = user;
     int beyond = 0;
-    for (uint64_t i = 3 * from; tractogram->points && i < 3 * (from + count); i++) {
+    for (uint64_t i = 3 * (uint64_t)from; tractogram->points && i < 3 * (uint64_t)to;
+         i++) { /* compilers vectorise it */
         beyond |= !(fabsf(tractogram->points[i]) <= (float)TRACT_COORDINATE_LIMIT);
     }
-    for (uint64_t i = 3 * from; !tractogram->points && i < 3 * (from + count); i++) {
+    for (uint64_t i = 3 * (uint64_t)from; !tractogram->points && i < 3 * (uint64_t)to; i++) {
         beyond |= (tractogram->halves[i] & EXPONENT) == EXPONENT; /* the largest half is 65504 */
     }
     return !beyond;
@@ -160,9 +161,9 @@ static conus_status check_points(const struct tractogram *tractogram)
     for (size_t k = 0; k < tractogram->streamline_count; k++) {
         uint64_t begin = tractogram->first[k];
         uint64_t count = tractogram->first[k + 1] - tractogram->first[k];
-        if (!are_within(tractogram, begin, count)) {
+        if (!tract_points_are_within(tractogram, (size_t)begin, (size_t)(begin + count))) {
             uint64_t i = 0;
-            while (i + 1 < count && are_within(tractogram, begin + i, 1)) {
+            while (i + 1 < count && tract_points_are_within(tractogram, (size_t)(begin + i), (size_t)(begin + i + 1))) {
                 i++;
             }
             char text[3][TEXT_NUMBER_SIZE];
@@ -237,8 +238,6 @@ static bool has_point(const struct tractogram *tractogram, uint32_t streamline, 
 struct run_check {
     const struct tractogram *tractogram;
     const uint64_t *starts;
-    size_t pieces;
-    bool is_sound[THREADS_MOST];
 };
 
 enum { WORD = 64, LEAVES_A_THREAD = 1 << 12 };
@@ -264,36 +263,29 @@ static bool are_runs_of(const struct run_check *check, const struct tract_leaf *
     return sound;
 }
 
-static void check_runs(void *user, size_t piece)
+static bool runs_are_sound(const void *user, size_t from, size_t to)
 {
-    struct run_check *check = user;
+    const struct run_check *check = user;
     const struct tract_tree *tree = &check->tractogram->tree;
-    const size_t leaves = tract_leaf_count(tree->run_count);
     bool sound = true;
-    for (size_t i = threads_begin(piece, check->pieces, leaves, 1);
-         i < threads_begin(piece + 1, check->pieces, leaves, 1) && sound; i++) {
+    for (size_t i = from; i < to && sound; i++) {
         size_t left = tree->run_count - i * TRACT_LEAF;
         sound = are_runs_of(check, &tree->leaves[i], left < TRACT_LEAF ? left : TRACT_LEAF);
     }
-    check->is_sound[piece] = sound;
+    return sound;
 }
 
 static conus_status check_leaves(const struct tractogram *tractogram)
 {
     uint64_t *starts = memory_zeroed((size_t)(tractogram->point_count / WORD) + 2, sizeof *starts);
-    struct run_check check = {.tractogram = tractogram, .starts = starts};
-    bool sound = true;
+    const struct run_check check = {tractogram, starts};
     if (!starts) {
         return CONUS_ERROR_MEMORY;
     }
-    check.pieces = threads_for(tract_leaf_count(tractogram->tree.run_count), LEAVES_A_THREAD);
     for (size_t k = 0; k < tractogram->streamline_count; k++) {
         starts[tractogram->first[k] / WORD] |= UINT64_C(1) << tractogram->first[k] % WORD;
     }
-    threads_run(check_runs, &check, check.pieces);
-    for (size_t i = 0; i < check.pieces && sound; i++) {
-        sound = check.is_sound[i];
-    }
+    bool sound = threads_check(runs_are_sound, &check, tract_leaf_count(tractogram->tree.run_count), LEAVES_A_THREAD);
     memory_free(starts);
     return sound ? CONUS_OK : fail(CONUS_ERROR_DATA, "streamlines: a leaf of their tree leads out of them");
 }
@@ -374,14 +366,10 @@ static enum tract_answer ask_run(const struct walk *walk, const struct tract_lea
     return walk->test(walk->user, low, high);
 }
 
-/* Prefetches the points of a run. */
-static void fetch_points(const struct tractogram *tractogram, const struct tract_leaf *leaf, size_t lane)
+/* Prefetches what is read of a run. */
+static void fetch_run(const struct tractogram *tractogram, const struct tract_leaf *leaf, size_t lane)
 {
-    size_t size = tractogram->points ? sizeof *tractogram->points : sizeof *tractogram->halves;
-    const char *points = tractogram->points ? (const char *)tractogram->points : (const char *)tractogram->halves;
-    points += 3 * size * leaf->point[lane];
-    __builtin_prefetch(points);
-    __builtin_prefetch(points + 3 * size * tract_leaf_segments(leaf, lane));
+    tract_fetch_points(tractogram, leaf->point[lane], tract_leaf_segments(leaf, lane));
     __builtin_prefetch(&tractogram->tree.marks[leaf->point[lane] / TRACT_MARK]);
 }
 
@@ -394,7 +382,7 @@ static void walk_leaf(const struct walk *walk, size_t number, bool inside)
     for (size_t lane = 0; lane < leaf->count; lane++) {
         enum tract_answer answer = inside ? TRACT_INSIDE : ask_run(walk, leaf, lane);
         if (answer != TRACT_OUTSIDE) {
-            fetch_points(walk->tractogram, leaf, lane);
+            fetch_run(walk->tractogram, leaf, lane);
             __builtin_prefetch(&walk->tractogram->first[walk->tractogram->tree.marks[leaf->point[lane] / TRACT_MARK]]);
             answers[count] = answer;
             lanes[count++] = lane;
@@ -428,7 +416,7 @@ void tract_tree_walk(const struct tractogram *tractogram, tract_box_test test, t
             if (answer == TRACT_INSIDE && leaf + 1 < end && leaf + 1 < leaf_count) {
                 const struct tract_leaf *next = &tractogram->tree.leaves[leaf + 1];
                 for (size_t lane = 0; lane < next->count; lane++) {
-                    fetch_points(tractogram, next, lane);
+                    fetch_run(tractogram, next, lane);
                 }
             }
             walk_leaf(&walk, leaf, answer == TRACT_INSIDE);

@@ -143,6 +143,9 @@ static inline void tractogram_point(double out[3], const struct tractogram *trac
     }
 }
 
+/** Whether all points of a tractogram from @p from to before @p to are within the limit. A threads_test. */
+bool tract_points_are_within(const void *user, size_t from, size_t to);
+
 /** How many streamlines of @p tractogram @p group has; all where that is NULL. */
 static inline size_t tract_group_count(const struct tract_group *group, const struct tractogram *tractogram)
 {

@@ -42,40 +42,24 @@ static conus_status note_facts(struct notes *notes, const struct deformation *fi
     return status;
 }
 
-static conus_status note_meshes(struct notes *notes, const struct warped_meshes *meshes, bool stays, const char *words)
+/* `names` of points, of what they make, and of one point. */
+static conus_status note_counts(struct notes *notes, const struct warped_counts *counts, bool stays, const char *words,
+                                const char *const names[3])
 {
     conus_status status = CONUS_OK;
-    if (meshes->outside) {
-        status = notes_add(notes, "%s: %zu of %zu vertices lie outside of the field%s", words, meshes->outside,
-                           meshes->vertices, stays ? "; those outside of its grid stay where they are" : "");
-    }
-    if (!status && meshes->lost) {
-        status = notes_add(notes, "%s: %zu of %zu vertices have no place: the field folds there, or has no value",
-                           words, meshes->lost, meshes->vertices);
-    }
-    if (!status && meshes->cut) {
-        status = notes_add(notes, "%s: %zu of %zu triangles are left out, with a vertex that has no place", words,
-                           meshes->cut, meshes->triangles);
-    }
-    return status;
-}
-
-static conus_status note_tracts(struct notes *notes, const struct warped_tracts *tracts, bool stays, const char *words)
-{
-    conus_status status = CONUS_OK;
-    if (tracts->outside) {
-        status = notes_add(notes, "%s: %llu of %llu points of streamlines lie outside of the field%s", words,
-                           (unsigned long long)tracts->outside, (unsigned long long)tracts->points,
+    const unsigned long long points = counts->points;
+    if (counts->outside) {
+        status = notes_add(notes, "%s: %llu of %llu %s lie outside of the field%s", words,
+                           (unsigned long long)counts->outside, points, names[0],
                            stays ? "; those outside of its grid stay where they are" : "");
     }
-    if (!status && tracts->lost) {
-        status = notes_add(
-            notes, "%s: %llu of %llu points of streamlines have no place: the field folds there, or has no value",
-            words, (unsigned long long)tracts->lost, (unsigned long long)tracts->points);
+    if (!status && counts->lost) {
+        status = notes_add(notes, "%s: %llu of %llu %s have no place: the field folds there, or has no value", words,
+                           (unsigned long long)counts->lost, points, names[0]);
     }
-    if (!status && tracts->cut) {
-        status = notes_add(notes, "%s: %llu of %llu streamlines are left out, with a point that has no place", words,
-                           (unsigned long long)tracts->cut, (unsigned long long)tracts->streamlines);
+    if (!status && counts->cut) {
+        status = notes_add(notes, "%s: %llu of %llu %s are left out, with a %s that has no place", words,
+                           (unsigned long long)counts->cut, (unsigned long long)counts->wholes, names[1], names[2]);
     }
     return status;
 }
@@ -145,6 +129,8 @@ static conus_status reserve_warps(struct warp_way *way, conus_atlas *atlas, cons
 
 conus_status atlas_warp(conus_atlas *atlas, struct deformation *fields, size_t count, const struct warp_plan *plan)
 {
+    static const char *const of_meshes[] = {"vertices", "triangles", "vertex"};
+    static const char *const of_tracts[] = {"points of streamlines", "streamlines", "point"};
     struct parts parts = {0};
     struct warp_way way;
     size_t note_count = atlas->notes.count;
@@ -161,13 +147,13 @@ conus_status atlas_warp(conus_atlas *atlas, struct deformation *fields, size_t c
             stays = stays && fields[i].stays_outside;
         }
         status = status ? status : warped_volumes_note(&parts.volumes, atlas, plan->words);
-        status = status ? status : note_meshes(&atlas->notes, &parts.meshes, stays, plan->words);
-        status = status ? status : note_tracts(&atlas->notes, &parts.tracts, stays, plan->words);
+        status = status ? status : note_counts(&atlas->notes, &parts.meshes.counts, stays, plan->words, of_meshes);
+        status = status ? status : note_counts(&atlas->notes, &parts.tracts.counts, stays, plan->words, of_tracts);
         status = status ? status : notes_move(&atlas->notes, &parts.notes);
     }
     if (!status) {
         warped_volumes_take(&parts.volumes, atlas);
-        warped_meshes_take(&parts.meshes, atlas);
+        meshes_take(atlas, parts.meshes.items);
         bundles_take(atlas, parts.tracts.items);
         atlas->warp_count += count;
         memset(fields, 0, count * sizeof *fields);

@@ -147,8 +147,5 @@ conus_status warp_grid(conus_volume_info *out, const conus_atlas *atlas, const s
         grid.dim[a] = (size_t)counts[a];
     }
     conus_status status = space_describe(&grid, matrix, field->coefficients ? "B-spline" : "field");
-    if (!status) {
-        *out = grid;
-    }
-    return status;
+    return GIVE(status, out, grid, 0);
 }

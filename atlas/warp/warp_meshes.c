@@ -81,9 +81,9 @@ static conus_status move_mesh(struct warped_meshes *out, size_t index, const con
         float *p = &mesh->positions[3 * i];
         double point[3] = {(double)p[0], (double)p[1], (double)p[2]};
         enum deformation_found found = deformations_find(point, fields, count, point);
-        out->vertices++;
-        out->outside += found == DEFORMATION_OUTSIDE;
-        out->lost += found == DEFORMATION_LOST;
+        out->counts.points++;
+        out->counts.outside += found == DEFORMATION_OUTSIDE;
+        out->counts.lost += found == DEFORMATION_LOST;
         for (int a = 0; a < 3; a++) {
             p[a] = found == DEFORMATION_LOST ? NAN : (float)point[a];
         }
@@ -93,17 +93,13 @@ static conus_status move_mesh(struct warped_meshes *out, size_t index, const con
     if (status) {
         return status;
     }
-    out->triangles += old->triangle_count;
-    out->cut += cut;
+    out->counts.wholes += old->triangle_count;
+    out->counts.cut += cut;
     if (!mesh->triangle_count) {
         return fail(CONUS_ERROR_DATA, "nothing of %s is where the field leads to", name_of(atlas, index));
     }
     if (mirrors(fields, count)) {
-        for (size_t i = 0; i < mesh->triangle_count; i++) {
-            uint32_t second = mesh->triangles[3 * i + 1];
-            mesh->triangles[3 * i + 1] = mesh->triangles[3 * i + 2];
-            mesh->triangles[3 * i + 2] = second;
-        }
+        mesh_turn(mesh);
     }
     status = cut ? mesh_check(mesh, notes) : mesh_check_numbers(mesh);
     return status ? status : mesh_measure(&mesh->shape, mesh);
@@ -117,29 +113,5 @@ conus_status warped_meshes_init(struct warped_meshes *out, const conus_atlas *at
     for (size_t i = 0; !status && i < atlas->mesh_count; i++) {
         status = move_mesh(&meshes, i, atlas, fields, count, notes);
     }
-    if (status) {
-        warped_meshes_finish(&meshes, atlas->mesh_count);
-    } else {
-        *out = meshes;
-    }
-    return status;
-}
-
-void warped_meshes_take(struct warped_meshes *meshes, conus_atlas *atlas)
-{
-    for (size_t i = 0; i < atlas->mesh_count; i++) {
-        struct mesh old = atlas->meshes[i];
-        atlas->meshes[i] = meshes->items[i];
-        atlas->meshes[i].path = old.path;
-        old.path = NULL;
-        meshes->items[i] = old;
-    }
-    for (size_t i = 0; i < atlas->object_count; i++) {
-        if (atlas->places[i].is_mesh) {
-            const struct mesh *mesh = &atlas->meshes[atlas->places[i].index];
-            atlas->objects[i].triangles = mesh->triangle_count;
-            atlas->objects[i].closed = mesh->shape.closed;
-            atlas->objects[i].volume_mm3 = mesh->shape.has_volume ? fabs(mesh->shape.volume_mm3) : 0;
-        }
-    }
+    return GIVE(status, out, meshes, warped_meshes_finish(&meshes, atlas->mesh_count));
 }

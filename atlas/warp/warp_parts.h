@@ -30,24 +30,27 @@ conus_status warped_volumes_note(const struct warped_volumes *volumes, conus_atl
 void warped_volumes_take(struct warped_volumes *volumes, conus_atlas *atlas);
 void warped_volumes_finish(struct warped_volumes *volumes, size_t count);
 
+/** Points that went back through the fields, and the triangles or streamlines that they make. */
+struct warped_counts {
+    uint64_t points, outside, lost;
+    uint64_t wholes, cut; /**< All, and those left out. */
+};
+
 /** Surfaces in their new place. */
 struct warped_meshes {
     struct mesh *items; /**< [mesh_count] */
-    size_t vertices, outside, lost;
-    size_t triangles, cut; /**< All, and those left out. */
+    struct warped_counts counts;
 };
 
 /** Moves the surfaces back through @p count fields, the first one first. */
 conus_status warped_meshes_init(struct warped_meshes *out, const conus_atlas *atlas, const struct deformation *fields,
                                 size_t count, struct notes *notes);
-void warped_meshes_take(struct warped_meshes *meshes, conus_atlas *atlas);
 void warped_meshes_finish(struct warped_meshes *meshes, size_t count);
 
 /** Tractograms in their new place, for bundles_take(). */
 struct warped_tracts {
     struct tractogram *items; /**< [tractogram_count] */
-    uint64_t points, outside, lost;
-    uint64_t streamlines, cut; /**< All, and those left out. */
+    struct warped_counts counts;
 };
 
 /** Moves streamlines likewise. CONUS_ERROR_DATA where nothing of a tractogram is left. */

@@ -29,9 +29,9 @@ static bool move_streamline(struct warped_tracts *counts, struct tractogram *out
         double point[3];
         tractogram_point(point, old, i);
         enum deformation_found found = deformations_find(point, fields, count, point);
-        counts->points++;
-        counts->outside += found == DEFORMATION_OUTSIDE;
-        counts->lost += found == DEFORMATION_LOST;
+        counts->counts.points++;
+        counts->counts.outside += found == DEFORMATION_OUTSIDE;
+        counts->counts.lost += found == DEFORMATION_LOST;
         for (int a = 0; a < 3; a++) {
             whole = whole && found != DEFORMATION_LOST && fabs(point[a]) <= TRACT_COORDINATE_LIMIT; /* NaN is not */
             to[a] = (float)point[a];
@@ -128,8 +128,8 @@ static conus_status move_tractogram(struct warped_tracts *counts, struct tractog
                 out->first[out->streamline_count] = out->point_count;
             }
         }
-        counts->streamlines += old->streamline_count;
-        counts->cut += old->streamline_count - out->streamline_count;
+        counts->counts.wholes += old->streamline_count;
+        counts->counts.cut += old->streamline_count - out->streamline_count;
         status = settle(out, numbers, old);
     }
     memory_free(numbers);
@@ -144,10 +144,5 @@ conus_status warped_tracts_init(struct warped_tracts *out, const conus_atlas *at
     for (size_t i = 0; !status && i < atlas->tractogram_count; i++) {
         status = move_tractogram(&tracts, &tracts.items[i], &atlas->tractograms[i], fields, count);
     }
-    if (status) {
-        warped_tracts_finish(&tracts, atlas->tractogram_count);
-    } else {
-        *out = tracts;
-    }
-    return status;
+    return GIVE(status, out, tracts, warped_tracts_finish(&tracts, atlas->tractogram_count));
 }

@@ -41,21 +41,14 @@ static bool same_place(const struct volume_source *a, const struct volume_source
 static size_t nearest_voxel(const struct volume_source *source, const struct warp_way *way, const double point[3])
 {
     double p[3];
-    size_t voxel[3];
+    size_t voxel;
     const struct warp *first = &way->warps[source->first_warp];
     mat4_point(p, way->first, point);
     if (!warps_point(p, first + 1, way->count - source->first_warp - 1, p) || !deformation_point(p, &first->field, p)) {
         return SIZE_MAX;
     }
     mat4_point(p, source->voxel_from_world, p);
-    for (int a = 0; a < 3; a++) {
-        p[a] = floor(p[a] + 0.5);
-        if (!(p[a] >= 0 && p[a] < (double)source->dim[a])) {
-            return SIZE_MAX;
-        }
-        voxel[a] = (size_t)p[a];
-    }
-    return voxel[0] + source->dim[0] * (voxel[1] + source->dim[1] * voxel[2]);
+    return grid_find_voxel(&voxel, source->dim, p) ? voxel : SIZE_MAX;
 }
 
 /* The object of the volume whose source it is. */
@@ -324,12 +317,7 @@ conus_status warped_volumes_init(struct warped_volumes *out, const conus_atlas *
                       "other direction?",
                       plan->words);
     }
-    if (status) {
-        warped_volumes_finish(&volumes, atlas->volume_count);
-    } else {
-        *out = volumes;
-    }
-    return status;
+    return GIVE(status, out, volumes, warped_volumes_finish(&volumes, atlas->volume_count));
 }
 
 /* Whether an object's voxels are resampled. */

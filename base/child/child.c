@@ -13,14 +13,6 @@
 
 enum { WORDS_SIZE = 512, READ_SIZE = 1 << 20 };
 
-/* Monotonic: setting the date does not move a deadline. */
-static double seconds_now(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static bool is_program(const char *path)
 {
     return file_exists(path) && system_allows(path, SYSTEM_RUN);
@@ -109,7 +101,7 @@ static conus_status start_child(struct child *child, const char *path)
     const struct process_start start = {
         .path = path, .words = task->words, .given = task->descriptor, .limits = &limits};
     bool begun = process_begin(&child->process, &start);
-    child->deadline = seconds_now() + task->limits.wait;
+    child->deadline = process_now() + task->limits.wait;
     return begun ? CONUS_OK : fail_system(child, "start");
 }
 
@@ -156,7 +148,7 @@ static conus_status read_output(struct child *child)
     uint8_t rest[WORDS_SIZE];
     struct process_part parts[2] = {{.data = child->data + child->size, .capacity = child->capacity - child->size},
                                     {.data = rest, .capacity = sizeof rest}};
-    enum process_reading reading = process_read(parts, &child->process, child->deadline - seconds_now());
+    enum process_reading reading = process_read(parts, &child->process, child->deadline - process_now());
     if (reading != PROCESS_CAME) {
         return reading == PROCESS_LATE ? fail_late(child) : fail_system(child, "read what it writes");
     }
@@ -208,7 +200,7 @@ conus_status child_run(struct bytes *rest, const struct child_task *task)
     while (!status && process_writes(&child.process)) {
         status = read_output(&child);
     }
-    if (!status && !process_wait(&end, &child.process, child.deadline - seconds_now())) {
+    if (!status && !process_wait(&end, &child.process, child.deadline - process_now())) {
         status = fail_late(&child);
     }
     process_finish(&child.process);

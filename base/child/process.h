@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <time.h>
 
 /* A process that runs a program: what systems do differently about it. What fails has errno set. */
 
@@ -62,6 +63,14 @@ struct process_end {
     int code;     /**< Of its exit. */
     char how[96]; /**< Of a crash: "signal 11, Segmentation fault". */
 };
+
+/** Seconds of a clock that setting the date does not move, for deadlines. */
+static inline double process_now(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
 
 /** Waits for the end, as process_read() does; false = late. */
 bool process_wait(struct process_end *out, struct process *process, double seconds);

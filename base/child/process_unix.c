@@ -29,14 +29,6 @@ enum { CLOSE_RANGE_CLOEXEC = 4 };
 
 enum { GIVEN = 3 };
 
-/* Monotonic: setting the date does not move a deadline. */
-static double seconds_now(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 /* A pipe that programs do not get. */
 static bool open_pipe(int ends[2])
 {
@@ -214,12 +206,12 @@ enum process_reading process_read(struct process_part parts[2], struct process *
 bool process_wait(struct process_end *out, struct process *process, double seconds)
 {
     static const struct timespec moment = {.tv_nsec = 1000000};
-    const double deadline = seconds_now() + seconds;
+    const double deadline = process_now() + seconds;
     int how = 0;
     pid_t ended = 0;
     while (ended == 0 || (ended < 0 && errno == EINTR)) { /* it may have closed its output and still run */
         ended = waitpid((pid_t)process->id, &how, WNOHANG);
-        if (ended == 0 && seconds_now() > deadline) {
+        if (ended == 0 && process_now() > deadline) {
             return false;
         }
         if (ended == 0) {

@@ -116,12 +116,7 @@ conus_status file_read_here(struct bytes *out, const struct open_file *file, siz
     if (!status && !is_as_before(file)) {
         status = fail(CONUS_ERROR_IO, FILE_CHANGED);
     }
-    if (status) {
-        bytes_finish(&bytes);
-        return status;
-    }
-    *out = bytes;
-    return CONUS_OK;
+    return GIVE(status, out, bytes, bytes_finish(&bytes));
 }
 
 conus_status file_read_open(struct bytes *out, const struct open_file *file, size_t most, uint64_t limit,

@@ -201,11 +201,7 @@ conus_status gzip_head(struct bytes *out, const uint8_t *data, size_t size, size
     stream->kept = kept;
     stream->count = limit;
     status = inflate_until(stream, limit);
-    if (status) {
-        memory_free(kept);
-    } else {
-        *out = (struct bytes){kept, (size_t)stream->position};
-    }
+    status = GIVE(status, out, ((struct bytes){kept, (size_t)stream->position}), memory_free(kept));
     stream_close(stream);
     return status;
 }
@@ -311,17 +307,13 @@ conus_status gzip_unpack(struct bytes *out, struct gzip_range *range, const uint
     if (!bytes.data) {
         return CONUS_ERROR_MEMORY;
     }
+    conus_status status = CONUS_OK;
     if (whole && unpack_at_once(bytes.data, needed, data, size, range->zlib)) {
         memmove(bytes.data, bytes.data + range->from, range->count);
     } else {
-        conus_status status = unpack_in_pieces(bytes.data, range, data, size);
-        if (status) {
-            bytes_finish(&bytes);
-            return status;
-        }
+        status = unpack_in_pieces(bytes.data, range, data, size);
     }
-    *out = bytes;
-    return CONUS_OK;
+    return GIVE(status, out, bytes, bytes_finish(&bytes));
 }
 
 /* Unpacks into stream->kept, which grows and is the caller's to free. */
@@ -365,11 +357,7 @@ static conus_status unpack_all(struct bytes *out, const uint8_t *data, size_t si
     stream->count = smaller_of(limit, 4 * (uint64_t)size + SCRATCH_SIZE);
     stream->kept = memory_raw(stream->count, 1);
     status = stream->kept ? unpack_growing(stream, limit) : CONUS_ERROR_MEMORY;
-    if (status) {
-        memory_free(stream->kept);
-    } else {
-        *out = (struct bytes){stream->kept, (size_t)stream->position};
-    }
+    status = GIVE(status, out, ((struct bytes){stream->kept, (size_t)stream->position}), memory_free(stream->kept));
     stream_close(stream);
     return status;
 }

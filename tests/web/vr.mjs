@@ -21,10 +21,9 @@ const long = Boolean(process.env.CONUS_WEB_LONG);
 const WAIT = { timeout: 120000, polling: 50 };
 const POSES = long ? 1000 : 200;
 const ENTRIES = long ? 50 : 5;
-const env = { ...process.env, CONUS_CACHE: "off" };
 let browser;
 
-const run = (...words) => execFileSync(CONUS, words, { cwd: folder, env, maxBuffer: 1 << 28 }).toString();
+const run = (...words) => execFileSync(CONUS, words, { cwd: folder, maxBuffer: 1 << 28 }).toString();
 before(async () => {
   browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"] });
   if (!skip) run("page", atlas, "--origin", "-90,20,20", "--toward", "0,-10,10", "--template", path.join(PAGE, "page.html"), "-o", "aal.html", "--quiet");

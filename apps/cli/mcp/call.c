@@ -5,7 +5,6 @@
 #include "cli/answers/answers.h"
 #include "cli/mcp/mcp.h"
 #include "options/messages.h"
-#include "options/progress.h"
 
 #include <inttypes.h>
 #include <stdarg.h>
@@ -241,7 +240,7 @@ static bool read_process(struct calling *calling, struct process *process, doubl
     while (process_writes(process)) {
         struct process_part parts[] = {{.data = data[0], .capacity = READ_SIZE},
                                        {.data = data[1], .capacity = READ_SIZE}};
-        enum process_reading reading = process_read(parts, process, deadline - clock_ms() / 1000);
+        enum process_reading reading = process_read(parts, process, deadline - process_now());
         if (reading != PROCESS_CAME) {
             return reading == PROCESS_LATE ? refuse_call(calling, "no answer within %d s", SECOND_LIMIT)
                                            : refuse_call(calling, "the answer cannot be read");
@@ -268,9 +267,9 @@ static bool run_words(struct calling *calling, struct process_end *end)
     if (!system_program(self) || !process_begin(&process, &start)) {
         return refuse_call(calling, "no program can be started here");
     }
-    double deadline = clock_ms() / 1000 + SECOND_LIMIT;
+    double deadline = process_now() + SECOND_LIMIT;
     bool ended = read_process(calling, &process, deadline);
-    ended = ended && (process_wait(end, &process, deadline - clock_ms() / 1000) ||
+    ended = ended && (process_wait(end, &process, deadline - process_now()) ||
                       refuse_call(calling, "no answer within %d s", SECOND_LIMIT));
     process_finish(&process);
     return ended && (end->kind == PROCESS_EXITED || refuse_call(calling, "conus ended: %s", end->how));

@@ -266,21 +266,14 @@ static INLINE void fetch_bytes(const void *from, size_t size)
     }
 }
 
-static INLINE void fetch_points(const struct tractogram *tractogram, const struct tract_leaf *leaf, size_t lane)
-{
-    size_t size = tractogram->points ? sizeof *tractogram->points : sizeof *tractogram->halves;
-    const char *points = tractogram->points ? (const char *)tractogram->points : (const char *)tractogram->halves;
-    points += 3 * size * leaf->point[lane];
-    __builtin_prefetch(points);
-    __builtin_prefetch(points + 3 * size * tract_leaf_segments(leaf, lane));
-}
-
 /* Fetches what is read of an item when its turn comes; the processor would wait for it then. */
 static INLINE void fetch(const struct tract_search *search, uint32_t level, size_t item)
 {
     const struct tract_tree *tree = &search->tractogram->tree;
     if (level == 0) {
-        fetch_points(search->tractogram, &tree->leaves[item / TRACT_LEAF], item % TRACT_LEAF);
+        const struct tract_leaf *leaf = &tree->leaves[item / TRACT_LEAF];
+        tract_fetch_points(search->tractogram, leaf->point[item % TRACT_LEAF],
+                           tract_leaf_segments(leaf, item % TRACT_LEAF));
     } else if (level == 1) {
         fetch_bytes(&tree->leaves[item], sizeof *tree->leaves);
     } else {
