@@ -288,12 +288,8 @@ static void count_row(struct census *census, const struct head *head, const conu
 /* What names and columns say of sides: each is evidence. Half of two points or more is refused, one is warned of. */
 static bool judge_sides(const struct census *c, const struct head *head)
 {
-    static const char *const turns[] = {
-        [CONUS_SPACE_RAS] = "if the file is in LPS, --space lps turns x and y; else ",
-        [CONUS_SPACE_LPS] = "if the file is in RAS, --space ras turns x and y; else ",
-        [CONUS_SPACE_CCF] = "",
-        [CONUS_SPACE_BREGMA] = "",
-    };
+    static const char *const turns[] = {"if the file is in LPS, --space lps turns x and y; else ",
+                                        "if the file is in RAS, --space ras turns x and y; else ", "", ""};
     const char *turn = head->out->said.has_signs ? "" : turns[head->options->space];
     bool are_right = false;
     for (size_t i = 0; i <= c->column_count; i++) {
