@@ -861,7 +861,7 @@ static void choose_families(struct head *head)
             are_others = are_others || is_other;
         }
         FAULT_IF(head->row_count && !head->is_on_its_side && !are_voxels && !are_others && !head->words.at[0].size,
-                 head, "or name the columns: type '%s,x=COLUMN,y=COLUMN,z=COLUMN'", out->file);
+                 head, "if three do, type '%s,x=COLUMN,y=COLUMN,z=COLUMN'", out->file);
     }
     FAULT_IF(up && !target && !direction, head, "ux uy uz go with tx ty tz or dx dy dz");
     if (out->is_straight && position && !named) {

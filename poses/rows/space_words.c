@@ -28,7 +28,7 @@ static const char why_origin[] = "counted from a point that is not the atlas's o
 static const char why_bregma[] =
     "counted from bregma; --space bregma reads them as AP, ML, DV, and needs an atlas of the Allen CCF";
 static const char why_code[] =
-    "a code of axes that is read only in AFNI's own reports; bring the columns to RAS, and say so there";
+    "a code of axes that is read only in AFNI's own reports; bring the columns to RAS, and say so";
 const char space_why_voxels[] = "voxels of an image that is not in the file; export them in mm";
 
 static const struct row {
@@ -758,7 +758,7 @@ static void hear_sentence(struct space_words *words, struct text text, bool of_c
     }
     bool are_signs = (denied.has_signs || denied.may_be_lps) && !words->has_signs; /* "RAS, not LPS" says which */
     if (denied.heard[0] || are_signs || (denied.mm > 0 && !(words->mm > 0))) {
-        words->why = "that says only what they are not; write there what they are";
+        words->why = "write there what they are, not what they are not";
         snprintf(words->heard, sizeof words->heard, "%.*s", TEXT_SHOW(text_trim(text), sizeof words->heard - 1));
     }
 }
