@@ -200,13 +200,13 @@ void columns_check_name(struct job *job, const struct columns *columns, const ch
         return;
     }
     space_words_hear_name(&of_name, text_from(path_base(path)));
-    if (of_name.may_be_lps) {
-        job_bad(job, "only the file's name says \"LPS\": --space lps takes them as x left, y back; %s",
-                space_any(options->space));
-    }
     bool is_of_mm = of_name.why == space_why_voxels && (said->space.name[0] || columns->has_unit);
-    if (of_name.why && !is_said && !columns->has_space && !is_of_mm && !is_of_contacts(head, of_name.heard)) {
-        job_bad(job, "only the file's name says \"%s\": %s; %s", of_name.heard, of_name.why, space_any(options->space));
+    bool is_refused =
+        of_name.why && !is_said && !columns->has_space && !is_of_mm && !is_of_contacts(head, of_name.heard);
+    if (of_name.may_be_lps || is_refused) {
+        job_bad(job, "only the file's name says \"%s\": %s; %s", of_name.may_be_lps ? "LPS" : of_name.heard,
+                of_name.may_be_lps ? "--space lps takes them as x left, y back" : of_name.why,
+                space_any(options->space));
     }
 }
 

@@ -1025,12 +1025,6 @@ static void settle_probes(struct head *head)
                                        : " (the other tilt is 0)");
 }
 
-static void refuse(struct head *head)
-{
-    settle_probes(head);
-    job_bad(head->job, "header: %s; columns found: %s", head->faults.data, shown_columns(head, true));
-}
-
 /* A column "target" or "entry" of names beside points may be the other end of an axis, or a word about the row. */
 static void refuse_lone_end(struct head *head)
 {
@@ -1798,7 +1792,8 @@ static void plan(struct head *head, bool *is_short)
         job_bad(head->job, "header: a quotation mark inside a name, or one that is not closed: \"%.*s",
                 POSE_QUOTE(head->line.spoilt));
     } else if (head->faults.size) {
-        refuse(head);
+        settle_probes(head);
+        job_bad(head->job, "header: %s; columns found: %s", head->faults.data, shown_columns(head, true));
     } else {
         check_options(head);
         if (out->place) {
