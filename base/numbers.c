@@ -315,9 +315,8 @@ static bool settle_commas(struct scan *scan, const struct run *runs)
     }
     scan->comma = shows[COMMA_DECIMAL] ? COMMA_DECIMAL : shows[COMMA_GROUPS] ? COMMA_GROUPS : COMMA_UNKNOWN;
     if (!scan->comma) {
-        refuse_part(
-            scan, text_of_run(scan, doubtful),
-            "has a comma before three digits: a decimal comma, or one of thousands? Write a point, or no comma");
+        refuse_part(scan, text_of_run(scan, doubtful),
+                    "has a comma before three digits: a decimal comma, or one of thousands? Write a dot, or no comma");
     }
     return scan->comma;
 }

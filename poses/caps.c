@@ -106,10 +106,10 @@ static conus_status refuse(struct pair *pairs, size_t count)
         least = fmin(least, own);
     }
     return fail(CONUS_ERROR_DATA,
-                "a cap that names no space, and does not lie on the head of MNI 152: %.20s is %.0f mm from where it is "
-                "there, half of %zu known names are more than %.0f mm off (allowed are %g and %g); it looks like %s; "
-                "bring it to MNI in the program that wrote it, or give the atlas's own positions as name,x,y,z",
-                worst.name, worst.apart, count, median, FARTHEST, MEDIAN, ways[best].words);
+                "a cap that names no space, and does not lie on the head of MNI 152, but looks like %s: %.20s is %.0f "
+                "mm off (allowed %g), half of %zu known names more than %.0f mm (allowed %g); export it in MNI from "
+                "the program that wrote it, or give the atlas's own positions as name,x,y,z",
+                ways[best].words, worst.name, worst.apart, FARTHEST, count, median, MEDIAN);
 }
 
 static conus_status check_pairs(struct notes *notes, struct pair *pairs, size_t count)
@@ -145,7 +145,7 @@ static size_t find_pairs(struct pair *pairs, const conus_pose_list *list, bool a
     return count;
 }
 
-conus_status cap_check(conus_pose_list *list, struct notes *notes)
+conus_status cap_check(conus_pose_list *list, const char *file, struct notes *notes)
 {
     const double scale = list->space.scale;
     struct pair *pairs = memory_raw(list->count + 1, sizeof *pairs);
@@ -154,14 +154,13 @@ conus_status cap_check(conus_pose_list *list, struct notes *notes)
     }
     size_t count = find_pairs(pairs, list, true);
     double radius = count && scale == 0 ? centre(pairs, count, offsetof(struct pair, point)) : INFINITY;
-    conus_status status =
-        radius > HEAD_OF_CM
-            ? CONUS_OK
-            : fail(CONUS_ERROR_DATA,
-                   "a cap without a unit: half of its positions lie within %.3g of their middle, so "
-                   "these are %s behind FILE takes them so",
-                   radius,
-                   radius > HEAD_OF_M ? "centimetres: ',unit=cm'" : "metres, or a sphere of radius 1: ',unit=m'");
+    conus_status status = radius > HEAD_OF_CM
+                              ? CONUS_OK
+                              : fail(CONUS_ERROR_DATA,
+                                     "a cap without a unit: half of its positions lie within %.3g of their middle, so "
+                                     "these are %s: type %s,unit=%s",
+                                     radius, radius > HEAD_OF_M ? "centimetres" : "metres, or a sphere of radius 1",
+                                     file, radius > HEAD_OF_M ? "cm" : "m");
     for (size_t i = 0; scale > 0 && i < list->count; i++) {
         double *p = list->rows[i].pose.world_from_device + 12;
         vec3_scale(p, p, scale);

@@ -150,6 +150,7 @@ struct conus_pose_stream {
     conus_frame frame;
     conus_pose_format format;
     char *name;              /* for messages; NULL for a text */
+    char *typed;             /* with its words; NULL for a text */
     const char *path;        /* while it is opened; NULL for a text and stdin */
     int descriptor;          /* -1 for a text */
     bool owned;              /* it is ours to close */
@@ -423,7 +424,7 @@ static void check_sides(struct job *job, conus_pose_stream *stream)
             sides_count(&sides, sides_of_name(name), name, row->pose.world_from_device[12], options->longest / 36);
         }
     }
-    sides_check(job, &sides, "are x and y in another space than the file says, or --space?");
+    sides_check(job, &sides, "are x and y in another space than the file says, or --space?", stream->columns.file);
     sides_warn(job, &sides, sides_of_file(stream->path));
 }
 
@@ -549,7 +550,7 @@ static void parse_whole(struct job *job, conus_pose_stream *stream, struct text 
     move_from_mni305(job, stream);
     if (list->is_cap) {
         list->space.scale = stream->words.unit > 0 ? stream->words.unit : list->space.scale;
-        (void)JOB_CALL(job, cap_check(list, &job->notes));
+        (void)JOB_CALL(job, cap_check(list, stream->columns.file, &job->notes));
     }
     if (stream->format == CONUS_POSE_FORMAT_ELECTRODES && job_ok(job)) {
         /* The table as it is, for an answer that adds columns to it. */
@@ -700,9 +701,11 @@ static conus_status open_path(conus_pose_stream *stream, const char *path)
     bool has_words = length && path[length];
     stream->name =
         has_words ? memory_text(path, length) : memory_text(pose_path_name(path), strlen(pose_path_name(path)));
-    if (!stream->name) {
+    stream->typed = memory_text(path ? path : "-", strlen(path ? path : "-"));
+    if (!stream->name || !stream->typed) {
         return CONUS_ERROR_MEMORY;
     }
+    stream->columns.file = stream->typed;
     stream->options.columns = has_words ? path + length + 1 : stream->options.columns;
     stream->list.sink.path = stream->name;
     stream->path = is_stdin(has_words ? stream->name : path) ? NULL : stream->name;
@@ -742,6 +745,7 @@ static conus_status create_stream(conus_pose_stream **out, const conus_pose_opti
     stream->frame = frame;
     stream->options.frame = &stream->frame;
     stream->options.space = frame.space;
+    stream->columns.file = "FILE";
     stream->descriptor = -1;
     stream->stop.file = SYSTEM_NO_FILE;
     stream->lines.descriptor = -1;
@@ -813,6 +817,7 @@ void conus_pose_stream_destroy(conus_pose_stream *stream)
     named_rows_finish(&stream->places);
     memory_free(stream->decoded);
     memory_free(stream->name);
+    memory_free(stream->typed);
     memory_free(stream);
 }
 

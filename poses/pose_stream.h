@@ -28,8 +28,8 @@ const char *pose_path_name(const char *path);
 
 /** Checks the rows of a cap, brings them to mm by list->space.scale (0 = the cap names no unit), and sets list->space:
  * CONUS_ERROR_DATA, with what fits better, unless the names that are positions (position_find()) lie where MNI 152 has
- * them. */
-conus_status cap_check(conus_pose_list *list, struct notes *notes);
+ * them. @p file: as columns.file. */
+conus_status cap_check(conus_pose_list *list, const char *file, struct notes *notes);
 
 enum { POSE_CANDIDATE_ID = 192 }; /**< "e1-t1-k1-r1", each number of at most 20 digits, a name of 64 bytes. */
 

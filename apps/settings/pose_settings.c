@@ -317,7 +317,7 @@ static int match(size_t *said, const struct pose_source *from, const char *path,
             char name[ATLAS_PREFIX_SIZE];
             return print_data_error("%s: %s%s; --atlas-transform FILE brings the atlas to them%s",
                                     pose_settings_file_name(path), atlases_prefix(name, atlas), conus_message(),
-                                    settings ? ", --any-space takes them as they are" : "");
+                                    settings ? ", --any-space takes them as positions in the atlas's space" : "");
         }
     }
     *said = say_notes(from, path, atlases->count > 1, 0, common->quiet);

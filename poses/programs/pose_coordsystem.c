@@ -227,9 +227,9 @@ bool pose_coordsystem_hear(struct job *job, conus_pose_list *list, const char *p
     list->space = find_space(job, stated.system);
     const double mm = space_unit_mm(stated.units);
     if (mm != 1 && !says_nothing(stated.units) && !has_unit) {
-        job_bad(job, "CoordinateUnits \"%.*s\", and nothing in the table beside it: %s%.*s%s',unit=mm' behind FILE",
-                POSE_QUOTE(stated.units), mm > 0 ? "',unit=" : "", mm > 0 ? (int)stated.units.size : 0,
-                stated.units.data, mm > 0 ? "' or " : "");
+        job_bad(job, "CoordinateUnits \"%.*s\", and nothing in the table beside it: type %s%.*s%sFILE,unit=mm",
+                POSE_QUOTE(stated.units), mm > 0 ? "FILE,unit=" : "", mm > 0 ? (int)stated.units.size : 0,
+                stated.units.data, mm > 0 ? " or " : "");
     }
     job_out(job, mark);
     job_note(job, "the space is that of %s beside it, \"%s\"", path_base(beside), list->space.name);

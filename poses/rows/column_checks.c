@@ -89,9 +89,9 @@ static void check_axes(const struct head *head, const struct space_words *said, 
         if (options->space < CONUS_SPACE_CCF && !options->any_space) { /* rodents' axes have other signs */
             job_bad(
                 head->job,
-                "line %zu, \"%.*s\", says another axis or sign than x to the right, y to the front or z to the top; "
-                "--any-space takes the positions as they are",
-                number, POSE_QUOTE(line));
+                "line %zu, \"%.*s\", says another axis or sign than x to the right, y to the front or z to the top: "
+                "turn the columns; %s",
+                number, POSE_QUOTE(line), space_any(options->space));
         }
         break;
     case SPACE_AXES_VOXELS:
@@ -100,8 +100,8 @@ static void check_axes(const struct head *head, const struct space_words *said, 
     case SPACE_AXES_ORDERED:
         job_bad(
             head->job,
-            "line %zu, \"%.*s\", names axes that are not x y z, to the right, front and top: write x, y and z there "
-            "in the order of the columns, or ',x=COLUMN,y=COLUMN,z=COLUMN' behind FILE",
+            "line %zu, \"%.*s\", names other axes than x (to the right), y (front) and z (top): write x, y and z there "
+            "in the order of the columns",
             number, POSE_QUOTE(line));
         break;
     }
@@ -157,14 +157,17 @@ void columns_hear_words(struct head *head)
     const char *code = own[head->options->space];
     bool is_own_code = code && text_equal_ignoring_case(text_from(said->heard), code);
     if (said->why && !is_own_code && !(said->why == space_why_unit && out->is_own_unit)) {
-        job_bad(job, "positions are said to be \"%s\": %s; %s", said->heard, said->why,
-                said->why == space_why_unit ? "',unit=mm' behind FILE takes them as mm"
-                                            : "--any-space takes them as they are");
+        bool is_unit = said->why == space_why_unit;
+        job_bad(job, "positions are said to be \"%s\": %s; %s%s%s", said->heard, said->why,
+                is_unit ? "only if they are mm, type " : "", is_unit ? out->file : space_any(head->options->space),
+                is_unit ? ",unit=mm" : "");
     }
     if (said->may_be_lps && !said->has_signs && head->options->space == CONUS_SPACE_RAS) {
-        job_bad(job,
-                "a line says LPS, or x to the left or y to the back, but not of what: --space lps reads the positions "
-                "so; --any-space takes them as RAS, with x to the right");
+        job_bad(
+            job,
+            "a line says LPS, or x to the left or y to the back, but not of what: --space lps takes them as x left, "
+            "y back; %s; if only one is turned, change its signs in the file",
+            space_any(CONUS_SPACE_RAS));
     }
     if (said->are_two && !out->is_own_unit) {
         job_bad(job, "two units are named: which is that of the positions?");
@@ -197,14 +200,13 @@ void columns_check_name(struct job *job, const struct columns *columns, const ch
         return;
     }
     space_words_hear_name(&of_name, text_from(path_base(path)));
-    if (of_name.may_be_lps) {
-        job_bad(job, "its name says \"LPS\", and nothing in it: --space lps reads the positions so; "
-                     "--any-space takes them as RAS, with x to the right");
-    }
     bool is_of_mm = of_name.why == space_why_voxels && (said->space.name[0] || columns->has_unit);
-    if (of_name.why && !is_said && !columns->has_space && !is_of_mm && !is_of_contacts(head, of_name.heard)) {
-        job_bad(job, "its name says \"%s\", and nothing in it: %s; --any-space takes the positions as they are",
-                of_name.heard, of_name.why);
+    bool is_refused =
+        of_name.why && !is_said && !columns->has_space && !is_of_mm && !is_of_contacts(head, of_name.heard);
+    if (of_name.may_be_lps || is_refused) {
+        job_bad(job, "only the file's name says \"%s\": %s; %s", of_name.may_be_lps ? "LPS" : of_name.heard,
+                of_name.may_be_lps ? "--space lps takes them as x left, y back" : of_name.why,
+                space_any(options->space));
     }
 }
 
@@ -286,18 +288,20 @@ static void count_row(struct census *census, const struct head *head, const conu
 /* What names and columns say of sides: each is evidence. Half of two points or more is refused, one is warned of. */
 static bool judge_sides(const struct census *c, const struct head *head)
 {
-    const char *other = head->options->space == CONUS_SPACE_LPS ? "ras" : "lps";
+    static const char *const turns[] = {"if the file is in LPS, --space lps turns x and y; else ",
+                                        "if the file is in RAS, --space ras turns x and y; else ", "", ""};
+    const char *turn = head->out->said.has_signs ? "" : turns[head->options->space];
     bool are_right = false;
     for (size_t i = 0; i <= c->column_count; i++) {
         const struct sides *sides = &c->sides[i];
         const struct text column = i ? head->line.cells[c->columns[i - 1]] : text_from("");
         size_t wrong = sides->left_on_right + sides->right_on_left;
         char why[256];
-        snprintf(why, sizeof why, "%s%.*s%s--space %s would turn x and y", i ? "by column \"" : "", POSE_QUOTE(column),
-                 i ? "\", if these are sides of the brain; " : "", other);
+        snprintf(why, sizeof why, "%s%.*s%s%smend x or the %s", i ? "by column \"" : "", POSE_QUOTE(column),
+                 i ? "\", if these are sides of the brain; " : "", turn, i ? "sides" : "names");
         are_right = are_right || (sides->left && sides->right && !wrong);
         if (head->out->is_of_points) {
-            sides_check(head->job, sides, why);
+            sides_check(head->job, sides, why, head->out->file);
         }
         if (wrong) {
             job_warn(head->job, "%zu row%s on the other side than %s%.*s%s (the first in line %zu)", wrong,
@@ -328,21 +332,21 @@ static void judge(const struct census *c, const struct head *head, double longes
     if (is_unsaid && (of_people || space == CONUS_SPACE_BREGMA) && c->farthest > 0 &&
         c->farthest <= (of_people ? 1 : 0.02)) {
         job_bad(job,
-                "all positions lie within %s mm of the origin, as if they were in metres; ',unit=m' behind FILE "
-                "takes them so, ',unit=mm' as mm",
-                of_people ? "1" : "0.02");
+                "all positions lie within %s mm of the origin, as if they were in metres: type %s,unit=m; if they are "
+                "mm, %s,unit=mm",
+                of_people ? "1" : "0.02", head->out->file, head->out->file);
     }
     if (c->farthest > fmax(10 * longest, 1000) && of_people && is_known && !head->out->has_unit) {
         job_bad(job,
-                "a position lies %g mm from the origin, as if it were in micrometres; ',unit=um' behind FILE takes "
-                "them so, ',unit=mm' as mm",
-                c->farthest);
+                "a position lies %g mm from the origin, as if it were in micrometres: type %s,unit=um; if they are mm, "
+                "%s,unit=mm",
+                c->farthest, head->out->file, head->out->file);
     }
     if (is_unsaid && is_known && space == CONUS_SPACE_CCF && c->farthest < 1000 * longest / 14) {
         job_bad(job,
                 "all positions lie within %.0f um of the corner, outside of any brain: are they voxels? space ccf is "
-                "in micrometres; ',unit=um' behind FILE takes them so",
-                1000 * longest / 14);
+                "in micrometres; if they are, type %s,unit=um",
+                1000 * longest / 14, head->out->file);
     }
     if (space == CONUS_SPACE_BREGMA && is_list && 2 * c->shallow > c->points) {
         job_bad(job,
@@ -354,10 +358,8 @@ static void judge(const struct census *c, const struct head *head, double longes
         columns_refuse_short(job, c->short_axes, c->axes, longest);
     }
     if (is_unsaid && of_people && is_known && c->farthest < longest / 14) {
-        job_warn(job,
-                 "all positions lie within %.3g mm of the origin: are they in centimetres? ',unit=cm' "
-                 "behind FILE takes them so",
-                 longest / 14);
+        job_warn(job, "all positions lie within %.3g mm of the origin: are they in centimetres? Then type %s,unit=cm",
+                 longest / 14, head->out->file);
     } else if (is_list && of_people && is_known && !c->negatives && !are_right) {
         job_warn(job, "no position has a negative number: are they voxels, or positions in a frame?");
     }
@@ -506,14 +508,14 @@ bool sides_count(struct sides *sides, int side, struct text name, double x, doub
     return is_wrong;
 }
 
-void sides_check(struct job *job, const struct sides *s, const char *why)
+void sides_check(struct job *job, const struct sides *s, const char *why, const char *file)
 {
     bool is_wrong = (s->left && 2 * s->left_on_right >= s->left) || (s->right && 2 * s->right_on_left >= s->right);
     if (is_wrong && s->left + s->right >= 2) {
         job_bad(job,
-                "sides: %zu of %zu rows called left lie on the right, %zu of %zu called right on the left; %s, "
-                "and ',sides=anyway' behind FILE takes them as they are",
-                s->left_on_right, s->left, s->right_on_left, s->right, why);
+                "sides: %zu of %zu rows called left lie on the right, %zu of %zu called right on the left; %s; if all "
+                "is right, type %s,sides=anyway",
+                s->left_on_right, s->left, s->right_on_left, s->right, why, file);
     }
 }
 
@@ -523,8 +525,8 @@ static void warn_of_file(struct job *job, const struct sides *sides, int of_file
     const size_t wrong = of_file ? sides->beyond[of_file < 0] : 0;
     if (sides->points >= LEAST && 2 * wrong > sides->points) {
         job_warn(job,
-                 "its name says %s, and %zu of %zu points lie on the %s; is x mirrored? ',sides=anyway' "
-                 "behind FILE says that it is not",
+                 "its name says %s, and %zu of %zu points lie on the %s; is x mirrored? If not, type "
+                 "FILE,sides=anyway",
                  of_file < 0 ? "left" : "right", wrong, sides->points, of_file < 0 ? "right" : "left");
     }
 }
@@ -554,7 +556,7 @@ void sides_warn(struct job *job, const struct sides *sides, int of_file)
     if (wrong) {
         job_warn(job,
                  "%zu of %zu electrodes lie on the other side than the first letter of their names says "
-                 "(%s%s); is x mirrored? ',sides=anyway' behind FILE says that it is not",
+                 "(%s%s); is x mirrored? If not, type FILE,sides=anyway",
                  wrong, sides->shaft_count, shown, wrong > 3 ? ", ..." : "");
     }
 }

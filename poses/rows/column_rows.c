@@ -152,8 +152,8 @@ conus_status columns_hear_late(const struct columns *columns, struct text line, 
     return said.why || said.are_two || is_other_brain || is_turned || is_scaled || is_ordered
                ? fail(CONUS_ERROR_DATA,
                       "line %zu: \"%.*s\" says another space or unit of the positions than the first 64 KiB, by which "
-                      "the rows above were read: move it above them; --any-space takes them as they are",
-                      number, POSE_QUOTE(inside))
+                      "the rows above were read: move it above them; %s",
+                      number, POSE_QUOTE(inside), space_any(options->space))
                : CONUS_OK;
 }
 
@@ -168,7 +168,7 @@ void columns_refuse_short(struct job *job, size_t count, size_t axes, double lon
 {
     job_bad(job,
             "%zu of %zu axes from entry to target are shorter than %g mm: are they planned and reached positions, or "
-            "two spaces?",
+            "two spaces? Keep one of the two, in the atlas's space, as x y z",
             count, axes, longest / 20);
 }
 
@@ -423,9 +423,9 @@ static conus_status read_row(conus_pose_row *row, struct pose_name *name, const 
             status = fail(CONUS_ERROR_DATA, "column %s: %g mm, allowed is %s0", columns->shown[role], length,
                           role == ROLE_DEPTH ? "more than " : "from ");
         } else if (options->longest > 0 && length > options->longest) {
-            status = fail(CONUS_ERROR_DATA,
-                          "column %s: %g mm, the atlas has %.3g: is it in um? ',%s=um' behind FILE says so",
-                          columns->shown[role], length, options->longest, role == ROLE_DEPTH ? "depth" : "radius");
+            status = fail(CONUS_ERROR_DATA, "column %s: %g mm, the atlas has %.3g: is it in um? Then type %s,%s=um",
+                          columns->shown[role], length, options->longest, columns->file,
+                          role == ROLE_DEPTH ? "depth" : "radius");
         }
     }
     if (columns->has[ROLE_DEPTH] && isfinite(values[ROLE_DEPTH])) {

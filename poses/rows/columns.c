@@ -442,15 +442,15 @@ static void take_family(struct head *head, const struct family *family, enum col
         set_role(head, family->at[k], first + (enum column_role)k);
     }
     const char *behind = family->at[0] != COLUMN_NONE ? strrchr(head->names[family->at[0]], ' ') : NULL;
-    FAULT_IF(first < ROLE_DX && behind && text_is_one_of(text_from(behind + 1), "cm/m", true) && unit == 0 &&
-                 !(head->words.unit > 0),
-             head,
-             "%s: is %s a unit or, as in centre of mass, a word? brackets make it a unit, ',unit=mm' behind FILE "
-             "a word",
-             FAMILY_SHOWN(head, family), behind ? behind + 1 : "");
+    FAULT_IF(
+        first < ROLE_DX && behind && text_is_one_of(text_from(behind + 1), "cm/m", true) && unit == 0 &&
+            !(head->words.unit > 0),
+        head,
+        "%s: is %s a unit or, as in centre of mass, a word? brackets make it a unit; if it is a word, type %s,unit=mm",
+        FAMILY_SHOWN(head, family), behind ? behind + 1 : "", out->file);
     double scale = unit / columns_space_mm(out->space);
     FAULT_IF(unit == SPACE_UNIT_REFUSED && !(head->words.unit > 0), head,
-             "%s: %s; ',unit=mm' behind FILE takes them so", FAMILY_SHOWN(head, family), space_why_unit);
+             "%s: %s; only if they are mm, type %s,unit=mm", FAMILY_SHOWN(head, family), space_why_unit, out->file);
     if (unit > 0 && first < ROLE_DX) {
         FAULT_IF(out->scale > 0 && out->scale != scale, head, "two units: positions and targets have different ones");
         out->scale = scale;
@@ -584,9 +584,8 @@ static void refuse_turned(struct head *head, const struct family *position)
         FAULT_IF(is_end, head, "%s beside x y z: --poses-format table reads them; without them the rows are points",
                  FAMILY_SHOWN(head, family));
         FAULT_IF(family != position && (family->kind == TURNED || is_beside || family->kind == ENTRY), head,
-                 "%s beside %s: a direction has the columns dx dy dz, a point to look at tx ty tz, an axis entry_x "
-                 "entry_y "
-                 "entry_z and target_x target_y target_z; without %s the rows are points",
+                 "%s beside %s: if they are a direction, call them dx dy dz; a point to look at is tx ty tz, an axis "
+                 "entry_x entry_y entry_z and target_x target_y target_z; without %s the rows are points",
                  FAMILY_SHOWN(head, family), FAMILY_SHOWN(head, position), FAMILY_SHOWN(head, family));
     }
     struct buffer list = {0};
@@ -613,10 +612,10 @@ static void refuse_turned(struct head *head, const struct family *position)
     }
     (void)JOB_CALL(head->job, buffer_status(&list));
     FAULT_IF(list.size, head,
-             "column %s beside %s: angles and rotations are read as tilt_ml and tilt_ap (one of them may "
-             "be 0), phi and theta, dx dy dz, tx ty tz, qw qx qy qz or m00...m33%s; without it the rows are %s",
-             list.data, FAMILY_SHOWN(head, position), head->out->is_bids ? ", with --poses-format table here" : "",
-             is_straight ? "straight down" : "points");
+             "column %s beside %s is not read: without it the rows are %s; directions are dx dy dz, tx ty tz, tilt_ml "
+             "and tilt_ap (one may be 0), phi and theta, qw qx qy qz or m00...m33%s",
+             list.data, FAMILY_SHOWN(head, position), is_straight ? "straight down" : "points",
+             head->out->is_bids ? ", with --poses-format table here" : "");
     buffer_finish(&list);
 }
 
@@ -726,9 +725,9 @@ static void refuse_other_space(struct head *head, const struct family *position)
     space_words_hear_of(&words, text_from(head->names[column]));
     space_words_hear_of(&words, text_from(position->stem));
     FAULT_IF(!words.space.brain && !words.why && !words.has_signs && !head->options->any_space, head,
-             "%s are named after another image or space: --any-space takes them as they are, with --atlas-transform "
-             "where that brings the atlas to them",
-             FAMILY_SHOWN(head, position));
+             "%s are named after another image or space: convert them to the atlas's, or bring the atlas to them "
+             "(--atlas-transform); then %s",
+             FAMILY_SHOWN(head, position), space_any(head->options->space));
 }
 
 /* A beam begins at its focus, whichever of its ends the table has first. */
@@ -819,14 +818,14 @@ static void choose_families(struct head *head)
         const struct text *cells = head->line.cells;
         const size_t *at = position->at;
         FAULT(head,
-              "%s are from bregma, mm (--space bregma), or of the CCF, um (--space ccf), where the atlas is one of the "
-              "Allen CCF",
+              "%s: from bregma (mm) or in the CCF (um) they need an atlas of the Allen CCF, with --space bregma or "
+              "--space ccf",
               FAMILY_SHOWN(head, position));
         if (out->is_of_points && is_whole(position)) {
             buffer_format(&head->faults,
-                          "; ',x=%.*s,y=%.*s,z=%.*s' behind FILE takes them as positions in the atlas, to the right, "
-                          "front and top",
-                          POSE_QUOTE(cells[at[1]]), POSE_QUOTE(cells[at[0]]), POSE_QUOTE(cells[at[2]]));
+                          "; only if they are this atlas's own positions, to the right, front and top, type "
+                          "'%s,x=%.*s,y=%.*s,z=%.*s'",
+                          out->file, POSE_QUOTE(cells[at[1]]), POSE_QUOTE(cells[at[0]]), POSE_QUOTE(cells[at[2]]));
         }
     }
     FAULT_IF(has_tilt && out->has[ROLE_TILT_ML] != out->has[ROLE_TILT_AP] && !head->words.tilt[0].size &&
@@ -858,12 +857,11 @@ static void choose_families(struct head *head)
         for (size_t i = 0; i < head->family_count; i++) {
             const struct family *family = &head->families[i];
             bool is_other = !are_voxels && (family->kind == UNKNOWN || family->kind == TURNED);
-            FAULT_IF(is_other, head, "%s may be something else: call them x y z where they are positions",
-                     FAMILY_SHOWN(head, family));
+            FAULT_IF(is_other, head, "only if %s are positions, call them x y z", FAMILY_SHOWN(head, family));
             are_others = are_others || is_other;
         }
         FAULT_IF(head->row_count && !head->is_on_its_side && !are_voxels && !are_others && !head->words.at[0].size,
-                 head, "',x=COLUMN,y=COLUMN,z=COLUMN' behind FILE says which they are");
+                 head, "if three do, type '%s,x=COLUMN,y=COLUMN,z=COLUMN'", out->file);
     }
     FAULT_IF(up && !target && !direction, head, "ux uy uz go with tx ty tz or dx dy dz");
     if (out->is_straight && position && !named) {
@@ -885,8 +883,8 @@ static void choose_families(struct head *head)
         drop_role(head, ROLE_DEPTH);
     }
     FAULT_IF(out->has[ROLE_DEPTH], head,
-             "depth is a way along a direction, tx ty tz, dx dy dz or tilt_ml tilt_ap, which is not there; in "
-             "space ccf and bregma alone it is straight down");
+             "depth needs a direction: add tx ty tz, dx dy dz or tilt_ml tilt_ap, or delete depth; only in space ccf "
+             "and bregma it is straight down");
     FAULT_IF(out->has[ROLE_NEAR] || out->has[ROLE_FAR], head,
              "near and far are depths along a direction: tx ty tz, dx dy dz or qw qx qy qz");
     if (!named) { /* the user's word is enough */
@@ -1017,23 +1015,14 @@ static void settle_probes(struct head *head)
         return;
     }
     FAULT_IF(are_long, head, "depths are longer than the atlas in mm: are they in um?");
-    FAULT(head, "to say all at once: %s'", head->lacks_space ? "--space bregma, and " : "");
+    FAULT(head, "to say all at once, type %s'%s", head->lacks_space ? "--space bregma, and " : "", out->file);
     if (is_tilted) {
         buffer_format(&head->faults, ",tilt_%s=%s", own, out->shown[tilt]);
     }
-    buffer_format(&head->faults, "%s' behind FILE%s", are_long ? ",depth=um" : "",
+    buffer_format(&head->faults, "%s'%s", are_long ? ",depth=um" : "",
                   !is_tilted           ? ""
                   : tilt == ROLE_ANGLE ? " (tilt_ap: the tip goes forward; tilt_ml: to the side)"
                                        : " (the other tilt is 0)");
-}
-
-static void refuse(struct head *head)
-{
-    const struct columns *out = head->out;
-    settle_probes(head);
-    job_bad(head->job, "header: %s; taken as %s; columns found: %s", head->faults.data,
-            out->is_of_points ? "points at x y z" : "poses, a position and a direction each",
-            shown_columns(head, true));
 }
 
 /* A column "target" or "entry" of names beside points may be the other end of an axis, or a word about the row. */
@@ -1047,11 +1036,11 @@ static void refuse_lone_end(struct head *head)
         if (has_name && out->has[ROLE_NAME] && out->has[ROLE_X]) {
             FAULT(
                 head,
-                "column \"%.*s\" beside %s %s %s: either it names the place where each axis %s, or it is a word about "
-                "a point: %s_x %s_y %s_z say the former, ',x=%s,y=%s,z=%s' behind FILE the latter",
+                "column \"%.*s\" beside %s %s %s: if it is a word about each point, type '%s,x=%s,y=%s,z=%s'; if each "
+                "axis %s there, give that place as %s_x %s_y %s_z",
                 POSE_QUOTE(head->line.cells[i]), out->shown[ROLE_X], out->shown[ROLE_X + 1], out->shown[ROLE_X + 2],
-                s[0] == 't' ? "ends" : "begins", s, s, s, out->shown[ROLE_X], out->shown[ROLE_X + 1],
-                out->shown[ROLE_X + 2]);
+                out->file, out->shown[ROLE_X], out->shown[ROLE_X + 1], out->shown[ROLE_X + 2],
+                s[0] == 't' ? "ends" : "begins", s, s, s);
         }
     }
 }
@@ -1658,7 +1647,7 @@ static void note_places(const struct head *head)
     }
     job_note(head->job, "%s%.*s%s names places: each row is the point that --point NAME means%s",
              out->has_header ? "column \"" : "each line", POSE_QUOTE(column), out->has_header ? "\"" : "",
-             are_called_so ? ", and is called so; ',name=COLUMN' behind FILE calls rows by another" : "");
+             are_called_so ? ", and is called so; FILE,name=COLUMN calls rows by another" : "");
 }
 
 static void plan_bare(struct head *head)
@@ -1792,9 +1781,8 @@ static void plan(struct head *head, bool *is_short)
     if (out->place && out->has_header) {
         find_columns(head);
     }
-    FAULT_IF(
-        out->has_header && out->table.comma == TABLE_COMMA_UNCLEAR, head,
-        "a comma before three digits, or commas of two kinds: 1,250 may be 1250 or 1.25; write points, or no commas");
+    FAULT_IF(out->has_header && out->table.comma == TABLE_COMMA_UNCLEAR, head,
+             "a comma before three digits, or commas of two kinds: 1,250 may be 1250 or 1.25; write one of these");
     FAULT_IF(out->has_header && has_row_of_units(head), head,
              "a row of units below it: write them behind the names, as in x (mm)");
     (void)JOB_CALL(head->job, buffer_status(&head->faults));
@@ -1804,7 +1792,8 @@ static void plan(struct head *head, bool *is_short)
         job_bad(head->job, "header: a quotation mark inside a name, or one that is not closed: \"%.*s",
                 POSE_QUOTE(head->line.spoilt));
     } else if (head->faults.size) {
-        refuse(head);
+        settle_probes(head);
+        job_bad(head->job, "header: %s; columns found: %s", head->faults.data, shown_columns(head, true));
     } else {
         check_options(head);
         if (out->place) {
@@ -1857,6 +1846,7 @@ void columns_plan(struct job *job, struct columns *out, bool *is_short, struct t
     *out = (struct columns){.space = options->space,
                             .is_bids = out->is_bids,
                             .side = out->side,
+                            .file = out->file ? out->file : "FILE",
                             .beside_mm = out->beside_mm,
                             .table.quotes_are_plain = out->is_bids};
     if (!head) {

@@ -126,6 +126,7 @@ struct columns {
     char shown[ROLES][COLUMN_NAME_SIZE]; /**< What the header calls it. */
     size_t head_lines;                   /**< Lines to the end of the header. */
     uint64_t header_sum;                 /**< Of the header's line. */
+    const char *file; /**< Before columns_plan(): as it is typed, with its words, for messages; NULL = "FILE". */
     bool is_bids; /**< Before columns_plan(): marks belong to cells, no column but a direction's is unusual, and only x,
                      y, z and name, or those that the user names, and words of space and unit have a role. */
     int side;     /**< Before columns_plan(): sides_of_file(). */
@@ -256,8 +257,9 @@ int sides_of_file(const char *path);
  * that is more than @p edge on the other side. Returns whether it is. */
 bool sides_count(struct sides *sides, int side, struct text name, double x, double edge);
 
-/** Fails where half of the points called left, or right, lie on the other side; @p why: what they may be. */
-void sides_check(struct job *job, const struct sides *sides, const char *why);
+/** Fails where half of the points called left, or right, lie on the other side; @p why: what they may be; @p file: as
+ * columns.file. */
+void sides_check(struct job *job, const struct sides *sides, const char *why, const char *file);
 
 /** Warns where half of the points, three at least, lie beyond the edge on the other side than their file's name says,
  * by @p of_file; and of shafts of electrodes (LA1, LPH-2) whose contacts, three at least, all lie on the other side

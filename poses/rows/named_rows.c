@@ -138,8 +138,8 @@ void columns_find_places(struct head *head, const char *words)
         bool is_it =
             word.size ? word.size == name.size && text_contains(name, word) : has_names(&first, head, i, is_called_so);
         FAULT_IF(is_it && found != COLUMN_NONE, head,
-                 "columns \"%.*s\" and \"%.*s\" name places: ',place=COLUMN' behind FILE says which is meant",
-                 POSE_QUOTE(head->line.cells[found]), POSE_QUOTE(name));
+                 "columns \"%.*s\" and \"%.*s\" name places: type '%s,place=COLUMN' with the one that is meant",
+                 POSE_QUOTE(head->line.cells[found]), POSE_QUOTE(name), out->file);
         none = is_it || word.size || none.size || !is_called_so ? none : first;
         out->place = is_it ? found == COLUMN_NONE ? i + 1 : 0 : out->place;
         found = is_it ? i : found;
@@ -149,7 +149,7 @@ void columns_find_places(struct head *head, const char *words)
         FAULT(head, "%s", conus_message());
     }
     if (out->place && !word.size && head->row_count) { /* whose numbers may be coordinates */
-        FAULT(head, "',place=%.*s' behind FILE takes its names of areas as places",
+        FAULT(head, "if its names of areas are the places, type '%s,place=%.*s'", out->file,
               POSE_QUOTE(head->line.cells[out->place - 1]));
         out->place = 0;
     }

@@ -307,6 +307,9 @@ double space_unit_mm(struct text name);
 /** Why such a unit is refused, and voxels. */
 extern const char space_why_unit[], space_why_voxels[];
 
+/** What --any-space does with positions of @p space: "--any-space takes them as RAS mm of the atlas (...)". */
+const char *space_any(conus_space space);
+
 /** Why positions in tkRAS are refused. */
 extern const char space_why_tkras[];
 

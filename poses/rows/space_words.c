@@ -24,11 +24,12 @@ enum weight {
 
 enum { TOKENS = 64, SIGNS = 100, CELL_TOKENS = 4 };
 
-static const char why_origin[] =
-    "counted from a point (MCP, AC, ear bars, nasion, lambda, dura) that the atlas does not know";
-static const char why_bregma[] = "counted from bregma, which --space bregma reads as AP, ML, DV where the atlas has it";
-static const char why_code[] = "a code of axes other than RAS and LPS, which is read in AFNI's own reports alone";
-const char space_why_voxels[] = "voxels, which only the image that they were counted in places; mm are needed";
+static const char why_origin[] = "counted from a point that is not the atlas's origin; convert them to its space";
+static const char why_bregma[] =
+    "counted from bregma; --space bregma reads them as AP, ML, DV, and needs an atlas of the Allen CCF";
+static const char why_code[] =
+    "a code of axes that is read only in AFNI's own reports; bring the columns to RAS, and say so";
+const char space_why_voxels[] = "voxels of an image that is not in the file; export them in mm";
 
 static const struct row {
     const char *words; /* several of one row in one word: "ac pc" */
@@ -83,7 +84,7 @@ static const struct {
 
 enum { UNITS = sizeof units / sizeof units[0] };
 
-const char space_why_unit[] = "a unit that is not taken: mm, um, cm and m are";
+const char space_why_unit[] = "a unit that is not taken; convert to mm, um, cm or m";
 
 double space_unit_mm(struct text name)
 {
@@ -757,7 +758,7 @@ static void hear_sentence(struct space_words *words, struct text text, bool of_c
     }
     bool are_signs = (denied.has_signs || denied.may_be_lps) && !words->has_signs; /* "RAS, not LPS" says which */
     if (denied.heard[0] || are_signs || (denied.mm > 0 && !(words->mm > 0))) {
-        words->why = "what it denies is said, and not what they are";
+        words->why = "write there what they are, not what they are not";
         snprintf(words->heard, sizeof words->heard, "%.*s", TEXT_SHOW(text_trim(text), sizeof words->heard - 1));
     }
 }
@@ -840,8 +841,19 @@ bool space_words_hear_cell(struct space_words *words, struct text cell, bool str
 }
 
 const char space_why_tkras[] =
-    "FreeSurfer's tkRAS, which counts from the middle of the voxels of an image that is not in the file: save scanner "
-    "RAS (Freeview has both); --any-space takes the positions as they are, for an atlas in tkRAS";
+    "FreeSurfer's tkRAS, from the middle of an image that is not in the file: for an atlas of the same person save "
+    "scanner RAS (Freeview has both), for one in MNI bring the points to MNI; --any-space is for an atlas in tkRAS";
+
+const char *space_any(conus_space space)
+{
+    static const char *const ways[] = {
+        [CONUS_SPACE_RAS] = "--any-space takes them as RAS mm of the atlas (x right, y front, z top)",
+        [CONUS_SPACE_LPS] = "--any-space takes them as LPS mm of the atlas (x left, y back, z top)",
+        [CONUS_SPACE_CCF] = "--any-space takes them as CCF (AP, DV, ML)",
+        [CONUS_SPACE_BREGMA] = "--any-space takes them as from bregma (AP, ML, DV)",
+    };
+    return ways[space];
+}
 
 bool space_moves(const struct pose_space *space, const conus_pose_options *options)
 {

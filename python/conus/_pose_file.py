@@ -135,7 +135,7 @@ class Poses(Guarded):
             with self._lock:
                 check(lib.conus_pose_list_match(self._list, atlas._p))
         except DataError as error:
-            remedy = "load(..., transforms=[...]) brings it to them, read_poses(..., any_space=True) takes them anyway"
+            remedy = "load(..., transforms=[...]) brings it to them, read_poses(..., any_space=True) takes them as positions in the atlas's space"
             raise DataError(f"{self.path}: {error}; {remedy}") from None
         self._warn_of_names(atlas)
 

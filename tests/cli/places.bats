@@ -37,7 +37,7 @@ first_line() {
         query sphere.nii.gz --point '1L 2P 3S' --space lps
     fails 2 '--origin: no area has the name, abbreviation or label "Sphera"; did you mean "Sphere"?' \
         query sphere.nii.gz --origin Sphera --toward 0,0,0
-    fails 2 '--toward: Sphere lies on both sides: 16.78 cm3 left, 16.78 cm3 right; --hemispheres split and "Sphere left"' \
+    fails 2 '--toward: Sphere lies on both sides: 16.78 cm3 left, 16.78 cm3 right; choose one: --hemispheres split, and "Sphere left" or "Sphere right"' \
         query sphere.nii.gz --origin 0,-90,0 --toward Sphere
     fails 2 'near: is nearest to the other end, which is no near: then' \
         query sphere.nii.gz --origin near:Sphere --toward near:Sphere
@@ -80,7 +80,7 @@ first_line() {
     printf 'name,x,y,z\nHippocampus_L,-42,-20,50\n' >both.csv
     [ "$(conus query $AAL --pose both.csv --format tsv -q | sed -n 2p | cut -f 4)" = Postcentral_L ]
     printf 'area,mean,sd,n\nHippocampus_L,1,2,3\n' >means.csv
-    fails 3 "',place=area' behind FILE takes its names of areas as places" query $AAL --pose means.csv
+    fails 3 "if its names of areas are the places, type 'means.csv,place=area'" query $AAL --pose means.csv
     [ "$(conus query $AAL --pose means.csv,place=area --format tsv -q | sed -n 2p | cut -f 4)" = Hippocampus_L ]
 }
 

@@ -37,7 +37,7 @@ answered() {
 @test "hostile: columns that are missing" {
     sphere --size 16
     printf 'query_id\tx\ty\tdx\tdy\tdz\na\t0\t0\t0\t0\t-1\n' >poses.tsv
-    fails 3 'poses.tsv: header: only some of the columns x y z: x y, without z; taken as poses' \
+    fails 3 'poses.tsv: header: only some of the columns x y z: x y, without z; columns found' \
         query sphere.nii.gz --pose poses.tsv
     printf 'dx\tdy\tdz\n0\t0\t100\n' >poses.tsv
     fails 3 'poses.tsv: header: x y z are needed: no columns say where rows are' query sphere.nii.gz --pose poses.tsv
@@ -420,7 +420,7 @@ data32="0" data33="1"/></Marker></InstrumentMarker>'
         [ "$output" = "$wanted" ]
     done
     need_aal
-    fails 3 '; --atlas-transform FILE brings the atlas to them, --any-space takes them as they are' \
+    fails 3 '; --atlas-transform FILE brings the atlas to them, --any-space takes them as positions in the atlas' \
         batch "$aal" --poses "$SAMPLES/brainsight.txt"
 }
 
@@ -547,11 +547,21 @@ data32="0" data33="1"/></Marker></InstrumentMarker>'
     fails 3 'probe.json: a probe of ProbeInterface says where contacts are on it' query sphere.nii.gz --pose probe.json
 }
 
+@test "a refusal has the file as it is to be typed, with the words that were" {
+    sphere --size 16
+    printf 'a,b,c\n-0.04,-0.02,0.05\n0.03,0.01,0\n0,-0.09,0\n' >abc.csv
+    fails 3 'metres: type abc.csv,x=a,y=b,z=c,unit=m; if they are mm, abc.csv,x=a,y=b,z=c,unit=mm' \
+        query sphere.nii.gz --pose abc.csv,x=a,y=b,z=c
+    printf 'name,x_lps,y_lps,z_lps\nleft A,-42,-20,50\nright B,38,14,-4\n' >lps.csv # --space cannot turn these
+    fails 3 'right on the left; mend x or the names; if all is right, type lps.csv,sides=anyway' \
+        query sphere.nii.gz --pose lps.csv
+}
+
 @test "a column that is needed and misspelt is asked for, not passed over" {
     sphere --size 16
     header() { printf '%s\n0,0,90,0,0,0\n' "$1" >bad.csv; }
     header xx,y,z,tx,ty,tz
-    fails 3 'only some of the columns x y z: y z, without x; taken as poses' query sphere.nii.gz --pose bad.csv
+    fails 3 'only some of the columns x y z: y z, without x; columns found' query sphere.nii.gz --pose bad.csv
     header orign_x,y,z,tx,ty,tz
     fails 3 'columns found: "orign_x", "y", "z", "tx", "ty", "tz"' query sphere.nii.gz --pose bad.csv
     header x,y,z,tx,ty,t__z
@@ -559,7 +569,7 @@ data32="0" data33="1"/></Marker></InstrumentMarker>'
     header x,y,z,qw,qx,notes
     fails 3 'only some of the columns qw qx qy qz' query sphere.nii.gz --pose bad.csv
     header x,y,z,a,b,roll
-    fails 3 'column "roll" beside x y z: angles and rotations are read as' query sphere.nii.gz --pose bad.csv
+    fails 3 'column "roll" beside x y z is not read: without it the rows are points' query sphere.nii.gz --pose bad.csv
     header coil_x,coil_y,coil_z,angle,a,b
     sed -i 's/0,0,0$/7,0,0/' bad.csv
     fails 3 'column "angle" is the opening of a cone, which needs a direction' query sphere.nii.gz --pose bad.csv

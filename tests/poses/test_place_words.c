@@ -49,7 +49,7 @@ static void numbers_that_are_refused_say_why(void **state)
     assert_int_equal(words.form, PLACE_NAME);
     assert_fails(place_fail_numbers(&words), CONUS_ERROR_ARGUMENT);
     assert_string_equal(conus_message(), "\"-1,250 2 3\": \"-1,250\" has a comma before three digits: a decimal comma, "
-                                         "or one of thousands? Write a point, or no comma");
+                                         "or one of thousands? Write a dot, or no comma");
     assert_ok(place_read(&words, text_from("Hippocampus")));
     assert_null(words.numbers.why);
 }
