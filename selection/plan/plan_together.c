@@ -877,7 +877,10 @@ static void describe_needles(conus_together *together)
 {
     for (size_t i = 0; i < together->count; i++) {
         const struct needle_of *needle = &together->needles[i];
-        bool has = needle->has_leeway && needle->list.count && !has_none(needle);
+        bool has = false; /* some of its candidates have a leeway */
+        for (size_t p = 0; p < needle->list.part_count && needle->list.count && !has_none(needle); p++) {
+            has = has || needle->list.parts[p].has_leeway;
+        }
         bool has_cut = has && together->entries[0].combination.feasible;
         together->placed[i] = (conus_placed){.name = needle->name,
                                              .given = needle->given ? &needle->place : NULL,

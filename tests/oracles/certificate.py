@@ -30,6 +30,10 @@ def nanometres(mm):
     return np.floor(1e6 * np.asarray(mm, float) + 0.5).astype(np.int64)
 
 
+def nanometres_or_none(text):
+    return None if text == "n/a" else int(nanometres(float(text)))
+
+
 def segments_distance(p, u, q, v):
     """Distances (n, m) of segments p + s u (n, 3) from q + t v (m, 3), 0 <= s, t <= 1: of all places where the least may
     be, four ends and the inside, the least."""
@@ -115,8 +119,10 @@ class Answer:
                       for i in range(count) for k in range(i + 1, count)}
         for (i, k), leeways in list(self.pairs.items()):
             self.pairs[k, i] = leeways.T
-        self.listed = [self.find([row for row in rows if row["combination"] == str(n + 1)], n)
-                       for n in range(len(plan["combinations"]))]
+        numbers = [str(n + 1) for n in range(len(plan["combinations"]))]
+        if [row["combination"] for row in rows] != [number for number in numbers for _ in self.needles]:
+            raise Refuted("its rows are not one for each needle of each combination")
+        self.listed = [self.find(rows[n * count:(n + 1) * count], n) for n in range(len(numbers))]
 
     def find(self, rows, n):
         """The candidates that the rows of a combination are."""
@@ -128,15 +134,23 @@ class Answer:
                      row["query"] in (entry["query_id"], needle.name)]
             if row["needle"] != needle.name or len(found) != 1:
                 raise Refuted(f"combination {n + 1}: {row['needle']}: {len(found)} candidates are its place")
+            own = nanometres_or_none(row["leeway_mm"])
+            if needle.has_leeway[found[0]] and (own is None or abs(own - needle.leeway[found[0]]) > 1):
+                raise Refuted(f"combination {n + 1}: {row['needle']}: another leeway in its row than of its candidate")
             chosen.append(found[0])
         key = self.key(chosen)
         if key is None:
             raise Refuted(f"combination {n + 1}: two needles do not go together")
-        said = rows[0]["all_leeway_mm"]
-        if said != "n/a" and abs(int(nanometres(float(said))) - key[0]) > 2:
-            raise Refuted(f"combination {n + 1}: its leeway is {key[0] / 1e6} mm, not {said}")
-        if int(nanometres(float(rows[0]["all_sum_mm"]))) != key[1]:
-            raise Refuted(f"combination {n + 1}: its sum is {key[1] / 1e6} mm, not {rows[0]['all_sum_mm']}")
+        has_leeway = len(chosen) > 1 or self.needles[0].has_leeway[chosen[0]]
+        for row in rows:
+            said = nanometres_or_none(row["all_leeway_mm"])
+            if (said is None) == has_leeway or abs((said or 0) - key[0]) > 2:
+                raise Refuted(f"combination {n + 1}: its leeway is {key[0] / 1e6} mm, not {row['all_leeway_mm']}")
+            for name, value in (("all_sum_mm", key[1]), ("all_depth_mm", -key[2])):
+                if nanometres_or_none(row[name]) != value:
+                    raise Refuted(f"combination {n + 1}: {name} is {value / 1e6} mm, not {row[name]}")
+            if (row["proven"], row["feasible"]) != ("1", "1"):
+                raise Refuted(f"combination {n + 1}: {row['needle']}: it is not said to be proven and feasible")
         return chosen, key
 
     def key(self, chosen):
@@ -166,19 +180,30 @@ class Answer:
         return count >= apart["needles"]
 
     def check_cuts(self):
-        """Not above what the last combination allows (Eq. 28)."""
+        """Not above what the last combination allows (Eq. 28); nothing is left out that can be missed."""
         _, (least, total, *_) = self.listed[-1]
+        is_last = self.plan["combinations"][-1]["last"]
         largest = [needle.facts["largest_leeway_mm"] for needle in self.needles]
         known = [0 if value is None else int(nanometres(value)) for value in largest]
-        is_largest = least >= min((k for k, value in zip(known, largest) if value is not None), default=least)
-        for needle, own in zip(self.needles, known):
-            cut = needle.facts["cut_mm"]
+        is_largest = least >= min((k for k, needle in zip(known, self.needles) if needle.has_leeway.all()), default=least)
+        for needle, own, value in zip(self.needles, known, largest):
+            cut = None if needle.facts["cut_mm"] is None else int(nanometres(needle.facts["cut_mm"]))
+            if (value is None or cut is None) and needle.has_leeway.any():
+                raise Refuted(f"{needle.name}: its candidates have leeways, and its largest one or its cut is not said")
+            if needle.facts["given"]:
+                continue
             allowed = max(least, total - (sum(known) - own))
-            allowed = allowed if is_largest else min(allowed, least + 1)
-            if cut is not None and int(nanometres(cut)) > allowed + 1:
-                raise Refuted(f"{needle.name}: its cut is {cut} mm, and {allowed / 1e6} is allowed")
-            if len(needle.leeway) and needle.leeway.max() > own and needle.facts["largest_leeway_mm"] is not None:
-                raise Refuted(f"{needle.name}: a candidate has more than its largest leeway")
+            allowed = 0 if is_last else allowed if is_largest else min(allowed, least + 1)
+            if cut is not None and cut > allowed + 1:
+                raise Refuted(f"{needle.name}: its cut is {cut / 1e6} mm, and {allowed / 1e6} is allowed")
+            most = needle.leeway[needle.has_leeway].max(initial=NONE)
+            if most > own or most < own and cut is not None and own >= cut:
+                raise Refuted(f"{needle.name}: {own / 1e6} mm is not the largest leeway of its candidates")
+            for q, question in enumerate(self.plan["rows"]):
+                mine = needle.question == q
+                is_whole = cut is None or cut <= 0 or (mine & ~needle.has_leeway).any()
+                if needle.name in question["needles"] and is_whole and mine.sum() != question["feasible"]:
+                    raise Refuted(f"{needle.name}: {mine.sum()} of {question['feasible']} candidates of row {q + 1}")
 
     def search(self, n):
         """A combination that may stand there and is better than that which does; None: there is none."""
@@ -187,7 +212,7 @@ class Answer:
 
     def search_from(self, n, least, total):
         """Likewise, of those with so much leeway and such a sum."""
-        _, best = self.listed[n]
+        best = self.listed[n][1] if n < len(self.listed) else (NONE,)
         order = sorted(range(len(self.needles)), key=lambda i: len(self.needles[i].number))
 
         def visit(chosen, domains):
@@ -220,11 +245,15 @@ def confirm(plan_path, sidecar_path, candidates_path):
     if not answer.listed or not all(entry["proven"] for entry in plan["combinations"]):
         raise Refuted("it is no answer that is proven")
     answer.check_cuts()
-    for n in range(len(answer.listed)):
+    for n, (chosen, _) in enumerate(answer.listed):
+        if not all(answer.differs(chosen, other) for other, _ in answer.listed[:n]):
+            raise Refuted(f"combination {n + 1}: it is too much like one before it")
         better = answer.search(n)
         if better:
             raise Refuted(f"combination {n + 1}: {[int(needle.number[c]) for needle, c in zip(answer.needles, better)]} "
                           f"is better: {answer.key(better)[:3]} nm, not {answer.listed[n][1][:3]}")
+    if plan["combinations"][-1]["last"] and answer.search_from(len(answer.listed), 0, NONE):
+        raise Refuted("there is another combination behind the last one")
     return len(answer.listed)
 
 

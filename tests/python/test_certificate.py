@@ -28,14 +28,14 @@ def write_poses(name, rng, count):
     pathlib.Path(f"{name}.tsv").write_text("query_id\tx\ty\tz\tdx\tdy\tdz\tfar\n" + rows)
 
 
-def plan(seed, table, *options):
+def plan(seed, table, *options, of_all=("--reach", "U,length=2")):
     """(Plan, rows, candidates) of an answer in the current folder."""
     rng = np.random.default_rng(seed)
     call_conus("phantom", "u-shape", "-o", ".")
     for name in "abc":
         write_poses(name, rng, 30)
     pathlib.Path("needles.tsv").write_text(table)
-    call_conus("plan", "u-shape.nii.gz", "--needles", "needles.tsv", "--reach", "U,length=2", "-q", "--force", "-o",
+    call_conus("plan", "u-shape.nii.gz", "--needles", "needles.tsv", *of_all, "-q", "--force", "-o",
                "plan.tsv", "--candidates", "candidates.tsv", *options)
     return (json.loads(pathlib.Path("plan.json").read_text())["Plan"], certificate.read_table("plan.tsv"),
             certificate.read_table("candidates.tsv"))
@@ -89,6 +89,14 @@ def test_a_second_best_is_refuted(seed):
     write({**sidecar, "combinations": sidecar["combinations"][1:], "top": 1, "diverse": None}, second, candidates)
     with pytest.raises(certificate.Refuted, match="combination 1: .* is better"):
         confirm()
+    first = [row for row in rows if row["combination"] == "1"]
+    write(sidecar, first + [{**row, "combination": "2"} for row in first], candidates)
+    with pytest.raises(certificate.Refuted, match="combination 2: it is too much like one before it"):
+        confirm()
+    write({**sidecar, "combinations": [sidecar["combinations"][0], {**sidecar["combinations"][1], "last": True}]}, rows,
+          candidates)
+    with pytest.raises(certificate.Refuted, match="its cut is"):
+        confirm()
 
 
 @pytest.mark.parametrize("needle", range(3))
@@ -106,6 +114,49 @@ def test_a_leeway_or_place_that_is_not_so_is_refuted():
     write(sidecar, [{**row, "all_leeway_mm": str(float(row["all_leeway_mm"]) + 1e-5)} for row in rows], candidates)
     with pytest.raises(certificate.Refuted, match="its leeway is"):
         confirm()
+    for name, value, why in (("all_leeway_mm", "n/a", "its leeway is"), ("all_sum_mm", "9", "all_sum_mm is"),
+                             ("all_depth_mm", "9", "all_depth_mm is"), ("leeway_mm", "9", "another leeway in its row"),
+                             ("feasible", "0", "not said to be"), ("combination", "2", "its rows are not")):
+        write(sidecar, [*rows[:2], {**rows[2], name: value}], candidates)
+        with pytest.raises(certificate.Refuted, match=why):
+            confirm()
     write(sidecar, [{**rows[0], "y": str(float(rows[0]["y"]) + 1e-4)}, *rows[1:]], candidates)
     with pytest.raises(certificate.Refuted, match="0 candidates are its place"):
+        confirm()
+
+
+def test_what_is_not_there_is_refuted():
+    sidecar, rows, candidates = plan(5, SHAFTS, "--between", "1")
+    best = max(candidates, key=lambda row: (row["needle"] == "A", float(row["leeway_mm"])))
+    write(sidecar, rows, [row for row in candidates if row is not best])
+    with pytest.raises(certificate.Refuted, match="A: .* is not the largest leeway"):
+        confirm()
+    for key in ("largest_leeway_mm", "cut_mm"):
+        needles = [{**sidecar["needles"][0], key: None}, *sidecar["needles"][1:]]
+        write({**sidecar, "needles": needles}, rows, candidates)
+        with pytest.raises(certificate.Refuted, match="A: .* is not said"):
+            confirm()
+
+
+def test_a_needle_of_which_some_candidates_have_leeways_has_a_cut():
+    table = "needle\tposes\treach\tlength\nM\ta.tsv\tU,length=2\t\nM\tb.tsv\t\t1,90\nB\tc.tsv\tU,length=2\t\n"
+    sidecar, rows, candidates = plan(2, table, "--between", "1", of_all=())
+    assert confirm() == 1
+    cut = sidecar["needles"][0]["cut_mm"]
+    leeways = [row["leeway_mm"] for row in candidates if row["needle"] == "M"]
+    assert leeways.count("n/a") == sidecar["rows"][1]["feasible"]
+    assert min(float(leeway) for leeway in leeways if leeway != "n/a") >= cut - 1e-9
+    assert len(leeways) < sidecar["rows"][0]["feasible"] + sidecar["rows"][1]["feasible"], "the cut leaves nothing out"
+    write(sidecar, rows, [row for row in candidates if row["query_id"] != "b-7"])
+    with pytest.raises(certificate.Refuted, match="M: 29 of 30 candidates of row 2"):
+        confirm()
+
+
+def test_a_last_combination_is_confirmed_and_another_one_behind_it_refutes():
+    sidecar, rows, candidates = plan(4, SHAFTS, "--between", "1", "--top", "100", "--diverse", "7,3")
+    count = len(sidecar["combinations"])
+    assert count > 1 and sidecar["combinations"][-1]["last"] and confirm() == count
+    early = [*sidecar["combinations"][:-2], {**sidecar["combinations"][-2], "last": True}]
+    write({**sidecar, "combinations": early}, [row for row in rows if row["combination"] != str(count)], candidates)
+    with pytest.raises(certificate.Refuted, match="there is another combination behind the last one"):
         confirm()
