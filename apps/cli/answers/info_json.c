@@ -305,15 +305,15 @@ json_t *info_json_object(const conus_atlas *atlas, size_t number)
     bool has_surface = object->triangles > 0;
     char color[8];
     snprintf(color, sizeof color, "#%02x%02x%02x", object->rgb[0], object->rgb[1], object->rgb[2]);
-    json_t *json =
-        json_pack("{s:s,s:I,s:o,s:b,s:o,s:o,s:o,s:I,s:s,s:I,s:o,s:o,s:o}", "kind", kinds[object->kind], "index",
-                  (json_int_t)object->label, "name", info_json_bytes(object->name), "named", object->named,
-                  "abbreviation", *object->abbreviation ? json_string(object->abbreviation) : json_null(), "hemisphere",
-                  hemisphere(object->hemisphere), "parent", parent ? json_integer(parent->label) : json_null(), "depth",
-                  (json_int_t)conus_atlas_depth(atlas, number), "color", color, "voxels", (json_int_t)object->voxels,
-                  "triangles", has_surface ? json_integer((json_int_t)object->triangles) : json_null(), "closed",
-                  has_surface ? json_boolean(object->closed) : json_null(), "volume_mm3",
-                  has_surface && object->volume_mm3 == 0 ? json_null() : json_real(object->volume_mm3));
+    json_t *json = json_pack(
+        "{s:s,s:I,s:o,s:b,s:o,s:o,s:o,s:I,s:s,s:I,s:o,s:o,s:o}", "kind", kinds[object->kind], "index",
+        (json_int_t)object->label, "name", info_json_bytes(object->name), "named", object->named, "abbreviation",
+        *object->abbreviation ? info_json_bytes(object->abbreviation) : json_null(), "hemisphere",
+        hemisphere(object->hemisphere), "parent", parent ? json_integer(parent->label) : json_null(), "depth",
+        (json_int_t)conus_atlas_depth(atlas, number), "color", color, "voxels", (json_int_t)object->voxels, "triangles",
+        has_surface ? json_integer((json_int_t)object->triangles) : json_null(), "closed",
+        has_surface ? json_boolean(object->closed) : json_null(), "volume_mm3",
+        has_surface && object->volume_mm3 == 0 ? json_null() : json_real(object->volume_mm3));
     if (object->kind == CONUS_KIND_BUNDLE) {
         json_object_set_new(json, "streamlines", json_integer((json_int_t)object->streamlines));
         json_object_set_new(json, "points", json_integer((json_int_t)object->points));
