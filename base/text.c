@@ -226,7 +226,7 @@ bool text_statement(struct text *rest, const char *words, bool sign, struct text
     for (; text_token(rest, value); word = *value) {
         const char *behind = word.data + word.size;
         const struct text gap = {behind, (size_t)(value->data - behind)};
-        if (gap.size && text_has_only(gap, "=: \t") && (!sign || text_trim(gap).size) &&
+        if (gap.size && text_has_only(gap, "=: \t\"'([{") && (!sign || !text_has_only(gap, " \t\"'([{")) &&
             text_is_one_of(word, words, false)) {
             *rest = (struct text){value->data, value->size + rest->size};
             return true;

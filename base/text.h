@@ -150,8 +150,8 @@ bool text_contains(struct text text, struct text part);
 bool text_token(struct text *rest, struct text *token);
 
 /** Finds the next of @p words ('/' between them, whatever their case) in @p rest that has a value, and goes on at the
- * value: a token behind "=", ":" and blanks, "SPACE=LPS", "coordinate system: LPS"; @p sign: not behind blanks alone.
- */
+ * value: a token behind "=", ":", blanks, quotes and brackets, SPACE="LPS", "coordinates (LPS)"; @p sign: only where
+ * "=" or ":" is among these. */
 bool text_statement(struct text *rest, const char *words, bool sign, struct text *value);
 
 /** True when every byte of @p text is one of @p these: of an empty one, too. */

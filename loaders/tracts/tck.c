@@ -103,12 +103,33 @@ static uint64_t read_offset(struct job *job, const struct header *header)
     return offset;
 }
 
-/* Points of the format are in RAS mm. */
-static void check_said(struct job *job, const char *key, struct text said, const char *words)
+/* Whether a word is a code of axes other than RAS, a letter of each of LR, PA and IS, or one for voxels. */
+static bool is_other_space(struct text word)
 {
-    if (said.data && !text_is_one_of(said, words, false)) {
-        job_bad(job, "%s: found \"%.*s\", and MRtrix has points in RAS mm: one of them is wrong", key,
-                TEXT_SHOW(said, 40));
+    static const char letters[] = "lrpais";
+    unsigned found = 0;
+    for (size_t i = 0; i < word.size; i++) {
+        const char *at = strchr(letters, word.data[i] | 0x20);
+        found |= at ? 1U << (at - letters) / 2 : 8;
+    }
+    return (word.size == 3 && found == 7 && !text_equal_ignoring_case(word, "ras")) ||
+           text_is_one_of(word, "lpsmm/voxel/voxels/vox/voxmm/ijk", false);
+}
+
+/* Points of the format are in RAS mm. A name of a brain ("MNI152NLin6Asym", "scanner") says nothing else. */
+static void check_said(struct job *job, const struct header *header)
+{
+    struct text rest = header->space;
+    struct text word;
+    bool is_other = false;
+    while (text_token(&rest, &word)) {
+        is_other = is_other || is_other_space(word);
+    }
+    bool is_mm = !header->unit.size || text_is_one_of(header->unit, TEXT_MM, false);
+    if (is_other || !is_mm) {
+        const struct text said = is_other ? header->space : header->unit;
+        job_bad(job, "%s: found \"%.*s\", and MRtrix has points in RAS mm: one of them is wrong",
+                is_other ? "space" : "units", TEXT_SHOW(said, 40));
     }
 }
 
@@ -118,8 +139,7 @@ static void tck_take_header(struct tck *tck)
     (void)reader_has(&tck->r, HEADER_LIMIT);
     const struct text at_hand = {(const char *)tck->r.at, smaller_of((uint64_t)(tck->r.end - tck->r.at), HEADER_LIMIT)};
     take_lines(tck->job, &header, at_hand);
-    check_said(tck->job, "space", header.space, "ras/rasmm");
-    check_said(tck->job, "units", header.unit, TEXT_MM);
+    check_said(tck->job, &header);
     read_type(tck, header.type);
     const uint64_t offset = read_offset(tck->job, &header);
     tck->has_count = header.count.data;

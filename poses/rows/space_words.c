@@ -65,7 +65,7 @@ static const struct row {
     {"ras/lps/dicom/itk", WEAK, SIGNS, NULL, NULL},
     {"rai/lpi/las/lai/rpi/rps/ral/lar", ALONE, 0, NULL, why_code},
     {"asr/ars/ari/ali/pri/psr/sra/srp/sla/slp/sar/ira/irp/ilp/iar/ial/lsa/lia/ria", CAPITALS, 0, NULL, why_code},
-    {"aps/asp/pas/psa/ipr/ipl/spr/spl/asl/pir/pil/als/ail/prs/pls/pli/psl/sal/ila/rsa/rsp/lsp", WEAK, 0, NULL,
+    {"ipr/ipl/spr/spl/asl/pir/pil/als/ail/prs/pls/pli/psl/sal/ila/rsa/rsp/lsp", WEAK, 0, NULL,
      why_code}, /* also names of areas, with or without a side, methods, diseases; lip, air and rip are words */
 };
 
@@ -219,21 +219,28 @@ static bool is_context(const struct sentence *sentence, size_t index)
 /* Words beside which voxels, RAS and LPS, or RPI, are those of positions, */
 static const char of_voxels[] = "coord/coordsystem/coordinatesystem/coordsys/indices/index";
 static const char of_signs[] = "coord/coordsystem/coordinatesystem/coordsys/convention/axes";
-static const char of_codes[] =
-    "coord/coordsystem/coordinatesystem/coordsys/convention/axes/axis/axcodes/orientation/orient/order";
+#define ORDERS "convention/axes/axis/axcodes/orientation/orient/order"
+static const char of_codes[] = "coord/coordsystem/coordinatesystem/coordsys/" ORDERS;
 
 /* but the last two not where the sentence says one of an image: "image axes: LPS" is how its voxels lie. */
 static const char of_images[] = "image/images/scan/scans/volume/volumes/voxel/voxels/grid/nifti/nii/mri/mr/ct/t1/t1w/"
                                 "t2/t2w/flair/acquisition/acquired/resampled";
 
-/* Whether a word for positions, or one of these, is the neighbour of so many tokens, but for small words between. */
-static bool has_context(const struct sentence *sentence, size_t index, size_t count, const char *others)
+/* Whether one of these words is the neighbour of so many tokens, but for small words between. */
+static bool is_next_to(const struct sentence *sentence, size_t index, size_t count, const char *words,
+                       bool or_positions)
 {
     static const char small[] = "in/the/are/is/of/unit/units/native/scanner/ras/lps/mni/mni152/not/g/t1/t1w";
     const size_t before = index - run_before(sentence, index, small);
     const size_t behind = index + count + run_from(sentence, index + count, small);
-    return (before && (is_context(sentence, before - 1) || token_is(sentence, before - 1, others))) ||
-           is_context(sentence, behind) || token_is(sentence, behind, others);
+    return (before && token_is(sentence, before - 1, words)) || token_is(sentence, behind, words) ||
+           (or_positions && ((before && is_context(sentence, before - 1)) || is_context(sentence, behind)));
+}
+
+/* The same of a word for positions, or one of these. */
+static bool has_context(const struct sentence *sentence, size_t index, size_t count, const char *others)
+{
+    return is_next_to(sentence, index, count, others, true);
 }
 
 static void keep(struct space_words *words, struct text heard, const struct row *row)
@@ -727,6 +734,12 @@ static bool is_denied(const struct sentence *sentence, size_t index)
     return found;
 }
 
+/* Whether a token is next to a word for the order of axes, which are not those of an image. */
+static bool is_of_order(const struct sentence *sentence, size_t index)
+{
+    return is_next_to(sentence, index, 1, ORDERS, false) && !has_token(sentence, of_images);
+}
+
 static void hear_sentence(struct space_words *words, struct text text, bool of_coordinates, bool is_whole)
 {
     struct sentence sentence = take_apart(text);
@@ -740,6 +753,7 @@ static void hear_sentence(struct space_words *words, struct text text, bool of_c
     if (sentence.is_of_axes) {
         keep_axes(words, &named);
     }
+    static const char two_axes[] = "aps/asp/pas/psa"; /* also places: "PSA coordinates" */
     for (size_t i = 0; i < sentence.count; i++) {
         struct text token = sentence.tokens[i];
         struct space_words *out = is_denied(&sentence, i) ? &denied : words;
@@ -749,10 +763,12 @@ static void hear_sentence(struct space_words *words, struct text text, bool of_c
                 const struct text last = sentence.tokens[i + token_phrase(&sentence, i, rows[r].words) - 1];
                 keep(out, (struct text){token.data, (size_t)(last.data + last.size - token.data)}, &rows[r]);
             } else if (rows[r].brain == SIGNS && text_equal_ignoring_case(token, "lps") &&
-                       (is_upper(token) ||
-                        (has_context(&sentence, i, 1, of_codes) && !has_token(&sentence, of_images)))) {
+                       (is_upper(token) || is_of_order(&sentence, i))) {
                 out->may_be_lps = true;
             }
+        }
+        if (text_is_one_of(token, two_axes, false) && is_of_order(&sentence, i)) {
+            keep(out, token, &(struct row){.why = why_code});
         }
         hear_unit(out, &sentence, i, *before == '(' || *before == '[', of_coordinates);
     }
