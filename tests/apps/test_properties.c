@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The table of the window's state, row by row: sessions have each value, and the documents list every row. */
+/* The table of the window's state, row by row: sessions have each value, refusals say what is allowed, and keys and
+   commands that docs/viewer.md names are there. */
 #include "viewer/commands/commands.h"
 #include "viewer/session/session.h"
 
@@ -144,6 +145,35 @@ static void values_missing_from_a_session(void **state)
     viewer_finish(&viewer);
 }
 
+/* What each kind of value may be, by hand. */
+static void refusals_say_what_is_allowed(void **state)
+{
+    static const struct {
+        enum property_id id;
+        const char *said;
+    } cases[] = {
+        {PROPERTY_ANGLE, "session: angle_deg: a number from 0.01 to 179.99 is needed"},
+        {PROPERTY_LAYERS, "session: layers: visible or all is needed"},
+        {PROPERTY_START, "session: start: surface, before or eye is needed"},
+        {PROPERTY_ONE_RAY, "session: one_ray: true or false is needed"},
+        {PROPERTY_CROSSHAIR, "session: crosshair: 3 numbers from -1000000 to 1000000 are needed"},
+        {PROPERTY_SECOND_ANGLE, "session: second: angle_deg: a number from 0.01 to 179.99 is needed"},
+    };
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    window_scene_open(&window, &viewer);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char why[PROPERTY_REASON] = "";
+        json_t *root = session_json(&window);
+        replace(root, &properties[cases[i].id], json_object());
+        assert_false(session_read(&window, root, "session", why));
+        assert_string_equal(why, cases[i].said);
+        json_decref(root);
+    }
+    viewer_finish(&viewer);
+}
+
 /* docs/viewer.md */
 static char document[1 << 18];
 
@@ -155,6 +185,44 @@ static void read_document(void)
     fclose(file);
     assert_in_range(size, 1, sizeof document - 2);
     document[size] = '\0';
+}
+
+static bool is_shown_for_a_key(const char *name)
+{
+    const struct key *key;
+    char shown[KEY_LIMIT];
+    for (size_t i = 0; (key = keys_row(i)); i++) {
+        if (strcmp(keys_shown(shown, key), name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Pieces of code before the section about scripts that are one character, or begin as names of keys do. */
+static void the_document_names_keys_that_are_there(void **state)
+{
+    size_t count = 0;
+    bool fine = true;
+    (void)state;
+    read_document();
+    const char *end = strstr(document, "\n## Scripts\n");
+    assert_non_null(end);
+    for (const char *at = document; (at = strchr(at, '`')) && at < end;) {
+        char name[64];
+        size_t length = strcspn(++at, "`");
+        bool is_key = length == 1 || strncmp(at, "Ctrl", 4) == 0 || (at[0] == 'F' && strchr("123456789", at[1])) ||
+                      (length > 2 && at[1] == ' ' && at[0] >= 'A' && at[0] <= 'Z');
+        snprintf(name, sizeof name, "%.*s", (int)length, at);
+        at += length + (at[length] == '`');
+        count += is_key;
+        if (is_key && !is_shown_for_a_key(name)) {
+            print_error("docs/viewer.md: no key is called %s\n", name);
+            fine = false;
+        }
+    }
+    assert_true(fine);
+    assert_in_range(count, 40, 200);
 }
 
 /* The section about scripts has each command at the beginning of a piece of code, and no other command. */
@@ -210,6 +278,8 @@ TEST_GROUP(properties)
         cmocka_unit_test(enums_are_written_and_read_by_name),
         cmocka_unit_test(values_that_no_row_allows_are_refused),
         cmocka_unit_test(values_missing_from_a_session),
+        cmocka_unit_test(refusals_say_what_is_allowed),
+        cmocka_unit_test(the_document_names_keys_that_are_there),
         cmocka_unit_test(the_document_lists_the_commands_of_scripts),
         cmocka_unit_test(tips_name_the_keys_of_the_table),
     };
