@@ -10,6 +10,7 @@
 #include "options/provenance.h"
 #include "settings/settings.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -423,6 +424,25 @@ static int write_table(const char *path, conus_report *report,
     return status || !text ? print_status(status) : output_write(path, text, size);
 }
 
+/* Says how many streamlines --streamlines-out wrote: areas may hide them in the answer. */
+static int say_streamlines(const struct query_run *run)
+{
+    conus_table *tractograms = NULL;
+    int64_t total = 0;
+    if (!run->files.streamlines) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_atlas_list(&tractograms, run->request.atlases.items[0].atlas, "tractograms");
+    for (size_t i = 0; i < conus_table_rows(tractograms); i++) {
+        total += conus_table_counts(tractograms, "streamlines")[i];
+    }
+    conus_table_destroy(tractograms);
+    say_note(CONUS_SEVERITY_NOTE, run->settings->request.common.quiet,
+             "%s: %zu of %" PRId64 " streamlines written: all that come in, also behind areas",
+             run->settings->files.streamlines, conus_streamline_list_data(run->files.streamlines).count, total);
+    return print_status(status);
+}
+
 /* The answer is written last: where it is, all other files are there, too. */
 static int write_all(struct query_run *run)
 {
@@ -447,6 +467,7 @@ static int write_all(struct query_run *run)
         provenance.question.region = "axis";
     }
     code = code ? code : selection_files_write(&run->files, report, &provenance);
+    code = code ? code : say_streamlines(run);
     return code ? code : request_write_answer(request, &provenance);
 }
 

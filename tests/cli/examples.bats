@@ -25,6 +25,16 @@ answers_are() {
     cc -std=c99 -Wall -Werror -fsyntax-only -I "$root/include" example.c
 }
 
+@test "the example of poses by the million is C99 without a warning" {
+    root=$BATS_TEST_DIRNAME/../..
+    awk '/^## / { here = /^## Poses by the million$/ } /^```$/ { on = 0 } here && on { print }
+         here && /^```c$/ { on = 1; if (blocks++) print declarations } END { print "return (int)status;\n}" }' \
+        declarations='int main(void) { static double origins[100000][3], directions[100000][3];
+        conus_selector *selector = NULL; conus_status status;' "$root/docs/api.md" >example.c
+    grep -q conus_select_many example.c
+    cc -std=c99 -Wall -Werror -fsyntax-only -include stdbool.h -include conus/conus.h -I "$root/include" example.c
+}
+
 @test "live_pose answers each pose when it comes" {
     ball
     mkfifo poses

@@ -125,6 +125,11 @@ print(tract["path"], tract["streamlines"], tract["radius_mm"], tract["sha256"])'
     [ "$stderr" = 'conus: note: no bundle or pathway is seen; areas may hide them: --layers all has all that a cone passes' ]
     run -0 --separate-stderr "$CONUS" query nested.nii.gz --origin 0,0,100 --toward 0,0,0 --streamlines in.tck --layers all
     [ -z "$stderr" ]
+    for aim in '0,0,0 hidden.tck 1' '0,0,200 no.tck 0'; do
+        read -r toward file count <<<"$aim"
+        run -0 --separate-stderr "$CONUS" query nested.nii.gz --origin 0,0,100 --toward "$toward" --streamlines in.tck --streamlines-out "$file"
+        grep -qx "conus: note: $file: $count of 1 streamlines written: all that come in, also behind areas" <<<"$stderr"
+    done
 }
 
 @test "bundles are hidden like areas, and then no line tells of them" {

@@ -360,6 +360,25 @@ reseal() {
     says 0 identical out/name.tsv --folder owned
 }
 
+@test "files of one command have one sidecar, and a note tells of those that are not as they were written" {
+    study
+    local aim='--origin 0,-100,0 --toward 0,0,0 --angle 30' N=atlas/nested.nii.gz
+    conus query $N --streamlines lines.tck $aim --streamlines-out own.tck -q -o own.tsv
+    says 0 'own.tck: identical' own.tck
+    conus connect $N --streamlines lines.tck --connectivity table.tsv -q -o pairs.tsv
+    says 0 identical pairs.tsv
+    not has note
+    cp table.tsv copy.tsv # with the bytes that are recorded
+    echo >>table.tsv
+    says 0 'note: table.tsv, which the same command wrote, was changed' pairs.tsv
+    rm table.tsv copy.tsv
+    says 0 'note: table.tsv, which the same command wrote, was not compared: it is missing' pairs.tsv
+    says 0 identical out/pairs.tsv
+    not has note
+    echo >>out/matrix.json
+    says 0 'note: out/matrix.json, which the same command wrote, was changed' out/pairs.tsv
+}
+
 # bats test_tags=main
 @test "what cannot be verified is said" {
     study

@@ -46,6 +46,7 @@ static bool try_path(struct found_file *out, const struct recorded_file *file, c
         free(out->path);
         out->path = strdup(real);
         out->is_folder = is_folder;
+        out->is_replaced = out->is_replaced || !is_same;
         out->state = !is_same ? FILE_CHANGED : is_folder && state == FILE_SAME ? FILE_UNSUMMED : state;
     }
     return is_same;
@@ -102,7 +103,8 @@ int record_read(struct record *out, const char *path)
 /* "a.json" of "a.tsv", "a.nii.gz", "a.png" and "a". */
 static char *path_without_ending(const char *result)
 {
-    size_t length = strlen(result) - path_ending_length(result, ".nii.gz/.tsv/.csv/.nii/.png/.exr");
+    static const char endings[] = ".func.gii/.shape.gii/.nii.gz/.tsv/.csv/.txt/.nii/.tck/.vtk/.png/.exr";
+    size_t length = strlen(result) - path_ending_length(result, endings);
     char *path = NULL;
     return asprintf(&path, "%.*s.json", (int)length, result) < 0 ? NULL : path;
 }

@@ -177,8 +177,29 @@ static void say_file(struct checking *checking, const struct recorded_file *file
     }
 }
 
-/* Lists the other files of the same command that have changed since it wrote them. In JSON the recorded sum is that of
- * the rows. False without memory. */
+/* Says whether another file of the same command has changed since it wrote it, or cannot be compared. In JSON the
+ * recorded sum is that of the rows. */
+static void say_other_output(struct checking *checking, const struct recorded_file *output,
+                             const struct found_file *found)
+{
+    char *text = NULL;
+    size_t size = 0;
+    bool has_rows = found->is_replaced && path_ends_in(output->path, ".json");
+    messages_hold(true);
+    int code = has_rows ? input_file_read(&text, &size, found->path, INPUT_FILE, checking->limit) : EXIT_DONE;
+    messages_hold(false);
+    const char *rows = text ? rows_of(text, size, &size) : NULL;
+    if (code || found->state == FILE_MISSING) {
+        say(&checking->notes, "%s, which the same command wrote, was not compared: %s", output->path,
+            code ? error_line() : "it is missing");
+    } else if (found->is_replaced && !(rows && has_recorded_sum(output, rows, size))) {
+        say(&checking->notes, "%s, which the same command wrote, was changed; with --sidecar %s it is verified, too",
+            output->path, checking->sidecar);
+    }
+    free(text);
+}
+
+/* False without memory. */
 static bool say_other_outputs(struct checking *checking)
 {
     const struct record *record = &checking->record;
@@ -186,13 +207,10 @@ static bool say_other_outputs(struct checking *checking)
     for (size_t i = 0; i < record->output_count && done; i++) {
         const struct recorded_file *output = &record->outputs[i];
         struct found_file found = {0};
-        bool is_other =
-            output != checking->output && output->path && output->sha256 && !path_ends_in(output->path, ".json");
+        bool is_other = output != checking->output && output->path && output->sha256;
         done = !is_other || file_find(&found, output, checking->ran, checking->settings->folder);
-        if (done && is_other && found.state == FILE_CHANGED) {
-            say(&checking->notes,
-                "%s, which the same command wrote, was changed; with --sidecar %s it is verified, too", output->path,
-                checking->sidecar);
+        if (done && is_other) {
+            say_other_output(checking, output, &found);
         }
         free(found.path);
     }

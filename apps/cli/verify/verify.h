@@ -74,6 +74,7 @@ struct found_file {
     char *path; /**< Whole; NULL where it is missing. */
     enum file_state state;
     bool is_folder;
+    bool is_replaced; /**< Where it was, a file of its name has another checksum. */
 };
 
 /** The folder in which conus ran: that in which @p actual has the relative path @p recorded, else "", this one. NULL
