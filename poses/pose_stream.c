@@ -690,7 +690,7 @@ static bool is_stdin(const char *path)
     return !path || strcmp(path, "-") == 0;
 }
 
-const char *pose_path_name(const char *path)
+static const char *pose_path_name(const char *path)
 {
     return is_stdin(path) ? "standard input" : path;
 }

@@ -23,9 +23,6 @@ size_t pose_stream_kept_count(const conus_pose_stream *stream);
  */
 conus_status pose_list_parse(conus_pose_list **out, struct text text, const conus_pose_options *options);
 
-/** The name of the file @p path in messages: itself, or "standard input". */
-const char *pose_path_name(const char *path);
-
 /** Checks the rows of a cap, brings them to mm by list->space.scale (0 = the cap names no unit), and sets list->space:
  * CONUS_ERROR_DATA, with what fits better, unless the names that are positions (position_find()) lie where MNI 152 has
  * them. @p file: as columns.file. */

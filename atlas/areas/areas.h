@@ -70,15 +70,8 @@ struct side_word {
 /** Finds the first such word of @p name that starts at @p from or later. */
 bool side_word_find(struct side_word *out, struct text name, size_t from);
 
-/** Whether the word has more than one letter, so that it hardly means anything else. */
-bool side_word_is_long(const struct side_word *word);
-
 /** Appends @p name with the word's opposite in its place. */
 void side_word_swap(struct buffer *out, struct text name, const struct side_word *word);
-
-/** Appends @p name without the word, its brackets and what joins it to the rest: "Precentral", "Thalamus", "ctx-
- * insula". May append nothing. */
-void side_word_drop(struct buffer *out, struct text name, const struct side_word *word);
 
 /** Finds pairs of a left and a right area. Two are a pair if their names differ in nothing but a word for the side, or
  * are equal and the table gives L for one and R for the other; if no other area could take the place of either; if the

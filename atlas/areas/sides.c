@@ -53,7 +53,8 @@ bool side_word_find(struct side_word *out, struct text name, size_t from)
     return false;
 }
 
-bool side_word_is_long(const struct side_word *word)
+/* Whether the word has more than one letter, so that it hardly means anything else. */
+static bool side_word_is_long(const struct side_word *word)
 {
     return word->size > 1;
 }
@@ -71,7 +72,9 @@ static bool is_joining(char c)
     return c && strchr(" _-.,:;/", c);
 }
 
-void side_word_drop(struct buffer *out, struct text name, const struct side_word *word)
+/* Appends name without the word, its brackets and what joins it to the rest: "Precentral", "Thalamus", "ctx-
+ * insula". May append nothing. */
+static void side_word_drop(struct buffer *out, struct text name, const struct side_word *word)
 {
     size_t start = word->start;
     size_t end = start + word->size;

@@ -36,7 +36,9 @@ char *mesh_file_name(const char *path)
     return memory_text(file, stem_length(file, strlen(file), ROLE_SURFACE));
 }
 
-char mesh_file_side(char stated, const char *path)
+/* The side of a file of a surface: stated ('L', 'R') or else that of its name: "lh." or "rh.", "hemi-L", ".L.". 0 =
+ * neither says. */
+static char mesh_file_side(char stated, const char *path)
 {
     static const struct {
         const char *word; /* in a name, behind a dot that stands before it */

@@ -26,10 +26,6 @@ struct mesh_file_options {
  * without memory. */
 char *mesh_file_name(const char *path);
 
-/** The side of a file of a surface: @p stated ('L', 'R') or else that of its name: "lh." or "rh.", "hemi-L", ".L.". 0 =
- * neither says. */
-char mesh_file_side(char stated, const char *path);
-
 /** CONUS_ERROR_DATA where a surface is of another side than the labels of its vertices. */
 void mesh_file_match_sides(struct job *job, char surface_side, const char *surface, char labels_side,
                            const char *labels);

@@ -10,7 +10,8 @@
 #include <stdio.h>
 #include <string.h>
 
-bool trx_is_named(const char *path)
+/* True for a folder and for a name that ends in .trx. The head of a file cannot tell TRX from other zip archives. */
+static bool trx_is_named(const char *path)
 {
     return file_is_folder(path) || path_ends_in(path, ".trx");
 }

@@ -30,9 +30,6 @@ tract_reader tt_read;
  * memory of the archive. The job has the files of a folder. */
 tract_reader trx_read;
 
-/** True for a folder and for a name that ends in .trx. The head of a file cannot tell TRX from other zip archives. */
-bool trx_is_named(const char *path);
-
 /* Polylines in VTK's legacy format (.vtk) and in its XML format (.vtp), which loaders/surfaces/foreign parses. A point
  * of several lines is a point of each. Coordinates are those of the file, in the space that it states. A file without
  * lines is refused. The file, unpacked, each of its arrays, and all arrays of the tractogram together, may have the

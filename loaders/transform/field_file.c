@@ -157,7 +157,10 @@ static enum field_kind vectors_kind(struct job *job, const struct field_header *
                                                : FIELD_VECTORS;
 }
 
-const char *field_header_words(bool *usable, const struct field_header *header)
+/* Words for a file with this header ("a deformation field of SPM", static): a field that
+ * conus_atlas_transform() may take, *usable, or what a program of registration writes besides. NULL where it says
+ * nothing of the kind, as 4-D fields do that FSL's tools but fnirt's write. */
+static const char *field_header_words(bool *usable, const struct field_header *header)
 {
     const int64_t *dim = header->dim;
     const int code = header->intent_code;

@@ -125,11 +125,6 @@ enum { FIELD_HEADER_SIZE = 540 }; /**< Bytes that field_header_parse() wants to 
 /** Takes the fields from @p head, the first bytes of a NIfTI file (nifti_has_magic()), unpacked. */
 void field_header_parse(struct job *job, struct field_header *out, struct text head);
 
-/** Words for a file with this header ("a deformation field of SPM", static): a field that
- * conus_atlas_transform() may take, *usable, or what a program of registration writes besides. NULL where it says
- * nothing of the kind, as 4-D fields do that FSL's tools but fnirt's write. */
-const char *field_header_words(bool *usable, const struct field_header *header);
-
 /** Finds what the vectors are, by the header and by what is stated: @p has_images, FSL's two. The shape alone does not
  * say whose field one of 4 dimensions is. CONUS_ERROR_DATA for a file that is no field, CONUS_ERROR_UNSUPPORTED for
  * coefficients of splines, CONUS_ERROR_ARGUMENT where header and statement contradict each other. */

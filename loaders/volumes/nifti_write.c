@@ -203,7 +203,7 @@ struct bytes gzip_format(struct job *job, const void *data, size_t size)
     return packed;
 }
 
-struct bytes nifti_format_grid(struct job *job, const conus_grid *grid)
+static struct bytes nifti_format_grid(struct job *job, const conus_grid *grid)
 {
     const conus_grid_view *view = &grid->view;
     const uint8_t *data = grid->data;

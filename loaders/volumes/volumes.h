@@ -333,9 +333,6 @@ struct bytes nifti_format_labels(struct job *job, const conus_volume_info *info,
 /** The same without intent, for values that are no labels. */
 struct bytes nifti_format_values(struct job *job, const conus_volume_info *info, const uint32_t *values, int code);
 
-/** The numbers of @p grid in their own type; otherwise the same, with the grid's code and description. */
-struct bytes nifti_format_grid(struct job *job, const conus_grid *grid);
-
 /** Writes maps of sites that are voxels of @p grid as float32: a volume for each along the fourth axis, NaN in all
  * other voxels. A comment behind the header (ecode 6) has their names, one a line. @p voxels, [site_count], has the
  * voxels of the values of @p maps, [count]. Otherwise the same. */

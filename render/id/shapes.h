@@ -79,10 +79,6 @@ void tube_scalar_colour(uint8_t rgb[3], double part);
 /** The same of a direction, of any length; its sign does not count. Grey where its length is 0. */
 void tube_direction_colour(uint8_t rgb[3], const double direction[3]);
 
-/** The colour of the segment from point @p index of streamline @p number to the next, of @p object. */
-uint32_t tube_colour(const struct tube_colouring *colouring, const struct tractogram *tractogram, uint32_t number,
-                     uint64_t index, uint32_t object);
-
 enum { TUBE_POINT_LIMIT = 1000000, TUBE_DRAFT_LIMIT = 20000 };
 
 /** The tubes of a tractogram: one from each point that is kept to the next, those of a draft first. */

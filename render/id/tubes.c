@@ -135,8 +135,9 @@ static uint32_t own_colour(const uint8_t rgb[3])
     return TUBE_OWN_COLOUR | rgb[0] | (uint32_t)rgb[1] << 8 | (uint32_t)rgb[2] << 16;
 }
 
-uint32_t tube_colour(const struct tube_colouring *colouring, const struct tractogram *tractogram, uint32_t number,
-                     uint64_t index, uint32_t object)
+/* The colour of the segment from point index of streamline number to the next, of object. */
+static uint32_t tube_colour(const struct tube_colouring *colouring, const struct tractogram *tractogram,
+                            uint32_t number, uint64_t index, uint32_t object)
 {
     uint8_t rgb[3];
     if (colouring->by == TUBE_BY_BUNDLE) {

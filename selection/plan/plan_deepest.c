@@ -608,7 +608,9 @@ static void place_by_midline(double out[3], const conus_atlas *atlas, const doub
     }
 }
 
-double plan_off_midline(const conus_atlas *atlas, const double point[3])
+/* mm from a point to the midline, less than 0 to the left of it: the plane x = 0 of the atlas's own space, where
+ * --hemispheres split cuts, or that of the Allen CCF, ML 5700 um, wherever its corner is. */
+static double plan_off_midline(const conus_atlas *atlas, const double point[3])
 {
     double at[3];
     place_by_midline(at, atlas, point);
@@ -678,7 +680,8 @@ static void add_solid_sides(double sides[2], const struct mesh *mesh, const conu
     sides[1] += fabs(sum[1]);
 }
 
-void plan_sides(double out[2], const struct plan_constraint *structure, const conus_atlas *atlas)
+/* mm^3 of voxels and insides of closed surfaces to the left and to the right of the midline. */
+static void plan_sides(double out[2], const struct plan_constraint *structure, const conus_atlas *atlas)
 {
     struct side_count count = {.atlas = atlas};
     for (size_t i = 0; i < structure->part_count; i++) {

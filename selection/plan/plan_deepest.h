@@ -65,13 +65,6 @@ conus_status plan_distances(double *out, const conus_atlas *atlas, const uint32_
 /** The structure's mean position, weighted by volume, and that volume, mm^3, in out[3]; all 0 without one. */
 void plan_centroid(double out[4], const struct plan_constraint *structure);
 
-/** mm from a point to the midline, less than 0 to the left of it: the plane x = 0 of the atlas's own space, where
- * --hemispheres split cuts, or that of the Allen CCF, ML 5700 um, wherever its corner is. */
-double plan_off_midline(const conus_atlas *atlas, const double point[3]);
-
-/** mm^3 of voxels and insides of closed surfaces to the left and to the right of the midline. */
-void plan_sides(double out[2], const struct plan_constraint *structure, const conus_atlas *atlas);
-
 /** Refuses the inner point of a structure of which 20 % or more lie on each side, and whose object says no side: nobody
  * has chosen one. One that is nearer to the midline than half its depth is fine, in an atlas some of whose areas have a
  * side. CONUS_ERROR_ARGUMENT with both volumes and the way on; CONUS_ERROR_MEMORY. */

@@ -67,10 +67,6 @@ double weight_finest(const conus_weight *weight, double z);
 /** The largest W at the depths of @p range, from the axis to rim[0] + rim[1] times the depth. */
 double weight_largest(const conus_weight *weight, const double rim[2], const double range[2]);
 
-/** The place in the table of the last of @p count ascending numbers that is not above @p x, at most the last but one.
- */
-size_t weight_place(const double *at, size_t count, double x);
-
 /** Reads a table, or gives what it finds wrong. */
 conus_status weight_read_table(conus_weight *out, const char *path);
 

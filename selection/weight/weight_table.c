@@ -80,7 +80,8 @@ static int by_place(const void *a, const void *b)
     return p->z != q->z ? (p->z > q->z) - (p->z < q->z) : (p->x > q->x) - (p->x < q->x);
 }
 
-size_t weight_place(const double *at, size_t count, double x)
+/* The place in the table of the last of count ascending numbers that is not above x, at most the last but one. */
+static size_t weight_place(const double *at, size_t count, double x)
 {
     size_t low = 0;
     size_t high = count - 1;

@@ -29,7 +29,9 @@ static bool has_word(const char *name, const char *word, size_t length)
     return false;
 }
 
-bool installed_fits(const conus_installed *atlas, const char *text)
+/* Whether each word of text is in the atlas's name, or is its source's name or the beginning of that. Upper and
+ * lower case are the same, and so are '-', '_', '.', '+' and spaces. An empty text fits all. */
+static bool installed_fits(const conus_installed *atlas, const char *text)
 {
     bool fits = true;
     for (const char *word = text; *word && fits;) {

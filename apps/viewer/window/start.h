@@ -77,9 +77,6 @@ void thumbnail_keep(const char *path, uint32_t areas, const struct painted *pict
 /* The offers of the start page: atlases that were opened lately, those that are installed, a sample, and a line for
  * a path or for words to search by. */
 
-/** Whether each word of @p text is in the atlas's name, or is its source's name or the beginning of that. Upper and
- * lower case are the same, and so are '-', '_', '.', '+' and spaces. An empty text fits all. */
-bool installed_fits(const conus_installed *atlas, const char *text);
 /** What an atlas of that name is, and of which animal; NULL = it is not known. */
 const char *installed_about(const char *name);
 /** Whether one before atlas @p index is the same in another place: lists leave it out. */

@@ -226,7 +226,7 @@ int64_t pair_value(const struct pair *pair, enum pair_quantity quantity)
                                     : nanometres(quantity == PAIR_LEEWAY ? pair->slack / 2 : pair->shafts);
 }
 
-bool pair_goes(const struct pair *pair, const struct pair_test *test)
+static bool pair_goes(const struct pair *pair, const struct pair_test *test)
 {
     bool holds_entries = test->quantity == PAIR_ENTRIES || pair->entries - test->margins.entries >= -TOUCH;
     bool holds_between = (test->quantity == PAIR_BETWEEN ? pair->parts : pair->slack) > TOUCH;

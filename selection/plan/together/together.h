@@ -82,9 +82,6 @@ int64_t nanometres(double mm);
 /** The quantity of a pair, nm. */
 int64_t pair_value(const struct pair *pair, enum pair_quantity quantity);
 
-/** Whether the pair goes together. */
-bool pair_goes(const struct pair *pair, const struct pair_test *test);
-
 /** Sets the bits of the first @p count bodies of another list that go with body @p index. @p scratch has room
  * for @p count numbers. */
 void pair_row(uint64_t *bits, double *scratch, const struct body_list *list, size_t index,
