@@ -30,6 +30,8 @@ struct key {
 
 /** The rows of the table of keys; NULL = no more. */
 const struct key *keys_row(size_t index);
+/** How the list calls a key: "Ctrl+O". */
+const char *keys_shown(char out[KEY_LIMIT], const struct key *key);
 enum { KEYS_TIP = 512 };
 /** Says what a property is and which keys change it. */
 const char *keys_tip(char out[KEYS_TIP], enum property_id id);

@@ -467,7 +467,7 @@ const struct key *keys_row(size_t index)
     return index < KEYS ? &keys[index] : NULL;
 }
 
-static const char *keys_shown(char out[KEY_LIMIT], const struct key *key)
+const char *keys_shown(char out[KEY_LIMIT], const struct key *key)
 {
     if (key->shown) {
         return key->shown;
