@@ -294,8 +294,8 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
         return fail(CONUS_ERROR_DATA,
                     "positions are in %s, the atlas in another space (%s): the areas named would be wrong%s", at, words,
                     is_tkras                   ? "; needed is the same list in MNI space"
-                    : brain == CONUS_BRAIN_OWN ? "; needed is the same list in MNI space, or an atlas of that person "
-                                                 "(',template=none' behind it)"
+                    : brain == CONUS_BRAIN_OWN ? "; needed is the same list in MNI space, or 'ATLAS,template=none' "
+                                                 "for an atlas that is that person's own"
                                                : "");
     }
 }
