@@ -44,7 +44,8 @@ const char *space_code_name(int code);
 /** The same of a brain that is stated. */
 conus_brain_view space_brain_stated(conus_brain brain);
 
-/** The word of `template` that states a brain: mni152, colin27, mni305, or none for one person's own; NULL for others. */
+/** The word of `template` that states a brain: mni152, colin27, mni305, or none for one person's own; NULL for others.
+ */
 const char *space_brain_word(conus_brain stated);
 
 /** The brain that such a word states; unknown for other words. */
