@@ -1017,14 +1017,17 @@ static void settle_probes(struct head *head)
         return;
     }
     FAULT_IF(are_long, head, "depths are longer than the atlas in mm: are they in um?");
+    const char *depth = are_long ? ",depth=um" : "";
     FAULT(head, "to say all at once: %s'", head->lacks_space ? "--space bregma, and " : "");
-    if (is_tilted) {
-        buffer_format(&head->faults, ",tilt_%s=%s", own, out->shown[tilt]);
+    if (is_tilted && tilt == ROLE_ANGLE) {
+        buffer_format(&head->faults,
+                      ",tilt_ml=%s%s' (the tip goes to the side) or ',tilt_ap=%s%s' (to the front) behind FILE",
+                      out->shown[tilt], depth, out->shown[tilt], depth);
+    } else if (is_tilted) {
+        buffer_format(&head->faults, ",tilt_%s=%s%s' behind FILE (the other tilt is 0)", own, out->shown[tilt], depth);
+    } else {
+        buffer_format(&head->faults, "%s' behind FILE", depth);
     }
-    buffer_format(&head->faults, "%s' behind FILE%s", are_long ? ",depth=um" : "",
-                  !is_tilted           ? ""
-                  : tilt == ROLE_ANGLE ? " (tilt_ap: the tip goes forward; tilt_ml: to the side)"
-                                       : " (the other tilt is 0)");
 }
 
 static void refuse(struct head *head)
