@@ -178,8 +178,11 @@ static void put_named(struct writing *out, const char *name, const char *given, 
     }
     const size_t length = keys_file_length(given, KEYS_ATLAS);
     const size_t file = keys_file_length(recorded, KEYS_ATLAS); /* which has all keys but that of the brain */
-    char *installed = strndup(given, length);
+    char *installed = strdup(given);
     char *keyed = NULL;
+    if (installed) {
+        installed[length] = '\0';
+    }
     if (asprintf(&keyed, "%.*s%s", (int)file, recorded, given + length) < 0) {
         keyed = NULL;
         out->words.is_lost = true;
