@@ -261,16 +261,22 @@ conus_brain_gap conus_brain_compare(conus_brain_view a, conus_brain_view b)
     return is_of_mouse(&a) ? CONUS_BRAIN_GAP_NONE : has_template ? CONUS_BRAIN_GAP_SOME_MM : CONUS_BRAIN_GAP_OTHER;
 }
 
-bool space_brain_parse(conus_brain *out, struct text word)
+const char *space_brain_word(conus_brain stated)
 {
-    static const char *const words[] = {"none", "mni152", "colin27", "mni305"}; /* from CONUS_BRAIN_OWN on */
-    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
-        if (text_equal(word, words[i])) {
-            *out = (conus_brain)(CONUS_BRAIN_OWN + i);
-            return true;
-        }
+    static const char *const words[] = {[CONUS_BRAIN_OWN] = "none",
+                                        [CONUS_BRAIN_MNI152] = "mni152",
+                                        [CONUS_BRAIN_COLIN27] = "colin27",
+                                        [CONUS_BRAIN_MNI305] = "mni305"};
+    return stated < sizeof words / sizeof words[0] ? words[stated] : NULL;
+}
+
+conus_brain space_brain_parse(struct text word)
+{
+    conus_brain brain = CONUS_BRAIN_MNI305;
+    while (brain && !text_equal(word, space_brain_word(brain))) {
+        brain--;
     }
-    return false;
+    return brain;
 }
 
 conus_grid_view space_grid(const conus_volume_info *info)

@@ -44,8 +44,12 @@ const char *space_code_name(int code);
 /** The same of a brain that is stated. */
 conus_brain_view space_brain_stated(conus_brain brain);
 
-/** The brain that `template` states: mni152, colin27, mni305, or none for one person's own. False for other words. */
-bool space_brain_parse(conus_brain *out, struct text word);
+/** The word of `template` that states a brain: mni152, colin27, mni305, or none for one person's own; NULL for others.
+ */
+const char *space_brain_word(conus_brain stated);
+
+/** The brain that such a word states; unknown for other words. */
+conus_brain space_brain_parse(struct text word);
 
 struct conus_grid {
     conus_grid_view view; /**< data and description are owned.                                            */

@@ -12,6 +12,35 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Warns where a brain is stated, and the files or the voxels of a published atlas say another. A grid alone does not:
+ * the HCP keeps one person's own images on that of MNI 152. */
+static conus_status check_stated(conus_atlas *atlas, const char *path, const conus_load_options *options)
+{
+    const struct note_sink sink = {options->log, options->log_user, path};
+    const conus_brain_view stated = space_brain_stated(atlas->brain);
+    atlas->brain = CONUS_BRAIN_UNKNOWN;
+    conus_brain_view own = conus_atlas_brain(atlas);
+    if (strcmp(own.source, "grid") == 0 && atlas->volumes[0].info.space_code < SPACE_TALAIRACH) {
+        own = identity_brain(0);
+    }
+    if (!own.brain && !own.is_moved) {
+        atlas_identify(atlas);
+        own = identity_brain(atlas->identified);
+    }
+    atlas->brain = stated.brain;
+    const conus_brain_gap gap = conus_brain_compare(stated, own);
+    if (gap < CONUS_BRAIN_GAP_SOME_MM || (gap == CONUS_BRAIN_GAP_SOME_MM && own.brain == CONUS_BRAIN_TEMPLATE)) {
+        return CONUS_OK;
+    }
+    atlas->notes.sink = &sink;
+    const conus_status status = notes_warn(
+        &atlas->notes, "',template=%s' says %s, but its %s %s: positions of one brain may be answered on another",
+        space_brain_word(stated.brain), stated.words,
+        strcmp(own.source, "voxels") == 0 ? "voxels are those of" : "files say", own.words);
+    atlas->notes.sink = NULL;
+    return status;
+}
+
 /* Copies `path` without the ",template=WORD" that says whose brain the atlas is, if it has one. */
 static conus_status cut_template(char **plain, conus_brain *brain, const char *path)
 {
@@ -19,7 +48,7 @@ static conus_status cut_template(char **plain, conus_brain *brain, const char *p
     if (!keys_read(&keys, path, KEYS_ATLAS)) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: %s", path, keys.why);
     }
-    (void)space_brain_parse(brain, keys_value(&keys, KEY_TEMPLATE)->text);
+    *brain = space_brain_parse(keys_value(&keys, KEY_TEMPLATE)->text);
     *plain = memory_raw(strlen(path) + 1, 1);
     if (*plain) {
         keys_keep(*plain, path, &keys, KEYS_SCENE);
@@ -74,10 +103,17 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
     status = status ? status : (conus_atlas_is_path(plain) ? load_path : load_named)(&atlas, plain, options);
     memory_free(plain);
     if (!status) {
+        const bool is_new = brain || !atlas->pack; /* a pack has what was found */
         atlas->brain = brain ? brain : atlas->brain;
-        if (!atlas->pack && !conus_atlas_brain(atlas).brain) { /* a pack has what was found */
+        if (is_new && atlas->brain) {
+            status = check_stated(atlas, path, options);
+        } else if (is_new && !conus_atlas_brain(atlas).brain) {
             atlas_identify(atlas);
         }
+    }
+    if (status) {
+        conus_atlas_destroy(atlas);
+    } else {
         *out = atlas;
     }
     return status;

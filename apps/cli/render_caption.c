@@ -43,6 +43,21 @@ int caption_ask(struct caption *caption, const conus_selector *selector, const c
     return EXIT_DONE;
 }
 
+/* From where on pathways count, which the paragraph says of a cone's. */
+static void put_thresholds(FILE *out, const conus_atlas *atlas)
+{
+    bool some = false;
+    for (size_t k = 1; k <= conus_atlas_object_count(atlas); k++) {
+        const conus_object *object = conus_atlas_object(atlas, k);
+        if (object->kind == CONUS_KIND_PATHWAY && !object->is_band) {
+            fprintf(out, "%s: values of at least %.9g.\n", object->name,
+                    conus_atlas_volume(atlas, object->volume)->threshold);
+            some = true;
+        }
+    }
+    fputs(some ? "\n" : "", out);
+}
+
 static void put_caption(FILE *out, const struct caption *caption)
 {
     const char *line;
@@ -68,6 +83,9 @@ int caption_write(const struct caption *caption, const char *path, const char *g
     citation.sidecar = code || (citation.sidecar && citation_is_known(&citation)) ? citation.sidecar : NULL;
     if (!code && out) {
         put_caption(out, caption);
+        if (!citation.sidecar) {
+            put_thresholds(out, atlas);
+        }
         code = citation_text(out, &citation);
     }
     bool is_whole = system_text_close(&text);

@@ -28,8 +28,8 @@ const struct option cut_options[] = {
              "at these places, or mosaic:N, N axial cuts (default 12); 3d among them adds the view in space",
      .words = "slices, mosaic, montage, sections", .role = OPTION_ASKS},
     {OPTION_VALUED("at", struct cut_settings, at, PLACE_VALUE), .help = "the place through which cuts go",
-     .otherwise = "the best hit's middle, where most points are, or the atlas's middle", .role = OPTION_ASKS,
-     .flags = OPTION_IS_PLACE, .needs = "cuts"},
+     .otherwise = "the best hit's middle, where most points are, the only pathway's middle, or the atlas's",
+     .role = OPTION_ASKS, .flags = OPTION_IS_PLACE, .needs = "cuts"},
     {OPTION_VALUED("fill", struct cut_settings, fill, "A"), .help = "opacity of areas in cuts, 0 (outlines only) to 1",
      .standard = OPTION_DIGITS(DEFAULT_FILL), OPTION_FROM_TO(0, 1), .needs = "cuts"},
     {OPTION_NAMED("radiological", struct cut_settings, radiological),
@@ -342,9 +342,25 @@ static void find_hit(double out[3], conus_selector *selector, const conus_result
     }
 }
 
-/* --at, the middle of the best hit, or that of the atlas. */
-static int find_point(struct cut_finder *finder, const double *given, conus_selector *selector,
-                      const conus_selection *selection, const conus_pose *pose, bool is_tube)
+/* The middle of the only pathway, as of a lesion; else `out` stays. */
+static void find_pathway(double out[3], const conus_atlas *atlas)
+{
+    size_t count = 0;
+    size_t only = 0;
+    for (size_t k = 1; k <= conus_atlas_object_count(atlas); k++) {
+        const bool is = conus_atlas_object(atlas, k)->kind == CONUS_KIND_PATHWAY;
+        count += is;
+        only = is ? k : only;
+    }
+    double centre[3];
+    if (count == 1 && !conus_atlas_centre(centre, atlas, only)) {
+        memcpy(out, centre, sizeof centre);
+    }
+}
+
+/* --at, the middle of the best hit, without a pose that of the only pathway, or that of the atlas. */
+static int find_point(struct cut_finder *finder, const double *given, const conus_atlas *atlas,
+                      conus_selector *selector, const conus_selection *selection, const conus_pose *pose, bool is_tube)
 {
     for (int a = 0; a < 3; a++) {
         finder->through[a] = (finder->low[a] + finder->high[a]) / 2;
@@ -358,6 +374,9 @@ static int find_point(struct cut_finder *finder, const double *given, conus_sele
             code = check_place(finder, p, at[axis_of(finder, p)], "at");
         }
         return code;
+    }
+    if (!selection) {
+        find_pathway(finder->through, atlas);
     }
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
@@ -381,7 +400,7 @@ int render_cuts_find(conus_cut_plane **planes, size_t *count, const struct cut_s
     if (status || !finder.planes) {
         return status ? print_status(status) : print_no_memory();
     }
-    int code = find_point(&finder, at, selector, selection, pose, is_tube);
+    int code = find_point(&finder, at, atlas, selector, selection, pose, is_tube);
     for (size_t i = 0; i < word_count && !code; i++) {
         const struct cut_word *word = &words[i];
         if (word->plane == PLANES) {

@@ -337,9 +337,10 @@ static int print_unexpected(const struct arguments *arguments, const char *word)
         return print_usage_error("unexpected argument \"%s\"; a tractogram is given as --streamlines %s", word, word);
     }
     if (find_name(arguments->command, NULL, "pathway", 7).option && is_image(word)) {
-        return print_usage_error("unexpected argument \"%s\"; --pathway %s adds what is bright in an image, and conus "
+        const bool may_draw = find_name(arguments->command, NULL, "shell", 5).option;
+        return print_usage_error("unexpected argument \"%s\"; --pathway %s%s what is bright in an image, and conus "
                                  "overlap asks which areas that covers",
-                                 word, word);
+                                 word, word, may_draw ? " --shell --style print draws" : " adds");
     }
     if (point.option && arguments->given[point.ordinal] && !strpbrk(word, "./")) {
         return print_usage_error("unexpected argument \"%s\"; a place of several words is put in quotes", word);

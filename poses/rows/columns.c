@@ -1015,14 +1015,16 @@ static void settle_probes(struct head *head)
         return;
     }
     FAULT_IF(are_long, head, "depths are longer than the atlas in mm: are they in um?");
+    const char *depth = are_long ? ",depth=um" : "";
     FAULT(head, "to say all at once, type %s'%s", head->lacks_space ? "--space bregma, and " : "", out->file);
-    if (is_tilted) {
-        buffer_format(&head->faults, ",tilt_%s=%s", own, out->shown[tilt]);
+    if (is_tilted && tilt == ROLE_ANGLE) {
+        buffer_format(&head->faults, ",tilt_ml=%s%s' (the tip goes to the side) or '%s,tilt_ap=%s%s' (to the front)",
+                      out->shown[tilt], depth, out->file, out->shown[tilt], depth);
+    } else if (is_tilted) {
+        buffer_format(&head->faults, ",tilt_%s=%s%s' (the other tilt is 0)", own, out->shown[tilt], depth);
+    } else {
+        buffer_format(&head->faults, "%s'", depth);
     }
-    buffer_format(&head->faults, "%s'%s", are_long ? ",depth=um" : "",
-                  !is_tilted           ? ""
-                  : tilt == ROLE_ANGLE ? " (tilt_ap: the tip goes forward; tilt_ml: to the side)"
-                                       : " (the other tilt is 0)");
 }
 
 /* A column "target" or "entry" of names beside points may be the other end of an axis, or a word about the row. */

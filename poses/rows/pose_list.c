@@ -295,7 +295,8 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
                     "positions are in %s, the atlas in another space (%s): the areas named would be wrong; needed "
                     "is the same list in the atlas's space%s",
                     at, words,
-                    brain == CONUS_BRAIN_OWN && !is_tkras ? ", or an atlas of that person (',template=none' behind it)"
-                                                          : "");
+                    brain == CONUS_BRAIN_OWN && !is_tkras
+                        ? ", or 'ATLAS,template=none' for an atlas that is that person's own"
+                        : "");
     }
 }

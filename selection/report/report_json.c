@@ -269,9 +269,9 @@ static json_t *json_from_atlas(const conus_atlas *atlas)
     }
     static const char *const hemispheres[] = {"as-is", "split", "merged"};
     json_t *labels = json_from_text(conus_atlas_label_source(atlas));
-    json_t *root =
-        json_pack("{s: o, s: o, s: s, s: o, s: o, s: o}", "path", json_from_text(atlas_path(atlas)), "labels", labels,
-                  "hemispheres", hemispheres[atlas->hemispheres], "volumes", volumes, "files", files, "notes", notes);
+    json_t *root = json_pack("{s: o, s: o, s: s, s: s*, s: o, s: o, s: o}", "path", json_from_text(atlas_path(atlas)),
+                             "labels", labels, "hemispheres", hemispheres[atlas->hemispheres], "template",
+                             space_brain_word(atlas->brain), "volumes", volumes, "files", files, "notes", notes);
     if (atlas->pack) {
         root = with(
             root, "pack",

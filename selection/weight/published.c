@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Errors of poses that studies have published (Eq. 29), by name. */
+#include "base/memory.h"
 #include "base/status.h"
 #include "base/text.h"
 #include "conus/own.h"
@@ -128,6 +129,27 @@ static double tilt_of_width(double width)
     return hypot(0.2130 + 0.1102 * width, 0.2311 + 0.0715 * width) / sqrt(2);
 }
 
+/* Offers the names in which the word stands, else all. */
+static conus_status fail_unknown(struct text word)
+{
+    struct buffer list = {0};
+    bool all = false;
+    for (int pass = word.size == 0; pass < 2 && !list.size; pass++) {
+        all = pass;
+        for (size_t i = 0; i < ERROR_COUNT; i++) {
+            if (all || text_contains(text_from(errors[i].name), word)) {
+                buffer_format(&list, "%s%s", list.size ? ", " : "", errors[i].name);
+            }
+        }
+    }
+    conus_status status = buffer_status(&list);
+    status = status ? status
+                    : fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is no published error; %s%s%s", TEXT_SHOW(word, 60),
+                           all ? "there are " : "did you mean ", list.data, all ? "" : "?");
+    buffer_finish(&list);
+    return status;
+}
+
 conus_status conus_pose_error_find(conus_pose_error *out, const char *name)
 {
     const struct text word = text_from(name);
@@ -149,7 +171,7 @@ conus_status conus_pose_error_find(conus_pose_error *out, const char *name)
                     by_width, by_width);
     }
     return closest ? fail(CONUS_ERROR_ARGUMENT, "\"%.60s\" is no published error; did you mean %s?", name, closest)
-                   : fail(CONUS_ERROR_ARGUMENT, "\"%.60s\" is no published error (Eq. 29)", name);
+                   : fail_unknown(word);
 }
 
 const conus_pose_error *conus_pose_error_at(size_t index)

@@ -198,6 +198,51 @@ static void real_atlases_are_known(void **state)
     }
 }
 
+/* Code 4 and the grid of AAL say Colin 27, half of the field takes that for MNI 152; Harvard-Oxford is known by its
+ * voxels behind code 1; a sphere by nothing. A pack of the atlas warns once, too. */
+static void a_statement_that_the_files_deny_is_warned_of(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *file, *word, *warning;
+    } cases[] = {
+        {"aal.nii.gz", "none", "',template=none' says one person's own, but its files say Colin 27"},
+        {"aal.nii.gz", "mni305", "',template=mni305' says MNI 305, but its files say Colin 27"},
+        {"aal.nii.gz", "mni152", NULL},
+        {"aal.nii.gz", "colin27", NULL},
+        {"HarvardOxford-cort-maxprob-thr0-1mm.nii.gz", "none", "but its voxels are those of MNI 152"},
+        {"HarvardOxford-cort-maxprob-thr0-1mm.nii.gz", "mni152", NULL},
+        {"inia19-NeuroMaps.nii.gz", "mni152", "but its voxels are those of the macaque INIA19"},
+        {NULL, "none", NULL},
+    };
+    char path[4096];
+    char packed[4096];
+    snprintf(packed, sizeof packed, "%s/stated.conus", test_scratch("brain"));
+    assert_ok(conus_phantom_write("sphere", test_scratch("brain"), &(conus_phantom_options){.size = 16}));
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        if (cases[i].file) {
+            snprintf(path, sizeof path, "%s,template=%s", test_mricron(cases[i].file), cases[i].word);
+        } else {
+            snprintf(path, sizeof path, "%s/sphere.nii.gz,template=%s", test_scratch("brain"), cases[i].word);
+        }
+        for (int pass = 0; pass < 2; pass++) {
+            conus_atlas *atlas = NULL;
+            size_t warnings = 0;
+            assert_ok(conus_atlas_load(&atlas, pass ? packed : path, NULL));
+            for (size_t k = 0; k < conus_atlas_note_count(atlas); k++) {
+                if (strstr(conus_atlas_note(atlas, k), ",template=")) {
+                    assert_int_equal(conus_atlas_note_severity(atlas, k), CONUS_SEVERITY_WARNING);
+                    assert_non_null(strstr(conus_atlas_note(atlas, k), cases[i].warning));
+                    warnings++;
+                }
+            }
+            assert_int_equal(warnings, cases[i].warning != NULL);
+            assert_ok(pass ? CONUS_OK : conus_atlas_save(packed, atlas, NULL));
+            conus_atlas_destroy(atlas);
+        }
+    }
+}
+
 /* The macaque's is no brain of MNI's, and no one person's; beside another template it may be the same. */
 static void voxels_tell_an_animal_from_people(void **state)
 {
@@ -230,6 +275,7 @@ TEST_GROUP(brain)
         cmocka_unit_test(what_is_stated_holds_until_the_atlas_is_moved),
         cmocka_unit_test(a_manifest_states_it),
         cmocka_unit_test(real_atlases_are_known),
+        cmocka_unit_test(a_statement_that_the_files_deny_is_warned_of),
         cmocka_unit_test(voxels_tell_an_animal_from_people),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -137,6 +137,30 @@ fsaverage/sub-1_electrodes.tsv n--rrrw
 END
 }
 
+# A scan's list on AAL, whose header has code 4 and whose grid is Colin 27's: whoever overrides that is told and cited.
+@test "a template that the files deny is warned of, and cite names both overrides" {
+    need aal
+    cp "$BATS_TEST_DIRNAME/../corpus/points/localite-ras.xml" native.xml
+    local words="',template=none' says one person's own, but its files say Colin 27"
+    local ask='query aal,template=none --pose native.xml'
+    fails 3 "or 'ATLAS,template=none' for an atlas that is that person's own" query aal --pose native.xml
+    run -0 --separate-stderr "$CONUS" $ask -q --format tsv
+    check_message "warning: $words"
+    run -0 --separate-stderr "$CONUS" $ask -q --format json
+    jq -e --arg words "$words" '.Atlas.template == "none" and (.Warnings | length == 1 and (.[0] | startswith($words)))' <<<"$output"
+    "$CONUS" $ask -q -o stated.tsv
+    "$CONUS" verify stated.tsv
+    run -0 "$CONUS" cite stated.tsv
+    output=$(tr '\n' ' ' <<<"$output")
+    has 'Whose brain it is was stated (template=none), not taken from its files.'
+    has "conus warned: \"$words"
+    run -0 --separate-stderr "$CONUS" query aal --pose native.xml --any-space -o any.tsv
+    jq -e '(has("Warnings") or (.Atlas | has("template"))) | not' any.json
+    run -0 "$CONUS" cite any.tsv
+    output=$(tr '\n' ' ' <<<"$output")
+    has 'What the file of poses says of their space was not heard (--any-space): they were taken as they are.'
+}
+
 @test "positions in MNI 305 are moved but where the atlas lies there, too" {
     need aal
     cp "$BATS_TEST_DIRNAME/../corpus/points/surfcluster.summary" .
@@ -144,7 +168,7 @@ END
     local template file
     for file in surfcluster.summary list.csv; do
         run -0 --separate-stderr "$CONUS" query aal,template=mni305 --pose $file --format tsv
-        [[ $stderr != *305* ]]
+        [[ $stderr != *'moved to MNI 152'* ]]
         local at305=$output
         run -0 --separate-stderr "$CONUS" query aal,template=mni152 --pose $file --format tsv
         [[ $stderr == *'305'*"moved to MNI 152 by FreeSurfer's matrix"* ]]
@@ -167,7 +191,7 @@ END
     run -0 --separate-stderr "$CONUS" query aal --point 'MNI -42 -20 50' -q
     [ -z "$stderr" ]
     run -0 --separate-stderr "$CONUS" query inia19-NeuroMaps,template=mni152 --point 'MNI -42 -20 50' -q
-    check_message 'warning: the point lies outside of the atlas;'
+    [[ $stderr == *'warning: the point lies outside of the atlas;'*"',template=mni152' says MNI 152, but its voxels are"* ]]
     fails 2 'it says MNI, but the atlas is another brain' query inia19-NeuroMaps,template=none --point 'MNI -42 -20 50'
     fails 2 'it says MNI, but the atlas is another brain' query inia19-NeuroMaps --point 'MNI -42 -20 50'
 }
@@ -178,9 +202,9 @@ END
     run -0 --separate-stderr "$CONUS" query aal --atlas HarvardOxford-cort-maxprob-thr0-1mm $ask
     [[ "$stderr" == *'note: aal (Colin 27) and HarvardOxford-cort-maxprob-thr0-1mm (MNI 152, earlier than NLin2009) are different brains'* ]]
     run -0 --separate-stderr "$CONUS" query aal --atlas aal,template=mni305 $ask -q
-    check_message 'warning: aal (Colin 27) and aal-2 (MNI 305) are different brains: a pose may be some mm off in one'
+    [[ $stderr == *'warning: aal (Colin 27) and aal-2 (MNI 305) are different brains: a pose may be some mm off in one' ]]
     run -0 --separate-stderr "$CONUS" query aal --atlas aal,template=none $ask -q
-    check_message "warning: aal (Colin 27) and aal-2 (one person's own) are different brains: one pose fits one of them only"
+    [[ $stderr == *"warning: aal (Colin 27) and aal-2 (one person's own) are different brains: one pose fits one of them only" ]]
     [ ! -e "$TEMPLATES/inia19-NeuroMaps.nii.gz" ] || run -0 --separate-stderr "$CONUS" query aal --atlas inia19-NeuroMaps --point 1,2,3 -q
     [[ $stderr == *'are different brains: one pose fits one of them only' ]]
 }

@@ -82,6 +82,20 @@ height() {
     run -1 conus diff at.exr 1.exr
 }
 
+# The mean of the voxels of a ball of 4 mm, whose middle is at a voxel's centre, is that centre.
+@test "without a pose cuts go through the middle of the only pathway, or of the atlas" {
+    sphere --size 32
+    answers query sphere.nii.gz --point=5.5,-2.5,2.5 --radius 4 --mask lesion.nii.gz --mask-of all -q -o ball.tsv
+    local show='sphere.nii.gz --cuts axial,coronal --size 300x200'
+    answers render $show --pathway lesion.nii.gz -q -o own.exr --caption own.txt
+    grep -qx 'lesion: values of at least 0.25.' own.txt # a quarter of the largest value, as conus info says of a mask
+    answers render $show --pathway lesion.nii.gz -q --at=5.5,-2.5,2.5 -o at.exr
+    answers diff own.exr at.exr
+    answers render $show --pathway lesion.nii.gz --pathway lesion.nii.gz,name=other -q -o two.exr
+    answers render $show --pathway lesion.nii.gz --pathway lesion.nii.gz,name=other -q --at=0,0,0 -o middle.exr
+    answers diff two.exr middle.exr
+}
+
 @test "all text of a sheet is in it, and no text lies on another, however small the cuts are" {
     sphere --size 32
     local cuts size

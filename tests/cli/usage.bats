@@ -115,6 +115,7 @@ END
     fails 2 '"Ball"; a place of several words is put in quotes' query sphere.nii.gz --point left Ball
     fails 2 '"map.nii.gz"; --pathway map.nii.gz adds what is bright in an image, and conus overlap asks which areas' \
         query sphere.nii.gz map.nii.gz
+    fails 2 '; --pathway map.nii.gz --shell --style print draws what is bright' render sphere.nii.gz map.nii.gz -o a.png
     fails 2 '"bundle.tck"; a tractogram is given as --streamlines bundle.tck' query sphere.nii.gz bundle.tck
     fails 2 'unexpected argument "sphere"; conus info sphere describes it' atlases sphere
     fails 2 '"mni" is none of its choices: ras, lps, ccf, bregma; whose brain it is the atlas says' \

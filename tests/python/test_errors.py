@@ -74,7 +74,8 @@ def test_needles_have_errors_of_both_ends(halves):
 
 
 @pytest.mark.parametrize("name, said", [
-    ("tms-hat", "did you mean tms-cap"), ("", "no published error"), ("seeg-robot", "plan"), ("vr-controller", "width"),
+    ("tms-hat", "did you mean tms-cap"), ("cap", r"; did you mean tms-cap, eeg-cap\?$"),
+    ("", r"no published error; there are .*, tms-cap,"), ("xyzzy", r"; there are .*, eeg-cap, vr-controller$"), ("seeg-robot", "plan"), ("vr-controller", "width"),
     ("vr-controller:-1", "width"), ("vr-controller:nan", "width"),
 ])
 def test_other_names_are_refused(halves, name, said):

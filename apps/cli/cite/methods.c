@@ -164,6 +164,8 @@ static const struct sentence of_settings[] = {
     {"Settings.error", " These errors are published, as {Settings.error.measured} (see the references)."},
     {"Places.0.head=own", " The position {Places.0.name} was found on a scalp by sections through its landmarks, at "
                           "fractions of their lengths (Eq. 35 of conus's documentation)."},
+    {"Question.options.any-space",
+     " What the file of poses says of their space was not heard (--any-space): they were taken as they are."},
     {"Question.options.summary",
      " Reported are the object that ranks first, the runner-up and the difference of their scores."},
     {"Space.orientation=CCF", " Positions were those of the Allen CCF, AP, DV and ML in µm from its corner."},
@@ -176,6 +178,7 @@ static const struct sentence of_settings[] = {
 static const struct sentence of_atlas[] = {
     {"", " {another?Another atlas, asked by itself, was|The atlas was} {name} (file {file}{sum?, SHA-256 @…}{placed?, "
          "placed by @}{references?; see the references})."},
+    {"template", " Whose brain it is was stated (template={template}), not taken from its files."},
     {"", "{meaning}"},
     {"level", " Areas were joined along the area tree to the level \"{level}\"."},
     {"hidden",

@@ -7,6 +7,7 @@
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
+#include "sources/keys.h"
 
 #include <inttypes.h>
 #include <stdarg.h>
@@ -175,11 +176,24 @@ static void put_named(struct writing *out, const char *name, const char *given, 
         put_read(out, name, given, true);
         return;
     }
-    bool same = !conus_catalogue_create(&catalogue, NULL) && !find(&atlas, catalogue, given) &&
-                strcmp(atlas->path, recorded) == 0 && !out->replay->is_moved;
+    const size_t length = keys_file_length(given, KEYS_ATLAS);
+    const size_t file = keys_file_length(recorded, KEYS_ATLAS); /* which has all keys but that of the brain */
+    char *installed = strdup(given);
+    char *keyed = NULL;
+    if (installed) {
+        installed[length] = '\0';
+    }
+    if (asprintf(&keyed, "%.*s%s", (int)file, recorded, given + length) < 0) {
+        keyed = NULL;
+        out->words.is_lost = true;
+    }
+    bool same = installed && !conus_catalogue_create(&catalogue, NULL) && !find(&atlas, catalogue, installed) &&
+                strlen(atlas->path) == file && strncmp(atlas->path, recorded, file) == 0 && !out->replay->is_moved;
     conus_catalogue_destroy(catalogue);
     out->bad = is_recorded(out->replay->record, recorded) ? out->bad : recorded;
-    put_read(out, name, same ? given : recorded, !same);
+    put_read(out, name, same || !keyed ? given : keyed, !same);
+    free(installed);
+    free(keyed);
 }
 
 static void put_atlas(struct writing *out, const char *name, const char *given, size_t index)
