@@ -131,7 +131,10 @@ void head_move(struct head *head, const double eye[3], const conus_pose *screen)
     conus_pose camera;
     double frustum[4];
     bool inside = conus_window_camera(&camera, frustum, screen, head->size, eye);
-    bool moved = !head->known || !pose_is_same(&head->screen, screen) || memcmp(head->eye, eye, sizeof head->eye) != 0;
+    bool moved = !head->known || !pose_is_same(&head->screen, screen);
+    for (int a = 0; a < 3; a++) {
+        moved = moved || head->eye[a] != eye[a];
+    }
     head->number += inside != head->inside || (!inside && moved);
     head->inside = inside;
     if (!inside) {
