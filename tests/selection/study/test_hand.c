@@ -87,7 +87,7 @@ static void histories_find_what_is_meant_more_often_than_a_ray(void **state)
 /* The number before `unit` in the table's row of the method. */
 static double figure_in_docs(const char *page, const char *name, int column)
 {
-    const char *table = strstr(page, "*What it is worth.*");
+    const char *table = strstr(page, "### A trembling hand");
     assert_non_null(table);
     struct text rest = text_from(table);
     struct text line;
