@@ -35,8 +35,9 @@ conus_status sites_create(conus_sites **out, size_t capacity, bool has_normals)
     sites->points = memory_raw(capacity, sizeof *sites->points);
     sites->sources = memory_raw(capacity, sizeof *sites->sources);
     sites->normals = has_normals ? memory_raw(capacity, sizeof *sites->normals) : NULL;
-    return GIVE(!sites->points || !sites->sources || (has_normals && !sites->normals) ? CONUS_ERROR_MEMORY : CONUS_OK,
-                out, sites, conus_sites_destroy(sites));
+    bool whole = sites->points && sites->sources && (!has_normals || sites->normals);
+    conus_status status = whole ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return GIVE(status, out, sites, conus_sites_destroy(sites));
 }
 
 conus_status sites_add(conus_sites *sites, const double point[3], const double *normal, uint64_t source)
@@ -175,7 +176,8 @@ conus_status site_cubes_init(struct site_cubes *out, double edge, size_t capacit
     }
     cubes.first = memory_zeroed(cubes.mask + 1, sizeof *cubes.first);
     cubes.next = memory_raw(capacity, sizeof *cubes.next);
-    return GIVE(!cubes.first || !cubes.next ? CONUS_ERROR_MEMORY : CONUS_OK, out, cubes, site_cubes_finish(&cubes));
+    conus_status status = cubes.first && cubes.next ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return GIVE(status, out, cubes, site_cubes_finish(&cubes));
 }
 
 void site_cubes_finish(struct site_cubes *cubes)

@@ -302,7 +302,8 @@ conus_status grid_create(conus_grid **out, const conus_volume_info *info, conus_
     view->description = memory_text(description, strlen(description));
     grid->size = sizes[number];
     view->data = grid->data = memory_zeroed(view->count, grid->size);
-    return GIVE(!view->description || !grid->data ? CONUS_ERROR_MEMORY : CONUS_OK, out, grid, conus_grid_destroy(grid));
+    conus_status status = view->description && grid->data ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return GIVE(status, out, grid, conus_grid_destroy(grid));
 }
 
 conus_grid_view conus_grid_data(const conus_grid *grid)

@@ -132,8 +132,9 @@ conus_status value_map_copy(struct value_map *out, const struct value_map *map)
     copy.runs = memory_copy(map->runs, map->page_count, VALUE_RUNS * sizeof *map->runs);
     copy.codes = memory_copy(map->codes, map->run_count, VALUE_RUN * map->width);
     copy.table = map->table ? memory_copy(map->table, map->table_count, sizeof *map->table) : NULL;
-    return GIVE(!copy.pages || !copy.runs || !copy.codes || (map->table && !copy.table) ? CONUS_ERROR_MEMORY : CONUS_OK,
-                out, copy, value_map_finish(&copy));
+    bool whole = copy.pages && copy.runs && copy.codes && (!map->table || copy.table);
+    conus_status status = whole ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return GIVE(status, out, copy, value_map_finish(&copy));
 }
 
 static bool are_below(const uint32_t *numbers, size_t count, size_t limit)

@@ -26,7 +26,8 @@ conus_status mesh_init(struct mesh *out, size_t vertex_count, size_t triangle_co
     }
     mesh.positions = memory_zeroed(vertex_count, 3 * sizeof *mesh.positions);
     mesh.triangles = memory_zeroed(triangle_count, 3 * sizeof *mesh.triangles);
-    return GIVE(!mesh.positions || !mesh.triangles ? CONUS_ERROR_MEMORY : CONUS_OK, out, mesh, mesh_finish(&mesh));
+    conus_status status = mesh.positions && mesh.triangles ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return GIVE(status, out, mesh, mesh_finish(&mesh));
 }
 
 conus_status mesh_copy(struct mesh *out, const struct mesh *mesh)
