@@ -23,7 +23,7 @@ conus_status fail_in(conus_status status, const char *where);
 #endif
 
 /** How a function that makes a thing ends: *out gets it, or after a failure `end` frees what there is. Gives the
- * status. */
+ * status, a variable, since it is read before and after `end`. */
 #define GIVE(status, out, thing, end)                                                                                  \
     ((status) != CONUS_OK ? ((void)(end), (conus_status)(status)) : ((void)(*(out) = (thing)), (conus_status)CONUS_OK))
 

@@ -59,6 +59,9 @@ library && FILENAME !~ /^base\/(memory|order|text_gnu|system\/system_[a-z]+|chil
 library && FILENAME !~ /^base\/job\// && calls(text, "job_took") {
     report(FNR, "an error comes to a job by JOB_CALL() or job_need():" $0)
 }
+calls(text, "GIVE") && text !~ /GIVE\(status,/ {
+    report(FNR, "GIVE() reads its status after the thing's end, so it is a variable:" $0)
+}
 END {
     exit findings > 0
 }
