@@ -158,7 +158,7 @@ static uint8_t *move_window(struct reader *r, size_t left, size_t count)
 {
     struct reader_source *source = r->source;
     bool is_first_full = source->window && source->capacity < BLOCK && r->end_offset >= source->capacity;
-    bool moves = source->capacity < count || is_first_full || BLOCKS_MOVE;
+    bool moves = !source->window || source->capacity < count || is_first_full || BLOCKS_MOVE;
     size_t capacity = moves ? count + (source->window ? BLOCK : FIRST) : source->capacity;
     uint8_t *window = moves ? memory_raw(capacity, 1) : source->window;
     if (!window) {

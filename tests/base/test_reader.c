@@ -170,6 +170,16 @@ static void how_much_is_left_is_known(void **state)
     buffer_finish(&packed);
 }
 
+static void an_empty_file_is_cut_off(void **state)
+{
+    (void)state;
+    struct job job = {0};
+    struct reader r = source_reader(&job, source_open(&job, write_scratch("empty", &(struct buffer){0})));
+    assert_null(reader_take(&r, 1));
+    assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_DATA);
+    assert_string_equal(conus_message(), "cut off at byte 0, where 1 more are needed");
+}
+
 static void a_file_that_changes_is_refused(void **state)
 {
     (void)state;
@@ -283,6 +293,7 @@ TEST_GROUP(reader)
         cmocka_unit_test(words_and_lines_cross_blocks_and_members),
         cmocka_unit_test(every_prefix_of_a_packed_file_is_cut_off),
         cmocka_unit_test(how_much_is_left_is_known),
+        cmocka_unit_test(an_empty_file_is_cut_off),
         cmocka_unit_test(a_file_that_changes_is_refused),
         cmocka_unit_test(some_come_in_whole_things),
         cmocka_unit_test(an_open_file_outlives_its_readers_and_their_memory),
