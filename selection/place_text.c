@@ -13,6 +13,7 @@ void conus_place_text(char out[CONUS_PLACE_TEXT], const conus_place *place, cons
     int decimals = space == CONUS_SPACE_CCF ? 0 : space == CONUS_SPACE_BREGMA || place->depth < 1 ? 3 : 1;
     double at[3];
     char depth[32] = "";
+    char way[64] = "";
     memcpy(at, place->point, sizeof at);
     if (frame) {
         conus_frame_from_world(at, frame, place->point);
@@ -24,7 +25,10 @@ void conus_place_text(char out[CONUS_PLACE_TEXT], const conus_place *place, cons
     if (place->kind == CONUS_PLACE_INNER) {
         snprintf(depth, sizeof depth, ", %.*f mm inside", place->depth < 1 ? 3 : 1, place->depth);
     }
-    snprintf(out, CONUS_PLACE_TEXT, "%s%.300s%s%s(%.*f, %.*f, %.*f)%s%s%s", kinds[place->kind], place->name,
+    if (place->toward) {
+        snprintf(way, sizeof way, ", and %g mm from it towards %.16s,", place->way_mm, place->toward);
+    }
+    snprintf(out, CONUS_PLACE_TEXT, "%s%.240s%s%s%s(%.*f, %.*f, %.*f)%s%s%s", kinds[place->kind], place->name, way,
              place->is_on_scalp ? " on the scalp given" : "", *place->name ? ": " : "", decimals, at[0], decimals,
              at[1], decimals, at[2], depth,
              place->is_doubtful ? ", in MNI, where it is not known that the atlas lies" : "",

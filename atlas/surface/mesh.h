@@ -180,16 +180,23 @@ struct scalp_position {
 enum { SCALP_POSITIONS = 65 };
 
 struct conus_scalp {
+    struct mesh mesh;
     struct scalp_position at[SCALP_POSITIONS];
     size_t count;
 };
 
-/** Finds the positions on the checked @p mesh, from nasion, inion, left and right ear. CONUS_ERROR_DATA for landmarks
- * that are far from it, and where sections are no loops. */
-conus_status scalp_make(conus_scalp *out, const struct mesh *mesh, const double landmarks[4][3]);
+/** Finds the positions on the checked @p mesh, from nasion, inion, left and right ear. Takes the mesh over, also on
+ * failure. CONUS_ERROR_DATA for landmarks that are far from it, and where sections are no loops. */
+conus_status scalp_make(conus_scalp *out, struct mesh *mesh, const double landmarks[4][3]);
 
 /** The position of this name, in any case; NULL: there is none on a scalp. */
 const struct scalp_position *scalp_find(const conus_scalp *scalp, struct text name);
+
+/** The place @p mm from one position to another, and on, by the shorter way along the section through both and Cz; it
+ * has the name of @p from. CONUS_ERROR_ARGUMENT where one is Cz, where no way is clearly the shorter, and for a way
+ * that is not above 0 and below half of the section. */
+conus_status scalp_walk(struct scalp_position *out, const conus_scalp *scalp, const struct scalp_position *from,
+                        const struct scalp_position *to, double mm);
 
 /* A surface with a label at each vertex, cut into one surface per label. */
 

@@ -48,13 +48,20 @@ struct loop {
 };
 
 struct finding {
-    conus_scalp *out;
+    conus_scalp *out; /* NULL: positions are only read */
     const struct mesh *mesh;
     uint32_t *first; /* [vertex_count] of mesh_find_first() */
     struct corner *corners;
     size_t corner_count, capacity;
     struct loop loop;
 };
+
+static void finding_finish(struct finding *finding)
+{
+    memory_free(finding->first);
+    memory_free(finding->corners);
+    memory_free(finding->loop.points);
+}
 
 static int compare_edges(const void *a, const void *b)
 {
@@ -310,8 +317,8 @@ static conus_status find_vertex(double out[3], struct finding *finding, const do
     return status;
 }
 
-/* Sets the normals of the positions from @p begin on: areas of triangles with a corner near, as vectors. */
-static conus_status find_normals(conus_scalp *scalp, size_t begin, const struct mesh *mesh)
+/* Sets the normals of at most 64 positions: areas of triangles with a corner near, as vectors. */
+static conus_status find_normals(struct scalp_position *at, size_t count, const struct mesh *mesh)
 {
     uint64_t *near = memory_zeroed(mesh->vertex_count, sizeof *near); /* a bit for each position */
     struct mesh_shape shape = {0};
@@ -323,33 +330,80 @@ static conus_status find_normals(conus_scalp *scalp, size_t begin, const struct 
     }
     for (size_t v = 0; v < mesh->vertex_count; v++) {
         const float *p = mesh->positions + 3 * v;
-        for (size_t i = begin; i < scalp->count; i++) {
-            const double way[3] = {(double)p[0] - scalp->at[i].point[0], (double)p[1] - scalp->at[i].point[1],
-                                   (double)p[2] - scalp->at[i].point[2]};
-            near[v] |= vec3_dot(way, way) <= NORMAL_NEAR * NORMAL_NEAR ? UINT64_C(1) << (i - begin) : 0;
+        for (size_t i = 0; i < count; i++) {
+            const double way[3] = {(double)p[0] - at[i].point[0], (double)p[1] - at[i].point[1],
+                                   (double)p[2] - at[i].point[2]};
+            near[v] |= vec3_dot(way, way) <= NORMAL_NEAR * NORMAL_NEAR ? UINT64_C(1) << i : 0;
         }
     }
     for (size_t t = 0; t < mesh->triangle_count; t++) {
-        const uint32_t *at = mesh->triangles + 3 * t;
+        const uint32_t *corners = mesh->triangles + 3 * t;
         double area[3];
-        const uint64_t of = near[at[0]] | near[at[1]] | near[at[2]];
+        const uint64_t of = near[corners[0]] | near[corners[1]] | near[corners[2]];
         if (of) {
             mesh_normal(area, mesh, t);
         }
-        for (size_t i = begin; of >> (i - begin) && i < scalp->count; i++) {
-            if (of >> (i - begin) & 1) {
-                vec3_add_scaled(scalp->at[i].outward, scalp->at[i].outward, side, area);
+        for (size_t i = 0; i < count && of >> i; i++) {
+            if (of >> i & 1) {
+                vec3_add_scaled(at[i].outward, at[i].outward, side, area);
             }
         }
     }
     memory_free(near);
-    for (size_t i = begin; i < scalp->count; i++) {
-        if (!vec3_normalise(scalp->at[i].outward, scalp->at[i].outward)) {
+    for (size_t i = 0; i < count; i++) {
+        if (!vec3_normalise(at[i].outward, at[i].outward)) {
             return fail(CONUS_ERROR_DATA, "scalp: %s has no vertex within %g mm: its triangles are too large",
-                        scalp->at[i].name, NORMAL_NEAR);
+                        at[i].name, NORMAL_NEAR);
         }
     }
     return CONUS_OK;
+}
+
+/* The place so far from one point of the loop to another, by the shorter way. */
+static conus_status walk(struct scalp_position *out, const struct finding *finding, const struct arc *arc,
+                         const struct scalp_position *from, const struct scalp_position *to, double mm)
+{
+    double apart;
+    const double ahead = place_on(&apart, &finding->loop, to->point) - arc->start;
+    const double forward = ahead - arc->whole * floor(ahead / arc->whole);
+    if (!(fmin(forward, arc->whole - forward) < arc->whole / 3)) {
+        return fail(
+            CONUS_ERROR_ARGUMENT,
+            "%s and %s are %.0f and %.0f mm apart on the two ways around the head: a position nearer to %s says "
+            "which way",
+            from->name, to->name, fmin(forward, arc->whole - forward), fmax(forward, arc->whole - forward), from->name);
+    }
+    if (!(mm > 0 && mm < arc->whole / 2)) {
+        return fail(CONUS_ERROR_ARGUMENT, "%g mm from %s: allowed are above 0, and less than %.0f, half of the section",
+                    mm, from->name, arc->whole / 2);
+    }
+    *out = (struct scalp_position){.name = from->name};
+    point_at(out->point, &finding->loop, arc->whole, arc->start + (2 * forward < arc->whole ? mm : -mm));
+    return find_normals(out, 1, finding->mesh);
+}
+
+conus_status scalp_walk(struct scalp_position *out, const conus_scalp *scalp, const struct scalp_position *from,
+                        const struct scalp_position *to, double mm)
+{
+    const struct scalp_position *vertex = scalp_find(scalp, text_from("Cz"));
+    struct finding finding = {.mesh = &scalp->mesh};
+    struct scalp_position found;
+    struct arc arc;
+    if (from == vertex || to == vertex || from == to) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s to %s: two positions are needed, neither Cz: the section goes through it",
+                    from->name, to->name);
+    }
+    finding.first = memory_raw(scalp->mesh.vertex_count, sizeof(uint32_t));
+    conus_status status = finding.first ? mesh_find_first(finding.first, &scalp->mesh) : CONUS_ERROR_MEMORY;
+    status = status ? status
+                    : find_arc(&arc, &finding, (const char *const[]){from->name, to->name, vertex->name},
+                               (const double *const[]){from->point, to->point, vertex->point});
+    status = status ? status : walk(&found, &finding, &arc, from, to, mm);
+    finding_finish(&finding);
+    if (!status) {
+        *out = found;
+    }
+    return status;
 }
 
 /* The landmarks, on the surface: where they should be. */
@@ -382,12 +436,14 @@ static conus_status add_landmarks(double out[LANDMARKS][3], conus_scalp *scalp, 
     return CONUS_OK;
 }
 
-conus_status scalp_make(conus_scalp *out, const struct mesh *mesh, const double landmarks[LANDMARKS][3])
+conus_status scalp_make(conus_scalp *out, struct mesh *taken, const double landmarks[LANDMARKS][3])
 {
-    struct finding finding = {.out = out, .mesh = mesh, .first = memory_raw(mesh->vertex_count, sizeof(uint32_t))};
+    const struct mesh *mesh = &out->mesh;
+    struct finding finding = {.out = out, .mesh = mesh, .first = memory_raw(taken->vertex_count, sizeof(uint32_t))};
     double on[LANDMARKS][3];
     double vertex[3];
-    *out = (conus_scalp){0};
+    *out = (conus_scalp){.mesh = *taken};
+    *taken = (struct mesh){0};
     conus_status status = !finding.first ? CONUS_ERROR_MEMORY
                           : mesh->shape.closed
                               ? CONUS_OK
@@ -401,9 +457,7 @@ conus_status scalp_make(conus_scalp *out, const struct mesh *mesh, const double 
     for (size_t i = 0; i < ROWS && !status; i++) {
         status = add_row(&finding, &rows[i]);
     }
-    status = status ? status : find_normals(out, LANDMARKS, mesh);
-    memory_free(finding.first);
-    memory_free(finding.corners);
-    memory_free(finding.loop.points);
+    status = status ? status : find_normals(out->at + LANDMARKS, out->count - LANDMARKS, mesh);
+    finding_finish(&finding);
     return status;
 }

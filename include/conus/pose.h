@@ -289,6 +289,9 @@ typedef struct conus_place {
     bool is_also_named;    /**< The words also name something else: numbers an area, an area a position. */
     bool is_doubtful;      /**< They say MNI, and it is not known whether the atlas lies there. */
     bool is_on_scalp;      /**< #CONUS_PLACE_POSITION: found on a scalp, not on the head of MNI 152. */
+    const char *toward;    /**< Of a way along the scalp from the position: that towards which it goes, static; else
+                              NULL. */
+    double way_mm;         /**< How far it goes; 0 where there is none. */
 } conus_place;
 
 typedef struct conus_scalp conus_scalp; /**< Somebody's scalp, with the positions of the 10-10 system on it. */
@@ -318,7 +321,8 @@ typedef struct conus_place_options {
  *  - "centroid:AREA": its centroid, if that lies in it;
  *  - "near:AREA": the centre of its voxel, or the point of its surface, that is nearest to another place;
  *  - a position of the 10-10 system, "C3", where the atlas is known to lie in MNI 152 or Colin 27 and none of its areas
- *    is called so, or "1020:C3" where its brain is not known.
+ *    is called so, or "1020:C3" where its brain is not known;
+ *  - with a scalp "C3>F3:50": 50 mm from C3 towards F3, and on, along the section of the scalp through both and Cz.
  * @param[out] out The point.
  * @param atlas Where it is, as it lies in the world now.
  * @param text UTF-8.

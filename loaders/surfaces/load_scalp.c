@@ -14,7 +14,7 @@ conus_status conus_scalp_load(conus_scalp **out, const char *path, const double 
     mesh_finish(&mesh);
     conus_status status = job_close(&job, NULL, NULL); /* its notes are about the shape: scalp_make() looks at that */
     if (status) {
-        memory_free(scalp);
+        conus_scalp_destroy(scalp);
         return status;
     }
     *out = scalp;
@@ -23,5 +23,8 @@ conus_status conus_scalp_load(conus_scalp **out, const char *path, const double 
 
 void conus_scalp_destroy(conus_scalp *scalp)
 {
-    memory_free(scalp);
+    if (scalp) {
+        mesh_finish(&scalp->mesh);
+        memory_free(scalp);
+    }
 }

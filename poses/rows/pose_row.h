@@ -138,6 +138,16 @@ const struct position *position_at(size_t index);
 /** The position called @p name, by its older name, too, in any case; NULL if there is none. Static. */
 const struct position *position_find(struct text name);
 
+/** A way from one position towards another: "C3>F3:50". */
+struct position_way {
+    const struct position *from, *to; /**< Static. */
+    double mm;
+};
+
+/** Reads a way. False with CONUS_OK where the text is none: it does not begin with a position and '>'.
+ * CONUS_ERROR_ARGUMENT where it does and what follows is no position, a colon and a number. */
+conus_status position_way_read(bool *is_way, struct position_way *out, struct text text);
+
 /** Which brain a space belongs to. */
 enum pose_brain {
     POSE_BRAIN_UNKNOWN = 0,

@@ -5,6 +5,8 @@
  * the 10 % ring up. */
 #include "poses/rows/pose_row.h"
 
+#include <string.h>
+
 static const struct position positions[] = {
     {"Nz", NULL, {0.0, 82.9, -43.0}, {0, 0, 0}},
     {"Iz", NULL, {0.0, -116.2, -30.5}, {0, 0, 0}},
@@ -103,4 +105,24 @@ const struct position *position_find(struct text name)
         }
     }
     return NULL;
+}
+
+conus_status position_way_read(bool *is_way, struct position_way *out, struct text text)
+{
+    const char *mark = memchr(text.data, '>', text.size);
+    const size_t before = mark ? (size_t)(mark - text.data) : text.size;
+    struct position_way way = {.from = position_find(text_trim((struct text){text.data, before}))};
+    *is_way = mark && way.from;
+    if (!*is_way) {
+        return CONUS_OK;
+    }
+    const struct text rest = {mark + 1, text.size - before - 1};
+    const char *colon = memchr(rest.data, ':', rest.size);
+    const size_t size = colon ? (size_t)(colon - rest.data) : rest.size;
+    way.to = position_find(text_trim((struct text){rest.data, size}));
+    if (!way.to || !colon || !text_to_double(text_trim((struct text){colon + 1, rest.size - size - 1}), &way.mm)) {
+        return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\": a way is POSITION>POSITION:MM, as C3>F3:50", TEXT_SHOW(text, 80));
+    }
+    *out = way;
+    return CONUS_OK;
 }

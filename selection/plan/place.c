@@ -83,6 +83,24 @@ static conus_status take_scalp_position(struct finding *finding, const struct po
     return status;
 }
 
+/* The end of a way from position to position, where the words are one. */
+static conus_status take_way(bool *is_way, struct finding *finding)
+{
+    struct position_way way;
+    struct position end;
+    conus_status status = position_way_read(is_way, &way, finding->words.name);
+    if (!status && *is_way) {
+        status = position_way_on_scalp(&end, finding->options->scalp, &way);
+    }
+    if (!status && *is_way) {
+        take_position(finding, &end);
+        finding->place.is_on_scalp = true;
+        finding->place.toward = way.to->name;
+        finding->place.way_mm = way.mm;
+    }
+    return status;
+}
+
 /* Puts what is wrong with a name behind the message about it. */
 static conus_status fail_with(conus_status status, const char *more)
 {
@@ -169,6 +187,13 @@ static conus_status find_object(struct finding *finding)
         return finding->options->scalp ? take_scalp_position(finding, position) : choose_position(finding, position);
     }
     conus_status status = object_find(&finding->place.object, finding->atlas, words->name);
+    if (status == CONUS_ERROR_ARGUMENT && words->form == PLACE_NAME) {
+        bool is_way;
+        conus_status of_way = take_way(&is_way, finding);
+        if (of_way || is_way) {
+            return of_way;
+        }
+    }
     if (status == CONUS_ERROR_ARGUMENT && words->numbers.why) {
         return place_fail_numbers(words);
     }

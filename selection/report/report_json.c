@@ -650,6 +650,7 @@ static json_t *json_from_places(const conus_report *report)
         item = object && object->kind == CONUS_KIND_AREA ? with_integer(item, "index", object->label) : item;
         item = place->kind == CONUS_PLACE_INNER ? with_real(item, "inside_mm", place->depth) : item;
         item = place->is_on_scalp ? with_string(item, "head", "own") : item;
+        item = place->toward ? with_real(with_string(item, "toward", place->toward), "way_mm", place->way_mm) : item;
         list = with_item(list, item);
     }
     return list;

@@ -113,6 +113,14 @@ static conus_status fill_row(struct row *row, const conus_place *place, const co
     return status;
 }
 
+static conus_place place_of_position(const struct position *position)
+{
+    conus_place place = {.kind = CONUS_PLACE_POSITION, .name = position->name, .depth = NAN};
+    memcpy(place.point, position->point, sizeof place.point);
+    memcpy(place.outward, position->outward, sizeof place.outward);
+    return place;
+}
+
 conus_status position_on_scalp(struct position *out, const conus_scalp *scalp, const struct position *position)
 {
     const struct scalp_position *found = scalp_find(scalp, text_from(position->name));
@@ -126,8 +134,50 @@ conus_status position_on_scalp(struct position *out, const conus_scalp *scalp, c
     return CONUS_OK;
 }
 
+conus_status position_way_on_scalp(struct position *out, const conus_scalp *scalp, const struct position_way *way)
+{
+    struct position ends[2];
+    struct scalp_position found;
+    if (!scalp) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s>%s:%g: a way is measured on somebody's own scalp (--scalp)",
+                    way->from->name, way->to->name, way->mm);
+    }
+    conus_status status = position_on_scalp(&ends[0], scalp, way->from);
+    status = status ? status : position_on_scalp(&ends[1], scalp, way->to);
+    status = status ? status
+                    : scalp_walk(&found, scalp, scalp_find(scalp, text_from(ends[0].name)),
+                                 scalp_find(scalp, text_from(ends[1].name)), way->mm);
+    if (!status) {
+        *out = ends[0];
+        memcpy(out->point, found.point, sizeof out->point);
+        memcpy(out->outward, found.outward, sizeof out->outward);
+    }
+    return status;
+}
+
+/* The end of a way, where the name is one. */
+static conus_status find_way(bool *is_way, conus_place *out, const char *name, const conus_scalp *scalp)
+{
+    struct position_way way;
+    struct position end;
+    conus_status status = position_way_read(is_way, &way, text_from(name));
+    if (!status && *is_way) {
+        status = position_way_on_scalp(&end, scalp, &way);
+    }
+    if (!status && *is_way) {
+        *out = place_of_position(&end);
+        out->name = name;
+    }
+    return status;
+}
+
 static conus_status find_position(conus_place *out, const char *name, const conus_scalp *scalp)
 {
+    bool is_way;
+    conus_status status = find_way(&is_way, out, name, scalp);
+    if (status || is_way) {
+        return status;
+    }
     const struct position *found = position_find(text_from(name));
     const char *closest = NULL;
     size_t least = strlen(name);
@@ -141,10 +191,8 @@ static conus_status find_position(conus_place *out, const char *name, const conu
                     closest ? "; did you mean " : "", closest ? closest : "", closest ? "?" : "");
     }
     struct position position = *found;
-    conus_status status = scalp ? position_on_scalp(&position, scalp, found) : CONUS_OK;
-    *out = (conus_place){.kind = CONUS_PLACE_POSITION, .name = position.name, .depth = NAN};
-    memcpy(out->point, position.point, sizeof out->point);
-    memcpy(out->outward, position.outward, sizeof out->outward);
+    status = scalp ? position_on_scalp(&position, scalp, found) : CONUS_OK;
+    *out = place_of_position(&position);
     return status;
 }
 

@@ -91,9 +91,14 @@ bool pose_check_past(const struct cone *cone, const double low[3], const double 
 const conus_tracker_options *tracker_options(const conus_tracker *tracker);
 
 struct position;
+struct position_way;
 
 /** A position on a scalp. CONUS_ERROR_ARGUMENT for one below its ring of 10 %, where there is no rule. */
 conus_status position_on_scalp(struct position *out, const conus_scalp *scalp, const struct position *position);
+
+/** The end of a way on a scalp, as a position with the name of its start. CONUS_ERROR_ARGUMENT where @p scalp is NULL,
+ * and as position_on_scalp() and scalp_walk(). */
+conus_status position_way_on_scalp(struct position *out, const conus_scalp *scalp, const struct position_way *way);
 
 /* quantiles.c */
 /** The 97.5 % quantile of the standard normal distribution. */

@@ -69,6 +69,71 @@ def test_older_names_and_mistakes():
         assert done.returncode == 2 and message in done.stderr.decode(), words
 
 
+RADIUS = 90
+
+
+@pytest.fixture(name="ball", scope="module")
+def make_ball(tmp_path_factory):
+    """--scalp of a ball about the origin, whose landmarks are on its equator."""
+    path, rings, around = tmp_path_factory.mktemp("ball") / "ball.off", 90, 180
+    theta, phi = np.meshgrid(np.pi * np.arange(1, rings) / rings, 2 * np.pi * np.arange(around) / around, indexing="ij")
+    points = RADIUS * np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], -1).reshape(-1, 3)
+    points = np.vstack([[[0, 0, RADIUS], [0, 0, -RADIUS]], points])
+    faces = []
+    for k in range(around):
+        rows = 2 + np.arange(rings - 1) * around
+        a, b = rows + k, rows + (k + 1) % around
+        faces += [(0, a[0], b[0]), (1, b[-1], a[-1])]
+        faces += [f for i in range(rings - 2) for f in ((a[i], a[i + 1], b[i + 1]), (a[i], b[i + 1], b[i]))]
+    with path.open("w", encoding="utf-8") as file:
+        file.write(f"OFF\n{len(points)} {len(faces)} 0\n")
+        np.savetxt(file, points, "%.6f")
+        np.savetxt(file, np.hstack([np.full((len(faces), 1), 3), faces]), "%d")
+    return f"{path},nasion=0:{RADIUS}:0,inion=0:-{RADIUS}:0,lpa=-{RADIUS}:0:0,rpa={RADIUS}:0:0"
+
+
+def wanted_way(start, other, vertex, mm):
+    """On a ball a section through three points is a circle: the end of an arc of it, the shorter way towards the second."""
+    normal = np.cross(other - start, vertex - start)
+    normal /= np.linalg.norm(normal)
+    middle = (normal @ start) * normal
+    arm, to = start - middle, other - middle
+    turn = np.arctan2(normal @ np.cross(arm, to), arm @ to)  # -pi to pi: the shorter way
+    angle = np.sign(turn) * mm / np.linalg.norm(arm)
+    return middle + np.cos(angle) * arm + np.sin(angle) * np.cross(normal, arm)
+
+
+@pytest.mark.parametrize("start, other, mm", [("C3", "F3", 50), ("C3", "F3", 5), ("C3", "P3", 70), ("c4", "f4", 50), ("C3", "C4", 120),
+                                              ("Fz", "Pz", 110), ("T3", "O1", 40), ("Fp2", "F4", 33.3)])
+def test_a_way_is_an_arc_of_the_section(ball, start, other, mm):
+    at = vectors(conus.positions(start, other, "Cz", f"{start}>{other}:{mm}", scalp=ball), "")
+    np.testing.assert_allclose(at[3], wanted_way(*at[:3], mm), atol=0.1)  # facets of 3 mm: chords are 3e-4 shorter, and 0.013 mm within
+    along = vectors(conus.positions(f"{start} > {other} : {mm}", scalp=ball), "d")[0]
+    np.testing.assert_allclose(along, -at[3] / RADIUS, atol=0.03)
+
+
+def test_ways_that_are_none(ball):
+    for way, message in [("C3>Cz:5", "neither Cz"), ("C3>C3:5", "two positions"), ("T7>T8:50", "two ways around"), ("C3>F3:0", "above 0"),
+                         ("C3>F3:-5", "above 0"), ("C3>F3:500", "half of the section"), ("C3>F3", "C3>F3:50"), ("C3>F3:5 cm", "C3>F3:50"),
+                         ("C3>Foo:5", "C3>F3:50"), ("C3>F9:5", "below the ring"), ("C33>F3:5", "is no position"), ("C3>F3:nan", "above 0")]:
+        done = subprocess.run([os.environ["CONUS"], "positions", way, "--scalp", ball], capture_output=True, check=False)
+        assert done.returncode == 2 and message in done.stderr.decode(), (way, done.stderr)
+    done = subprocess.run([os.environ["CONUS"], "positions", "C3>F3:50"], capture_output=True, check=False)
+    assert done.returncode == 2 and b"--scalp" in done.stderr
+
+
+@needs_aal
+def test_a_way_is_a_place(ball, tmp_path):
+    options = ["--inward", "--scalp", ball, "--angle", "10"]
+    call_conus("query", AAL, "--origin", "C3>F3:50", *options, "-o", tmp_path / "q.tsv")
+    at = ",".join(str(x) for x in vectors(conus.positions("C3>F3:50", scalp=ball), "")[0])
+    along = ",".join(str(x) for x in vectors(conus.positions("C3>F3:50", scalp=ball), "d")[0])
+    plain = run_conus("query", AAL, "--origin", at, "--direction", along, "--angle", "10", "--format", "tsv", "-q")
+    assert (tmp_path / "q.tsv").read_text().count("\n") == len(plain) + 1
+    assert b"identical" in call_conus("verify", tmp_path / "q.tsv").stdout
+    assert "50 mm from it towards F3" in " ".join(call_conus("cite", tmp_path / "q.tsv").stdout.decode().split())
+
+
 @pytest.mark.skipif(not PUBLISHED.exists(), reason="the published positions are not here")
 def test_positions_are_the_published_ones():
     with PUBLISHED.open(encoding="utf-8") as file:

@@ -89,7 +89,12 @@ static void a_ball_has_its_positions(void **state)
 static conus_status load(void *path)
 {
     conus_scalp *scalp = NULL;
+    conus_table *way = NULL;
     conus_status status = conus_scalp_load(&scalp, path, landmarks);
+    status =
+        status ? status
+               : conus_positions(&way, (const char *const[]){"C3>F3:50"}, 1, &(conus_position_options){.scalp = scalp});
+    conus_table_destroy(way);
     conus_scalp_destroy(scalp);
     return status;
 }
