@@ -67,8 +67,9 @@ static bool read_angles(struct place *out, const struct source_keys *keys)
     out->angles = calloc(2 * out->angle_count, sizeof *out->angles);
     const size_t sliders = (size_t)counts[1];
     for (size_t i = 0; out->angles && i < out->angle_count; i++) {
-        out->angles[2 * i] = grids[0][0] + (double)(i / sliders) * grids[0][2];
-        out->angles[2 * i + 1] = grids[1][0] + (double)(i % sliders) * grids[1][2];
+        const size_t at[2] = {i / sliders, i % sliders};
+        out->angles[2 * i] = grids[0][0] + (double)at[0] * grids[0][2];
+        out->angles[2 * i + 1] = grids[1][0] + (double)at[1] * grids[1][2];
     }
     return out->angles || print_no_memory() == EXIT_DONE;
 }
