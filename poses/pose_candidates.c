@@ -31,9 +31,24 @@ static bool has_normal(double out[3], const conus_candidates *asked, size_t entr
            vec3_normalise(out, asked->normals + 3 * entry);
 }
 
+static conus_status check_angles(const conus_candidates *asked)
+{
+    bool are_finite = true;
+    for (size_t i = 0; i < 2 * asked->entry_count; i++) {
+        are_finite = are_finite && isfinite(asked->angles[i]);
+    }
+    return asked->entries || asked->normals || !asked->targets
+               ? fail(CONUS_ERROR_ARGUMENT, "angles: targets go with them, and neither entries nor normals")
+           : !are_finite ? fail(CONUS_ERROR_ARGUMENT, "angles: finite numbers are needed")
+           : asked->back > 0 && isfinite(asked->back)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "back: %g mm, allowed is a number above 0", asked->back);
+}
+
 static conus_status check(const conus_candidates *asked)
 {
-    conus_status status = check_points(asked->entries, asked->entry_count, "entry");
+    conus_status status =
+        asked->angles ? check_angles(asked) : check_points(asked->entries, asked->entry_count, "entry");
     status = status ? status : check_points(asked->targets, asked->target_count, "target");
     if (status) {
         return status;
@@ -168,6 +183,23 @@ static void write_id(char out[POSE_CANDIDATE_ID], const struct pose_candidates *
     }
 }
 
+/* Where the device is for an entry and a target. */
+static void find_entry(double out[3], const struct pose_candidates *candidates, size_t entry, const double *target)
+{
+    const conus_candidates *asked = &candidates->asked;
+    if (!asked->angles) {
+        memcpy(out, asked->entries + 3 * entry, 3 * sizeof *out);
+        return;
+    }
+    double arc = radians_from_degrees(asked->angles[2 * entry]);
+    double slider = radians_from_degrees(asked->angles[2 * entry + 1]);
+    double way[3];
+    direction_from_anatomical(way, (const double[]){sin(slider), cos(slider) * sin(arc), cos(slider) * cos(arc)},
+                              &candidates->frame);
+    (void)vec3_normalise(way, way);
+    vec3_add_scaled(out, target, asked->back, way);
+}
+
 conus_status pose_candidates_row(conus_pose_row *out, char id[POSE_CANDIDATE_ID],
                                  const struct pose_candidates *candidates, uint64_t index)
 {
@@ -178,9 +210,10 @@ conus_status pose_candidates_row(conus_pose_row *out, char id[POSE_CANDIDATE_ID]
     uint64_t targets = asked->targets ? asked->target_count : 1;
     const uint64_t numbers[4] = {pair / targets + 1, pair % targets + 1, tilt % tilts + 1,
                                  index % candidates->rolls + 1};
-    const double *entry = asked->entries + 3 * (numbers[0] - 1);
+    double entry[3];
     const double *target = asked->targets ? asked->targets + 3 * (numbers[1] - 1) : NULL;
     double inward[3];
+    find_entry(entry, candidates, (size_t)numbers[0] - 1, target);
     *out = pose_row_at((size_t)index + 1);
     out->entry = numbers[0];
     out->target = target ? numbers[1] : 0;

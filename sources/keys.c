@@ -39,6 +39,9 @@ struct source_key {
 #define ABOVE_0 "allowed is a number above 0"
 #define MOST (UINT32_MAX - 1.0) /* its successor is the number of a label */
 #define TO(high) "allowed is a number from 0 to " high
+#define A_GRID "three numbers of degrees FIRST:LAST:STEP are needed"
+#define UP_TO_180 "allowed is a number of degrees above 0, up to 180"
+#define ONE_TO_16 "allowed are whole numbers from 1 to 16"
 
 /* So many numbers; any one above 0. */
 #define NUMBERS(count) IS_NUMBERS, .least = (count), .most = (count)
@@ -130,6 +133,14 @@ static const struct source_key rows[] = {
     {KEY_ABOVE, "above", KEYS_WEIGHT, .allowed = "a weight is needed, or P% or P%area"},
     {KEY_POWER, "power", KEYS_PRIOR, NUMBERS(1), .low = 0.01, .high = 100,
      .allowed = "allowed is a number from 0.01 to 100"},
+
+    {KEY_SLIDER, "slider", KEYS_ARCS, NUMBERS(1), .high = 180, .is_above = true, .allowed = UP_TO_180},
+    {KEY_SAME, "same", KEYS_ARCS, NUMBERS(1), .high = 180, .is_above = true, .allowed = UP_TO_180},
+    {KEY_MOST, "most", KEYS_ARCS, IS_WHOLE, .least = 1, .most = 1, .low = 1, .high = 16, .allowed = ONE_TO_16},
+    {KEY_TILT_AP, "arc", KEYS_ANGLES, NUMBERS(3), .any_order = true, .low = -360, .high = 360, .allowed = A_GRID},
+    {KEY_TILT_ML, "slider", KEYS_ANGLES, NUMBERS(3), .any_order = true, .low = -360, .high = 360, .allowed = A_GRID},
+    {KEY_DEPTH, "back", KEYS_ANGLES, POSITIVE},
+    {KEY_EACH, "each", KEYS_ARCS, IS_WHOLE, .least = 1, .most = 1, .low = 1, .high = 16, .allowed = ONE_TO_16},
 };
 
 enum { ROWS = sizeof rows / sizeof rows[0], LISTED = 256 };

@@ -33,6 +33,8 @@ enum key_kind {
     KEYS_WEIGHT = 1 << 19, /**< A form of weights, or a table of them; */
     KEYS_PRIOR = 1 << 20,  /**< of priors. */
     KEYS_SCALP = 1 << 21,  /**< A scalp with its landmarks. */
+    KEYS_ARCS = 1 << 22,   /**< Degrees between the arcs of a rig. */
+    KEYS_ANGLES = 1 << 23, /**< Its angles, from which poses are tried. */
 };
 
 enum source_key_id {
@@ -96,6 +98,11 @@ enum source_key_id {
 
     KEY_ABOVE,
     KEY_POWER,
+
+    KEY_SLIDER,
+    KEY_SAME,
+    KEY_MOST,
+    KEY_EACH,
 };
 
 #define KEY_BIT(id) (UINT64_C(1) << (id))

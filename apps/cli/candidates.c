@@ -19,7 +19,9 @@ const struct option candidate_options[] = {
     {OPTION_VALUED("from", struct candidate_settings, from, "FILE,..."),
      .help = "or candidates from entries: vertices of a surface, voxels at the border of a mask, or points; keys: "
              "spacing=MM (of those nearer to each other the first), within=WHAT, without=WHAT (labels of vertices, a "
-             "mask, or a structure of the atlas), flip (normals of the surface point to the other side)",
+             "mask, or a structure of the atlas), flip (normals of the surface point to the other side); or "
+             "angles,arc=FIRST:LAST:STEP,slider=FIRST:LAST:STEP,back=MM: MM from each target at these angles of a rig, "
+             "degrees",
      .words = "entry, scalp, skull, craniotomy, grid", .common = true, .excludes = "poses", .needs = "toward|needles",
      OPTION_READING(SURFACE)},
     {OPTION_VALUED("toward", struct candidate_settings, toward, "WHAT,..."),
@@ -40,12 +42,51 @@ const struct option candidate_options[] = {
     {0},
 };
 
+/* The angles of "angles,arc=A0:A1:STEP,slider=M0:M1:STEP,back=MM": all arcs, of each all sliders. */
+static bool read_angles(struct place *out, const struct source_keys *keys)
+{
+    static const double REACHED = 1e-9; /* degrees */
+    enum { MOST = 1000000 };
+    const enum source_key_id ids[] = {KEY_TILT_AP, KEY_TILT_ML};
+    double counts[2];
+    const double *grids[2];
+    for (int i = 0; i < 2; i++) {
+        grids[i] = keys_value(keys, ids[i])->numbers;
+        counts[i] = floor((grids[i][1] - grids[i][0] + REACHED) / grids[i][2]) + 1;
+        if (!(grids[i][2] > 0 && counts[i] >= 1)) {
+            return refuse("--from angles: %s=FIRST:LAST:STEP is needed, with a STEP above 0, and FIRST not behind LAST",
+                          i ? "slider" : "arc");
+        }
+    }
+    out->back = keys_value(keys, KEY_DEPTH)->numbers[0];
+    if (!(out->back > 0) || counts[0] * counts[1] > MOST) {
+        return refuse(out->back > 0 ? "--from angles: more than 1000000 directions"
+                                    : "--from angles: back=MM is needed");
+    }
+    out->angle_count = (size_t)(counts[0] * counts[1]);
+    out->angles = calloc(2 * out->angle_count, sizeof *out->angles);
+    const size_t sliders = (size_t)counts[1];
+    for (size_t i = 0; out->angles && i < out->angle_count; i++) {
+        const size_t at[2] = {i / sliders, i % sliders};
+        out->angles[2 * i] = grids[0][0] + (double)at[0] * grids[0][2];
+        out->angles[2 * i + 1] = grids[1][0] + (double)at[1] * grids[1][2];
+    }
+    return out->angles || print_no_memory() == EXIT_DONE;
+}
+
 static bool read_place(struct place *out, const char *option, const char *value, enum key_kind kind)
 {
     struct source_keys keys;
+    static const char angles[] = "angles";
+    const size_t word = sizeof angles - 1;
+    bool has_angles = kind == KEYS_ENTRIES && strncmp(value, angles, word) == 0 && (!value[word] || value[word] == ',');
+    kind = has_angles ? KEYS_ANGLES : kind;
     out->path = strdup(value);
     if (!option_cut_keys(&keys, option, out->path, kind)) {
         return false;
+    }
+    if (has_angles) {
+        return read_angles(out, &keys);
     }
     out->apart = keys_value(&keys, KEY_SPACING)->numbers[0];
     out->within = keys_string(&keys, KEY_WITHIN);
@@ -113,6 +154,7 @@ void candidates_finish(struct candidates *candidates)
         conus_sites_destroy(place->sites);
         conus_pose_list_destroy(place->list);
         free(place->names);
+        free(place->angles);
     }
     *candidates = (struct candidates){0};
 }
@@ -344,16 +386,23 @@ int candidates_open(struct candidates *candidates, struct request *request, cons
                               .to_target = candidates->to_target,
                               .beyond = candidates->beyond,
                               .frame = &request->frame};
-    int code = candidates->from.sites ? EXIT_DONE : load_entries(&candidates->from, request);
+    const bool has_angles = candidates->from.angles;
+    int code = candidates->from.sites || has_angles ? EXIT_DONE : load_entries(&candidates->from, request);
     if (!code && !is_normal && !candidates->toward.sites) {
         code = load_targets(&candidates->toward, request, constraints);
     }
     if (code) {
         return code;
     }
-    asked.entries = conus_sites_points(candidates->from.sites);
-    asked.normals = conus_sites_normals(candidates->from.sites);
-    asked.entry_count = conus_sites_count(candidates->from.sites);
+    if (has_angles) {
+        asked.angles = candidates->from.angles;
+        asked.entry_count = candidates->from.angle_count;
+        asked.back = candidates->from.back;
+    } else {
+        asked.entries = conus_sites_points(candidates->from.sites);
+        asked.normals = conus_sites_normals(candidates->from.sites);
+        asked.entry_count = conus_sites_count(candidates->from.sites);
+    }
     if (is_normal && !asked.normals) {
         return print_usage_error("--toward normal: %s has no normals, which surfaces alone have",
                                  candidates->from.path);

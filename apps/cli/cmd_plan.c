@@ -369,7 +369,7 @@ static int check_maps(const struct planning *planning)
     }
     bool is_volume = map && (path_ends_in(map, ".nii") || path_ends_in(map, ".nii.gz"));
     bool has_voxels = conus_sites_have_voxels(from->sites);
-    if (map && (is_volume ? !has_voxels : !conus_sites_normals(from->sites))) {
+    if (map && (is_volume ? !has_voxels : from->angles || !conus_sites_normals(from->sites))) {
         return print_usage_error("--map: %s is no %s", from->path,
                                  is_volume    ? "mask"
                                  : has_voxels ? "surface: a map of voxels ends in .nii.gz"

@@ -24,7 +24,9 @@ struct place {
     char *path; /**< A file, or a word; owned, with the others behind it. */
     const char *within, *without, *of;
     bool flip;
-    double apart; /**< mm, of "spacing"; 0 = none. */
+    double apart;         /**< mm, of "spacing"; 0 = none. */
+    double *angles, back; /**< [angle_count][2] Of "angles": arc and slider, degrees; and mm. NULL = none. */
+    size_t angle_count;
     conus_sites *sites;
     conus_pose_list *list; /**< Of which they are, if of a file of points. */
     const char **names;    /**< Of the sites, as the file has them; NULL = it has none, or equal ones. */
@@ -73,7 +75,7 @@ int candidates_write(const char *path, const struct written_pose *poses, size_t 
 /** Only of several needles together; parts are read row by row. */
 struct needles_settings {
     const char *file; /**< NULL = one needle is planned. */
-    const char *given, *between, *pairs, *diverse, *candidates;
+    const char *given, *between, *pairs, *diverse, *candidates, *arcs;
     struct option_list parts;
     double entry_distance;
     uint32_t effort;

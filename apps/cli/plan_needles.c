@@ -28,6 +28,11 @@ const struct option needles_options[] = {
     {OPTION_MM("entry-distance", struct needles_settings, entry_distance),
      .help = "the positions of any two needles are so far apart at least, straight, 0 to 100", .standard = "0",
      OPTION_FROM_TO(0, 100), .words = "bolt, burr hole", .needs = "needles", .role = OPTION_PLAIN},
+    {OPTION_VALUED("arcs", struct needles_settings, arcs, "DEG,..."),
+     .help = "a rig carries the needles on arcs, at least DEG apart; keys: slider=DEG (of needles on one arc; else the "
+             "same), same=DEG (arc angles on one arc differ by no more, 0.5 unless given), most=N (arcs), each=N "
+             "(needles on one arc); needles with one text in the column arc share an arc, those with another do not",
+     .unit = "degrees", .words = "rig, manipulator, slider, probes", .needs = "needles", .role = OPTION_ASKS},
     {OPTION_VALUED("given", struct needles_settings, given, "FILE"),
      .help = "poses that are called like needles: these are where they are, the others are planned round them; with "
              "all given their plan is checked",
@@ -52,8 +57,9 @@ const struct option needles_options[] = {
 
 enum { COLUMN_LIMIT = 64, TABLE_LIMIT = 1 << 20, NEEDLE_MOST = 16, ROW_MOST = 64, FILES_MOST = 100 };
 
-/* The column that is no option: 1 where only one needle may answer the row. */
-static const struct option once_column = {.name = "once"};
+/* The columns that are no options: 1 where only one needle may answer the row; which arc its needles are on. */
+static const struct option row_columns[] = {{.name = "once"}, {.name = "arc"}};
+enum { ONCE, ARC, ROW_COLUMNS };
 
 /* A row of the table: a question. */
 struct question_row {
@@ -62,7 +68,8 @@ struct question_row {
     const char *name; /* of its needles, with commas */
     uint32_t needles; /* bits of them */
     bool once;
-    char **words; /* [word_count] Of a command line; owned, but for the atlas behind them */
+    const char *arc; /* "" = any */
+    char **words;    /* [word_count] Of a command line; owned, but for the atlas behind them */
     int word_count;
     struct arguments arguments;
     struct plan_settings settings;
@@ -147,7 +154,10 @@ static const char *question_name_at(const void *list, size_t index)
 {
     (void)list;
     const struct option *option = question_option(&index, "");
-    return option ? option->name : index == 0 ? "needle" : index == 1 ? "once" : NULL;
+    return option                 ? option->name
+           : index < ROW_COLUMNS  ? row_columns[index].name
+           : index == ROW_COLUMNS ? "needle"
+                                  : NULL;
 }
 
 /* The option that a column is called like, "reach.1" being another "reach"; NULL of the column needle. Prints an error
@@ -160,7 +170,10 @@ static bool find_column(const struct option **out, char *name, const struct plan
         *dot = '\0';
     }
     size_t all = SIZE_MAX;
-    *out = strcmp(name, "once") == 0 ? &once_column : question_option(&all, name);
+    *out = question_option(&all, name);
+    for (size_t i = 0; i < ROW_COLUMNS; i++) {
+        *out = strcmp(name, row_columns[i].name) == 0 ? &row_columns[i] : *out;
+    }
     if (*out || strcmp(name, "needle") == 0) {
         return true;
     }
@@ -231,7 +244,7 @@ static int make_words(struct question_row *row, char *const *cells, const struct
         whole = is_replaced || add_word(row, option, "", 0, all->uses[i].value);
     }
     for (size_t k = 0; k < count && whole; k++) {
-        if (columns[k] && columns[k] != &once_column && !is_empty(cells[k])) {
+        if (columns[k] && columns[k] != &row_columns[ONCE] && columns[k] != &row_columns[ARC] && !is_empty(cells[k])) {
             whole = add_word(row, columns[k], path, is_beside_table(columns[k], cells[k]) ? folder : 0, cells[k]);
         }
     }
@@ -296,6 +309,9 @@ static int parse_row(struct question_row *row)
     row->was_parsed = true;
     int code = options_parse(&row->arguments, &row->settings, all->command, NULL, count + 2, line, 0);
     code = code < 0 ? plan_parse(&row->constraints, &row->candidates, &row->settings, &row->arguments) : code;
+    if (!code && row->candidates.from.angles && row->planner->settings->needles.entry_distance > 0) {
+        code = print_usage_error("--entry-distance has no effect with --from angles, which are at no entry");
+    }
     if (!code && row->settings.request.aim.pose && poses_are_no_file(row->settings.request.aim.pose)) {
         code = print_usage_error("--poses needs a file, which is read several times");
     }
@@ -350,10 +366,14 @@ static int read_row(struct planner *planner, char *const *cells, const struct op
     }
     struct question_row *row = &planner->rows[planner->count++];
     const char *once = "";
-    *row = (struct question_row){.planner = planner, .line = line, .name = ""};
+    *row = (struct question_row){.planner = planner, .line = line, .name = "", .arc = ""};
     for (size_t i = 0; i < count; i++) {
         row->name = columns[i] ? row->name : cells[i];
-        once = columns[i] == &once_column ? cells[i] : once;
+        once = columns[i] == &row_columns[ONCE] ? cells[i] : once;
+        row->arc = columns[i] == &row_columns[ARC] && !is_empty(cells[i]) ? cells[i] : row->arc;
+    }
+    if (*row->arc && !planner->settings->needles.arcs) {
+        return print_usage_error("%s: line %zu: arc %s has no effect without --arcs", path, line, row->arc);
     }
     row->once = strcmp(once, "1") == 0;
     if (!row->once && !is_empty(once) && strcmp(once, "0") != 0) {
@@ -390,7 +410,7 @@ static int read_table(struct planner *planner)
     const struct option *columns[COLUMN_LIMIT] = {0};
     size_t count = 0;
     size_t names = 0;
-    size_t onces = 0;
+    size_t of_rows[ROW_COLUMNS] = {0};
     char separator = '\t';
     for (size_t number = 1; text_line(&rest, &line) && !code; number++) {
         char *cells[COLUMN_LIMIT];
@@ -413,12 +433,15 @@ static int read_table(struct planner *planner)
         for (size_t i = 0; i < found && !count && !code; i++) {
             code = find_column(&columns[i], cells[i], planner) ? EXIT_DONE : EXIT_USAGE;
             names += !columns[i];
-            onces += columns[i] == &once_column;
+            for (size_t k = 0; k < ROW_COLUMNS; k++) {
+                of_rows[k] += columns[i] == &row_columns[k];
+            }
         }
-        if (!code && (names != 1 || onces > 1)) {
-            return print_usage_error(!names      ? "%s: no column needle"
-                                     : names > 1 ? "%s: two columns needle"
-                                                 : "%s: two columns once",
+        if (!code && (names != 1 || of_rows[ONCE] > 1 || of_rows[ARC] > 1)) {
+            return print_usage_error(!names              ? "%s: no column needle"
+                                     : names > 1         ? "%s: two columns needle"
+                                     : of_rows[ONCE] > 1 ? "%s: two columns once"
+                                                         : "%s: two columns arc",
                                      path);
         }
         code = code || !count ? code : read_row(planner, cells, columns, count, number);
@@ -445,6 +468,32 @@ static bool read_between(conus_together_options *out, const char *text)
     }
     return (out->between >= 0 && out->between <= 100 && out->parts >= 0 && out->parts <= 100) ||
            refuse("--between: %s: allowed are 0 to 100 mm", text);
+}
+
+/* DEG[,slider=DEG][,same=DEG][,most=N][,each=N] */
+static bool read_arcs(conus_together_options *out, const char *text)
+{
+    struct source_keys keys;
+    char *copy = text ? strdup(text) : NULL;
+    if (!text || !copy || !option_cut_keys(&keys, "arcs", copy, KEYS_ARCS)) {
+        free(copy);
+        return !text;
+    }
+    double *const numbers[] = {&out->slider, &out->same};
+    uint64_t *const counts[] = {&out->arcs_most, &out->arcs_each};
+    for (int i = 0; i < 2; i++) {
+        const struct key_value *number = keys_value(&keys, KEY_SLIDER + i);
+        const struct key_value *count = keys_value(&keys, KEY_MOST + i);
+        *numbers[i] = number->numbers[0];
+        *counts[i] = (uint64_t)count->numbers[0];
+    }
+    bool is_fine = number_parse(copy, &out->arcs) && out->arcs > 0 && out->arcs <= 180;
+    free(copy);
+    double same = out->same > 0 ? out->same : 0.5;
+    return !is_fine ? refuse("--arcs: \"%s\": the degrees between two arcs are to be above 0, up to 180", text)
+                    : 2 * same + 1e-6 < out->arcs ||
+                          refuse("--arcs: same: %g degrees, allowed is less than half of the %g between two arcs", same,
+                                 out->arcs);
 }
 
 /* MM[,COUNT], and how many combinations. */
@@ -678,6 +727,7 @@ static int search(struct planner *planner)
                                         .close = close_candidates,
                                         .user = row,
                                         .parts = row->parts,
+                                        .arc = row->arc,
                                         .part_count = row->settings.needles.parts.count};
     }
     int code = planner->options.differ <= planner->name_count
@@ -783,7 +833,21 @@ static int say_conflict(const struct planner *planner)
         snprintf(why + size, sizeof why - size, "%s entries %.9g of %.9g mm apart", size ? ", or" : ":",
                  conflict->entry_distance, planner->options.entry_distance);
     }
-    if (!*why && conflict->count > 1) {
+    const struct {
+        const char *what;
+        uint64_t found, asked;
+    } limits[] = {{"arcs", conflict->arcs_most, planner->options.arcs_most},
+                  {"needles on an arc", conflict->arcs_each, planner->options.arcs_each}};
+    for (size_t i = 0; i < 2; i++) {
+        if (limits[i].found) {
+            size = strlen(why);
+            snprintf(why + size, sizeof why - size, "%s %llu %s are needed, %llu allowed", size ? ", or" : ":",
+                     (unsigned long long)limits[i].found, limits[i].what, (unsigned long long)limits[i].asked);
+        }
+    }
+    if (!*why && conflict->by_arcs) {
+        snprintf(why, sizeof why, ": on so few arcs, with so few on each; no other limit of one alone was found to do");
+    } else if (!*why && conflict->count > 1) {
         snprintf(why, sizeof why, ": neither another margin of shafts nor another distance of entries alone would do");
     }
     print_error_line("%s%sno combination%s", names, *names ? ": " : "", why);
@@ -948,7 +1012,8 @@ int plan_needles(const struct plan_settings *settings, const struct arguments *a
                                  .effort = !option_given(arguments, "effort") ? 0
                                            : settings->needles.effort ? UINT64_C(1000000) * settings->needles.effort
                                                                       : UINT64_MAX};
-    bool fits = read_between(&planner->options, settings->needles.between) && read_list(&planner->options, settings) &&
+    bool fits = read_between(&planner->options, settings->needles.between) &&
+                read_arcs(&planner->options, settings->needles.arcs) && read_list(&planner->options, settings) &&
                 space_settings_check(arguments, &settings->request.aim.space);
     int code = fits ? read_table(planner) : EXIT_USAGE;
     code = code ? code : request_init(&planner->request, &settings->request, arguments);

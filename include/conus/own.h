@@ -390,6 +390,7 @@ typedef struct conus_answered {
     const size_t *needles;   /**< [needle_count] Indices of those that may. */
     size_t needle_count;     /**< At least 1. */
     bool once;               /**< At most one does. */
+    const char *arc;         /**< NULL = any. */
     const conus_plan *plan;  /**< Its constraints, and its candidates (conus_plan_left()). */
     double radius;           /**< Of shafts, mm. */
     const double *shanks;    /**< [shank_count][2] As of conus_plan_options, also of one on the axis. */

@@ -366,7 +366,7 @@ CONUS_API void conus_sites_destroy(conus_sites *sites);
 /** Where needles enter, where they point, and how far they are tilted. */
 typedef struct conus_candidates {
     size_t struct_size;    /**< Its size, as #CONUS_CANDIDATES_INIT sets it; 0 = that of this version. */
-    const double *entries; /**< [entry_count][3] Where the device is, world mm. */
+    const double *entries; /**< [entry_count][3] Where the device is, world mm. NULL with angles. */
     const double *normals; /**< [entry_count][3] Outward at each entry, of any length but 0; NaN where there is none.
                               NULL = there are none. */
     size_t entry_count;    /**< At least 1. */
@@ -386,6 +386,9 @@ typedef struct conus_candidates {
                                         or only targets have names with a "-", which ids have between them. */
     const char *const *target_names; /**< [target_count] What the targets are called in ids, in place of tJ, as
                                         entry_names; NULL = they have no names. */
+    const double *angles; /**< [entry_count][2] In place of entries: arc and slider angle of a rig, degrees, in the axes
+                             of @p frame (Eq. 26). The device is @p back from each target on that way out. */
+    double back;          /**< mm, above 0. */
 } conus_candidates;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -439,6 +442,8 @@ typedef struct conus_question {
     void *user;                                                /**< Passed to both. */
     const conus_part *parts;                                   /**< [part_count] */
     size_t part_count;                                         /**< Up to 64. */
+    const char *arc; /**< Needles of questions with the same text share an arc, those of others do not; NULL or "": with
+                        any. Has an effect with conus_together_options.arcs alone. */
 } conus_question;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -460,6 +465,13 @@ typedef struct conus_together_options {
     uint64_t differ;         /**< In so many needles at least, up to all of them; 0 = 1. */
     conus_progress progress; /**< Is told how many candidates were tried; false ends the run. NULL = no callback. */
     void *progress_user;     /**< Passed to @p progress. */
+    double arcs;   /**< A rig carries the needles on arcs, whose angles differ by so many degrees at least, up to
+                      180 (Eq. 26), in the axes of the selectors' frame; 0 = it does not. */
+    double slider; /**< Slider angles of needles on one arc differ by so many degrees at least, up to 180; 0 =
+                      as @p arcs. */
+    double same;   /**< Arc angles of needles on one arc differ by no more, below half of @p arcs; 0 = 0.5 degrees. */
+    uint64_t arcs_most; /**< Up to so many arcs; 0 = any number. */
+    uint64_t arcs_each; /**< Up to so many needles on one arc, likewise. */
 } conus_together_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -496,6 +508,8 @@ typedef struct conus_placed {
     double largest;             /**< The largest leeway of its candidates, mm; NaN without one. */
     double cut; /**< Candidates with less are in no combination that is as good as the last one that is listed, and in
                    none at all after a conus_combination.last, mm; NaN likewise. */
+    uint64_t above; /**< So many of its candidates are not below the cut; of lists that are not known whole, of those
+                       that are known. */
 } conus_placed;
 
 /** Why there is no combination: the smallest set of needles that has none; of these the first (Eq. 28). */
@@ -505,6 +519,10 @@ typedef struct conus_conflict {
     double between; /**< mm: each margin of shafts below this has a combination of them, all else being as it is; NaN
                        where none has, and where that is not known. */
     double entry_distance; /**< mm: this distance of entries has one, likewise. */
+    bool by_arcs;          /**< Only the limits of arcs are in the way. Then: */
+    uint64_t arcs_most;    /**< so many arcs are needed at least, all else being as it is; 0 where no number does, and
+                              where    that is not known, */
+    uint64_t arcs_each;    /**< and likewise needles on one arc. */
 } conus_conflict;
 
 /** Plans needles together: has the candidates of each listed, finds the best combinations, and proves them.
@@ -544,8 +562,8 @@ CONUS_API const conus_conflict *conus_together_conflict(const conus_together *to
 
 /** Makes a table of all pairs of the combinations: how near the needles come to each other, and where.
  * @param[out] out A row for each two needles: combination, needle, other, slack_mm, leeway_mm, distance_mm, body,
- * other_body, x, y, z, other_x, other_y, other_z, entry_distance_mm; without a combination no row. End it with
- * conus_table_destroy().
+ * other_body, x, y, z, other_x, other_y, other_z, entry_distance_mm, arc_deg, slider_deg; without a combination no
+ * row. End it with conus_table_destroy().
  * @param together The answer.
  * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected. */
 CONUS_CHECKED conus_status conus_together_pairs(conus_table **out, const conus_together *together);

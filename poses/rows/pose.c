@@ -147,16 +147,39 @@ conus_status conus_pose_toward(conus_pose *out, const double origin[3], const do
     return conus_pose_along(out, origin, d, up);
 }
 
+void direction_from_anatomical(double out[3], const double d[3], const conus_frame *frame)
+{
+    const double as_given[3] = {d[0], d[1], d[2]};
+    if (frame->space == CONUS_SPACE_CCF) {
+        conus_frame_direction_to_world(out, frame, (const double[]){-d[1], -d[2], d[0]});
+    } else if (frame->space == CONUS_SPACE_BREGMA) {
+        conus_frame_direction_to_world(out, frame, (const double[]){d[1], d[0], d[2]});
+    } else {
+        memcpy(out, as_given, sizeof as_given);
+    }
+}
+
+void direction_to_anatomical(double out[3], const double world[3], const conus_frame *frame)
+{
+    const double as_given[3] = {world[0], world[1], world[2]};
+    double d[3];
+    if (frame->space < CONUS_SPACE_CCF) {
+        memcpy(out, as_given, sizeof as_given);
+        return;
+    }
+    conus_frame_direction_from_world(d, frame, world);
+    bool is_ccf = frame->space == CONUS_SPACE_CCF;
+    out[0] = is_ccf ? d[2] : d[1];
+    out[1] = is_ccf ? -d[0] : d[0];
+    out[2] = is_ccf ? -d[1] : d[2];
+}
+
 /* At `origin`, along a direction in (right, anterior, up) as the space of `frame` has these. */
 static conus_status make_anatomical(conus_pose *out, const double origin[3], const double d[3],
                                     const conus_frame *frame)
 {
-    double along[3] = {d[0], d[1], d[2]};
-    if (frame->space == CONUS_SPACE_CCF) {
-        conus_frame_direction_to_world(along, frame, (const double[]){-d[1], -d[2], d[0]});
-    } else if (frame->space == CONUS_SPACE_BREGMA) {
-        conus_frame_direction_to_world(along, frame, (const double[]){d[1], d[0], d[2]});
-    }
+    double along[3];
+    direction_from_anatomical(along, d, frame);
     conus_status status = conus_pose_along(out, origin, along, NULL);
     if (!status) {
         conus_frame_turn_pose(out, frame, false);

@@ -86,6 +86,12 @@ conus_status pose_row_toward(conus_pose_row *row, const double origin[3], const 
  * file ends at the target begins where they say, or at the device. */
 void pose_row_end(conus_pose_row *row, const conus_pose_options *options);
 
+/** A direction in (right, anterior, up), as the space of @p frame has these, in the world; of any length. */
+void direction_from_anatomical(double out[3], const double d[3], const conus_frame *frame);
+
+/** The other way; may be of another length. */
+void direction_to_anatomical(double out[3], const double world[3], const conus_frame *frame);
+
 /** Eq. 24: a device at @p origin, world mm, whose tip leans by @p tilt_ml to the side and by @p tilt_ap to the front of
  * straight down, radians, each as seen along the other axis. Sides and axes are those of @p frame's space: the midline
  * is x = 0, or bregma's. CONUS_ERROR_ARGUMENT for an angle of 90 degrees or more, and for a tilt to the side of a

@@ -37,6 +37,7 @@ from ._program import Difference, SourceFile, Verification, cite, page, verify
 from ._run import OUT, calibrate, positions, run
 from ._space import Place
 from ._table import Table
+from ._together import Together
 from ._track import Tracker
 from ._tracts import Tractogram, is_tractogram
 
@@ -44,7 +45,7 @@ __version__ = _ffi.string(_lib.conus_version()).decode()
 __all__ = [
     "Answers", "ArgumentError", "Atlas", "CancelledError", "Connectivity", "Contacts", "DataError", "Difference", "Error", "FileError",
     "GLError", "Hit", "InstalledAtlas", "OUT", "OutOfMemoryError", "Picture", "Place", "Placement", "Plan", "PoseWarning", "Poses", "Probe", "Renderer",
-    "Selection", "Selector", "SourceFile", "Step", "Table", "Tables", "Track", "Tracker", "Tractogram",
+    "Selection", "Selector", "SourceFile", "Step", "Table", "Tables", "Together", "Track", "Tracker", "Tractogram",
     "UnsupportedError", "Verification", "atlases", "brain_areas", "calibrate", "cite", "errors", "is_tractogram", "load", "page", "pose_formats", "positions", "read_poses", "read_probe",
     "run", "transfer_presets", "verify",
 ]

@@ -6,14 +6,14 @@ import hashlib
 import math
 import os
 import threading
-from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, NamedTuple, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, ContextManager, Iterable, Mapping, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
 
 from ._answers import Answers, Array, Objects, Selection, Track, kind_word
 from ._axis import Tables
 from ._callback import Callback, load_progress, receive
-from ._candidates import candidates_stream, depth_of
+from ._candidates import candidates_of, depth_of
 from ._connectivity import Connectivity, radius_of
 from ._conus import ffi, lib
 from ._library import (
@@ -46,11 +46,12 @@ from ._library import (
 from ._picture import GLOwner, Picture, Renderer, rgb_of
 from ._pose_file import Poses
 from ._poses import Aims, PoseArray, notes_of, pose_of, rows_of, warn
-from ._plan import Plan, constraints_of, error_of, plan_of, stream_of
+from ._plan import Constraints, Plan, constraints_of, error_of, plan_of, stream_of
 from ._probe import Contacts, Probe, poses_of_probe
 from ._progress import LoadProgress, Progress, telling
 from ._space import Place, frame_of, place_of, space_of
 from ._table import Table, ask_table
+from ._together import Together, together_of
 from ._track import Tracker, follow
 from ._tracts import SPACES, Tractogram, moves, options_of, polylines_of, tractograms_of
 
@@ -1082,19 +1083,26 @@ class Selector(Guarded):
         """
         sources: Optional[dict[str, Array]] = {} if flag("maps", maps) else None
         constraints = constraints_of(reach, avoid, length, lean, apart, first, entry_angle, contacts)
-        errors: Mapping[int, str] = {}
-        if entries is None:
-            if targets is not None or tilt is not None or roll is not None or maps:
-                raise ArgumentError("targets, tilt, roll and maps have no effect without entries")
-            array = self._poses(origins, directions, poses, None, None)
-            stream, far, errors = stream_of(array, poses, near, depth), None, array.reasons
-        else:
-            if targets is None or not all(given is None for given in (poses, origins, directions, near)):
-                raise ArgumentError("entries: targets go with them, and no poses, origins, directions or near")
-            far, beyond = depth_of(depth)
-            stream = candidates_stream(self, entries, targets, tilt, roll, beyond, constraints.reached(), sources)
+        stream, far, errors = self._candidates(constraints, sources, poses, origins, directions, entries, targets, tilt,
+                                               roll, near, depth)
         return plan_of(self, constraints, stream, errors, far, infeasible, top, threads, angle, shanks,
                        (rank, score), jitter, samples, sources)
+
+    def _candidates(
+        self, constraints: Constraints, sources: Optional[dict[str, Array]], poses: Any = None, origins: Any = None,
+        directions: Any = None, entries: Any = None, targets: Any = None, tilt: Any = None, roll: Any = None,
+        near: Any = None, depth: Any = None,
+    ) -> tuple[Callable[[], ContextManager[Any]], Optional[float], Mapping[int, str]]:
+        """What opens the candidates of :meth:`plan`, the far end of all of them, and why some are none."""
+        if entries is None:
+            if targets is not None or tilt is not None or roll is not None or sources is not None:
+                raise ArgumentError("targets, tilt, roll and maps have no effect without entries")
+            array = self._poses(origins, directions, poses, None, None)
+            return lambda: stream_of(array, poses, near, depth), None, array.reasons
+        if targets is None or not all(given is None for given in (poses, origins, directions, near)):
+            raise ArgumentError("entries: targets go with them, and no poses, origins, directions or near")
+        far, beyond = depth_of(depth)
+        return candidates_of(self, entries, targets, tilt, roll, beyond, constraints.reached(), sources), far, {}
 
     def tolerance(self, reach: Any = (), avoid: Any = (), *, pivot: Any = "entry", **options: Any) -> pandas.DataFrame:
         """By how much needles may be off before a constraint breaks: :meth:`Plan.tolerance` of all given poses.
@@ -1701,6 +1709,44 @@ class Atlas:
         selector = self._selector({"radius": radius, "range": range, "space": space, "bregma": bregma, "layers": layers,
                                    "resolution": resolution})
         return selector.plan(reach, avoid, **options)
+
+    def plan_together(
+        self, needles: Mapping[str, Any], *, between: Any = 0, entry_distance: float = 0, arcs: Any = None,
+        given: Optional[Poses] = None, top: int = 1, diverse: Any = None, effort: Optional[float] = None,
+        threads: Optional[int] = None, **of_all: Any,
+    ) -> Together:
+        """Plans 1 to 16 needles jointly, and proves that no combination is better: ``conus plan --needles``.
+
+        Parameters
+        ----------
+        needles
+            What each is asked: {"A": {"reach": {"Amygdala_L": 6}}, "B": ...}, with the arguments of :meth:`plan` that
+            are about one needle. A list of such mappings are alternatives; "P1,P2" are needles that may each answer.
+            Further keys: once (only one needle answers), arc (needles with equal text share an arc, with other text do
+            not), parts ([(radius, low, high[, x, y][, "tip"])], mm).
+        between
+            Surfaces of any two needles are farther apart, mm; or (of shafts, of parts).
+        entry_distance
+            Positions of any two devices are so far apart at least, mm.
+        arcs
+            Degrees between the arcs of a rig; or {"spacing": 16, "slider": 10, "same": 0.5, "most": 3, "each": 4}.
+        given
+            Poses of a file that are called like needles, which stay there.
+        top, diverse
+            Combinations to list, and by how many mm each differs from those before it; or (mm, needles).
+        effort
+            The search ends after so many million steps; None = 100.
+        threads
+            None = as many as processors.
+        of_all
+            Arguments of all needles, where they have none of their own.
+
+        Raises
+        ------
+        ArgumentError
+            For names that are unknown, numbers out of their ranges, and a needle without any candidate.
+        """
+        return together_of(self, needles, between, entry_distance, arcs, given, top, diverse, effort, threads, of_all)
 
     def tolerance(self, reach: Any = (), avoid: Any = (), *, pivot: Any = "entry", **options: Any) -> pandas.DataFrame:
         """By how much needles may be off before a constraint breaks: see :meth:`Selector.tolerance`."""

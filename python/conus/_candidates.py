@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from typing import TYPE_CHECKING, Any, Iterator, Optional
+from typing import TYPE_CHECKING, Any, Callable, ContextManager, Iterator, Optional
 
 import numpy as np
 
@@ -113,16 +113,18 @@ def depth_of(depth: Any) -> tuple[Optional[float], Optional[float]]:
     raise ArgumentError(f"depth: {shown(depth)}, wanted is a number or target[+MM]")
 
 
-@contextlib.contextmanager
-def candidates_stream(selector: Selector, entries: Any, targets: Any, tilt: Any, roll: Any,
-                      beyond: Optional[float], reached: Any, sources: Optional[dict[str, Array]]) -> Iterator[Any]:
-    """A conus_pose_stream of all needles from the entries to the targets; ``sources`` gets the numbers of these."""
+def candidates_of(selector: Selector, entries: Any, targets: Any, tilt: Any, roll: Any, beyond: Optional[float],
+                  reached: Any, sources: Optional[dict[str, Array]]) -> Callable[[], ContextManager[Any]]:
+    """Opens a conus_pose_stream of all needles from the entries to the targets, each time that it is called.
+
+    ``sources`` gets the numbers of both.
+    """
     places = _entries(selector, entries), _targets(selector, targets, reached)
     if sources is not None:
         for of, sites in zip(("entries", "targets"), places):
             count = lib.conus_sites_count(sites)
             sources[of] = np.array([lib.conus_sites_source(sites, i) for i in range(count)], np.uint64)
-    asked, out = ffi.new("conus_candidates *"), ffi.new("conus_pose_stream **")
+    asked = ffi.new("conus_candidates *")
     asked.entries, asked.normals = lib.conus_sites_points(places[0]), lib.conus_sites_normals(places[0])
     asked.entry_count = lib.conus_sites_count(places[0])
     if places[1]:
@@ -132,5 +134,11 @@ def candidates_stream(selector: Selector, entries: Any, targets: Any, tilt: Any,
     asked.roll_step = 0 if roll is None else real("roll", roll)
     asked.to_target, asked.beyond = beyond is not None, beyond or 0
     asked.frame = selector.space._frame if selector.space else ffi.NULL
-    check(lib.conus_candidates_open(out, asked))
-    yield owned(out[0], lib.conus_pose_stream_destroy, *places)
+
+    @contextlib.contextmanager
+    def stream() -> Iterator[Any]:
+        out = ffi.new("conus_pose_stream **")
+        check(lib.conus_candidates_open(out, asked))
+        yield owned(out[0], lib.conus_pose_stream_destroy, *places)
+
+    return stream

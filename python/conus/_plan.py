@@ -7,7 +7,7 @@ import io
 import math
 import os
 import tempfile
-from typing import TYPE_CHECKING, Any, ContextManager, Iterator, Mapping, Optional, Sequence
+from typing import TYPE_CHECKING, Any, Callable, ContextManager, Iterator, Mapping, Optional, Sequence
 
 import numpy as np
 
@@ -207,6 +207,31 @@ def stream_of(array: PoseArray, poses: Any, near: Any, far: Any) -> Iterator[Any
         yield owned(out[0], lib.conus_pose_stream_destroy)
 
 
+_TEXTS = ("query", "name", "broken", "leeway_of", "clearance_of", "breaks", "needle", "all_leeway_of")
+
+
+def report_text(selector: Selector, rows: str, form: str, add: Any, made: Any, *more: Any) -> str:
+    """The text of a report of ``made``, which ``add`` adds to it."""
+    options, out = ffi.new("conus_report_options *"), ffi.new("conus_report **")
+    text_out, size = ffi.new("char **"), ffi.new("size_t *")
+    options.rows = getattr(lib, f"CONUS_ROWS_{rows}")
+    options.format = getattr(lib, f"CONUS_FORMAT_{form}")
+    options.frame = selector.space._frame if selector.space else ffi.NULL
+    selector._call(lib.conus_report_create, out, selector._p, options)
+    report = owned(out[0], lib.conus_report_destroy, made)
+    selector._call(add, report, made, *more)
+    check(lib.conus_report_text(text_out, size, report))
+    return bytes(ffi.buffer(text_out[0], size[0])).decode()
+
+
+def frame_of_rows(table: str) -> pandas.DataFrame:
+    """The rows of a report's TSV."""
+    import pandas
+
+    return pandas.read_csv(io.StringIO(table), sep="\t", na_values="n/a", keep_default_na=False,
+                           dtype={name: str for name in _TEXTS}, quoting=3)
+
+
 _MAPS = ("leeway_mm", "slack_mm", "depth_mm", "entry_angle_deg", "reach1", "feasible", "candidate")
 
 
@@ -247,34 +272,13 @@ class Plan(Bound):
     def _list(self, what: str) -> Table:
         return ask_table(lib.conus_plan_list, self._p, utf8("what", what))
 
-    def _report(self, rows: str, form: str, step: Any) -> Any:
-        options, out = ffi.new("conus_report_options *"), ffi.new("conus_report **")
-        options.rows = getattr(lib, f"CONUS_ROWS_{rows}")
-        options.format = getattr(lib, f"CONUS_FORMAT_{form}")
-        space = self._selector.space
-        options.frame = space._frame if space else ffi.NULL
-        self._selector._call(lib.conus_report_create, out, self._selector._p, options)
-        report = owned(out[0], lib.conus_report_destroy, self._p)
-        if step is None:
-            self._selector._call(lib.conus_report_add_plan, report, self._p)
-        elif rows == "TOLERANCE":
-            self._selector._call(lib.conus_report_add_tolerance, report, self._p, step)
-        else:
-            self._selector._call(lib.conus_report_add_profile, report, self._p, step)
-        return report
-
     def _text(self, rows: str, form: str, step: Any = None) -> str:
-        out, size = ffi.new("char **"), ffi.new("size_t *")
-        report = self._report(rows, form, step)
-        check(lib.conus_report_text(out, size, report))
-        return bytes(ffi.buffer(out[0], size[0])).decode()
+        add = "plan" if step is None else rows.lower()
+        return report_text(self._selector, rows, form, getattr(lib, f"conus_report_add_{add}"), self._p,
+                           *(() if step is None else (step,)))
 
     def _table(self, rows: str, step: Any = None) -> pandas.DataFrame:
-        import pandas
-
-        names = {name: str for name in ("query", "name", "broken", "leeway_of", "clearance_of", "breaks")}
-        table = io.StringIO(self._text(rows, "TSV", step))
-        return pandas.read_csv(table, sep="\t", na_values="n/a", keep_default_na=False, dtype=names, quoting=3)
+        return frame_of_rows(self._text(rows, "TSV", step))
 
     def to_dataframe(self) -> pandas.DataFrame:
         """The rows of ``conus plan``, under the names of their columns."""
@@ -348,19 +352,10 @@ class Plan(Bound):
         return str(self.to_dataframe()._repr_html_())
 
 
-def plan_of(
-    selector: Selector, constraints: Constraints, stream: ContextManager[Any], errors: Mapping[int, str],
-    far: Optional[float], infeasible: bool, top: Optional[int], threads: Optional[int], angle: Any, shanks: Any,
-    words: Sequence[Optional[str]], jitter: Any, samples: int, sources: Optional[Mapping[str, Array]],
-) -> Plan:
-    """What :meth:`Selector.plan` gives; ``words`` are rank and score, ``sources`` what has maps.
-
-    The stream is what fills ``sources``.
-    """
-    options, out = ffi.new("conus_plan_options *"), ffi.new("conus_plan **")
+def needle_of(far: Optional[float], threads: Optional[int], angle: Any, shanks: Any) -> tuple[Any, Any]:
+    """The conus_plan_options of a needle, and the array that must live as long."""
+    options, places = ffi.new("conus_plan_options *"), None
     options.threads = 0 if threads is None else whole("threads", threads)
-    options.top = 2**64 - 1 if top is None else whole("top", top, 1, 2**64 - 1)
-    options.infeasible = flag("infeasible", infeasible)
     options.far = 0 if far is None else far
     options.angle = 0 if angle is None else real("angle", angle)
     if shanks is not None:
@@ -368,12 +363,25 @@ def plan_of(
         if places.ndim != 2 or places.shape[1] != 2:
             raise ArgumentError(f"shanks: an array of shape {places.shape}, wanted is (n, 2)")
         options.shanks, options.shank_count = ffi.from_buffer("double[]", places), len(places)
+    return options, places
+
+
+def plan_of(
+    selector: Selector, constraints: Constraints, stream: Callable[[], ContextManager[Any]], errors: Mapping[int, str],
+    far: Optional[float], infeasible: bool, top: Optional[int], threads: Optional[int], angle: Any, shanks: Any,
+    words: Sequence[Optional[str]], jitter: Any, samples: int, sources: Optional[Mapping[str, Array]],
+) -> Plan:
+    """What :meth:`Selector.plan` gives; ``words`` are rank and score, ``sources`` what has maps."""
+    options, places = needle_of(far, threads, angle, shanks)
+    out = ffi.new("conus_plan **")
+    options.top = 2**64 - 1 if top is None else whole("top", top, 1, 2**64 - 1)
+    options.infeasible = flag("infeasible", infeasible)
     texts = [optional(utf8, name, word) for name, word in zip(("rank", "score"), words)]
     options.rank, options.score = texts
     errors_of_pose = _jitter_of(jitter, samples)
     options.jitter = errors_of_pose
     rows = constraints.array()
-    with stream as poses:
+    with stream() as poses:
         if sources is not None:
             options.entries, options.targets = len(sources["entries"]), len(sources["targets"])
         selector._call(lib.conus_plan_create, out, selector._p, rows, len(constraints.rows), options)

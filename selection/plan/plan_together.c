@@ -28,6 +28,7 @@ static const int64_t HIGHEST = 1000000000000000;
 /* A question, and those of its candidates that are known. */
 struct question_of {
     conus_question asked; /* what it points to is the caller's, until conus_plan_together() returns */
+    char *arc;            /* NULL = any */
     struct bodies bodies;
     bool has_leeway;
     bool is_asked; /* a needle that is not given may answer it */
@@ -118,13 +119,40 @@ static conus_status check_list(conus_together *together)
     return together->entries && together->listed ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
+/* Fills in the defaults. Being on one arc is an equivalence, however little angles are off. */
+static conus_status check_arcs(struct arcs *out, conus_together_options *options)
+{
+    static const double SAME = 0.5, DEGREES = 180, SLACK = 1e-6;
+    bool has_other = options->slider > 0 || options->same > 0 || options->arcs_most || options->arcs_each;
+    if (!options->arcs && has_other) {
+        return fail(CONUS_ERROR_ARGUMENT, "arcs: slider, same, arcs_most and arcs_each have no effect without them");
+    }
+    options->slider = options->slider ? options->slider : options->arcs;
+    options->same = options->same || !options->arcs ? options->same : SAME;
+    if (!(options->arcs >= 0 && options->arcs <= DEGREES && options->slider >= 0 && options->slider <= DEGREES &&
+          options->same >= 0)) {
+        return fail(CONUS_ERROR_ARGUMENT, "arcs: %g degrees, slider %g, same %g, allowed are 0 to %g", options->arcs,
+                    options->slider, options->same, DEGREES);
+    }
+    if (options->arcs > 0 && !(2 * options->same + SLACK < options->arcs)) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "arcs: same: %g degrees, allowed is less than half of the %g between two arcs", options->same,
+                    options->arcs);
+    }
+    *out = (struct arcs){options->arcs, options->slider, options->same, (size_t)options->arcs_most,
+                         (size_t)options->arcs_each};
+    return CONUS_OK;
+}
+
 static conus_status check_options(conus_together *together, const conus_together_options *asked)
 {
     together->options = *options_of(conus_together_options, asked);
     conus_together_options *options = &together->options;
     options->effort = options->effort ? options->effort : EFFORT;
-    together->test.margins = (struct margins){options->between, options->parts, options->entry_distance};
-    conus_status status = check_margin("between", options->between);
+    together->test.margins =
+        (struct margins){.between = options->between, .parts = options->parts, .entries = options->entry_distance};
+    conus_status status = check_arcs(&together->test.margins.arcs, options);
+    status = status ? status : check_margin("between", options->between);
     status = status ? status : check_margin("parts", options->parts);
     status = status ? status : check_margin("entry_distance", options->entry_distance);
     return status ? status : check_margin("diverse", options->diverse);
@@ -429,14 +457,31 @@ static conus_status name_needles(conus_together *together, size_t index)
     return status;
 }
 
+/* The number of a question's arc: equal texts have the same one, 0 = any. */
+static size_t arc_of(const conus_together *together, const char *arc)
+{
+    size_t number = 0;
+    if (arc && *arc) {
+        while (number < together->question_count &&
+               !(together->questions[number].arc && strcmp(together->questions[number].arc, arc) == 0)) {
+            number++;
+        }
+        number++;
+    }
+    return number;
+}
+
 static conus_status init_question(conus_together *together, const conus_question *asked)
 {
     struct question_of *out = &together->questions[together->question_count];
     const conus_plan_options options = *options_of(conus_plan_options, asked->options);
     out->asked = *asked;
     out->asked.needles = asked->needles ? asked->needles : "";
+    const size_t arc = arc_of(together, asked->arc);
     conus_status status = name_needles(together, together->question_count);
+    out->arc = arc ? memory_text(asked->arc, strlen(asked->arc)) : NULL;
     together->question_count++;
+    status = status || out->arc || !arc ? status : CONUS_ERROR_MEMORY;
     if (status) {
         return status;
     }
@@ -444,6 +489,8 @@ static conus_status init_question(conus_together *together, const conus_question
     status = status ? status
                     : bodies_init(&out->bodies, asked->selector->options.radius, options.shanks, options.shank_count,
                                   asked->parts, asked->part_count);
+    out->bodies.frame = &asked->selector->frame;
+    out->bodies.arc = arc;
     status = status ? status : create_plan(out, together);
     return status == CONUS_ERROR_ARGUMENT ? fail_in(status, out->asked.needles) : status;
 }
@@ -706,7 +753,8 @@ static uint32_t set_of(uint32_t number, size_t count)
 }
 
 /* Finds the smallest set of needles without a combination, 0 where that is not known, of a whole that has none. */
-static conus_status find_conflict(uint32_t *out, struct search *search, const conus_together *together)
+static conus_status find_conflict(uint32_t *out, struct search *search, const conus_together *together,
+                                  const struct pair_test *test)
 {
     const uint32_t all = (1U << together->count) - 1;
     bool is_known = true;
@@ -717,7 +765,7 @@ static conus_status find_conflict(uint32_t *out, struct search *search, const co
             uint32_t set = set_of(number, together->count);
             struct search_answer answer = {0};
             if (bits_of(set) == size) {
-                status = joint_any(&answer, search, set, &together->test);
+                status = joint_any(&answer, search, set, test);
                 *out = !answer.found && answer.most < 0 ? set : 0;
                 is_known = answer.found || *out;
             }
@@ -738,22 +786,62 @@ static conus_status find_limit(double *out, struct search *search, uint32_t set,
     return status;
 }
 
+/* The least number of arcs, or of needles on each, from which on there is a combination; 0 where there is none, and
+ * where that is not known. `limit` is that of `test`, which is changed. */
+static conus_status find_arcs(uint64_t *out, struct search *search, struct pair_test *test, size_t *limit, size_t count)
+{
+    conus_status status = CONUS_OK;
+    bool is_known = *limit;
+    for (*out = 0; is_known && !*out && ++*limit <= count && !status;) {
+        struct search_answer answer = {0};
+        status = joint_any(&answer, search, (1U << count) - 1, test);
+        *out = answer.found ? *limit : 0;
+        is_known = answer.found || answer.most < 0;
+    }
+    return status;
+}
+
+/* Whether all needles have a combination but for the limits of arcs, and what limits would do. */
+static conus_status explain_arcs(bool *is_so, struct search *search, conus_together *together)
+{
+    struct pair_test test = together->test;
+    struct arcs *arcs = &test.margins.arcs;
+    struct search_answer answer = {0};
+    arcs->most = arcs->each = 0;
+    conus_status status = joint_any(&answer, search, (1U << together->count) - 1, &test);
+    *is_so = together->conflict.by_arcs = !status && answer.found;
+    *arcs = together->test.margins.arcs;
+    if (*is_so) {
+        status = find_arcs(&together->conflict.arcs_most, search, &test, &arcs->most, together->count);
+        *arcs = together->test.margins.arcs;
+        status =
+            status ? status : find_arcs(&together->conflict.arcs_each, search, &test, &arcs->each, together->count);
+    }
+    return status;
+}
+
 static conus_status explain(conus_together *together)
 {
     struct search *search = NULL;
     uint32_t set = 0;
     conus_conflict *conflict = &together->conflict;
-    *conflict = (conus_conflict){together->conflicting, 0, NAN, NAN};
+    *conflict = (conus_conflict){.needles = together->conflicting, .between = NAN, .entry_distance = NAN};
     together->has_conflict = true;
     for (size_t i = 0; i < together->count && !set; i++) {
         set = has_none(&together->needles[i]) ? 1U << i : 0;
     }
     conus_status status = set ? CONUS_OK : begin_search(&search, together, together->options.effort);
-    if (search) {
-        status = find_conflict(&set, search, together);
-        status = status || !set ? status : find_limit(&conflict->between, search, set, &together->test, PAIR_BETWEEN);
-        status =
-            status || !set ? status : find_limit(&conflict->entry_distance, search, set, &together->test, PAIR_ENTRIES);
+    bool is_by_arcs = false;
+    struct pair_test pairs = together->test;
+    if (search && (pairs.margins.arcs.most || pairs.margins.arcs.each)) {
+        status = explain_arcs(&is_by_arcs, search, together);
+        set = is_by_arcs ? (1U << together->count) - 1 : 0;
+    }
+    if (search && !is_by_arcs && !status) {
+        pairs.margins.arcs.most = pairs.margins.arcs.each = 0;
+        status = find_conflict(&set, search, together, &pairs);
+        status = status || !set ? status : find_limit(&conflict->between, search, set, &pairs, PAIR_BETWEEN);
+        status = status || !set ? status : find_limit(&conflict->entry_distance, search, set, &pairs, PAIR_ENTRIES);
     }
     for (size_t i = 0; i < together->count; i++) {
         if (set >> i & 1) {
@@ -873,6 +961,23 @@ static void judge_entry(conus_together *together)
     entry->combination.nodes = together->nodes;
 }
 
+/* Whether a candidate of a needle is not below its cut. */
+static bool is_above(const conus_together *together, size_t needle, const struct search_item *item)
+{
+    const struct search_part *part = &together->needles[needle].list.parts[item->part];
+    return !part->has_leeway || item->leeway >= together->cuts[needle];
+}
+
+static uint64_t count_above(const conus_together *together, size_t needle)
+{
+    const struct search_list *list = &together->needles[needle].list;
+    uint64_t count = 0;
+    for (size_t i = 0; i < list->count; i++) {
+        count += together->needles[needle].given || is_above(together, needle, &list->items[i]);
+    }
+    return count;
+}
+
 static void describe_needles(conus_together *together)
 {
     for (size_t i = 0; i < together->count; i++) {
@@ -887,7 +992,8 @@ static void describe_needles(conus_together *together)
                                              .questions = needle->questions,
                                              .question_count = needle->question_count,
                                              .largest = has ? NM * (double)largest_of(needle) : NAN,
-                                             .cut = has_cut ? NM * (double)together->cuts[i] : NAN};
+                                             .cut = has_cut ? NM * (double)together->cuts[i] : NAN,
+                                             .above = count_above(together, i)};
     }
     for (size_t q = 0; q < together->question_count; q++) {
         const struct question_of *question = &together->questions[q];
@@ -895,6 +1001,7 @@ static void describe_needles(conus_together *together)
         together->answered[q] = (conus_answered){.needles = question->needles,
                                                  .needle_count = question->needle_count,
                                                  .once = question->asked.once,
+                                                 .arc = question->arc,
                                                  .plan = question->plan,
                                                  .radius = bodies->radius[0],
                                                  .shanks = bodies->shanks[0],
@@ -992,13 +1099,13 @@ static conus_status add_above(struct needle_of *needle, conus_together *together
 {
     const struct search_list *list = &needle->list;
     struct question_of *question = &together->questions[list->parts[part].question];
-    const int64_t cut = together->cuts[needle - together->needles];
+    const size_t index = (size_t)(needle - together->needles);
     conus_planned *first = needle->above + needle->above_count;
     conus_pose_stream *stream = NULL;
     size_t count = 0;
     for (size_t i = 0; i < list->count; i++) {
         const struct search_item *item = &list->items[i];
-        if (item->part == part && (!question->has_leeway || item->leeway >= cut)) {
+        if (item->part == part && is_above(together, index, item)) {
             first[count++] = (conus_planned){.candidate = question->items[item->index].number,
                                              .leeway = question->has_leeway ? NM * (double)item->leeway : NAN};
         }
@@ -1049,6 +1156,7 @@ void conus_together_destroy(conus_together *together)
             plan_copy_finish(&question->places[n]);
         }
         memory_free(question->places);
+        memory_free(question->arc);
         conus_plan_destroy(question->plan);
         finish_list(question);
     }

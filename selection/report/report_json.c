@@ -535,10 +535,26 @@ static json_t *json_from_question(const struct report_needles *needles, size_t i
     for (size_t i = 0; i < answered->part_count; i++) {
         parts = with_item(parts, json_from_part(&answered->parts[i]));
     }
-    json_t *object = json_pack("{s: o, s: b, s: f, s: o, s: o}", "needles", names, "once", answered->once, "radius_mm",
-                               answered->radius, "shanks", shanks, "parts", parts);
+    json_t *arc = answered->arc ? json_from_text(answered->arc) : json_null();
+    json_t *object = json_pack("{s: o, s: b, s: o, s: f, s: o, s: o}", "needles", names, "once", answered->once, "arc",
+                               arc, "radius_mm", answered->radius, "shanks", shanks, "parts", parts);
     return with_integer(with_funnel(object, &question->plan), "feasible",
                         question->plan.constraints[question->plan.count - 1].left);
+}
+
+/* null of 0 */
+static json_t *json_from_limit(uint64_t limit)
+{
+    return limit ? json_integer((json_int_t)limit) : json_null();
+}
+
+/* null where there is none */
+static json_t *json_from_arcs(const conus_together_options *asked)
+{
+    return asked->arcs > 0 ? json_pack("{s: f, s: f, s: f, s: o, s: o}", "spacing_deg", asked->arcs, "slider_deg",
+                                       asked->slider, "same_deg", asked->same, "most",
+                                       json_from_limit(asked->arcs_most), "each", json_from_limit(asked->arcs_each))
+                           : json_null();
 }
 
 /* null where there is none */
@@ -552,8 +568,12 @@ static json_t *json_from_conflict(const struct report_needles *needles)
     for (size_t i = 0; i < conflict->count; i++) {
         names = with_item(names, json_from_text(needles->at[conflict->needles[i]]->name));
     }
-    return json_pack("{s: o, s: o, s: o}", "needles", names, "between_mm", json_from_end(conflict->between),
-                     "entry_distance_mm", json_from_end(conflict->entry_distance));
+    json_t *object = json_pack("{s: o, s: o, s: o}", "needles", names, "between_mm", json_from_end(conflict->between),
+                               "entry_distance_mm", json_from_end(conflict->entry_distance));
+    return conflict->by_arcs ? with(object, "arcs",
+                                    json_pack("{s: o, s: o}", "most", json_from_limit(conflict->arcs_most), "each",
+                                              json_from_limit(conflict->arcs_each)))
+                             : object;
 }
 
 /* The combinations that hold. *nodes: of the search. */
@@ -580,9 +600,10 @@ static json_t *json_from_needles(const struct report_needles *needles)
     json_t *combinations = json_from_combinations(&nodes, needles);
     for (size_t i = 0; i < needles->count; i++) {
         const conus_placed *placed = needles->at[i];
-        list = with_item(list, json_pack("{s: o, s: b, s: o, s: o}", "name", json_from_text(placed->name), "given",
-                                         placed->given != NULL, "largest_leeway_mm", json_from_end(placed->largest),
-                                         "cut_mm", json_from_end(placed->cut)));
+        list =
+            with_item(list, json_pack("{s: o, s: b, s: o, s: o, s: I}", "name", json_from_text(placed->name), "given",
+                                      placed->given != NULL, "largest_leeway_mm", json_from_end(placed->largest),
+                                      "cut_mm", json_from_end(placed->cut), "candidates", (json_int_t)placed->above));
     }
     for (size_t i = 0; i < needles->question_count; i++) {
         rows = with_item(rows, json_from_question(needles, i));
@@ -590,11 +611,11 @@ static json_t *json_from_needles(const struct report_needles *needles)
     json_t *diverse = asked->top == 1
                           ? json_null()
                           : json_pack("{s: f, s: I}", "apart_mm", asked->diverse, "needles", (json_int_t)asked->differ);
-    return json_pack("{s: s, s: {s: f, s: f}, s: f, s: I, s: o, s: I, s: o, s: o, s: o, s: o}", "rank",
+    return json_pack("{s: s, s: {s: f, s: f}, s: f, s: o, s: I, s: o, s: I, s: o, s: o, s: o, s: o}", "rank",
                      "leeway,sum,-depth", "between", "shafts_mm", asked->between, "parts_mm", asked->parts,
-                     "entry_distance_mm", asked->entry_distance, "top", (json_int_t)asked->top, "diverse", diverse,
-                     "nodes", (json_int_t)nodes, "rows", rows, "needles", list, "combinations", combinations,
-                     "conflict", json_from_conflict(needles));
+                     "entry_distance_mm", asked->entry_distance, "arcs", json_from_arcs(asked), "top",
+                     (json_int_t)asked->top, "diverse", diverse, "nodes", (json_int_t)nodes, "rows", rows, "needles",
+                     list, "combinations", combinations, "conflict", json_from_conflict(needles));
 }
 
 /* The sources; queries are always in RAS. */

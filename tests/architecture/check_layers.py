@@ -130,7 +130,7 @@ LIBRARY = {
     "selection": "base base/geometry atlas atlas/areas poses/rows selection/region selection/evidence selection/engine selection/measure"
     " selection/weight",
     "selection/study": "base base/geometry atlas/surface atlas poses/rows selection/measure selection/table selection",
-    "selection/plan/together": "base base/geometry selection/table",
+    "selection/plan/together": "base base/geometry poses/rows selection/table",
     "selection/plan": "base base/geometry atlas/surface atlas/tracts atlas atlas/areas poses poses/rows selection/evidence"
     " selection/measure selection selection/study selection/report selection/batch selection/lists selection/plan/together",
     "selection/ends": "base base/geometry atlas/surface atlas selection/measure selection/engine/voxels selection/table selection",

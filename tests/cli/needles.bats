@@ -286,6 +286,43 @@ table() { # LINE...
     printf '%b\n' "$@" >needles.tsv
 }
 
+# Arc angles of 0, 0 and 20 degrees, slider angles of 0, 10 and 0, around the ball's outside.
+@test "needles share arcs as a rig has them, and without a combination it says how many arcs it takes" {
+    conus phantom sphere -o .
+    for needle in 'A 0 0 1' 'B 0.17364817766693033 0 0.984807753012208' 'C 0 0.3420201433256687 0.9396926207859084'; do
+        # shellcheck disable=SC2086 # words
+        set -- $needle
+        printf 'query_id\tx\ty\tz\tdx\tdy\tdz\tfar\n%s\t%s\t%s\t%s\t-%s\t-%s\t-%s\t20\n' "$1" \
+            "$(bc <<<"60*$2")" "$(bc <<<"60*$3")" "$(bc <<<"60*$4")" "$2" "$3" "$4" >"$1.tsv"
+    done
+    printf 'needle\tposes\tarc\nA\tA.tsv\t\nB\tB.tsv\t\nC\tC.tsv\t\n' >needles.tsv
+    N='plan sphere.nii.gz --needles needles.tsv --avoid Sphere'
+    answers $N --arcs 20,slider=10,most=2,each=2 -q --format tsv --pairs pairs.tsv
+    [ "$(column proven <<<"$output")" = "1 1 1" ]
+    [ "$(column arc_deg pairs.tsv | cut -c 1-8)" = "0 20 20" ]
+    [ "$(column slider_deg pairs.tsv)" = "10 0 10" ]
+    run -0 --separate-stderr conus $N --arcs 20,slider=10,most=1
+    [[ "$stderr" == *"conus: A, B, C: no combination: 2 arcs are needed, 1 allowed"* ]]
+    run -0 --separate-stderr conus $N --arcs 20,slider=10,each=1
+    [[ "$stderr" == *"conus: A, B, C: no combination: 2 needles on an arc are needed, 1 allowed"* ]]
+    run -0 --separate-stderr conus $N --arcs 20,slider=10,most=1,each=1
+    [[ "$stderr" == *"conus: A, B, C: no combination: on so few arcs, with so few on each; no other limit"* ]]
+    run -0 --separate-stderr conus $N --arcs 20,slider=10.1
+    [[ "$stderr" == *"conus: A, B: no combination: neither another margin"* ]]
+    run -0 --separate-stderr conus $N --arcs 20.1,slider=1
+    [[ "$stderr" == *"conus: A, C: no combination: neither another margin"* ]]
+    sed -i 's/A.tsv\t/A.tsv\t1/; s/B.tsv\t/B.tsv\t2/' needles.tsv
+    run -0 --separate-stderr conus $N --arcs 20,slider=10
+    [[ "$stderr" == *"conus: A, B: no combination: "* ]]
+    sed -i 's/B.tsv\t2/B.tsv\t1/' needles.tsv
+    answers $N --arcs 20,slider=10 -q --format tsv
+    [ "$(column proven <<<"$output")" = "1 1 1" ]
+    conus $N --arcs 20,slider=10,most=3 -q -o plan.tsv
+    jq -e '.Plan.arcs == {spacing_deg: 20, slider_deg: 10, same_deg: 0.5, most: 3, each: null}' plan.json
+    jq -e '.Plan.rows | map(.arc) == ["1", "1", null]' plan.json
+    conus verify plan.tsv
+}
+
 @test "bad tables and options are refused with what is wrong" {
     needles
     refused 'needles.tsv: no needles in it' $N <<<"$(table 'needle\tposes')"
@@ -356,6 +393,31 @@ table() { # LINE...
     refused '--between: "5,part=1" is not MM[,parts=MM]' $N --between 5,part=1
     refused '--between: 101: allowed are 0 to 100 mm' $N --between 101
     refused '--entry-distance' $N --entry-distance 101
+    for arcs in x 0 -1 181 nan 10:20; do
+        refused "--arcs: \"$arcs\": the degrees between two arcs are to be above 0, up to 180" $N --arcs="$arcs"
+    done
+    refused '--arcs: same: 5 degrees, allowed is less than half of the 10 between two arcs' $N --arcs 10,same=5
+    refused '--arcs: same: 0.5 degrees, allowed is less than half of the 0.9 between two arcs' $N --arcs 0.9
+    for key in slider=0 slider=181 same=0 most=0 most=17 most=1.5 each=0 each=x; do
+        refused "${key%=*}: found \"${key#*=}\"" $N --arcs "16,$key"
+    done
+    refused 'allowed are slider, same, most, each' $N --arcs 16,slider=3,pitch=14
+    table 'needle' 'A'
+    for grid in 'slider=0:0:1,back=3' 'arc=0:10:0,slider=0:0:1,back=3' 'arc=10:0:1,slider=0:0:1,back=3'; do
+        refused '--from angles: arc=FIRST:LAST:STEP is needed' $N --from "angles,$grid" --toward centroid --depth target
+    done
+    refused '--from angles: slider=FIRST:LAST:STEP' $N --from angles,arc=0:9:1,back=3 --toward centroid --depth target
+    refused '--from angles: back=MM is needed' $N --from angles,arc=0:9:1,slider=0:0:1 --toward centroid --depth target
+    refused 'more than 1000000 directions' $N --from angles,arc=0:9:0.001,slider=0:9:0.01,back=3 --toward centroid --depth target
+    refused '--entry-distance has no effect with --from angles' $N --from angles,arc=0:9:1,slider=0:0:1,back=3 --toward centroid \
+        --depth target --entry-distance 3
+    refused 'three numbers of degrees FIRST:LAST:STEP are needed' $N --from angles,arc=0:9,back=3 --toward centroid --depth target
+    refused '--arcs has no effect without --needles' plan u-shape.nii.gz --poses a.tsv --reach U --arcs 16
+    table 'needle\tposes\tarc' 'A\ta.tsv\tfirst'
+    refused 'needles.tsv: line 2: arc first has no effect without --arcs' $N
+    table 'needle\tposes\tarc\tarc' 'A\ta.tsv\tfirst\tfirst'
+    refused 'needles.tsv: two columns arc' $N --arcs 16
+    table 'needle\tposes' 'A\ta.tsv'
     refused '--between has no effect without --needles' plan u-shape.nii.gz --poses a.tsv --reach U --between 5
     refused '--part has no effect without --needles' plan u-shape.nii.gz --poses a.tsv --reach U --part 1,0:5
     refused '--top 3 of combinations: say by how much they have to differ: --diverse MM' $N --top 3

@@ -78,7 +78,7 @@ SIZE(conus_tract_scalar, 32);
 SIZE(conus_streamline_list_view, 32);
 SIZE(conus_tractogram_info, 144);
 SIZE(conus_constraint, 128);
-SIZE(conus_candidates, 112);
+SIZE(conus_candidates, 128);
 SIZE(conus_plan_options, 120);
 SIZE(conus_verdict, 56);
 SIZE(conus_planned, 312);
@@ -86,12 +86,12 @@ SIZE(conus_plan_faults, 24);
 SIZE(conus_tolerance, 80);
 SIZE(conus_tolerance_options, 120);
 SIZE(conus_part, 48);
-SIZE(conus_question, 96);
-SIZE(conus_together_options, 96);
+SIZE(conus_question, 104);
+SIZE(conus_together_options, 136);
 SIZE(conus_chosen, 24);
 SIZE(conus_combination, 64);
-SIZE(conus_placed, 48);
-SIZE(conus_conflict, 32);
+SIZE(conus_placed, 56);
+SIZE(conus_conflict, 56);
 #endif
 
 extern int sizes_are_known;

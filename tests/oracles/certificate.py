@@ -2,8 +2,8 @@
 """Proves an answer of `conus plan --needles` again, from its rows, its sidecar and --candidates alone (Eq. 25 to 28).
 
 It measures the pairs of candidates anew, and looks through all combinations of them for a better one, with bounds of
-its own. It believes that --candidates has all that is not below the cuts, with these leeways, and the largest leeway of
-each needle. Whether the cuts are allowed it finds itself.
+its own. It believes how many candidates are not below the cuts, their leeways, and the largest leeway of each needle.
+Whether the cuts are allowed it finds itself.
 
 usage: certificate.py PLAN.tsv PLAN.json CANDIDATES.tsv; prints what is wrong and exits with 1, or "confirmed"."""
 
@@ -70,10 +70,15 @@ class Needle:
         self.near, self.far = numbers("near"), numbers("far")
         self.depth = nanometres(self.far[:, 0])
         self.tip = self.at + self.far * self.way
+        right, anterior, dorsal = -self.way.T
+        self.arc = np.degrees(np.arctan2(anterior, dorsal))
+        self.slider = np.degrees(np.arcsin(np.clip(right, -1, 1)))
         self.kin = None if self.facts["given"] else tuple(
             q for q, question in enumerate(plan["rows"]) if self.name in question["needles"])
         if len(set(self.number.tolist())) < len(self.number):
             raise Refuted(f"{self.name}: a candidate is there twice")
+        if len(self.rows) != self.facts["candidates"]:
+            raise Refuted(f"{self.name}: {len(self.rows)} of {self.facts['candidates']} candidates are there")
 
     def bodies(self, question):
         """(is a shaft, radius, ends (n, 3), ways (n, 3)) of each body of a question."""
@@ -85,6 +90,21 @@ class Needle:
         for part in question["parts"]:
             ends = [place(*point, self.tip if part["from"] == "tip" else self.at) for point in part["points"]]
             yield False, part["radius_mm"], ends[0], ends[1] - ends[0]
+
+
+def turn(one, other):
+    """Degrees (n, m) between angles, the short way round."""
+    away = np.abs(np.asarray(one)[..., None] - other) % 360
+    return np.minimum(away, 360 - away)
+
+
+def fit_arcs(arcs, names, one, other):
+    """(n, m): whether candidates are on one arc or on two, as their rows' names of arcs allow."""
+    share = turn(one.arc, other.arc) <= arcs["same_deg"] + TOUCH
+    is_named = None not in names
+    may_share, may_not = not is_named or names[0] == names[1], not is_named or names[0] != names[1]
+    return np.where(share, may_share & (turn(one.slider, other.slider) >= arcs["slider_deg"] - TOUCH),
+                    may_not & (turn(one.arc, other.arc) >= arcs["spacing_deg"] - TOUCH))
 
 
 def pair_leeways(plan, one, other):
@@ -104,6 +124,8 @@ def pair_leeways(plan, one, other):
                     slack = np.minimum(slack, distance - radius - other_radius - margin)
             entries = np.linalg.norm(one.at[block[0][:, 0], None] - other.at[block[1][0]], axis=-1)
             goes = (slack > TOUCH) & (entries >= plan["entry_distance_mm"] - TOUCH)
+            if plan["arcs"]:
+                goes &= fit_arcs(plan["arcs"], (first["arc"], second["arc"]), one, other)[block]
             leeways[block] = np.where(goes, nanometres(slack / 2), NONE)
     if one.kin is not None and one.kin == other.kin:
         leeways[one.number[:, None] >= other.number] = NONE
@@ -153,12 +175,24 @@ class Answer:
                 raise Refuted(f"combination {n + 1}: {row['needle']}: it is not said to be proven and feasible")
         return chosen, key
 
+    def keeps_arcs(self, chosen):
+        """Whether candidates {needle: candidate}, each two of which fit, are on so few arcs, so few on each."""
+        limits, arcs = self.plan["arcs"], []
+        for i, c in chosen.items() if limits else ():
+            angle = self.needles[i].arc[c]
+            mine = [arc for arc in arcs if turn(angle, arc[0]) <= limits["same_deg"] + TOUCH]
+            if not mine:
+                arcs.append([])
+            (mine or arcs[-1:])[0].append(angle)
+        return not limits or (len(arcs) <= (limits["most"] or len(arcs)) and
+                              all(len(arc) <= (limits["each"] or len(arc)) for arc in arcs))
+
     def key(self, chosen):
-        """Leeway, sum, -depth, -numbers: larger is better; None where a pair does not go together."""
+        """Leeway, sum, -depth, -numbers: larger is better; None where needles do not go together."""
         least = [int(n.leeway[c]) for n, c in zip(self.needles, chosen) if n.has_leeway[c]]
         for (i, k), leeways in self.pairs.items():
             least.append(int(leeways[chosen[i], chosen[k]]))
-        if least and min(least) == NONE:
+        if (least and min(least) == NONE) or not self.keeps_arcs(dict(enumerate(chosen))):
             return None
         sums = [sum(int(values) for values in each) for each in (
             (n.leeway[c] for n, c in zip(self.needles, chosen)), (-n.depth[c] for n, c in zip(self.needles, chosen)))]
@@ -220,7 +254,7 @@ class Answer:
             most = sum(int(self.needles[i].leeway[c]) for i, c in chosen.items())
             for i in order[len(chosen):]:
                 most += int(self.needles[i].leeway[domains[i]].max()) if domains[i].any() else -(10**18)
-            if most < total or most < 0:
+            if most < total or most < 0 or not self.keeps_arcs(chosen):
                 return None
             if len(chosen) == len(order):
                 whole = [chosen[i] for i in range(len(order))]
@@ -240,7 +274,10 @@ class Answer:
 
 def confirm(plan_path, sidecar_path, candidates_path):
     with open(sidecar_path, encoding="utf-8") as file:
-        plan = json.load(file)["Plan"]
+        sidecar = json.load(file)
+    plan = sidecar["Plan"]
+    if plan["arcs"] and sidecar.get("Space", {"orientation": "RAS"})["orientation"] != "RAS":
+        raise Refuted("arcs are judged in RAS alone")
     answer = Answer(plan, read_table(plan_path), read_table(candidates_path))
     if not answer.listed or not all(entry["proven"] for entry in plan["combinations"]):
         raise Refuted("it is no answer that is proven")

@@ -127,8 +127,14 @@ def test_a_leeway_or_place_that_is_not_so_is_refuted():
 
 def test_what_is_not_there_is_refuted():
     sidecar, rows, candidates = plan(5, SHAFTS, "--between", "1")
-    best = max(candidates, key=lambda row: (row["needle"] == "A", float(row["leeway_mm"])))
-    write(sidecar, rows, [row for row in candidates if row is not best])
+    of_a = sorted((row for row in candidates if row["needle"] == "A"), key=lambda row: float(row["leeway_mm"]))
+    chosen = next(row["query"] for row in rows if row["needle"] == "A")
+    middle = next(row for row in of_a[:-1] if row["query_id"] != chosen)
+    write(sidecar, rows, [row for row in candidates if row is not middle])
+    with pytest.raises(certificate.Refuted, match=f"A: {len(of_a) - 1} of {len(of_a)} candidates are there"):
+        confirm()
+    fewer = [{**sidecar["needles"][0], "candidates": len(of_a) - 1}, *sidecar["needles"][1:]]
+    write({**sidecar, "needles": fewer}, rows, [row for row in candidates if row is not of_a[-1]])
     with pytest.raises(certificate.Refuted, match="A: .* is not the largest leeway"):
         confirm()
     for key in ("largest_leeway_mm", "cut_mm"):
@@ -147,6 +153,7 @@ def test_a_needle_of_which_some_candidates_have_leeways_has_a_cut():
     assert leeways.count("n/a") == sidecar["rows"][1]["feasible"]
     assert min(float(leeway) for leeway in leeways if leeway != "n/a") >= cut - 1e-9
     assert len(leeways) < sidecar["rows"][0]["feasible"] + sidecar["rows"][1]["feasible"], "the cut leaves nothing out"
+    sidecar["needles"][0]["candidates"] -= 1
     write(sidecar, rows, [row for row in candidates if row["query_id"] != "b-7"])
     with pytest.raises(certificate.Refuted, match="M: 29 of 30 candidates of row 2"):
         confirm()

@@ -90,6 +90,9 @@ static const struct sentence of_rows[] = {
      "{Plan.entry_distance_mm?, and their positions @ mm or more}. The leeway of a combination is a distance for which "
      "is proven that nothing breaks while no point of any needle is off by more; sought was the largest one, and with "
      "that the largest sum of the needles' own ones (Eq. 25 to 28 of conus's documentation)."},
+    {"Plan.arcs", " A rig was to carry them on arcs {Plan.arcs.spacing_deg} degrees or more apart"
+                  "{Plan.arcs.most?, @ at most}, needles on one arc {Plan.arcs.slider_deg} degrees or more apart"
+                  "{Plan.arcs.each?, @ at most}."},
     {"Plan.diverse", " Each further combination is the best of those that differ from all before it in "
                      "{Plan.diverse.needles} or more needles, by {Plan.diverse.apart_mm} mm or more at the position or "
                      "the far end."},

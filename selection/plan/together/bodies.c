@@ -7,15 +7,16 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "poses/rows/pose_row.h"
 
 #include <math.h>
 #include <string.h>
 
 /* By so much a margin is exceeded where it holds, and missed where a distance of entries or of combinations still
- * holds, mm. */
+ * holds, mm; likewise degrees of arcs. */
 static const double TOUCH = 1e-9;
 
-enum { ORIGIN = 0, TIP = 3, BODIES = 6, END = 0, WAY = 3, SQUARE = 6, PER_BODY = 7 };
+enum { ORIGIN = 0, TIP = 3, ARC = 6, SLIDER = 7, BODIES = 8, END = 0, WAY = 3, SQUARE = 6, PER_BODY = 7 };
 
 static conus_status check_part(const conus_part *part, size_t number)
 {
@@ -96,9 +97,19 @@ static void find_ends(double out[2][3], const struct bodies *bodies, size_t body
     }
 }
 
+/* The angles of a rig with arcs, degrees (Eq. 26): an arc is a plane through the right-left axis. */
+static void find_arc(double *arc, double *slider, const conus_frame *frame, const double out[3])
+{
+    double v[3];
+    direction_to_anatomical(v, out, frame);
+    *arc = degrees_from_radians(atan2(v[1], v[2]));
+    *slider = degrees_from_radians(atan2(v[0], hypot(v[1], v[2])));
+}
+
 void body_list_set(struct body_list *list, size_t index, const conus_planned *pose)
 {
     const double *m = pose->pose.world_from_device;
+    find_arc(column(list, ARC) + index, column(list, SLIDER) + index, list->bodies->frame, m + 8);
     for (size_t a = 0; a < 3; a++) {
         column(list, ORIGIN + a)[index] = m[12 + a];
         column(list, TIP + a)[index] = m[12 + a] - pose->far * m[8 + a];
@@ -135,6 +146,34 @@ bool bodies_are_near(const struct body_list *list, size_t index, const struct bo
     return (list == other && index == other_index) ||
            (points_distance(list, index, other, other_index, ORIGIN) < least &&
             points_distance(list, index, other, other_index, TIP) < least);
+}
+
+/* Degrees between two angles, the short way round. */
+static double angles_distance(const struct body_list *list, size_t index, const struct body_list *other,
+                              size_t other_index, size_t angle)
+{
+    return fabs(remainder(column(list, angle)[index] - column(other, angle)[other_index], 360));
+}
+
+bool bodies_share_arc(const struct body_list *list, size_t index, const struct body_list *other, size_t other_index,
+                      const struct arcs *arcs)
+{
+    return angles_distance(list, index, other, other_index, ARC) <= arcs->same + TOUCH;
+}
+
+/* Whether two candidates fit on one arc, or on two, as their needles are to. */
+static bool fits_arcs(const struct body_list *list, size_t index, const struct body_list *other, size_t other_index,
+                      const struct arcs *arcs)
+{
+    const size_t own = list->bodies->arc;
+    const size_t its = other->bodies->arc;
+    if (!(arcs->spacing > 0)) {
+        return true;
+    }
+    bool share = bodies_share_arc(list, index, other, other_index, arcs);
+    bool is_free = !own || !its;
+    double angle = angles_distance(list, index, other, other_index, share ? SLIDER : ARC);
+    return (is_free || (own == its) == share) && angle >= (share ? arcs->slider : arcs->spacing) - TOUCH;
 }
 
 static void read_body(double at[3], double way[3], const struct body_list *list, size_t index, size_t body)
@@ -186,6 +225,9 @@ static void measure_in_order(struct pair *out, const struct body_list *list, siz
         }
     }
     out->entries = points_distance(list, index, other, other_index, ORIGIN);
+    out->arc = angles_distance(list, index, other, other_index, ARC);
+    out->slider = angles_distance(list, index, other, other_index, SLIDER);
+    out->fits_arcs = fits_arcs(list, index, other, other_index, &margins->arcs);
 }
 
 static void swap_points(double a[3], double b[3])
@@ -230,7 +272,7 @@ static bool pair_goes(const struct pair *pair, const struct pair_test *test)
 {
     bool holds_entries = test->quantity == PAIR_ENTRIES || pair->entries - test->margins.entries >= -TOUCH;
     bool holds_between = (test->quantity == PAIR_BETWEEN ? pair->parts : pair->slack) > TOUCH;
-    return holds_entries && holds_between && pair_value(pair, test->quantity) >= test->least;
+    return holds_entries && holds_between && pair->fits_arcs && pair_value(pair, test->quantity) >= test->least;
 }
 
 /* What the distance of two bodies' surfaces must be at least, about, mm. */
@@ -335,7 +377,7 @@ void pair_row(uint64_t *bits, double *scratch, const struct body_list *list, siz
     memset(bits, 0, (count + 63) / 64 * sizeof *bits);
     for (size_t i = 0; i < count; i++) {
         struct pair pair;
-        bool goes = scratch[i] > 0;
+        bool goes = scratch[i] > 0 && fits_arcs(list, index, other, i, &test->margins.arcs);
         if (scratch[i] == 0) {
             pair_measure(&pair, list, index, other, i, &test->margins);
             goes = pair_goes(&pair, test);

@@ -41,6 +41,8 @@ static const struct table_field columns[] = {
     {"other_z", "mm", "the same, z", TABLE_OF(Z, struct pair_row, pair.nearest.other_at)},
     {"entry_distance_mm", "mm", "between the positions of both devices",
      TABLE_OF(NUMBER, struct pair_row, pair.entries)},
+    {"arc_deg", "degree", "between their arc angles (--arcs)", TABLE_OF(NUMBER, struct pair_row, pair.arc)},
+    {"slider_deg", "degree", "between their slider angles", TABLE_OF(NUMBER, struct pair_row, pair.slider)},
 };
 
 const struct table_fields pair_fields = {columns, sizeof columns / sizeof columns[0]};

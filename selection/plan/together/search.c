@@ -285,6 +285,45 @@ static bool may_go_on(struct search *search)
     return !search->is_spent && !search->was_cancelled;
 }
 
+static bool share_arc(const struct search *search, size_t needle, size_t candidate, size_t other,
+                      size_t other_candidate)
+{
+    const struct search_list *list = &search->lists[needle];
+    const struct search_list *to = &search->lists[other];
+    return bodies_share_arc(part_of(list, candidate)->bodies, list->items[candidate].index,
+                            part_of(to, other_candidate)->bodies, to->items[other_candidate].index,
+                            &search->test.margins.arcs);
+}
+
+/* Whether candidates of a set of needles, each two of which fit, are on so few arcs, and so few on each. */
+static bool keeps_arcs(const struct search *search, const size_t at[NEEDLE_LIMIT], uint32_t set)
+{
+    const struct arcs *arcs = &search->test.margins.arcs;
+    size_t count = 0;
+    size_t fullest = 0;
+    for (size_t i = 0; i < search->count && (arcs->most || arcs->each); i++) {
+        size_t own = 0;
+        bool is_first = set >> i & 1;
+        for (size_t k = 0; k < search->count && set >> i & 1; k++) {
+            bool share = set >> k & 1 && share_arc(search, i, at[i], k, at[k]);
+            own += share;
+            is_first = is_first && !(share && k < i);
+        }
+        count += is_first;
+        fullest = own > fullest ? own : fullest;
+    }
+    return (!arcs->most || count <= arcs->most) && (!arcs->each || fullest <= arcs->each);
+}
+
+/* Likewise of those that are placed with one candidate of another. */
+static bool keeps_arcs_with(const struct search *search, const struct node *node, size_t needle, size_t candidate)
+{
+    size_t at[NEEDLE_LIMIT];
+    memcpy(at, node->at, sizeof at);
+    at[needle] = candidate;
+    return keeps_arcs(search, at, node->placed | 1U << needle);
+}
+
 static size_t count_left(const struct search *search, const struct node *node, size_t needle)
 {
     size_t count = 0;
@@ -294,8 +333,8 @@ static size_t count_left(const struct search *search, const struct node *node, s
     return count;
 }
 
-/* Finds the needle to place: of those whose first candidates conflict the one with the fewest left. SIZE_MAX: none do.
- */
+/* Finds the needle to place: of those whose first candidates conflict the one with the fewest left; where only the
+ * limits of arcs are in the way, of all that are not placed. SIZE_MAX: the first ones are a combination. */
 static conus_status find_next(size_t *next, struct search *search, const struct node *node)
 {
     uint32_t conflicts = 0;
@@ -312,6 +351,9 @@ static conus_status find_next(size_t *next, struct search *search, const struct 
                 conflicts |= has_bit(row, node->at[k]) ? 0 : both;
             }
         }
+    }
+    if (!conflicts && !keeps_arcs(search, node->at, search->among)) {
+        conflicts = search->among & ~node->placed;
     }
     for (size_t i = 0; i < search->count; i++) {
         size_t left = conflicts >> i & 1 ? count_left(search, node, i) : SIZE_MAX;
@@ -381,18 +423,30 @@ static bool keep_variety(struct search *search, struct node *node)
     return true;
 }
 
+/* The first candidate of a needle that is left; SIZE_MAX = none. Those before it that are on an arc too many, or one
+ * too many on an arc, are left no more. */
+static size_t first_left(struct search *search, struct node *node, size_t needle)
+{
+    uint64_t *domain = node->domains[needle];
+    for (size_t w = 0; w < words_of(search->used[needle]); w++) {
+        for (; domain[w]; domain[w] &= domain[w] - 1) {
+            size_t candidate = WORD * w + (size_t)__builtin_ctzll(domain[w]);
+            if (keeps_arcs_with(search, node, needle, candidate)) {
+                return candidate;
+            }
+        }
+    }
+    return SIZE_MAX;
+}
+
 /* Finds the first ones of a node whose domains are set. False where a needle has none. */
 static bool settle(struct search *search, struct node *node)
 {
     bool is_possible = keep_variety(search, node);
     for (size_t i = 0; i < search->count && is_possible; i++) {
         if (is_among(search, i) && !(node->placed >> i & 1)) {
-            size_t w = 0;
-            while (w < words_of(search->used[i]) && !node->domains[i][w]) {
-                w++;
-            }
-            is_possible = w < words_of(search->used[i]);
-            node->at[i] = is_possible ? WORD * w + (size_t)__builtin_ctzll(node->domains[i][w]) : SIZE_MAX;
+            node->at[i] = first_left(search, node, i);
+            is_possible = node->at[i] < SIZE_MAX;
         }
     }
     return is_possible;
@@ -405,7 +459,7 @@ static conus_status place(struct node *out, bool *is_possible, struct search *se
     out->placed = node->placed | 1U << needle;
     memcpy(out->at, node->at, sizeof out->at);
     out->at[needle] = candidate;
-    *is_possible = true;
+    *is_possible = keeps_arcs(search, out->at, out->placed);
     for (size_t i = 0; i < search->count && *is_possible; i++) {
         if (!is_among(search, i) || out->placed >> i & 1) {
             continue;

@@ -16,6 +16,8 @@ struct bodies {
     double radius[BODY_LIMIT];
     double shanks[SHAFT_LIMIT][2]; /**< Beside the axis, along the device's x and y, mm. */
     conus_part parts[PART_LIMIT];
+    const conus_frame *frame; /**< In whose axes the angles of arcs are. */
+    size_t arc;               /**< Needles of one number share an arc, those of others do not; 0 = of any. */
 };
 
 /** CONUS_ERROR_ARGUMENT for too many, and for parts out of their range. @p shanks NULL = one shaft on the axis. */
@@ -26,8 +28,9 @@ conus_status bodies_init(struct bodies *out, double radius, const double *shanks
 struct body_list {
     const struct bodies *bodies;
     size_t count;
-    double *numbers; /**< [6 + 7 bodies->count][count] The device's position, the far end; of each body one end, the way
-                        to the other one, and the square of that way's length. */
+    double *numbers; /**< [8 + 7 bodies->count][count] The device's position, the far end, arc and slider angle
+                        (degrees); of each body one end, the way to the other one, and the square of that way's
+                        length. */
 };
 
 conus_status body_list_init(struct body_list *out, const struct bodies *bodies, size_t count);
@@ -39,9 +42,20 @@ void body_list_set(struct body_list *list, size_t index, const conus_planned *po
 bool bodies_are_near(const struct body_list *list, size_t index, const struct body_list *other, size_t other_index,
                      double apart);
 
+/** How needles are carried on arcs, degrees. 2 same is less than the spacing: so where each two needles fit, being on
+ * one arc is an equivalence. */
+struct arcs {
+    double spacing; /**< Of two arcs; 0 = there are no arcs. */
+    double slider;  /**< Of two needles on one arc. */
+    double same;    /**< Needles on one arc differ by no more. */
+    size_t most;    /**< Arcs; 0 = any number. */
+    size_t each;    /**< Needles on one arc, likewise. */
+};
+
 /** The margins of pairs, mm. */
 struct margins {
     double between, parts, entries;
+    struct arcs arcs;
 };
 
 /** Two bodies, and where they are nearest. */
@@ -58,10 +72,16 @@ struct pair {
     double shafts;          /**< Least distance of shafts, mm. */
     double parts;           /**< Slack of the bodies of which one or both are parts; infinite without any. */
     double entries;         /**< Distance of the devices' positions, mm. */
+    double arc, slider;     /**< Differences of the angles, degrees. */
+    bool fits_arcs;         /**< On one arc or on two; true without arcs. */
 };
 
 void pair_measure(struct pair *out, const struct body_list *list, size_t index, const struct body_list *other,
                   size_t other_index, const struct margins *margins);
+
+/** Whether two candidates are on one arc, of needles that fit. */
+bool bodies_share_arc(const struct body_list *list, size_t index, const struct body_list *other, size_t other_index,
+                      const struct arcs *arcs);
 
 /** What is to be at least a number of nanometres. */
 enum pair_quantity {

@@ -983,11 +983,32 @@ static void what_is_not_allowed(void **state)
         write_random(&scene.candidates[i], i ? "bad-1.tsv" : "bad-0.tsv", 5, &seed, false);
     }
     conus_together *together = NULL;
-    static const conus_together_options bad[] = {
-        {.between = -1},         {.between = 101}, {.between = NAN},       {.parts = -1},
-        {.parts = 101},          {.parts = NAN},   {.entry_distance = -1}, {.entry_distance = 101},
-        {.entry_distance = NAN}, {.top = 101},     {.diverse = -1},        {.diverse = 101},
-        {.diverse = NAN},        {.differ = 3}};
+    static const conus_together_options bad[] = {{.between = -1},
+                                                 {.between = 101},
+                                                 {.between = NAN},
+                                                 {.parts = -1},
+                                                 {.parts = 101},
+                                                 {.parts = NAN},
+                                                 {.entry_distance = -1},
+                                                 {.entry_distance = 101},
+                                                 {.entry_distance = NAN},
+                                                 {.top = 101},
+                                                 {.diverse = -1},
+                                                 {.diverse = 101},
+                                                 {.diverse = NAN},
+                                                 {.differ = 3},
+                                                 {.arcs = -1},
+                                                 {.arcs = 181},
+                                                 {.arcs = NAN},
+                                                 {.slider = 1},
+                                                 {.same = 1},
+                                                 {.arcs_most = 1},
+                                                 {.arcs_each = 1},
+                                                 {.arcs = 1},
+                                                 {.arcs = 9, .same = 4.5},
+                                                 {.arcs = 9, .slider = -1},
+                                                 {.arcs = 9, .slider = NAN},
+                                                 {.arcs = 9, .same = NAN}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         assert_fails(conus_plan_together(&together, scene.needles, 2, &bad[i]), CONUS_ERROR_ARGUMENT);
     }
