@@ -242,11 +242,27 @@ static void every_failing_allocation_changes_nothing(void **state)
     end_scene(&poor);
 }
 
+/* As after a call that failed, in programs that go on to the next. */
+static void of_nothing_there_is_nothing(void **state)
+{
+    (void)state;
+    assert_null(conus_sites_points(NULL));
+    assert_null(conus_sites_normals(NULL));
+    assert_true(conus_sites_source(NULL, 0) == UINT64_MAX);
+    assert_true(conus_plan_left(NULL, 0) == 0);
+    assert_null(conus_together_combination(NULL, 0));
+    assert_null(conus_together_needle(NULL, 0));
+    assert_null(conus_together_conflict(NULL));
+    assert_null(conus_table_column(NULL, 0));
+    assert_null(conus_table_part(NULL, "pairs"));
+}
+
 TEST_GROUP(studies)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_list_has_all_of_the_headers),
         cmocka_unit_test(every_failing_allocation_changes_nothing),
+        cmocka_unit_test(of_nothing_there_is_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
