@@ -255,12 +255,12 @@ size_t conus_sites_count(const conus_sites *sites)
 
 const double *conus_sites_points(const conus_sites *sites)
 {
-    return sites->points[0];
+    return sites ? sites->points[0] : NULL;
 }
 
 const double *conus_sites_normals(const conus_sites *sites)
 {
-    return sites->normals ? sites->normals[0] : NULL;
+    return sites && sites->normals ? sites->normals[0] : NULL;
 }
 
 bool conus_sites_have_voxels(const conus_sites *sites)
@@ -270,7 +270,7 @@ bool conus_sites_have_voxels(const conus_sites *sites)
 
 uint64_t conus_sites_source(const conus_sites *sites, size_t index)
 {
-    return index < sites->count ? sites->sources[index] : UINT64_MAX;
+    return index < conus_sites_count(sites) ? sites->sources[index] : UINT64_MAX;
 }
 
 const char *conus_sites_note(const conus_sites *sites, size_t index)

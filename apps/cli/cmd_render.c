@@ -842,7 +842,7 @@ static conus_status draw_view(conus_image **out, const struct picture *picture, 
     conus_cut_view look = render_cuts_look(cuts, picture->arguments);
     look.pathways = picture->translucent.pathways;
     look.pathway_count = picture->translucent.pathway_count;
-    return conus_cuts_image(out, picture->atlas, planes, count, &look, picture->renderer, view);
+    return conus_render_cuts(out, picture->atlas, planes, count, &look, picture->renderer, view);
 }
 
 /* What part of the width a legend, or strips, leave at least. */

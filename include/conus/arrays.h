@@ -104,15 +104,15 @@ CONUS_CHECKED conus_status conus_atlas_add_surface(conus_atlas *atlas, const con
  * @param options Its name counts before that of @p voxels; NULL = defaults. max_memory has no meaning.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a type, a dimension or a threshold out of its range; #CONUS_ERROR_DATA
  * for voxels without a value above 0 and a matrix that has no inverse or another last row than 0 0 0 1. */
-CONUS_CHECKED conus_status conus_atlas_add_values(conus_atlas *atlas, const conus_voxels *voxels,
-                                                  const conus_pathway_options *options);
+CONUS_CHECKED conus_status conus_atlas_add_pathway_voxels(conus_atlas *atlas, const conus_voxels *voxels,
+                                                          const conus_pathway_options *options);
 
 /** Sets scalar voxels as the context, as conus_atlas_set_context() does with a file.
  * @param atlas The atlas; unchanged on failure.
- * @param voxels As for conus_atlas_add_values().
+ * @param voxels As for conus_atlas_add_pathway_voxels().
  * @param options NULL = defaults. max_memory has no meaning.
- * @return #CONUS_OK; as conus_atlas_add_values(). */
-CONUS_CHECKED conus_status conus_atlas_set_context_values(conus_atlas *atlas, const conus_voxels *voxels,
+ * @return #CONUS_OK; as conus_atlas_add_pathway_voxels(). */
+CONUS_CHECKED conus_status conus_atlas_set_context_voxels(conus_atlas *atlas, const conus_voxels *voxels,
                                                           const conus_context_options *options);
 
 #ifdef __cplusplus

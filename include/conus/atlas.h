@@ -258,7 +258,7 @@ typedef struct conus_transform_options {
 CONUS_CHECKED conus_status conus_atlas_transform(conus_atlas *atlas, const char *path,
                                                  const conus_transform_options *options);
 
-/** Does the same by a matrix in memory.
+/** Moves the atlas to the space of poses by a matrix in memory, as conus_atlas_transform() does by a file.
  * @param atlas The atlas; unchanged on failure.
  * @param atlas_from_world Moves points from where poses are to the atlas.
  * @return #CONUS_OK; #CONUS_ERROR_DATA for a matrix that has no inverse or another last row than 0 0 0 1. */

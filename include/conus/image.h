@@ -26,7 +26,7 @@ typedef struct conus_image conus_image; /**< Named float and uint32 channels of 
  * @param[out] out The image; end it with conus_image_destroy().
  * @param selection The selection. Its atlas must still be there.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a ball, which has no pixels. */
-CONUS_CHECKED conus_status conus_image_of_selection(conus_image **out, const conus_selection *selection);
+CONUS_CHECKED conus_status conus_selection_image(conus_image **out, const conus_selection *selection);
 
 /** Gives the width.
  * @param image The image.
@@ -53,7 +53,7 @@ CONUS_API const float *conus_image_floats(const conus_image *image, const char *
 /** Gives the pixels of a uint32 channel.
  * @param image The image.
  * @param channel Its name.
- * @return As of conus_image_floats(). */
+ * @return [height width], top row first; NULL if there is none of that name and type. Borrowed from the image. */
 CONUS_API const uint32_t *conus_image_uints(const conus_image *image, const char *channel);
 
 /** Writes an image: .exr all channels, .png 8-bit sRGB of R, G, B and A (A not premultiplied); a picture with

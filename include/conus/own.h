@@ -415,6 +415,14 @@ CONUS_API const conus_together_options *conus_together_asked(const conus_togethe
 CONUS_CHECKED conus_status conus_together_candidates(const conus_chosen **out, size_t *count, conus_together *together,
                                                      size_t index);
 
+/** Makes a table of all pairs of the combinations: how near the needles come to each other, and where.
+ * @param[out] out A row for each two needles: combination, needle, other, slack_mm, leeway_mm, distance_mm, body,
+ * other_body, x, y, z, other_x, other_y, other_z, entry_distance_mm, arc_deg, slider_deg; without a combination no
+ * row. End it with conus_table_destroy().
+ * @param together The answer.
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected. */
+CONUS_CHECKED conus_status conus_together_pairs(conus_table **out, const conus_together *together);
+
 /* Surfaces of areas, and numbers of vertices */
 
 /** The format of a surface. */
@@ -1191,8 +1199,8 @@ typedef struct conus_cutter conus_cutter; /**< A flat cut of one atlas that is d
  * @return The errors of conus_atlas_window(). */
 CONUS_CHECKED conus_status conus_context_is_covered(bool *out, const conus_atlas *atlas);
 
-/** Draws the points of a view alone, as conus_render() has them over its drawing, or conus_cuts_image() over a cut: for
- * windows, which lay them over a picture of their own.
+/** Draws the points of a view alone, as conus_render() has them over its drawing, or conus_render_cuts() over a cut:
+ * for windows, which lay them over a picture of their own.
  * @param[out] out Channels R, G, B, A, as of conus_render(): transparent but for balls, lines and names. End it with
  * conus_image_destroy().
  * @param atlas What lies far from its box is not drawn, and what lies behind its middle is pale.

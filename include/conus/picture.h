@@ -294,7 +294,7 @@ typedef struct conus_cut_view {
     bool own_colours;                 /**< As of conus_view. Else areas that are not hit have only an outline, over an
                                          image, and are a neutral grey without one. */
     bool no_cone;                     /**< The selection's cone is not drawn. */
-    const conus_pathway_transfer *pathways; /**< [pathway_count] Pathways that conus_cuts_image() colours by their
+    const conus_pathway_transfer *pathways; /**< [pathway_count] Pathways that conus_render_cuts() colours by their
                                                values; NULL = as its renderer does. */
     size_t pathway_count;                   /**< 0 where pathways is NULL. */
 } conus_cut_view;
@@ -339,9 +339,9 @@ typedef struct conus_cut_plane {
  * #CONUS_ERROR_DATA for an atlas in which nothing shows; #CONUS_ERROR_MEMORY for more than 8 GiB, at 32 bytes per
  * pixel; the errors of conus_render().
  * @threads The one that made the renderer; without one any, while none changes the atlas. */
-CONUS_CHECKED conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const conus_cut_plane *planes,
-                                            size_t count, const conus_cut_view *look, conus_renderer *renderer,
-                                            const conus_view *sheet);
+CONUS_CHECKED conus_status conus_render_cuts(conus_image **out, const conus_atlas *atlas, const conus_cut_plane *planes,
+                                             size_t count, const conus_cut_view *look, conus_renderer *renderer,
+                                             const conus_view *sheet);
 /** @} */
 
 #ifdef __cplusplus

@@ -193,7 +193,7 @@ CONUS_API void conus_plan_destroy(conus_plan *plan);
 CONUS_CHECKED conus_status conus_plan_run(conus_plan *plan, conus_pose_stream *poses, uint64_t limit);
 
 /** Tries one pose, at once and all by itself: before a run, after it, or without one. The list does not change.
- * @param[out] out All that the list would say of it, also where it breaks constraints; candidate, rank and front are 0.
+ * @param[out] out All that the list would say of it, also where it breaks constraints; candidate and rank are 0.
  * Borrowed from the plan until the next call.
  * @param plan The plan.
  * @param row The pose, with the id, range and opening that a row of a stream would have; NaN and 0 as there.
@@ -222,8 +222,8 @@ CONUS_API const conus_planned *conus_plan_pose(const conus_plan *plan, size_t in
  * "entries", of which there are as many as conus_plan_options.entries: feasible (how many of its poses break no
  * constraint), candidate (number of the best of these by the rank; 0 = there is none, and all that follows is n/a),
  * leeway_mm, slack_mm, depth_mm, entry_angle_deg, reach1 (value of the first REACH; n/a without one), also where that
- * pose is not in the list; the same for any number of threads, and with or without pruning. "targets": likewise of each
- * target.
+ * pose is not in the list; the same for any number of threads, and with or without pruning. "targets": of each target
+ * these columns.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another word or NULL, and of entries and targets before
  * conus_plan_run(). */
 CONUS_CHECKED conus_status conus_plan_list(conus_table **out, const conus_plan *plan, const char *what);
@@ -453,7 +453,7 @@ typedef struct conus_question {
 typedef struct conus_together_options {
     size_t struct_size;          /**< Its size, as #CONUS_TOGETHER_OPTIONS_INIT sets it; 0 = that of this version. */
     double between;              /**< Shafts stay farther apart than that, mm, 0 to 100; 0 = they do not touch. */
-    double parts;                /**< Likewise two bodies of which one or both are parts. */
+    double parts;                /**< Two bodies of which one or both are parts stay so far apart, mm, 0 to 100. */
     const conus_pose_row *given; /**< [given_count] Poses that are called like needles: each is in its place, and is of
                                     the first question that it answers. */
     size_t given_count;          /**< 0 = all are planned. */
@@ -507,7 +507,7 @@ typedef struct conus_placed {
     size_t question_count;      /**< At least 1. */
     double largest;             /**< The largest leeway of its candidates, mm; NaN without one. */
     double cut; /**< Candidates with less are in no combination that is as good as the last one that is listed, and in
-                   none at all after a conus_combination.last, mm; NaN likewise. */
+                   none at all after a conus_combination.last, mm; NaN without one. */
     uint64_t above; /**< So many of its candidates are not below the cut; of lists that are not known whole, of those
                        that are known. */
 } conus_placed;
@@ -518,11 +518,11 @@ typedef struct conus_conflict {
     size_t count;          /**< 0: it is not known which. */
     double between; /**< mm: each margin of shafts below this has a combination of them, all else being as it is; NaN
                        where none has, and where that is not known. */
-    double entry_distance; /**< mm: this distance of entries has one, likewise. */
+    double entry_distance; /**< mm: each distance of entries below this has a combination of them; NaN as of between. */
     bool by_arcs;          /**< Only the limits of arcs are in the way. Then: */
     uint64_t arcs_most;    /**< so many arcs are needed at least, all else being as it is; 0 where no number does, and
-                              where    that is not known, */
-    uint64_t arcs_each;    /**< and likewise needles on one arc. */
+                              where that is not known, */
+    uint64_t arcs_each;    /**< and so many needles on one arc, at least. */
 } conus_conflict;
 
 /** Plans needles together: has the candidates of each listed, finds the best combinations, and proves them.
@@ -559,14 +559,6 @@ CONUS_API const conus_placed *conus_together_needle(const conus_together *togeth
  * @return NULL where there is one that is feasible, and where it is not known whether there is. Borrowed from the
  * answer. */
 CONUS_API const conus_conflict *conus_together_conflict(const conus_together *together);
-
-/** Makes a table of all pairs of the combinations: how near the needles come to each other, and where.
- * @param[out] out A row for each two needles: combination, needle, other, slack_mm, leeway_mm, distance_mm, body,
- * other_body, x, y, z, other_x, other_y, other_z, entry_distance_mm, arc_deg, slider_deg; without a combination no
- * row. End it with conus_table_destroy().
- * @param together The answer.
- * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected. */
-CONUS_CHECKED conus_status conus_together_pairs(conus_table **out, const conus_together *together);
 /** @} */
 
 #ifdef __cplusplus

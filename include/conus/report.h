@@ -40,8 +40,8 @@ typedef enum conus_format {
 /** Kind of a report's rows; each with its own columns. */
 typedef enum conus_rows {
     CONUS_ROWS_ANSWERS = 0, /**< From conus_report_add(). */
-    CONUS_ROWS_SHARES, /**< The same with the angle, and for people a table of shares by angle; answers in a row that
-                     have one id belong together. */
+    CONUS_ROWS_SHARES, /**< From conus_report_add(), with the angle, and for people a table of shares by angle; answers
+                     in a row that have one id belong together. */
     CONUS_ROWS_ADMISSIONS,  /**< Tables of conus_sweep(). */
     CONUS_ROWS_CHANCES,     /**< Tables of conus_jitter(). */
     CONUS_ROWS_SUMMARIES,   /**< From conus_report_add(), one row each: the best, the runner-up, and by how much. Not as
@@ -51,12 +51,12 @@ typedef enum conus_rows {
     CONUS_ROWS_CONNECTIONS, /**< Tables of conus_connectivity(). */
     CONUS_ROWS_CLEARANCES,  /**< Tables of conus_clearance(). */
     CONUS_ROWS_PLAN,        /**< From conus_report_add_plan(), a row for each pose that is listed. */
-    CONUS_ROWS_CONSTRAINTS, /**< From the same, a row for each of them and each constraint. */
+    CONUS_ROWS_CONSTRAINTS, /**< From conus_report_add_plan(), a row for each pose and each constraint. */
     CONUS_ROWS_PROFILE,     /**< From conus_report_add_profile(). */
     CONUS_ROWS_TOLERANCE,   /**< From conus_report_add_tolerance(). */
     CONUS_ROWS_CLUSTERS,    /**< Tables of conus_clusters(). */
     CONUS_ROWS_NEEDLES,     /**< Of needles that were planned together, a row for each. */
-    CONUS_ROWS_PAIRS,       /**< From the same, a row for each two needles. */
+    CONUS_ROWS_PAIRS,       /**< Of needles that were planned together, a row for each two. */
     CONUS_ROWS_CALIBRATION, /**< What trials say of the errors of pointing; without a selector. */
     CONUS_ROWS_RELIABILITY, /**< How often posteriors are right. */
     CONUS_ROWS_POSITIONS    /**< Positions of caps; without a selector. */

@@ -50,14 +50,9 @@ CONUS_API void conus_table_destroy(conus_table *table);
  * @return How many rows there are. */
 CONUS_API size_t conus_table_rows(const conus_table *table);
 
-/** Counts the columns.
- * @param table NULL counts 0.
- * @return How many columns there are. */
-CONUS_API size_t conus_table_columns(const conus_table *table);
-
 /** Gives a column by its place.
  * @param table The table; NULL has none.
- * @param index From 0.
+ * @param index From 0; a loop over all columns ends at NULL.
  * @return NULL past the last. Borrowed from the table. */
 CONUS_API const conus_column *conus_table_column(const conus_table *table, size_t index);
 

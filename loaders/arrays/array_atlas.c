@@ -312,11 +312,11 @@ conus_status conus_atlas_add_surface(conus_atlas *atlas, const conus_label *area
     return job_close(&job, NULL, NULL);
 }
 
-conus_status conus_atlas_add_values(conus_atlas *atlas, const conus_voxels *voxels,
-                                    const conus_pathway_options *options)
+conus_status conus_atlas_add_pathway_voxels(conus_atlas *atlas, const conus_voxels *voxels,
+                                            const conus_pathway_options *options)
 {
     if (!atlas || !voxels) {
-        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_values: an atlas and voxels are needed");
+        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_pathway_voxels: an atlas and voxels are needed");
     }
     options = options_of(conus_pathway_options, options);
     voxels = options_of(conus_voxels, voxels);
@@ -333,11 +333,11 @@ conus_status conus_atlas_add_values(conus_atlas *atlas, const conus_voxels *voxe
     return atlas_close(&job, atlas, mark);
 }
 
-conus_status conus_atlas_set_context_values(conus_atlas *atlas, const conus_voxels *voxels,
+conus_status conus_atlas_set_context_voxels(conus_atlas *atlas, const conus_voxels *voxels,
                                             const conus_context_options *options)
 {
     if (!atlas || !voxels) {
-        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_set_context_values: an atlas and voxels are needed");
+        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_set_context_voxels: an atlas and voxels are needed");
     }
     options = options_of(conus_context_options, options);
     voxels = options_of(conus_voxels, voxels);

@@ -15,9 +15,7 @@ are the library's own structs, with world positions; angles are in degrees.
 """
 from ._answers import Answers, Hit, Selection, Step, Track
 from ._atlas import Atlas, InstalledAtlas, Placement, Selector, atlases, load
-from ._axis import Tables
 from ._conus import ffi as _ffi, lib as _lib
-from ._connectivity import Connectivity
 from ._library import (
     ArgumentError,
     CancelledError,
@@ -43,9 +41,9 @@ from ._tracts import Tractogram, is_tractogram
 
 __version__ = _ffi.string(_lib.conus_version()).decode()
 __all__ = [
-    "Answers", "ArgumentError", "Atlas", "CancelledError", "Connectivity", "Contacts", "DataError", "Difference", "Error", "FileError",
+    "Answers", "ArgumentError", "Atlas", "CancelledError", "Contacts", "DataError", "Difference", "Error", "FileError",
     "GLError", "Hit", "InstalledAtlas", "OUT", "OutOfMemoryError", "Picture", "Place", "Placement", "Plan", "PoseWarning", "Poses", "Probe", "Renderer",
-    "Selection", "Selector", "SourceFile", "Step", "Table", "Tables", "Together", "Track", "Tracker", "Tractogram",
+    "Selection", "Selector", "SourceFile", "Step", "Table", "Together", "Track", "Tracker", "Tractogram",
     "UnsupportedError", "Verification", "atlases", "brain_areas", "calibrate", "cite", "errors", "is_tractogram", "load", "page", "pose_formats", "positions", "read_poses", "read_probe",
     "run", "transfer_presets", "verify",
 ]

@@ -16,8 +16,8 @@ from ._library import (
 if TYPE_CHECKING:
     import pandas
     from ._atlas import Atlas, Selector
-    from ._connectivity import Connectivity
     from ._space import Space
+    from ._table import Table
 
 Array = np.ndarray[Any, Any]
 _KINDS = np.array(["error", "area", "pathway", "unassigned", "bundle"], object)
@@ -360,7 +360,7 @@ class Selection(Bound):
             columns.update(_step_columns(self._steps.repeat(len(self)), results))
         return pandas.DataFrame(columns)
 
-    def endpoints(self, radius: float = 2.0) -> Connectivity:
+    def endpoints(self, radius: float = 2.0) -> Table:
         """Which areas the streamlines in the cone or ball connect: ``conus query --endpoints``.
 
         Parameters
@@ -435,7 +435,7 @@ class Selection(Bound):
             For another channel.
         """
         out = ffi.new("conus_image **")
-        check(lib.conus_image_of_selection(out, self._p))
+        check(lib.conus_selection_image(out, self._p))
         image = owned(out[0], lib.conus_image_destroy)
         return image_channel(image, channel)
 
@@ -469,7 +469,7 @@ class Selection(Bound):
 
     def _repr_png_(self) -> bytes:
         out = ffi.new("conus_image **")
-        check(lib.conus_image_of_selection(out, self._p))
+        check(lib.conus_selection_image(out, self._p))
         return image_bytes(owned(out[0], lib.conus_image_destroy))
 
     def plot(self, axes: Any = None) -> Any:

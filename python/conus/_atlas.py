@@ -11,10 +11,8 @@ from typing import TYPE_CHECKING, Any, Callable, ContextManager, Iterable, Mappi
 import numpy as np
 
 from ._answers import Answers, Array, Objects, Selection, Track, kind_word
-from ._axis import Tables
 from ._callback import Callback, load_progress, receive
 from ._candidates import candidates_of, depth_of
-from ._connectivity import Connectivity, radius_of
 from ._conus import ffi, lib
 from ._library import (
     RESULT,
@@ -454,7 +452,7 @@ def _add_pathway(atlas: Any, pathway: Any, max_memory: int) -> None:
     _handle = state.hear(options)
     if hasattr(source, "dataobj"):
         voxels, _alive = _fill_voxels(*_image_parts(source))
-        state.check(lib.conus_atlas_add_values(atlas, voxels, options))
+        state.check(lib.conus_atlas_add_pathway_voxels(atlas, voxels, options))
     else:
         state.check(lib.conus_atlas_add_pathway(atlas, path_of("pathways", source), options))
 
@@ -483,7 +481,7 @@ def _set_context(atlas: Any, source: Any, blocks: float, opacity: float, max_mem
     _handle = state.hear(options)
     if hasattr(source, "dataobj"):
         voxels, _alive = _fill_voxels(*_image_parts(source))
-        state.check(lib.conus_atlas_set_context_values(atlas, voxels, options))
+        state.check(lib.conus_atlas_set_context_voxels(atlas, voxels, options))
     else:
         state.check(lib.conus_atlas_set_context(atlas, _find_image(source), options))
 
@@ -917,7 +915,7 @@ class Selector(Guarded):
     def segments_many(
         self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None, near: Any = None,
         far: Any = None,
-    ) -> Tables:
+    ) -> Table:
         """Lists what the axes of many devices pass: ``conus batch --segments``.
 
         Parameters
@@ -927,13 +925,12 @@ class Selector(Guarded):
 
         Returns
         -------
-        Tables
-            Those of all poses. A pose that has no axis is in ``errors``.
+        Table
+            The rows of all poses. A pose that has no axis is in ``errors``.
         """
-
         array = self._poses(origins, directions, poses, up, None, near, far)
         with self._lock:  # the range is that of one pose after the other
-            return Tables(array, self._p, lambda pose: self._table(lib.conus_segments, pose))
+            return Table.of_poses(array, self._p, lambda pose: self._table(lib.conus_segments, pose))
 
     def clearance(
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
@@ -962,7 +959,7 @@ class Selector(Guarded):
     def clearance_many(
         self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None, near: Any = None,
         far: Any = None, within: float = 10,
-    ) -> Tables:
+    ) -> Table:
         """How far many needles stay from each object: ``conus batch --clearance``.
 
         Parameters
@@ -974,13 +971,13 @@ class Selector(Guarded):
 
         Returns
         -------
-        Tables
-            Those of all poses. A pose that has no axis is in ``errors``.
+        Table
+            The rows of all poses. A pose that has no axis is in ``errors``.
         """
         array = self._poses(origins, directions, poses, up, None, near, far)
         within = _distance("within", within)
         with self._lock:
-            return Tables(array, self._p, lambda pose: self._table(lib.conus_clearance, pose, within))
+            return Table.of_poses(array, self._p, lambda pose: self._table(lib.conus_clearance, pose, within))
 
     def plan(
         self,
@@ -1175,7 +1172,7 @@ class Selector(Guarded):
         self._warn_of(aim, opening)
         return jitter
 
-    def connectivity(self, radius: float = 2.0, selection: Optional[Selection] = None) -> Connectivity:
+    def connectivity(self, radius: float = 2.0, selection: Optional[Selection] = None) -> Table:
         """Which areas the bundles connect: ``conus connect``.
 
         Parameters
@@ -1187,8 +1184,12 @@ class Selector(Guarded):
 
         Returns
         -------
-        Connectivity
-            By bundle, the most streamlines first.
+        Table
+            By bundle, the most streamlines first; :meth:`Table.matrix` is areas by areas. ``part("pairs")`` has the
+            streamlines of all bundles together, each once, and ``part("areas")`` those that a matrix has: all with
+            voxels or triangles, or, of an atlas loaded with ``only``, its areas in that order, so that tables of
+            several subjects have one size; the last row is that of ends in no area. ``area_a`` and ``area_b`` of pairs
+            are rows of areas.
 
         Raises
         ------
@@ -1202,10 +1203,11 @@ class Selector(Guarded):
             raise ArgumentError("there are no streamlines, load(..., streamlines=[FILE]) adds some")
         if all(lib.conus_atlas_is_hidden(atlas, i) for i in bundles):
             raise ArgumentError("all streamlines are hidden: only names the bundles to keep beside areas")
-        out = ffi.new("conus_table **")
+        radius = real("radius", radius)
+        if not 0 <= radius <= 100:
+            raise ArgumentError(f"radius: {radius:g} mm round an end, allowed are 0 to 100")
         chosen = ffi.NULL if selection is None else selection._p
-        self._call(lib.conus_connectivity, out, self._p, chosen, radius_of(radius), True)
-        return Connectivity(out[0])
+        return self._table(lib.conus_connectivity, chosen, radius or -1, True)  # 0 is the library's default
 
     def overlap(self, roi: Any, threshold: float = 0, *, max_memory: int = 0) -> Table:
         """Which objects a region of interest covers: ``conus overlap``.
@@ -1685,7 +1687,7 @@ class Atlas:
         return self._selector(options).segments(origin, toward=toward, direction=direction, up=up, pose=pose)
 
     def segments_many(self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,
-                      near: Any = None, far: Any = None, **options: Any) -> Tables:
+                      near: Any = None, far: Any = None, **options: Any) -> Table:
         """Lists what the axes of many devices pass: see :meth:`Selector.segments_many`."""
         return self._selector(options).segments_many(origins, directions, poses=poses, up=up, near=near, far=far)
 
@@ -1697,7 +1699,7 @@ class Atlas:
         )
 
     def clearance_many(self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,
-                       near: Any = None, far: Any = None, within: float = 10, **options: Any) -> Tables:
+                       near: Any = None, far: Any = None, within: float = 10, **options: Any) -> Table:
         """How far many needles stay from each object: see :meth:`Selector.clearance_many`."""
         return self._selector(options).clearance_many(
             origins, directions, poses=poses, up=up, near=near, far=far, within=within
@@ -1769,7 +1771,7 @@ class Atlas:
             samples=samples, error=error,
         )
 
-    def connectivity(self, radius: float = 2.0, **options: Any) -> Connectivity:
+    def connectivity(self, radius: float = 2.0, **options: Any) -> Table:
         """Which areas the bundles connect: see :meth:`Selector.connectivity`."""
         return self._selector(options).connectivity(radius)
 

@@ -480,7 +480,7 @@ class Renderer(Bound):
         planes, look = _planes_of(self.atlas, cuts, at, flag("radiological", radiological)), ffi.new("conus_cut_view *")
         look.fill = 0.6 if fill is None else real("fill", fill)
         look.pathways, look.pathway_count = self._pathways[0], len(self._pathways[1])
-        check(lib.conus_cuts_image(out, self.atlas._p, planes, len(planes), look,
+        check(lib.conus_render_cuts(out, self.atlas._p, planes, len(planes), look,
                                    pointer if "3d" in cuts else ffi.NULL, options))
         return Picture(out[0], self.device)
 

@@ -792,8 +792,8 @@ static conus_status check_planes(const conus_cut_plane *planes, size_t count)
     return CONUS_OK;
 }
 
-conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const conus_cut_plane *planes, size_t count,
-                              const conus_cut_view *look, conus_renderer *renderer, const conus_view *sheet)
+conus_status conus_render_cuts(conus_image **out, const conus_atlas *atlas, const conus_cut_plane *planes, size_t count,
+                               const conus_cut_view *look, conus_renderer *renderer, const conus_view *sheet)
 {
     struct sheet of = {.look = options_of(conus_cut_view, look), .renderer = renderer, .picture = {.atlas = atlas}};
     of.view = *options_of(conus_view, sheet);

@@ -35,7 +35,7 @@ conus_status image_parse_png(conus_image **out, const uint8_t *data, size_t size
     return refuse();
 }
 
-conus_status conus_image_of_selection(conus_image **out, const conus_selection *selection)
+conus_status conus_selection_image(conus_image **out, const conus_selection *selection)
 {
     (void)out, (void)selection;
     return refuse();
@@ -48,8 +48,8 @@ conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const 
     return refuse();
 }
 
-conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const conus_cut_plane *planes, size_t count,
-                              const conus_cut_view *look, conus_renderer *renderer, const conus_view *sheet)
+conus_status conus_render_cuts(conus_image **out, const conus_atlas *atlas, const conus_cut_plane *planes, size_t count,
+                               const conus_cut_view *look, conus_renderer *renderer, const conus_view *sheet)
 {
     (void)out, (void)atlas, (void)planes, (void)count, (void)look, (void)renderer, (void)sheet;
     return refuse();

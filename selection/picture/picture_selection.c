@@ -314,7 +314,7 @@ static conus_status create_picture(conus_image **out, const conus_selection *sel
     return CONUS_OK;
 }
 
-conus_status conus_image_of_selection(conus_image **out, const conus_selection *selection)
+conus_status conus_selection_image(conus_image **out, const conus_selection *selection)
 {
     conus_image *image = NULL;
     conus_image *picture = NULL;

@@ -762,7 +762,7 @@ const struct plan_best *plan_bests(size_t *count, const conus_plan *plan, bool o
 
 uint64_t conus_plan_left(const conus_plan *plan, size_t constraints)
 {
-    return constraints <= plan->asked.count ? plan->left[constraints] : 0;
+    return plan && constraints <= plan->asked.count ? plan->left[constraints] : 0;
 }
 
 const conus_planned *conus_plan_miss(const conus_plan *plan, size_t index)

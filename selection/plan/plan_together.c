@@ -1179,7 +1179,7 @@ void conus_together_destroy(conus_together *together)
 
 const conus_combination *conus_together_combination(const conus_together *together, size_t index)
 {
-    return index < together->entry_count ? &together->entries[index].combination : NULL;
+    return together && index < together->entry_count ? &together->entries[index].combination : NULL;
 }
 
 const conus_together_options *conus_together_asked(const conus_together *together)
@@ -1204,7 +1204,7 @@ const conus_answered *conus_together_question(const conus_together *together, si
 
 const conus_conflict *conus_together_conflict(const conus_together *together)
 {
-    return together->has_conflict ? &together->conflict : NULL;
+    return together && together->has_conflict ? &together->conflict : NULL;
 }
 
 conus_status conus_together_pairs(conus_table **out, const conus_together *together)

@@ -374,23 +374,19 @@ size_t conus_table_rows(const conus_table *table)
     return table ? table->row_count : 0;
 }
 
-size_t conus_table_columns(const conus_table *table)
-{
-    return table ? table->column_count : 0;
-}
-
 const conus_column *conus_table_column(const conus_table *table, size_t index)
 {
-    return index < conus_table_columns(table) ? &table->columns[index] : NULL;
+    return table && index < table->column_count ? &table->columns[index] : NULL;
 }
 
 const conus_column *conus_table_find(const conus_table *table, const char *name)
 {
-    size_t index = 0;
-    while (index < conus_table_columns(table) && strcmp(table->columns[index].name, name) != 0) {
-        index++;
+    for (size_t i = 0; table && i < table->column_count; i++) {
+        if (strcmp(table->columns[i].name, name) == 0) {
+            return &table->columns[i];
+        }
     }
-    return conus_table_column(table, index);
+    return NULL;
 }
 
 const double *conus_table_numbers(const conus_table *table, const char *column)

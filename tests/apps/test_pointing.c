@@ -69,7 +69,7 @@ static void add_head(conus_atlas *atlas)
         .type = CONUS_SCALAR_FLOAT32,
         .dim = {SIDE, LENGTH, SIDE},
         .world_from_voxel = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -HALF_SIDE, -HALF_LENGTH, -HALF_SIDE, 1}};
-    assert_ok(conus_atlas_set_context_values(atlas, &voxels, NULL));
+    assert_ok(conus_atlas_set_context_voxels(atlas, &voxels, NULL));
     free(grey);
 }
 

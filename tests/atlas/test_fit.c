@@ -62,7 +62,7 @@ static conus_status add_head(conus_atlas *atlas, const double centre[3])
     }
     values[0] = values[EDGE - 1] = 100;
     const conus_voxels voxels = grid_at(values, CONUS_SCALAR_FLOAT32, centre);
-    return conus_atlas_set_context_values(atlas, &voxels, NULL);
+    return conus_atlas_set_context_voxels(atlas, &voxels, NULL);
 }
 
 /* The shell has two values, so that any threshold above 0 separates them best from the 0s in the first of 256 classes.

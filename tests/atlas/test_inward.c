@@ -110,7 +110,7 @@ static void the_head_of_an_image_has_a_normal(void **state)
         voxels.world_from_voxel[12 + a] = start;
     }
     voxels.world_from_voxel[15] = 1;
-    assert_ok(conus_atlas_set_context_values(atlas, &voxels, NULL));
+    assert_ok(conus_atlas_set_context_voxels(atlas, &voxels, NULL));
     for (int trial = 0; trial < 100; trial++) {
         double point[3] = {random_number(), random_number(), random_number()};
         double found[3];

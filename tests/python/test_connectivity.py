@@ -47,7 +47,7 @@ def test_connections_of_plates(lined):
     assert list(frame["bundle"]) == 3 * ["lines"] and frame["end_b_index"].isna().tolist() == [False, False, True]
     near = lined.connectivity(radius=5)
     assert near["streamlines"].tolist() == [4, 1] and len(near) == 2
-    assert near.areas.objects.tolist() == [1, 2, 0] and near.areas["name"].tolist() == [left, right, "unassigned"]
+    assert near.part("areas").objects.tolist() == [1, 2, 0] and near.part("areas")["name"].tolist() == [left, right, "unassigned"]
     assert near.matrix().values.tolist() == [[1, 4, 0], [4, 0, 0], [0, 0, 0]]
     lengths = near.matrix("mean_length_mm").values
     assert lengths[0, :2].tolist() == [5, 255 / 4] and np.isnan(lengths[1, 1])
@@ -55,7 +55,7 @@ def test_connections_of_plates(lined):
 
 
 def test_parts_stay_when_the_table_is_gone(lined):
-    pairs = lined.connectivity(radius=5).pairs
+    pairs = lined.connectivity(radius=5).part("pairs")
     streamlines = pairs["streamlines"]
     assert pairs.columns == ("end_a", "end_b", "streamlines", "fraction", "mean_length_mm", "area_a", "area_b")
     assert pairs.to_dataframe()["end_b"].tolist() == [NAMES[2], NAMES[1]] and pairs.objects.tolist() == [0, 0]

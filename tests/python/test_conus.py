@@ -288,7 +288,7 @@ def test_segments_of_plates(atlas):
     frame = many.to_dataframe()
     assert list(frame["kind"]) == ["unassigned", "area", "unassigned", "area", "error", "unassigned"]
     assert math.isnan(frame["exit_mm"].iloc[-1]) and many["exit_mm"][-1] == math.inf
-    assert many.objects.tolist() == [0, 1, 0, 2, 0] and repr(many).startswith("<conus.Tables: 5 rows about 3 poses of order, ")
+    assert many.objects.tolist() == [0, 1, 0, 2, 0] and repr(many).startswith("<conus.Table: 5 rows about 3 poses of order, ")
     none = atlas.segments_many(np.empty((0, 3)), np.empty((0, 3)))
     assert len(none) == 0 and list(none.to_dataframe().columns) == list(frame.columns)
     lost = atlas.segments_many([(np.nan, 0, 0)], [(1, 0, 0)]).to_dataframe()

@@ -97,6 +97,13 @@ def test_the_functions_are_those_of_the_library():
     assert sorted(functions()) == sorted(re.findall(r"^ (?:\(optional\))?(conus_\w+)@", symbols, re.M))
 
 
+def test_at_most_180_functions_are_installed():
+    code = [re.sub(r"/\*.*?\*/", "", path.read_text(encoding="utf-8"), flags=re.S)
+            for path in (ROOT / "include" / "conus").glob("*.h") if path.name != "own.h"]
+    installed = {name for text in code for name in re.findall(r"^CONUS_(?:API|CHECKED) [^(]*?\b(conus_\w+)\(", text, re.M)}
+    assert 150 < len(installed) <= 180 and installed <= set(functions())
+
+
 def test_the_package_uses_few_functions_that_are_not_public():
     header = (ROOT / "include" / "conus" / "own.h").read_text(encoding="utf-8")
     own = set(re.findall(r"\b(conus_\w+)\(", re.sub(r"/\*.*?\*/", "", header, flags=re.S)))

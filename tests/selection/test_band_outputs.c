@@ -125,7 +125,7 @@ static void answer(char **rows, conus_image **image, const conus_atlas *atlas)
     assert_ok(conus_report_create(&report, selector, &options));
     assert_ok(conus_report_add(report, "q", selection));
     assert_ok(conus_report_text(&text, &size, report));
-    assert_ok(conus_image_of_selection(image, selection));
+    assert_ok(conus_selection_image(image, selection));
     *rows = memory_text(text, size);
     conus_report_destroy(report);
     conus_selection_destroy(selection);

@@ -178,7 +178,7 @@ static conus_status add_row(conus_atlas *atlas, const float *values, size_t coun
     const conus_pathway_options options = {.bands = bands, .band_count = band_count};
     mat4_identity(voxels.world_from_voxel);
     voxels.world_from_voxel[0] = 2;
-    return conus_atlas_add_values(atlas, &voxels, &options);
+    return conus_atlas_add_pathway_voxels(atlas, &voxels, &options);
 }
 
 static conus_atlas *make_empty(void)
@@ -302,7 +302,7 @@ static conus_atlas *random_bands(uint64_t *random, size_t bands)
     }
     mat4_identity(voxels.world_from_voxel);
     const conus_pathway_options options = {.bands = list, .band_count = bands};
-    assert_ok(conus_atlas_add_values(atlas, &voxels, &options));
+    assert_ok(conus_atlas_add_pathway_voxels(atlas, &voxels, &options));
     return atlas;
 }
 

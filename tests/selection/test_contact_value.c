@@ -39,9 +39,10 @@ static conus_atlas *make_atlas(void)
         more[v] = k >= 5 && k < 8 ? value_of(MORE, v % DIM, v / DIM % DIM, k) : 0;
     }
     assert_ok(conus_atlas_create(&atlas, NULL, NULL, 0, NULL));
-    assert_ok(conus_atlas_add_values(atlas, &voxels, &options));
+    assert_ok(conus_atlas_add_pathway_voxels(atlas, &voxels, &options));
     voxels.data = more;
-    assert_ok(conus_atlas_add_values(atlas, &voxels, &(conus_pathway_options){.threshold = ABOVE, .name = "More"}));
+    assert_ok(
+        conus_atlas_add_pathway_voxels(atlas, &voxels, &(conus_pathway_options){.threshold = ABOVE, .name = "More"}));
     return atlas;
 }
 

@@ -39,6 +39,6 @@ conus_atlas *shells_atlas(void)
         values[v] = (float)(sqrt(odd_square(at[0]) + odd_square(at[1]) + odd_square(at[2])) / 2);
     }
     assert_ok(conus_atlas_create(&atlas, NULL, NULL, 0, NULL));
-    assert_ok(conus_atlas_add_values(atlas, &voxels, &options));
+    assert_ok(conus_atlas_add_pathway_voxels(atlas, &voxels, &options));
     return atlas;
 }

@@ -6,6 +6,9 @@
 #include "conus/table.h"
 #include "test.h"
 
+#include <math.h>
+#include <stdio.h>
+
 static inline double table_number_at(const conus_table *table, const char *column, size_t row)
 {
     assert_non_null(conus_table_numbers(table, column));
@@ -52,10 +55,10 @@ static inline size_t table_row_of(const conus_table *table, uint32_t object)
 static inline void assert_same_tables(const conus_table *a, const conus_table *b)
 {
     assert_int_equal(conus_table_rows(a), conus_table_rows(b));
-    assert_int_equal(conus_table_columns(a), conus_table_columns(b));
-    for (size_t i = 0; i < conus_table_columns(a); i++) {
+    for (size_t i = 0; conus_table_column(a, i) || conus_table_column(b, i); i++) {
         const conus_column *x = conus_table_column(a, i);
         const conus_column *y = conus_table_column(b, i);
+        assert_true(x && y);
         assert_string_equal(x->name, y->name);
         assert_string_equal(x->unit, y->unit);
         assert_int_equal(x->type, y->type);

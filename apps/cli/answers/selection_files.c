@@ -101,7 +101,7 @@ static int take_mask(struct selection_files *files, const conus_selection *selec
 int selection_files_take(struct selection_files *files, const conus_selection *selection, const conus_atlas *atlas)
 {
     const struct selection_file_settings *settings = files->settings;
-    conus_status status = settings->image ? conus_image_of_selection(&files->image, selection) : CONUS_OK;
+    conus_status status = settings->image ? conus_selection_image(&files->image, selection) : CONUS_OK;
     int code = status ? print_status(status) : settings->mask ? take_mask(files, selection, atlas) : EXIT_DONE;
     if (!code && settings->streamlines) {
         status = conus_selection_streamlines(&files->streamlines, selection, 0);

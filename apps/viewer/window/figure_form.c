@@ -191,7 +191,7 @@ static conus_status draw_cut(conus_image **out, const struct window *window, enu
     sheet.legend = view.no_cone ? CONUS_LEGEND_NONE : sheet.legend;
     sheet.own_colours = view.own_colours;
     sheet.frame = &viewer->frame;
-    return conus_cuts_image(out, viewer->drawn->atlas, &whole, 1, &view, NULL, &sheet);
+    return conus_render_cuts(out, viewer->drawn->atlas, &whole, 1, &view, NULL, &sheet);
 }
 
 /* As figure_write(), but gives the image; none where there is a refusal. */

@@ -342,26 +342,26 @@ static void scalar_maps(void **state)
     conus_voxels voxels = voxels_of(map, CONUS_SCALAR_FLOAT32);
     voxels.name = "tract";
     assert_int_equal(conus_atlas_create(&atlas, NULL, NULL, 0, NULL), CONUS_OK);
-    assert_int_equal(conus_atlas_add_values(atlas, &voxels, NULL), CONUS_OK);
+    assert_int_equal(conus_atlas_add_pathway_voxels(atlas, &voxels, NULL), CONUS_OK);
     const conus_object *object = conus_atlas_object(atlas, 1);
     assert_int_equal(object->kind, CONUS_KIND_PATHWAY);
     assert_string_equal(object->name, "tract");
     assert_int_equal(object->voxels, NY * NZ); /* 0.8 is above a quarter of 1 */
     const conus_pathway_options low = {.threshold = 0.05, .name = "all"};
-    assert_int_equal(conus_atlas_add_values(atlas, &voxels, &low), CONUS_OK);
+    assert_int_equal(conus_atlas_add_pathway_voxels(atlas, &voxels, &low), CONUS_OK);
     assert_int_equal(conus_atlas_object(atlas, 2)->voxels, COUNT);
     assert_string_equal(conus_atlas_object(atlas, 2)->name, "all");
     const conus_pathway_options high = {.threshold = 0.9};
     size_t notes = conus_atlas_note_count(atlas);
-    assert_int_equal(conus_atlas_add_values(atlas, &voxels, &high), CONUS_ERROR_ARGUMENT);
+    assert_int_equal(conus_atlas_add_pathway_voxels(atlas, &voxels, &high), CONUS_ERROR_ARGUMENT);
     assert_int_equal(conus_atlas_object_count(atlas), 2);
     assert_int_equal(conus_atlas_note_count(atlas), notes);
-    assert_int_equal(conus_atlas_set_context_values(atlas, &voxels, NULL), CONUS_OK);
+    assert_int_equal(conus_atlas_set_context_voxels(atlas, &voxels, NULL), CONUS_OK);
     assert_int_equal(conus_atlas_volume_count(atlas), 3);
     /* The middle of voxel (3, 1, 1). */
     assert_true(fabs(conus_atlas_value(atlas, 2, (double[]){2, -1, 0}) - 0.8) < 1e-6);
     const conus_context_options block = {.block_threshold = 2};
-    assert_int_equal(conus_atlas_set_context_values(atlas, &voxels, &block), CONUS_ERROR_ARGUMENT);
+    assert_int_equal(conus_atlas_set_context_voxels(atlas, &voxels, &block), CONUS_ERROR_ARGUMENT);
     assert_int_equal(conus_atlas_add_surface(atlas, &(conus_label){.number = 1}, corners, 4, faces, 4),
                      CONUS_ERROR_ARGUMENT);
     assert_non_null(strstr(conus_message(), "before pathways"));
@@ -391,8 +391,8 @@ static void matrices_are_affine(void **state)
         assert_int_equal(conus_atlas_create(&none, &bent, NULL, 0, NULL), CONUS_ERROR_DATA);
         assert_non_null(strstr(conus_message(), cases[i].said));
         assert_int_equal(conus_roi_create(&roi, &bent, NULL), CONUS_ERROR_DATA);
-        assert_int_equal(conus_atlas_add_values(atlas, &bent, NULL), CONUS_ERROR_DATA);
-        assert_int_equal(conus_atlas_set_context_values(atlas, &bent, NULL), CONUS_ERROR_DATA);
+        assert_int_equal(conus_atlas_add_pathway_voxels(atlas, &bent, NULL), CONUS_ERROR_DATA);
+        assert_int_equal(conus_atlas_set_context_voxels(atlas, &bent, NULL), CONUS_ERROR_DATA);
         assert_int_equal(conus_atlas_move(atlas, bent.world_from_voxel), CONUS_ERROR_DATA);
         assert_non_null(strstr(conus_message(), cases[i].said));
     }
@@ -421,8 +421,8 @@ static conus_status make_all(void *data_unused)
     conus_status status = conus_atlas_create(&atlas, &voxels, labels, 1, NULL);
     status = status ? status
                     : conus_atlas_add_surface(atlas, &(conus_label){.number = 11, .name = "S"}, corners, 4, faces, 3);
-    status = status ? status : conus_atlas_add_values(atlas, &values, NULL);
-    status = status ? status : conus_atlas_set_context_values(atlas, &values, NULL);
+    status = status ? status : conus_atlas_add_pathway_voxels(atlas, &values, NULL);
+    status = status ? status : conus_atlas_set_context_voxels(atlas, &values, NULL);
     conus_atlas_destroy(atlas);
     return status;
 }

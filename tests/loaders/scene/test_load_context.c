@@ -221,7 +221,7 @@ static void volumes_of_other_units_are_noted(void **state)
             voxels.world_from_voxel[5 * a] = cases[i].edge;
         }
         voxels.world_from_voxel[15] = 1;
-        assert_ok(conus_atlas_set_context_values(atlas, &voxels, NULL));
+        assert_ok(conus_atlas_set_context_voxels(atlas, &voxels, NULL));
         assert_place(atlas, cases[i].note);
     }
 }

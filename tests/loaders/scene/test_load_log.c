@@ -302,7 +302,7 @@ static void arrays(void **state)
     voxels.data = values;
     voxels.type = CONUS_SCALAR_FLOAT32;
     voxels.name = NULL;
-    assert_ok(conus_atlas_add_values(atlas, &voxels, &pathway));
+    assert_ok(conus_atlas_add_pathway_voxels(atlas, &voxels, &pathway));
     assert_int_equal(heard.count, 2);
     assert_string_equal(heard.notes[1].path, "array");
     assert_non_null(strstr(heard.notes[1].line, "1 voxels are not finite numbers"));

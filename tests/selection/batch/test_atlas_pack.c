@@ -262,7 +262,8 @@ static void a_band_is_hidden_in_a_copy(void **state)
     conus_atlas *atlas = NULL;
     conus_atlas *attached = NULL;
     assert_ok(conus_atlas_create(&atlas, NULL, NULL, 0, NULL));
-    assert_ok(conus_atlas_add_values(atlas, &voxels, &(conus_pathway_options){.bands = bands, .band_count = 2}));
+    assert_ok(
+        conus_atlas_add_pathway_voxels(atlas, &voxels, &(conus_pathway_options){.bands = bands, .band_count = 2}));
     struct block block = pack(atlas);
     assert_ok(conus_atlas_attach(&attached, block.memory, block.size));
     assert_ok(conus_atlas_set_hidden(attached, hidden));

@@ -334,7 +334,7 @@ static void bad_balls_are_refused(void **state)
     conus_selector_destroy(deep);
     assert_null(selection);
     selection = ball(fixture, 0, 0, 0, 1);
-    assert_fails(conus_image_of_selection(&image, selection), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_selection_image(&image, selection), CONUS_ERROR_ARGUMENT);
     assert_int_equal(conus_selection_evidence(selection).resolution, 0);
     conus_selection_destroy(selection);
 }

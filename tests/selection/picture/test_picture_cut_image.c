@@ -320,7 +320,7 @@ static conus_status draw_sheet(void *user)
     static const char *const formats[] = {"svg", "pdf"};
     const conus_view sheet = {.width = 80, .height = 40, .no_legend = true, .shapes = true};
     conus_image *image = NULL;
-    conus_status status = conus_cuts_image(&image, user, planes, 2, NULL, NULL, &sheet);
+    conus_status status = conus_render_cuts(&image, user, planes, 2, NULL, NULL, &sheet);
     for (size_t i = 0; i < 2 && !status; i++) {
         const uint8_t *data = NULL;
         size_t size = 0;
@@ -349,7 +349,7 @@ static void areas_beyond_the_image_are_background(void **state)
     const conus_cut_view look = {.fill = 0, .window = {0, 200}};
     conus_atlas *atlas = picture_atlas(&grid, picture_ten, NULL, grey_in_ball);
     conus_image *image = NULL;
-    assert_ok(conus_cuts_image(&image, atlas, planes, 1, &look, NULL, &sheet));
+    assert_ok(conus_render_cuts(&image, atlas, planes, 1, &look, NULL, &sheet));
     const float *red = image_rgba(image).plane[0];
     assert_near(red[101 * 50 + 15], 1, 1e-6);                            /* beside the ball, in the area */
     assert_true(red[101 * 50 + 50] > 0.1F && red[101 * 50 + 50] < 0.5F); /* half of white */
@@ -409,7 +409,7 @@ static void a_cone_from_near_is_closed_in_cuts(void **state)
         const conus_view sheet = {
             .width = 300, .height = 300, .no_legend = true, .shapes = true, .selection = selection};
         conus_image *image = NULL;
-        assert_ok(conus_cuts_image(&image, atlas, planes, 1, NULL, NULL, &sheet));
+        assert_ok(conus_render_cuts(&image, atlas, planes, 1, NULL, NULL, &sheet));
         assert_int_equal(count_ends(image), i == 0 ? 0 : 2);
         conus_image_destroy(image);
         conus_selection_destroy(selection);
@@ -456,7 +456,7 @@ static void cuts_alone_have_the_numbers_of_the_legend(void **state)
         const conus_view sheet = {
             .width = 400, .height = 300, .no_legend = !legend, .shapes = true, .selection = selection};
         conus_image *image = NULL;
-        assert_ok(conus_cuts_image(&image, atlas, planes, 1, NULL, NULL, &sheet));
+        assert_ok(conus_render_cuts(&image, atlas, planes, 1, NULL, NULL, &sheet));
         for (size_t i = 0; i < 3; i++) {
             const struct draw_item *item = find_text(image, numbers[i]);
             assert_true((item != NULL) == legend);
@@ -487,14 +487,14 @@ static void a_sheet_says_what_is_wrong(void **state)
     conus_atlas *atlas = load();
     conus_image *image = NULL;
     conus_cut_plane bad = planes[0];
-    assert_fails(conus_cuts_image(&image, atlas, planes, 0, NULL, NULL, NULL), CONUS_ERROR_ARGUMENT);
-    assert_fails(conus_cuts_image(&image, atlas, planes, 401, NULL, NULL, NULL), CONUS_ERROR_ARGUMENT);
-    assert_fails(conus_cuts_image(&image, atlas, planes, 2, NULL, NULL, &(conus_view){.width = 8, .height = 8}),
+    assert_fails(conus_render_cuts(&image, atlas, planes, 0, NULL, NULL, NULL), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_render_cuts(&image, atlas, planes, 401, NULL, NULL, NULL), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_render_cuts(&image, atlas, planes, 2, NULL, NULL, &(conus_view){.width = 8, .height = 8}),
                  CONUS_ERROR_ARGUMENT);
     bad.up[0] = 1;
-    assert_fails(conus_cuts_image(&image, atlas, &bad, 1, NULL, NULL, NULL), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_render_cuts(&image, atlas, &bad, 1, NULL, NULL, NULL), CONUS_ERROR_ARGUMENT);
     bad = (conus_cut_plane){.at = {0, 0, NAN}, .right = {1, 0, 0}, .up = {0, 1, 0}};
-    assert_fails(conus_cuts_image(&image, atlas, &bad, 1, NULL, NULL, NULL), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_render_cuts(&image, atlas, &bad, 1, NULL, NULL, NULL), CONUS_ERROR_ARGUMENT);
     assert_null(image);
     conus_atlas_destroy(atlas);
 }

@@ -617,7 +617,7 @@ static void points_that_cannot_be_drawn_are_refused(void **state)
     for (size_t i = 0; i < sizeof views / sizeof *views; i++) {
         conus_image *image = NULL;
         assert_fails(conus_render(&image, scene.renderer, &views[i]), CONUS_ERROR_ARGUMENT);
-        assert_fails(conus_cuts_image(&image, scene.atlas, &plane, 1, NULL, NULL, &views[i]), CONUS_ERROR_ARGUMENT);
+        assert_fails(conus_render_cuts(&image, scene.atlas, &plane, 1, NULL, NULL, &views[i]), CONUS_ERROR_ARGUMENT);
         assert_null(image);
     }
     conus_table_destroy(segments);
@@ -1085,7 +1085,7 @@ static conus_status attempt_points(void *data)
     static const conus_drawn_point marks[] = {{.end = {9, 9, 9}, .dashed = true}, {.radius = 3}, {.name = "M"}};
     const conus_view view = {
         .width = 200, .height = 80, .points = two_points, .point_count = 2, .marks = marks, .mark_count = 3};
-    conus_status status = conus_cuts_image(&image, scene->atlas, &plane, 1, NULL, scene->renderer, &view);
+    conus_status status = conus_render_cuts(&image, scene->atlas, &plane, 1, NULL, scene->renderer, &view);
     assert_true((status == CONUS_OK) == (image != NULL));
     conus_image_destroy(image);
     return status;
@@ -1125,7 +1125,7 @@ static void a_column_has_the_cross_of_directions(void **state)
     static const char *const letters[] = {"L", "R", "P", "A", "I", "S"};
     const conus_view sheet = {.width = 1004, .dpi = 300, .print = true, .shapes = true, .selection = scene.selection};
     conus_image *image = NULL;
-    assert_ok(conus_cuts_image(&image, scene.atlas, planes, 3, NULL, scene.renderer, &sheet));
+    assert_ok(conus_render_cuts(&image, scene.atlas, planes, 3, NULL, scene.renderer, &sheet));
     for (size_t n = 0; n < 6; n++) {
         size_t count = 0;
         for (size_t i = 0; i < image->list->count; i++) {

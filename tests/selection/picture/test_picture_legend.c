@@ -753,8 +753,8 @@ static void add_box(conus_atlas *atlas, const char *name, const double low[3], c
                                  .type = CONUS_SCALAR_FLOAT32,
                                  .data = values,
                                  .world_from_voxel = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -29.5, -29.5, -29.5, 1}};
-    assert_ok(
-        conus_atlas_add_values(atlas, &voxels, &(conus_pathway_options){.name = name, .threshold = 0.5, .unit = "z"}));
+    assert_ok(conus_atlas_add_pathway_voxels(atlas, &voxels,
+                                             &(conus_pathway_options){.name = name, .threshold = 0.5, .unit = "z"}));
     memory_free(values);
 }
 

@@ -70,7 +70,7 @@ static void image_is_the_evidence_from_the_top(void **state)
     struct fixture fixture = make_fixture(17, CONUS_APERTURE_CIRCLE);
     conus_image *image = NULL;
     size_t hits = 0;
-    assert_ok(conus_image_of_selection(&image, fixture.selection));
+    assert_ok(conus_selection_image(&image, fixture.selection));
     assert_int_equal(conus_image_width(image), 17);
     assert_int_equal(conus_image_height(image), 17);
     for (uint32_t y = 0; y < 17; y++) {
@@ -98,7 +98,7 @@ static void attributes_say_where_it_comes_from(void **state)
     struct fixture fixture = make_fixture(8, CONUS_APERTURE_SQUARE);
     conus_image *made = NULL;
     conus_image *image = NULL;
-    assert_ok(conus_image_of_selection(&made, fixture.selection));
+    assert_ok(conus_selection_image(&made, fixture.selection));
     assert_ok(conus_image_write(made, test_scratch("selection.exr")));
     assert_ok(conus_image_load(&image, test_scratch("selection.exr")));
     assert_string_equal(text_of(image, "conus:version"), CONUS_VERSION);
@@ -151,7 +151,7 @@ static void picture_is_in_the_areas_colours(void **state)
     for (uint32_t n = 1; n <= 1024; n = 3 * n + 1) {
         struct fixture fixture = make_fixture(n, CONUS_APERTURE_CIRCLE);
         conus_image *image = NULL;
-        assert_ok(conus_image_of_selection(&image, fixture.selection));
+        assert_ok(conus_selection_image(&image, fixture.selection));
         assert_true(image->png_height >= 512 && image->png_height % n == 0 && image->png_width >= image->png_height);
         for (uint32_t i = 0; i < n * n; i++) {
             check_magnified(image, &fixture, i);
@@ -164,7 +164,7 @@ static void picture_is_in_the_areas_colours(void **state)
 static conus_status make_image(void *data)
 {
     conus_image *image = NULL;
-    conus_status status = conus_image_of_selection(&image, data);
+    conus_status status = conus_selection_image(&image, data);
     conus_image_destroy(image);
     return status;
 }

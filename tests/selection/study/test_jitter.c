@@ -508,27 +508,6 @@ static void limits_are_named(void **state)
     conus_atlas_destroy(atlas);
 }
 
-static conus_status make_jitter(void *data)
-{
-    conus_table *jitter = NULL;
-    conus_pose pose = down_from(0, 0, 100);
-    conus_status status =
-        conus_jitter(&jitter, data, &pose, degrees_from_radians(1), &(conus_jitter_options){.shift = 1, .samples = 16});
-    conus_table_destroy(jitter);
-    return status;
-}
-
-static void every_failing_allocation_is_survived(void **state)
-{
-    (void)state;
-    conus_atlas *atlas = half_spaces(0);
-    conus_selector *selector = NULL;
-    assert_ok(conus_selector_create(&selector, atlas, &one_ray));
-    test_every_allocation(make_jitter, selector);
-    conus_selector_destroy(selector);
-    conus_atlas_destroy(atlas);
-}
-
 /* Stops at the fifth pose that is reported, asserting their order. */
 static bool stop_at_five(void *user, size_t done, size_t total)
 {
@@ -573,7 +552,6 @@ TEST_GROUP(jitter)
         cmocka_unit_test(all_layers_know_what_is_hidden),
         cmocka_unit_test(a_callback_ends_it),
         cmocka_unit_test(limits_are_named),
-        cmocka_unit_test(every_failing_allocation_is_survived),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

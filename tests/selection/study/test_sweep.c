@@ -421,28 +421,6 @@ static void limits_are_named(void **state)
     conus_atlas_destroy(atlas);
 }
 
-static conus_status make_sweep(void *data)
-{
-    conus_selector *selector = data;
-    conus_table *sweep = NULL;
-    conus_pose pose = pose_of((double[]){0, 0, 100}, (double[]){0, 0, -1});
-    conus_status status = conus_sweep(&sweep, selector, &pose, degrees_from_radians(1));
-    conus_table_destroy(sweep);
-    return status;
-}
-
-static void every_failing_allocation_is_survived(void **state)
-{
-    (void)state;
-    uint64_t seed = 2;
-    conus_atlas *atlas = scene_atlas(&seed, 10, 1);
-    conus_selector *selector = NULL;
-    assert_ok(conus_selector_create(&selector, atlas, NULL));
-    test_every_allocation(make_sweep, selector);
-    conus_selector_destroy(selector);
-    conus_atlas_destroy(atlas);
-}
-
 /* The probability of a normal number below x. */
 static double below(double x)
 {
@@ -499,7 +477,6 @@ TEST_GROUP(sweep)
         cmocka_unit_test(ties_go_to_the_nearer_then_to_the_lower_number),
         cmocka_unit_test(a_hidden_bundle_is_not_admitted),
         cmocka_unit_test(limits_are_named),
-        cmocka_unit_test(every_failing_allocation_is_survived),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -79,8 +79,8 @@ static void columns_have_what_lies_there(void **state)
     int64_t label = conus_atlas_object(atlas, 2)->label;
     conus_atlas_destroy(atlas); /* of which the table needs nothing */
     assert_int_equal(conus_table_rows(table), 3);
-    assert_int_equal(conus_table_columns(table), all.count - 3); /* it was not moved */
-    assert_null(conus_table_find(table, "own_x"));
+    assert_null(conus_table_find(table, "own_x")); /* it was not moved */
+    assert_non_null(conus_table_column(table, all.count - 4));
     assert_null(conus_table_column(table, all.count - 3));
     assert_string_equal(table_text_at(table, "kind", 1), "area");
     assert_string_equal(table_text_at(table, "kind", 2), "unassigned");
@@ -122,8 +122,8 @@ static void other_types_are_null(void **state)
     assert_null(conus_table_counts(table, "name"));
     assert_null(conus_table_texts(table, "twice"));
     assert_null(conus_table_numbers(table, "Twice"));
-    for (size_t i = 0; i < conus_table_columns(table); i++) {
-        const conus_column *column = conus_table_column(table, i);
+    const conus_column *column;
+    for (size_t i = 0; (column = conus_table_column(table, i)); i++) {
         assert_int_equal(!column->numbers, column->type != CONUS_TYPE_NUMBER);
         assert_int_equal(!column->counts, column->type != CONUS_TYPE_COUNT);
         assert_int_equal(!column->texts || !column->codes || !column->words, column->type != CONUS_TYPE_TEXT);
@@ -140,7 +140,6 @@ static void no_table_and_no_row_are_empty(void **state)
     conus_atlas *atlas = some_atlas();
     conus_table *table = NULL;
     assert_int_equal(conus_table_rows(NULL), 0);
-    assert_int_equal(conus_table_columns(NULL), 0);
     assert_null(conus_table_column(NULL, 0));
     assert_null(conus_table_numbers(NULL, "x"));
     assert_null(conus_table_objects(NULL));
