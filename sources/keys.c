@@ -174,14 +174,20 @@ static struct text value_of(const struct source_key *row, const char *at, const 
     return (struct text){at + length, (end ? (size_t)(end - at) : strlen(at)) - length};
 }
 
+bool keys_is_image(const struct key_value *value)
+{
+    const struct source_key *row = value->row;
+    return row->type == IS_TEXT && row->words ? value->text.size && !text_is_one_of(value->text, row->words, true)
+                                              : row->allowed && strcmp(row->allowed, AN_IMAGE) == 0;
+}
+
 /* Where the key at `at` ends: at the comma before the next one, but not before one of the image that is its value. */
 static const char *end_of_key(const char *at, enum key_kind kind)
 {
     const struct source_key *row = find_row(at, kind);
     const char *end = next_key(at, kind);
-    const struct text value = value_of(row, at, end);
-    const bool is_image = row->type == IS_TEXT && row->words && value.size && !text_is_one_of(value, row->words, true);
-    while (is_image && end && (find_row(end + 1, kind)->kinds & KEYS_VOLUME)) {
+    const struct key_value value = {.row = row, .text = value_of(row, at, end)};
+    while (row->words && keys_is_image(&value) && end && (find_row(end + 1, kind)->kinds & KEYS_VOLUME)) {
         end = next_key(end + 1, kind);
     }
     return end;

@@ -150,6 +150,9 @@ const struct key_value *keys_value(const struct source_keys *keys, enum source_k
 
 const char *keys_name(const struct key_value *value);
 
+/** Whether it is the path of an image, which may have keys of its own behind it. */
+bool keys_is_image(const struct key_value *value);
+
 /** What a message says is allowed for it. */
 const char *keys_allowed(const struct key_value *value);
 

@@ -9,7 +9,6 @@
 #include "options/messages.h"
 #include "options/output.h"
 #include "settings/settings.h"
-#include "sources/endings.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -222,7 +221,7 @@ static int keep(conus_sites *sites, const char *what, bool inside, const struct 
 {
     conus_roi *mask = NULL;
     conus_status status = CONUS_OK;
-    const bool is_labels = ending_length(what, keys_file_length(what, KEYS_VERTICES), ROLE_VERTEX_LABELS);
+    const bool is_labels = conus_path_is_vertex_labels(what);
     if (is_labels) {
         status = conus_sites_keep_labelled(sites, what, inside);
     } else if (conus_atlas_is_path(what)) {

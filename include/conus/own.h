@@ -1017,6 +1017,9 @@ CONUS_CHECKED conus_status conus_catalogue_find_image(const conus_installed **ou
  * @return Whether it is a path for conus_atlas_load(). If not, ask conus_catalogue_find(). */
 CONUS_API bool conus_atlas_is_path(const char *text);
 
+/** Whether @p path, perhaps with keys behind it, has the ending of a file of labels of vertices. */
+CONUS_API bool conus_path_is_vertex_labels(const char *path);
+
 /* Tractograms */
 
 /** A tractogram of an atlas. */

@@ -4,7 +4,10 @@
 #include "atlas/surface/mesh.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/own.h"
 #include "loaders/surfaces/surfaces.h"
+#include "sources/endings.h"
+#include "sources/keys.h"
 
 #include <string.h>
 
@@ -78,6 +81,11 @@ conus_status conus_sites_load(conus_sites **out, const char *path, bool flip)
     }
     *out = sites;
     return CONUS_OK;
+}
+
+bool conus_path_is_vertex_labels(const char *path)
+{
+    return ending_length(path, keys_file_length(path, KEYS_VERTICES), ROLE_VERTEX_LABELS);
 }
 
 struct labelling {

@@ -182,16 +182,6 @@ def atlases() -> list[InstalledAtlas]:
             for name, source, kind, (x, y, z), path, table in rows]
 
 
-def _find(source: Path, labels: Any) -> tuple[Path, Any]:
-    """The path and the labels of what may be a name."""
-    if not isinstance(source, str) or lib.conus_atlas_is_path(path_of("source", source)):
-        return source, labels
-    found, out = _catalogue(), ffi.new("conus_installed **")
-    name, key, word = source.partition(",template=")
-    check(lib.conus_catalogue_find(out, found, path_of("source", name)))
-    return f"{_path_at(out[0].path)}{key}{word}", _path_at(out[0].labels) if labels is None else labels
-
-
 def _stated(source: Any, template: Optional[str]) -> Any:
     """The path with what is stated about its brain."""
     if template is None:
@@ -354,7 +344,6 @@ def load(
     max_memory, probability = byte_count("max_memory", max_memory), real("probability", probability)
     source = _stated(source, template)
     if isinstance(source, (str, bytes, os.PathLike)):
-        source, labels = _find(source, labels)
         raw = _from_file(source, labels, labels_anyway, max_memory, progress, probability, context is False)
     elif probability:
         raise ArgumentError("probability: an array of labels has no areas of probabilities")

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from ._atlas import Selector
 
 _KINDS = ("centroid", "deepest", "voxels")
-_LABELS = (".gii", ".annot", ".label", ".dlabel.nii")
 
 
 def _with_keys(name: str, given: Any, allowed: tuple[str, ...]) -> tuple[Any, dict[str, Any]]:
@@ -75,7 +74,7 @@ def _entries(selector: Selector, given: Any) -> Any:
         raise ArgumentError("entries: flip is for surfaces, since only they have normals")
     for key in ("within", "without"):
         what = keys.get(key)
-        if what is not None and os.fspath(what).split(",")[0].endswith(_LABELS):
+        if what is not None and lib.conus_path_is_vertex_labels(path_of(key, what)):
             check(lib.conus_sites_keep_labelled(sites, path_of(key, what), key == "within"))
         elif what is not None and lib.conus_atlas_is_path(path_of(key, what)):
             lib.conus_sites_keep_roi(sites, _mask(path_of(key, what)), key == "within")

@@ -321,6 +321,53 @@ END
     queried --streamlines moved/more.tck --hide more | diff other.tsv -
 }
 
+# Numbers of objects mean nothing where a file is another one.
+@test "what a session says of an object is said of that object, or refused" {
+    need_window
+    scene
+    printf '%s\n' "$AIM" 'choose "Slab anterior"' 'key h' 'key enter' 'save one.json' | view slabs.nii.gz
+    jq -e '.hidden == [1] and .confirmed[0].name == "Slab posterior" and
+        .named == [[1, 1, "Slab anterior"], [2, 300, "Slab posterior"]]' one.json
+    # the names in the table are exchanged
+    sed -i 's/anterior/X/; s/posterior/anterior/; s/X/posterior/' slabs.tsv
+    CODE=3 said slabs.nii.gz --session one.json </dev/null
+    says 'one.json: number 1 was "Slab anterior", here it is "Slab posterior": the file, or its label table, is another one'
+    # what two areas of one name would be told apart by
+    jq '.named[0][1] = 7' one.json >label.json
+    sed -i 's/anterior/X/; s/posterior/anterior/; s/X/posterior/' slabs.tsv
+    CODE=3 said slabs.nii.gz --session label.json </dev/null
+    says 'label.json: "Slab anterior" had label 7, here it has 1: the file, or its label table, is another one'
+    # a session of an earlier conus has no names but those of what was kept, which stay
+    jq 'del(.named)' one.json >old.json
+    sed -i 's/posterior/caudal/' slabs.tsv
+    view slabs.nii.gz --session old.json <<<'save new.json'
+    jq -e '.hidden == [1] and [.confirmed[] | [.object, .name]] == [[0, "Slab posterior"]]' new.json
+}
+
+@test "settings of a group stay with its name, and with its file where that has another name" {
+    need_window
+    scene
+    python3 - <<'END'
+import json, os, struct
+identity = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+head = {"DIMENSIONS": [9, 9, 9], "VOXEL_TO_RASMM": identity, "NB_VERTICES": 4, "NB_STREAMLINES": 2}
+points = [-5, 1, 9.9, 5, 1, 9.9, 0, 0, 9.9, 3, 4, 9.9]
+os.makedirs("two.trx/groups")
+for name, data in {"header.json": json.dumps(head).encode(), "positions.3.float32": struct.pack("<12f", *points),
+                   "offsets.uint64": struct.pack("<3Q", 0, 2, 4), "groups/arc.uint32": struct.pack("<I", 0),
+                   "groups/line.uint32": struct.pack("<I", 1)}.items():
+    open("two.trx/" + name, "wb").write(data)
+END
+    printf '%s\n' 'streamlines two.trx' 'streamlines more.tck' 'choose arc' 'key h' 'choose more' 'key h' 'save one.json' |
+        view slabs.nii.gz
+    jq -e '.hidden == [3, 5] and [.named[] | .[2]] == ["arc", "more"]' one.json
+    mv two.trx/groups/arc.uint32 two.trx/groups/zone.uint32 # which is the second one then
+    mv more.tck other.tck
+    said one.json <<<'save two.json'
+    [ -z "$stderr" ] || { echo "said: $stderr"; return 1; }
+    jq -e '.hidden == [5] and [.named[] | .[2]] == ["other"]' two.json
+}
+
 # The atlases share the image, and so the grey values of the cuts.
 @test "what was set of a context that is not found stays in the session" {
     need_window

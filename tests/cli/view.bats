@@ -896,6 +896,24 @@ is_at() {
     [ "${WIDTH}x$HEIGHT+$X+$Y" = "$1" ]
 }
 
+@test "a session has absolute paths, whatever commas are in the names of files" {
+    conus phantom slabs -o . --size 16
+    mkdir made
+    cp slabs.nii.gz made/a,b.nii.gz
+    cp slabs.* made
+    python3 "$BATS_TEST_DIRNAME/tck.py" made/c,d.tck -5,1,9.9 5,1,9.9
+    printf '1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >made/flirt.mat
+    cd made
+    view slabs.nii.gz --atlas-transform flirt.mat,from=a,b.nii.gz,to=slabs.nii.gz,inverse --streamlines c,d.tck,radius=2 \
+        --labels slabs.tsv <<<'save one.json'
+    jq -e --arg here "$PWD/" '[.opened.options[] | split($here)] ==
+        [["--atlas-transform=", "flirt.mat,from=", "a,b.nii.gz,to=", "slabs.nii.gz,inverse"],
+         ["--streamlines=", "c,d.tck,radius=2"], ["--labels=", "slabs.tsv"]]' one.json
+    cd ..
+    view made/one.json <<<'save two.json'
+    diff <(jq .opened.options made/one.json) <(jq .opened.options two.json)
+}
+
 @test "sessions that do not fit are refused when they are given or dropped, and a script goes on" {
     conus phantom slabs -o . --size 16
     view slabs.nii.gz <<<'save slabs.json'

@@ -130,6 +130,15 @@ json_t *additions_atlases(const json_t *words)
     return words_or_none(atlases, fine);
 }
 
+/* Whether both lead to the same file, or folder. */
+static bool is_same_place(const char *a, const char *b)
+{
+    struct system_stat one;
+    struct system_stat other;
+    return strcmp(a, b) == 0 ||
+           (system_stat(&one, a) && system_stat(&other, b) && one.device == other.device && one.inode == other.inode);
+}
+
 size_t additions_index(const json_t *words, const char *path)
 {
     size_t count = json_array_size(words);
@@ -138,7 +147,7 @@ size_t additions_index(const json_t *words, const char *path)
         enum addition kind;
         char file[SYSTEM_PATH];
         bool is = read_word(&kind, file, word_at(words, i));
-        if (is && (strcmp(file, path) == 0 || paths_equal(file, path))) {
+        if (is && is_same_place(file, path)) {
             return i;
         }
         named = is && named == count && strcmp(path_name(file), path) == 0 ? i : named;
@@ -173,8 +182,7 @@ static void describe_streamlines(json_t *entry, struct taken *taken, const conus
 {
     for (size_t i = 0; i < conus_atlas_tractogram_count(atlas); i++) {
         conus_tractogram_info info = CONUS_TRACTOGRAM_INFO_INIT;
-        if (!taken->tractograms[i] && !conus_atlas_tractogram(&info, atlas, i) &&
-            (strcmp(info.path, path) == 0 || paths_equal(info.path, path))) {
+        if (!taken->tractograms[i] && !conus_atlas_tractogram(&info, atlas, i) && is_same_place(info.path, path)) {
             taken->tractograms[i] = true;
             put_sum(entry, info.sha256, path);
             put_numbers(entry, info.bundle, info.bundles);
@@ -192,7 +200,7 @@ static void describe_volume(json_t *entry, struct taken *taken, const conus_atla
     const uint64_t index = (uint64_t)keys_value(&keys, KEY_VOLUME)->numbers[0];
     for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
         const conus_volume_info *info = conus_atlas_volume(atlas, i);
-        if (taken->volumes[i] || info->role != role || info->volume != index || !paths_equal(info->path, path)) {
+        if (taken->volumes[i] || info->role != role || info->volume != index || !is_same_place(info->path, path)) {
             continue;
         }
         taken->volumes[i] = true;
@@ -333,6 +341,12 @@ static int likeness(const json_t *then, const json_t *now)
         return 3;
     }
     return kinds[0] != kinds[1] || !same_file ? 0 : strcmp(keys[0], keys[1]) == 0 ? 2 : 1;
+}
+
+bool addition_is_same(const json_t *then, const json_t *now)
+{
+    const char *sum = json_text(then, "sha256");
+    return likeness(then, now) > 1 && sum[0] && strcmp(sum, json_text(now, "sha256")) == 0;
 }
 
 /* Pairs the entries that agree at this level. */

@@ -62,6 +62,8 @@ json_t *additions_find(json_t *lost, const json_t *words, const json_t *describe
 void additions_names(char out[ADDITIONS_MISSING], const json_t *entries);
 /** Whether @p entry adds a context that is a volume, of which an atlas has one. */
 bool addition_is_volume_context(const json_t *entry);
+/** Whether both entries are of the same bytes, with the same keys. */
+bool addition_is_same(const json_t *then, const json_t *now);
 /** Which entry of @p now each of @p then is, by its word, or its file's checksum or name: @p match is [entries of @p
  * then], SIZE_MAX = none. No two are the same one. Both as additions_describe() has them, or NULL. False without
  * memory. */

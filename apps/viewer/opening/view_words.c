@@ -73,29 +73,40 @@ static bool is_kept(const struct option *option, bool has_plan)
     return false;
 }
 
-/* Writes "FILE,from=FILE" with the absolute paths of files that are in this folder. */
-static void put_absolute(FILE *out, const char *text)
+/* What may stand behind a file that holds this. */
+static const enum key_kind kinds[HOLDS_TEXT + 1] = {
+    [HOLDS_ATLAS] = KEYS_ATLAS,         [HOLDS_VOLUME] = KEYS_PATHWAY, [HOLDS_LABELS] = KEYS_LABELS,
+    [HOLDS_POSES] = KEYS_POSES,         [HOLDS_SURFACE] = KEYS_MAP,    [HOLDS_TRACTS] = KEYS_STREAMLINES,
+    [HOLDS_TRANSFORM] = KEYS_TRANSFORM,
+};
+
+/* Writes `size` bytes of `text`, a file with its keys, behind the folder where it is, if it is in this one. */
+static void put_file(FILE *out, const char *text, size_t size, enum key_kind kind)
 {
-    static const char *const keys[] = {"", "from=", "to=", "grid="};
     char folder[SYSTEM_PATH];
     char path[SYSTEM_PATH];
-    bool is_known = system_here(folder);
-    for (size_t piece = 0; *text; piece++) {
-        size_t length = strcspn(text, ",");
-        size_t before = 0;
-        for (size_t k = 1; k < sizeof keys / sizeof keys[0] && piece; k++) {
-            before = strncmp(text, keys[k], strlen(keys[k])) == 0 ? strlen(keys[k]) : before;
-        }
-        bool may_be = (!piece || before) && !path_is_whole(text + before) && length > before;
-        int size = snprintf(path, sizeof path, "%.*s", (int)(length - before), text + before);
-        bool prefixed = may_be && is_known && size < SYSTEM_PATH && system_allows(path, 0);
-        fprintf(out, "%.*s%s%s%.*s", (int)before, text, prefixed ? folder : "", prefixed ? "/" : "",
-                (int)(length - before), text + before);
-        text += length;
-        if (*text) {
-            fputc(*text++, out);
+    const bool fits = snprintf(path, sizeof path, "%.*s", (int)size, text) < SYSTEM_PATH;
+    path[fits ? keys_file_length(path, kind) : 0] = '\0';
+    const bool is_here = path[0] && !path_is_whole(path) && system_allows(path, 0) && system_here(folder);
+    fprintf(out, "%s%s%.*s", is_here ? folder : "", is_here ? "/" : "", (int)size, text);
+}
+
+/* Writes "FILE,from=FILE" with absolute paths. */
+static void put_absolute(FILE *out, const char *text, enum key_kind kind)
+{
+    struct source_keys keys;
+    const bool has_keys = keys_read(&keys, text, kind);
+    const char *at = text + keys_file_length(text, kind);
+    put_file(out, text, (size_t)(at - text), kind);
+    for (size_t i = 0; has_keys && i < keys.count; i++) {
+        const struct text value = keys.values[i].text;
+        if (keys_is_image(&keys.values[i])) {
+            fprintf(out, "%.*s", (int)(value.data - at), at);
+            put_file(out, value.data, value.size, KEYS_VOLUME);
+            at = value.data + value.size;
         }
     }
+    fputs(at, out);
 }
 
 /* Appends "--name=value"; false without memory, or where it is not UTF-8. */
@@ -106,12 +117,13 @@ static bool add_word(json_t *words, const struct option *option, const char *val
     if (!out) {
         return false;
     }
-    bool is_text = (option->type == OPTION_TEXT || option->type == OPTION_LIST) && option->role != OPTION_ASKS;
-    bool is_transfer =
-        strcmp(option->name, "transfer") == 0; /* a name here is never a file, even if one is called so */
+    /* A colour table's name is never a file, even if one is called so. */
+    const bool is_colours =
+        value && strcmp(option->name, "transfer") == 0 && (strchr(value, '.') || !path_is_name(value));
+    const bool is_file = option->role >= OPTION_READS && option->role <= OPTION_READS_POSES;
     fprintf(out, "--%s%s", option->name, value ? "=" : "");
-    if (value && is_text && (!is_transfer || strchr(value, '.') || !path_is_name(value))) {
-        put_absolute(out, value);
+    if (value && (is_file || is_colours)) {
+        put_absolute(out, value, kinds[option->holds]);
     } else if (value) {
         fputs(value, out);
     }

@@ -135,6 +135,7 @@ json_t *session_json(const struct window *window)
     json_object_set_new(root, "transfer", transfer_of(&viewer->transfer_editor));
     json_object_set_new(root, "preset", viewer->preset ? json_string(viewer->preset) : json_null());
     json_object_set_new(root, "look", session_look(first));
+    json_object_set_new(root, "named", session_named(viewer, 0));
     if (viewer->atlas_count > 1) {
         json_object_set_new(root, "drawn", json_integer(viewer->drawn - viewer->atlases + 1));
         if (json_object_set_new(root, "further_atlases", session_further(viewer))) {
@@ -223,9 +224,13 @@ static void read_pins(struct viewer *viewer, const json_t *root)
             pin.contact[a] = number_or_nan(json_array_get(json_object_get(entry, "contact"), a));
             pin.entry[a] = number_or_nan(json_array_get(json_object_get(entry, "entry"), a));
         }
-        const char *name = object ? NULL : json_string_value(json_object_get(entry, "name"));
-        if (of < viewer->atlas_count &&
-            (name || (object > 0 && conus_atlas_object(viewer->atlases[of].atlas, (size_t)object)))) {
+        const char *name = json_string_value(json_object_get(entry, "name"));
+        const conus_object *is = of < viewer->atlas_count && object > 0
+                                     ? conus_atlas_object(viewer->atlases[of].atlas, (size_t)object)
+                                     : NULL;
+        const bool is_other = is && name && strncmp(is->name, name, sizeof pin.name - 1) != 0;
+        pin.object = is && !is_other ? pin.object : 0;
+        if (pin.object || (name && of < viewer->atlas_count && (is || !object))) {
             snprintf(pin.name, sizeof pin.name, "%s", name ? name : "");
             viewer_pin(viewer, pin);
         }

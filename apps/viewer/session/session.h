@@ -34,6 +34,9 @@ json_t *session_hidden(const struct view_atlas *view);
 json_t *session_thresholds(const struct view_atlas *view);
 json_t *session_place(const struct view_atlas *view);
 json_t *session_look(const struct view_atlas *view);
+/** What the numbers of one of the viewer's atlases mean: [number, label (0 = no area), name] of each object that is
+ * hidden, chosen or confirmed, or has a look of its own. */
+json_t *session_named(const struct viewer *viewer, size_t atlas);
 /** The entries of all atlases but the first; NULL without memory, or where a path is not UTF-8. */
 json_t *session_further(const struct viewer *viewer);
 

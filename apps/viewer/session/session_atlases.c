@@ -85,17 +85,41 @@ json_t *session_look(const struct view_atlas *view)
     return appearance;
 }
 
+/* A pathway's or bundle's ordinal changes with the files beside it. */
+static json_int_t label_of(const conus_object *object)
+{
+    return object->kind == CONUS_KIND_AREA ? (json_int_t)object->label : 0;
+}
+
+json_t *session_named(const struct viewer *viewer, size_t atlas)
+{
+    const struct view_atlas *view = &viewer->atlases[atlas];
+    json_t *named = json_array();
+    for (uint32_t number = 1; number <= view->object_count; number++) {
+        const conus_object *object = conus_atlas_object(view->atlas, number);
+        bool is = view->shown.hidden[number] || view->shown.chosen == number ||
+                  !isnan(view->appearance.opacity[number]) || view->appearance.haze[number] != HAZE_NONE;
+        for (size_t i = 0; i < viewer->pin_count; i++) {
+            is = is || (viewer->pins[i].atlas == atlas && viewer->pins[i].object == number);
+        }
+        if (is) { /* a name that is not UTF-8 is left out */
+            json_array_append_new(named, json_pack("[i, I, s]", (int)number, label_of(object), object->name));
+        }
+    }
+    return named;
+}
+
 json_t *session_further(const struct viewer *viewer)
 {
     json_t *list = json_array();
     bool fine = list;
     for (size_t i = 1; i < viewer->atlas_count && fine; i++) {
         const struct view_atlas *view = &viewer->atlases[i];
-        fine =
-            !json_array_append_new(list, json_pack("{s: s, s: i, s: o, s: o, s: i, s: o, s: o}", "atlas", view->path,
-                                                   "objects", (int)view->object_count, "place", session_place(view),
-                                                   "hidden", session_hidden(view), "chosen", (int)view->shown.chosen,
-                                                   "thresholds", session_thresholds(view), "look", session_look(view)));
+        fine = !json_array_append_new(list, json_pack("{s: s, s: i, s: o, s: o, s: i, s: o, s: o, s: o}", "atlas",
+                                                      view->path, "objects", (int)view->object_count, "place",
+                                                      session_place(view), "hidden", session_hidden(view), "chosen",
+                                                      (int)view->shown.chosen, "thresholds", session_thresholds(view),
+                                                      "look", session_look(view), "named", session_named(viewer, i)));
     }
     return words_or_none(list, fine);
 }
@@ -143,6 +167,32 @@ static bool check_place(const struct view_atlas *view, const json_t *list, char 
     }
     return fits || session_refuse(why, "the atlas lay elsewhere: the same --atlas-transform, or transform in the "
                                        "manifest, is needed");
+}
+
+/* Checks that the numbers mean what they meant. */
+static bool check_names(const struct view_atlas *view, const json_t *named, char why[PROPERTY_REASON])
+{
+    static const char other[] = "the file, or its label table, is another one";
+    for (size_t i = 0; i < json_array_size(named); i++) {
+        const json_t *entry = json_array_get(named, i);
+        const json_int_t number = json_integer_value(json_array_get(entry, 0));
+        const json_int_t label = json_integer_value(json_array_get(entry, 1));
+        const char *name = json_string_value(json_array_get(entry, 2));
+        const conus_object *object = number > 0 ? conus_atlas_object(view->atlas, (size_t)number) : NULL;
+        if (!name || !object) {
+            return session_refuse(why, "named: an object's number, its label and its name are needed");
+        }
+        if (strcmp(object->name, name) != 0) {
+            return session_refuse(why, "number %d was \"%.80s\", here it is \"%.80s\": %s", (int)number, name,
+                                  object->name, other);
+        }
+        if (label != label_of(object)) {
+            return session_refuse(
+                why, "\"%.80s\" had label %" JSON_INTEGER_FORMAT ", here it has %" JSON_INTEGER_FORMAT ": %s", name,
+                label, label_of(object), other);
+        }
+    }
+    return true;
 }
 
 static bool read_grey(struct appearance *out, const json_t *value, char why[PROPERTY_REASON])
@@ -251,7 +301,8 @@ static bool read_atlas(struct session_atlases *out, size_t index, const struct v
         return session_refuse(why, "of an atlas with %lld areas and pathways, %s has %zu", (long long)objects,
                               index ? view->name : "this one", view->object_count);
     }
-    if (!check_place(view, json_object_get(entry, "place"), why)) {
+    if (!check_place(view, json_object_get(entry, "place"), why) ||
+        !check_names(view, json_object_get(entry, "named"), why)) {
         return false;
     }
     struct session_atlas *atlas = &out->atlases[index];

@@ -66,8 +66,35 @@ static bool match_own(struct numbers *numbers, const json_t *then, const json_t 
     return fine;
 }
 
+/* What the session calls the object; NULL = nothing. */
+static json_t *named_of(const json_t *root, json_int_t number)
+{
+    const json_t *named = json_object_get(root, "named");
+    json_t *entry = NULL;
+    for (size_t i = 0; i < json_array_size(named) && !entry; i++) {
+        json_t *one = json_array_get(named, i);
+        entry = json_integer_value(json_array_get(one, 0)) == number ? one : NULL;
+    }
+    return entry;
+}
+
+/* The number now of an object of an added file. The same bytes have it, however the file is called now; of others it is
+ * gone where that number has another name. */
+static uint32_t number_of_added(const json_t *root, const struct view_atlas *view, json_int_t then, json_int_t now,
+                                bool is_same)
+{
+    json_t *entry = named_of(root, then);
+    const char *name = json_string_value(json_array_get(entry, 2));
+    if (is_same) {
+        json_array_clear(entry);
+    }
+    return is_same || !name || strcmp(name, conus_atlas_object(view->atlas, (size_t)now)->name) == 0 ? (uint32_t)now
+                                                                                                     : 0;
+}
+
 /* Fills the map, to be freed; false without memory, or if it is another atlas. */
-static bool find_numbers(struct numbers *out, const json_t *then, const json_t *now)
+static bool find_numbers(struct numbers *out, const json_t *root, const struct view_atlas *view, const json_t *then,
+                         const json_t *now)
 {
     size_t files = json_array_size(then);
     size_t *match = calloc(files + 1, sizeof *match);
@@ -79,10 +106,11 @@ static bool find_numbers(struct numbers *out, const json_t *then, const json_t *
         }
         const json_t *from = json_object_get(json_array_get(then, i), "objects");
         const json_t *to = json_object_get(json_array_get(now, match[i]), "objects");
+        const bool is_same = addition_is_same(json_array_get(then, i), json_array_get(now, match[i]));
         size_t count = json_array_size(from) == json_array_size(to) ? json_array_size(from) : 0;
         for (size_t k = 0; k < count; k++) { /* those of a file keep their order */
             json_int_t number = json_integer_value(json_array_get(from, k));
-            out->now[number] = (uint32_t)json_integer_value(json_array_get(to, k));
+            out->now[number] = number_of_added(root, view, number, json_integer_value(json_array_get(to, k)), is_same);
         }
     }
     free(match);
@@ -150,6 +178,7 @@ static void fit_objects(json_t *root, const struct numbers *numbers, const struc
     const json_t *chosen = json_object_get(root, "chosen");
     json_object_set_new(root, "objects", json_integer((json_int_t)numbers->count));
     fit_list(json_object_get(root, "hidden"), false, numbers);
+    fit_list(json_object_get(root, "named"), true, numbers);
     if (chosen) { /* else it stays */
         json_object_set_new(root, "chosen", json_integer(number_now(numbers, chosen)));
     }
@@ -207,7 +236,8 @@ void session_fit(json_t *root, const struct window *window)
     const json_t *then = added_of(json_object_get(root, "opened"));
     const json_t *now = added_of(window->files.opened);
     fit_legend(root);
-    if (!then || !now || json_equal(then, now)) {
+    const bool is_sure = !json_object_get(root, "named"); /* of a folder no sum is known */
+    if (!then || !now || (json_equal(then, now) && is_sure)) {
         return;
     }
     const struct view_atlas *view = window->viewer->atlases;
@@ -215,7 +245,7 @@ void session_fit(json_t *root, const struct window *window)
     size_t own = added < view->object_count ? view->object_count - added : 0;
     struct numbers numbers = {.then = own + count_objects(then), .count = view->object_count};
     json_int_t objects = json_integer_value(json_object_get(root, "objects"));
-    if ((uint64_t)objects == numbers.then && find_numbers(&numbers, then, now)) {
+    if ((uint64_t)objects == numbers.then && find_numbers(&numbers, root, view, then, now)) {
         fit_objects(root, &numbers, view);
     }
     if (has_other_context(then, now)) {
@@ -348,6 +378,7 @@ bool session_keep_lost(json_t *root, const struct window *window)
     if (fine) {
         json_object_set_new(root, "objects", json_integer((json_int_t)numbers.count));
         keep_list(json_object_get(root, "hidden"), json_object_get(then, "hidden"), false, &numbers);
+        keep_list(json_object_get(root, "named"), json_object_get(then, "named"), true, &numbers);
         uint32_t chosen = number_now(&numbers, json_object_get(then, "chosen"));
         if (chosen && json_integer_value(json_object_get(root, "chosen")) == 0) {
             json_object_set_new(root, "chosen", json_integer(chosen));

@@ -28,13 +28,14 @@ static bool is_left_out(const struct property *property, const struct window *wi
     }
 }
 
-/* Which areas are chosen stays. */
+/* Which areas are chosen stays. Numbers mean what they meant, since the files are the same. */
 static void leave_chosen(json_t *root)
 {
     const json_t *further = json_object_get(root, "further_atlases");
-    json_object_del(root, "chosen");
-    for (size_t i = 0; i < json_array_size(further); i++) {
-        json_object_del(json_array_get(further, i), "chosen");
+    for (size_t i = 0; i <= json_array_size(further); i++) {
+        json_t *of = i ? json_array_get(further, i - 1) : root;
+        json_object_del(of, "chosen");
+        json_object_del(of, "named");
     }
 }
 
