@@ -16,14 +16,11 @@
 #include <string.h>
 
 enum { FILE_LIMIT = 4096, SIZE_LIMIT = 100000000, TEMPLATE_LIMIT = 1 << 28 };
-#define PAGE_ANGLE 20
 
 /* From the program's folder: that of a release or a wheel, and an installation's. */
 static const char *const template_names[] = {"page.html", "../share/conus/page.html"};
 /* Where the template takes the atlas. */
 static const char mark[] = "<!-- atlas -->";
-
-static const char *const layer_names[] = {"visible", "all", NULL};
 
 static const struct option output_options[] = {
     {OPTION_VALUED("output", struct page_settings, output, "FILE.html"), .letter = 'o', .help = "the page",
@@ -31,19 +28,16 @@ static const struct option output_options[] = {
     {0},
 };
 
-static const struct option page_options[] = {
+static const struct option aim_of_page[] = {
     {OPTION_VALUED("origin", struct page_settings, origin, PLACE_VALUE), .help = "where the cone begins: " PLACE_HELP,
      .role = OPTION_ASKS, .flags = OPTION_IS_PLACE, .needs = "toward", .common = true},
     {OPTION_VALUED("toward", struct page_settings, toward, PLACE_VALUE),
      .help = "a place that the cone's axis goes through", .role = OPTION_ASKS, .flags = OPTION_IS_PLACE,
      .needs = "origin", .common = true},
-    {OPTION_DEGREES("angle", struct page_settings, angle), .help = "full opening angle of the cone, 0.001 to 170",
-     .standard = OPTION_DIGITS(PAGE_ANGLE), OPTION_FROM_TO(0.001, 170), .needs = "origin", .common = true},
-    {OPTION_VALUED("layers", struct page_settings, layers, "LAYERS"),
-     .help = "first hits, or all in the cone:", .choices = layer_names, .needs = "origin"},
-    {OPTION_VALUED("resolution", struct page_settings, resolution, "N"),
-     .help = "rays along a side of the buffer, 1 to 256", .standard = OPTION_DIGITS(CONUS_RESOLUTION_DEFAULT),
-     OPTION_FROM_TO(1, 256), .needs = "origin"},
+    {0},
+};
+
+static const struct option page_options[] = {
     {OPTION_VALUED("context", struct page_settings, context, "FILE"),
      .help = "an image that the cuts show below the areas, put into the page, too: a file, or the name of an installed "
              "one",
@@ -68,6 +62,8 @@ static const struct option quiet_option[] = {
 
 static const struct option_group groups[] = {
     {"Options", output_options, 0},
+    {"", aim_of_page, 0},
+    {"", page_question_options, offsetof(struct page_settings, question)},
     {"", page_options, 0},
     {"", force_options, 0},
     {"", quiet_option, 0},
@@ -76,7 +72,9 @@ static const struct option_group groups[] = {
 };
 
 const struct option_group page_view_groups[] = {
-    {"Options", page_options, 0},
+    {"Options", aim_of_page, 0},
+    {"", page_question_options, offsetof(struct page_settings, question)},
+    {"", page_options, 0},
     {"", quiet_option, 0},
     {"", plain_options, offsetof(struct page_settings, common)},
     {0},
@@ -315,8 +313,7 @@ static int put_question(struct page *page)
     double o[3];
     double t[3];
     const struct page_settings *settings = page->settings;
-    const conus_selector_options options = {.resolution = settings->resolution,
-                                            .layers = (conus_layers)settings->layers};
+    const conus_selector_options options = page_question_selector(&settings->question);
     const conus_report_options rows = {.format = CONUS_FORMAT_NDJSON};
     conus_pose pose;
     conus_selector *selector = NULL;
@@ -335,17 +332,21 @@ static int put_question(struct page *page)
     }
     conus_status status = conus_pose_toward(&pose, o, t, NULL);
     status = status ? status : conus_selector_create(&selector, page->atlas, &options);
-    status = status ? status : conus_select(&selection, selector, &pose, settings->angle);
+    status = status ? status : conus_select(&selection, selector, &pose, page_question_angle(&settings->question));
     status = status ? status : conus_report_create(&report, selector, &rows);
     status = status ? status : conus_report_add(report, "1", selection);
     status = status ? status : conus_report_text(&text, &size, report);
     code = print_status(status);
     if (!status) {
-        char fragment[512];
-        snprintf(fragment, sizeof fragment,
-                 "v=1&origin=%.17g,%.17g,%.17g&toward=%.17g,%.17g,%.17g&angle=%.17g&layers=%s&resolution=%u", o[0],
-                 o[1], o[2], t[0], t[1], t[2], settings->angle, layer_names[settings->layers], settings->resolution);
-        json_t *asked = json_pack("{s:s, s:s, s:s}", "fragment", fragment, "version", conus_version(), "rows", text);
+        struct system_text link;
+        if (system_text_open(&link)) {
+            fprintf(link.stream, "v=1&origin=%.17g,%.17g,%.17g&toward=%.17g,%.17g,%.17g", o[0], o[1], o[2], t[0], t[1],
+                    t[2]);
+            page_question_put(link.stream, &settings->question);
+        }
+        json_t *asked = system_text_close(&link) ? json_pack("{s:s, s:s, s:s}", "fragment", link.data, "version",
+                                                             conus_version(), "rows", text)
+                                                 : NULL;
         char *json = asked ? json_dumps(asked, 0) : NULL;
         if (json) {
             fputs("<script type=\"application/json\" id=\"question\">", page->out);
@@ -357,6 +358,7 @@ static int put_question(struct page *page)
         code = json ? EXIT_DONE : print_no_memory();
         free(json);
         json_decref(asked);
+        free(link.data);
     }
     conus_report_destroy(report);
     conus_selection_destroy(selection);
@@ -443,8 +445,6 @@ int page_write(struct page_settings settings, const struct arguments *arguments,
     struct atlas_name context = {0};
     char *template = NULL;
     struct system_text text = {0};
-    settings.angle = settings.angle > 0 ? settings.angle : PAGE_ANGLE;
-    settings.resolution = settings.resolution ? settings.resolution : CONUS_RESOLUTION_DEFAULT;
     if (!settings.force && system_allows(settings.output, 0)) {
         return print_usage_error("%s is there already; --force replaces it", settings.output);
     }

@@ -4,6 +4,7 @@
 #define CONUS_CLI_COMMANDS_H
 
 #include "options/options.h"
+#include "pages/pages.h"
 #include "settings/settings.h"
 
 extern const struct command cmd_atlases;
@@ -40,9 +41,7 @@ struct page_settings {
     struct common_settings common;
     const char *output;
     const char *origin, *toward; /* places */
-    double angle;
-    size_t layers; /* conus_layers */
-    uint32_t resolution;
+    struct page_question question;
     const char *context;
     const char *template;
     bool large, force;

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * The tables of a program's options, which its parser and --help use, as JSON. scripts/pages makes man pages and
- * completions of it, scripts/descriptors forms, scripts/option-lists lists of the documents. */
+ * completions of it, scripts/descriptors forms, scripts/option-lists lists of the documents. And what a web page asks,
+ * of which its form is made. */
 #ifndef CONUS_PAGES_PAGES_H
 #define CONUS_PAGES_PAGES_H
 
+#include "conus/selection.h"
 #include "options/options.h"
 
 #include <jansson.h>
@@ -23,5 +25,27 @@ bool pages_answer(int *code, const struct program *program, int count, char **wo
 
 /** One command with its options, in their order: a new reference, NULL without memory. */
 json_t *pages_command(const struct command *command);
+/** Its options alone. */
+json_t *pages_options(const struct command *command);
+
+/** What a page asks beside its two places; zero = the defaults. A row is an option of `conus page`, a field of the
+ * page's form, a word of its links and of its command, and a setting of npm's load(). */
+struct page_question {
+    double angle;  /**< Full opening angle, degrees. */
+    size_t layers; /**< conus_layers */
+    uint32_t resolution;
+};
+
+/** page_question: numbers, counts, choices and flags; a choice's default is its first. */
+extern const struct option page_question_options[];
+
+/** What the selector is told of it, and the angle. */
+conus_selector_options page_question_selector(const struct page_question *question);
+double page_question_angle(const struct page_question *question);
+
+/** Writes "&angle=20&layers=visible&resolution=64", as links have it. */
+void page_question_put(FILE *out, const struct page_question *question);
+/** Reads such a text into @p out, which is zeroed. Prints an error and returns false where it says anything else. */
+bool page_question_read(struct page_question *out, const char *text);
 
 #endif

@@ -138,7 +138,7 @@ static json_t *text_of(void (*put)(FILE *out, const struct command *command), co
     return words;
 }
 
-json_t *pages_command(const struct command *command)
+json_t *pages_options(const struct command *command)
 {
     json_t *options = json_array();
     const char *title = "";
@@ -148,11 +148,17 @@ json_t *pages_command(const struct command *command)
             json_array_append_new(options, option_json(command, option, title));
         }
     }
+    return options;
+}
+
+json_t *pages_command(const struct command *command)
+{
     return json_pack("{s:s, s:s, s:s, s:o, s:s*, s:b, s:b, s:b, s:o*, s:s, s:o*, s:o}", "name", command->name,
                      "summary", command->summary, "description", command->description, "operands", operands_of(command),
                      "form", command->form, "answers", command->answers, "resumes", command->resumes, "other",
                      command->hand_over != NULL, "usage", text_of(help_usage, command), "examples", command->examples,
-                     "notes", command->more_help ? text_of(put_more_help, command) : NULL, "options", options);
+                     "notes", command->more_help ? text_of(put_more_help, command) : NULL, "options",
+                     pages_options(command));
 }
 
 bool pages_answer(int *code, const struct program *program, int count, char **words)

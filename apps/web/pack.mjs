@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // node pack.mjs FOLDER_OF_CONUS PAGE_FOLDER OUT.html: makes one file of the page, its worker and conus.
-// The names in braces in page.html are replaced; the policy (CSP) allows this code, by its hash, and no network. So are
+// The names in braces in page.html are replaced, {{form}} by fields of the rows of options; the policy (CSP) allows this code, by its hash, and no network. So are
 // the names of base/look.h and base/look_sizes.h, LOOK_NAME, in the style and in texts of main.js; two hexadecimal
 // digits behind a colour are its opacity.
 import { execFileSync } from "node:child_process";
 import crypto from "node:crypto";
 import fs from "node:fs";
+import { createRequire } from "node:module";
 import path from "node:path";
+import { pathToFileURL } from "node:url";
 
 const [built, folder, out] = process.argv.slice(2);
 const bundle = (entry, ...more) =>
@@ -29,16 +31,31 @@ const withLook = (text) => text.replace(/\b(LOOK_[A-Z_0-9]*?)([0-9a-f]{2})?\b(?!
   return look.get(name) + opacity;
 });
 
-const main = withLook(bundle("main.js").trim());
+// The rows of what is asked, from conus itself, and their fields.
+globalThis.require = createRequire(import.meta.url); // what emscripten's module asks for in node
+globalThis.__dirname = path.resolve(built);
+const { default: create } = await import(pathToFileURL(path.resolve(built, "conus.mjs")));
+const conus = await create({ wasmBinary: fs.readFileSync(path.join(built, "conus.wasm")) });
+const rows = JSON.parse(conus.cwrap("web_form", "string", [])());
+const plain = (text) => text.replace(/[&<>"]/g, (c) => `&#${c.charCodeAt(0)};`);
+const fieldOf = ({ name, type, help, unit = "", choices = [] }) => {
+  const field = type === "choice" ? `<select name="${name}">${choices.map((word) => `<option value="${word}">${word}</option>`).join("")}</select>`
+    : type === "flag" ? `<input type="checkbox" name="${name}" value="1">` : `<input name="${name}" inputmode="decimal">`;
+  return `<label title="${plain(help.replace(/:$/, ""))}">${name[0].toUpperCase()}${name.slice(1).replaceAll("-", " ")} ${field} ${unit}</label>`;
+};
+const form = rows.map(fieldOf).join("\n");
+
+const main = withLook(bundle("main.js", `--define:CONUS_ROWS=${JSON.stringify(rows)}`).trim());
 const glue = path.resolve(built, "conus-worker.mjs"); // without what only other places need
 fs.writeFileSync(glue, fs.readFileSync(path.join(built, "conus.mjs"), "utf8").replace(/\bvar (ENVIRONMENT_IS_\w+)=[^;]+;/g, ""));
 const worker = bundle("worker.js", `--alias:conus.mjs=${glue}`, "--define:import.meta.url=\"\"", "--define:ENVIRONMENT_IS_WEB=false", "--define:ENVIRONMENT_IS_WORKER=true", "--define:ENVIRONMENT_IS_NODE=false");
+fs.writeFileSync(path.join(path.dirname(out), "worker.js"), worker);
 const css = withLook(fs.readFileSync(path.join(folder, "page.css"), "utf8"));
 const style = execFileSync("esbuild", ["--loader=css", "--minify"], { input: css }).toString().trim();
 if (/<\/script|<!--/i.test(worker) || /<\/script/i.test(main) || /\{\{/.test(style)) throw new Error("the code has what ends it");
 const parts = {
   csp: `default-src 'none'; script-src ${hash(main)} 'wasm-unsafe-eval' blob:; worker-src blob:; style-src ${hash(style)}; img-src blob: data:; connect-src 'none'; form-action 'none'; base-uri 'none'`,
-  style, main, wasm: packed(fs.readFileSync(path.join(built, "conus.wasm"))), worker,
+  style, main, form, wasm: packed(fs.readFileSync(path.join(built, "conus.wasm"))), worker,
 };
 const page = fs.readFileSync(path.join(folder, "page.html"), "utf8").replace(/\{\{(\w+)\}\}/g, (_, name) => parts[name]);
 fs.writeFileSync(out, page);

@@ -6,6 +6,8 @@
  */
 #include "atlas/nets/nets.h"
 #include "base/look.h"
+#include "options/messages.h"
+#include "pages/pages.h"
 
 #include <conus/own.h>
 #include <emscripten.h>
@@ -40,8 +42,8 @@ static struct {
     conus_selection *nothing;   /* in its place in cuts that have none: of a cone that hits nothing */
     enum colours colours;
     conus_report *report;
-    uint32_t resolution;
-    bool all_layers;
+    struct page_question question; /* of which `selector` is, whatever the angle, */
+    char *rays;                    /* as a link has it */
     char *text;
     size_t text_size;
     uint8_t rgba[4 * SIDE_LIMIT * SIDE_LIMIT];
@@ -85,9 +87,14 @@ static FILE *begin_text(void)
     return open_memstream(&page.text, &page.text_size);
 }
 
+static const char *text_or_error(bool is_whole)
+{
+    return is_whole ? page.text : "{\"error\": \"no memory\"}";
+}
+
 static const char *end_text(FILE *out)
 {
-    return !out || fclose(out) ? "{\"error\": \"no memory\"}" : page.text;
+    return text_or_error(out && !fclose(out));
 }
 
 /* And the quote that ends it. */
@@ -109,15 +116,20 @@ static void write_string(FILE *out, const char *text)
     write_rest_of_string(out, text);
 }
 
-static const char *say_error(void)
+static const char *say_words(const char *words)
 {
     FILE *out = begin_text();
     if (out) {
         fputs("{\"error\": ", out);
-        write_string(out, conus_message());
+        write_string(out, words);
         fputc('}', out);
     }
     return end_text(out);
+}
+
+static const char *say_error(void)
+{
+    return say_words(conus_message());
 }
 
 static void forget_question(void)
@@ -288,11 +300,21 @@ EMSCRIPTEN_KEEPALIVE const char *web_objects(void)
     return end_text(out);
 }
 
-static conus_status prepare_selector(conus_selector **selector, uint32_t resolution, bool all_layers)
+/* What a page asks, as rows of options: [{"name": "angle", "type": "number", ...}, ...] (conus help --json). */
+EMSCRIPTEN_KEEPALIVE const char *web_form(void)
 {
-    conus_selector_options options = CONUS_SELECTOR_OPTIONS_INIT;
-    options.resolution = resolution;
-    options.layers = all_layers ? CONUS_LAYERS_ALL : CONUS_LAYERS_VISIBLE;
+    static const struct option_group groups[] = {{"", page_question_options, 0}, {0}};
+    static const struct command form = {.name = "page", .groups = groups};
+    json_t *rows = pages_options(&form);
+    free(page.text);
+    page.text = json_dumps(rows, JSON_REAL_PRECISION(9));
+    json_decref(rows);
+    return text_or_error(page.text);
+}
+
+static conus_status prepare_selector(conus_selector **selector, const struct page_question *question)
+{
+    const conus_selector_options options = page_question_selector(question);
     return *selector ? CONUS_OK : conus_selector_create(selector, page.atlas, &options);
 }
 
@@ -343,29 +365,52 @@ static void write_hits(FILE *out)
     fputs("]", out);
 }
 
-/* Asks what is in a cone. {"depth": mm to the deepest hit, 0 where the cone has no end, "hits": numbers of the objects
- * in the answer's order, "ranks": the place of each among the colours, "colours": "#rrggbb" of each where colours are
- * of the answer}, or {"error": ...}; web_rows() has the answer, and pictures what it hits. Neither has those of the
- * question before where this one is refused. */
-EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double toward_x, double toward_y,
-                                         double toward_z, double angle, uint32_t resolution, int all_layers)
+/* A selector is kept where only the angle is another one. */
+static void take_question(const struct page_question *question)
 {
-    conus_pose pose;
-    if (page.resolution != resolution || page.all_layers != (all_layers != 0)) {
+    char *rays = NULL;
+    size_t size;
+    FILE *out = open_memstream(&rays, &size);
+    if (out) {
+        page_question_put(out, question);
+        fclose(out);
+    }
+    if (!rays || !page.rays || strcmp(rays, page.rays) != 0) {
         forget_question();
     }
+    free(page.rays);
+    page.rays = rays;
+    page.question = *question;
+}
+
+/* Asks what is in a cone, as `settings` says: "angle=20&layers=all", of web_form(). {"depth": mm to the deepest hit, 0
+ * where the cone has no end, "hits": numbers of the objects in the answer's order, "ranks": the place of each among the
+ * colours, "colours": "#rrggbb" of each where colours are of the answer}, or {"error": ...}; web_rows() has the answer,
+ * and pictures what it hits. Neither has those of the question before where this one is refused. */
+EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double toward_x, double toward_y,
+                                         double toward_z, const char *settings)
+{
+    conus_pose pose;
+    struct page_question question = {0};
     conus_selection_destroy(page.selection);
     page.selection = NULL;
-    conus_status status = prepare_selector(&page.selector, resolution, all_layers);
-    page.resolution = resolution;
-    page.all_layers = all_layers;
+    messages_hold(true);
+    const bool is_read = page_question_read(&question, settings);
+    messages_hold(false);
+    if (!is_read) {
+        return say_words(error_line());
+    }
+    const double angle = page_question_angle(&question);
+    question.angle = 0;
+    take_question(&question);
+    conus_status status = prepare_selector(&page.selector, &question);
     status = status ? status
                     : conus_pose_toward(&pose, (const double[]){x, y, z},
                                         (const double[]){toward_x, toward_y, toward_z}, NULL);
     status = status ? status : conus_select(&page.selection, page.selector, &pose, angle);
     FILE *out = status ? NULL : begin_text();
     if (out) {
-        fprintf(out, "{\"depth\": %.9g, ", all_layers ? 0 : find_depth(&pose));
+        fprintf(out, "{\"depth\": %.9g, ", question.layers ? 0 : find_depth(&pose));
         write_hits(out);
         fputs("}", out);
     }
@@ -408,7 +453,7 @@ static conus_status select_nothing(void)
     if (page.nothing) {
         return CONUS_OK;
     }
-    conus_status status = prepare_selector(&page.selector, page.resolution, page.all_layers);
+    conus_status status = prepare_selector(&page.selector, &page.question);
     status = status ? status : conus_pose_toward(&pose, far_away, farther, NULL);
     return status ? status : conus_select(&page.nothing, page.selector, &pose, 1);
 }
@@ -568,7 +613,7 @@ static conus_status look(uint32_t side, const double eye[7])
         viewer->selector = NULL;
     }
     viewer->side = side;
-    conus_status status = prepare_selector(&viewer->selector, side, false);
+    conus_status status = prepare_selector(&viewer->selector, &(struct page_question){.resolution = side});
     status = status ? status : conus_pose_toward(&pose, eye, eye + 3, up);
     status = status ? status : conus_select(&selection, viewer->selector, &pose, eye[6]);
     if (status) {

@@ -39,7 +39,7 @@ APPS = {
     "apps/cli": "apps/link apps/options apps/settings apps/figures apps/pages apps/cli/batch apps/cli/answers"
     " apps/cli/verify apps/cli/cite apps/cli/mcp",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: the messages between conus and conus-mesh
-    "apps/web": "atlas/nets",  # surfaces for a headset, which no other program asks for
+    "apps/web": "atlas/nets apps/options apps/pages",  # surfaces for a headset, which no other program asks for
     "apps/hdf5": "base base/child",  # hdf5_protocol.h: the messages between conus and conus-hdf5
     "apps/viewer/pictures": "apps/link apps/options",
     "apps/viewer/devices": "apps/link",

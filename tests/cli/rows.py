@@ -9,8 +9,7 @@ answer with the same rows: so the default that is documented is the one that cou
 without. Prints what is not so, and how many options there were.
 
 Checked of the rows themselves: a file that is named has a content and a role, a number of a unit has it in its row,
-what an option excludes excludes it, and a default is within its range and among its choices. The web page's form, which is
-HTML by hand, says what the rows of conus page do."""
+what an option excludes excludes it, and a default is within its range and among its choices."""
 import json
 import os
 import re
@@ -157,25 +156,6 @@ def check_rows(commands):
                 yield f"{where}: {default} is out of range"
 
 
-def check_page(rows):
-    """The page's form and links begin with the defaults of conus page, and take what it takes."""
-    folder = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../apps/web/page")
-    with open(f"{folder}/state.js", encoding="utf-8") as script, open(f"{folder}/page.html", encoding="utf-8") as form:
-        script, form = script.read(), form.read()
-    start = re.search(r"START = \{(.*)\};", script)[1]
-    options = {name: re.findall('value="(.*?)"', re.search(f'<select name="{name}">(.*?)</select>', form)[1]) for name in ("layers", "resolution")}
-    for name, taken in (("angle", r"degrees: \[(.*?)\]"), ("resolution", r"readWithin\(key, text, \[(.*?)\]")):
-        ends = [float(end) for end in re.search(taken, script)[1].split(",")]
-        if ends != [rows[name]["range"]["low"], rows[name]["range"]["high"]]:
-            yield f"page: {name} is from {ends[0]} to {ends[1]}"
-    for name in ("angle", "resolution", "layers"):
-        begun = re.search(f'{name}: "?([a-z0-9]+)', start)[1]
-        if begun != rows[name]["default"]:
-            yield f"page: {name} begins with {begun}"
-    if options["layers"] != rows["layers"]["choices"] or rows["resolution"]["default"] not in options["resolution"]:
-        yield f"page: the form has {options}"
-
-
 def main():
     root = json.loads(subprocess.run([CONUS, "help", "--json"], capture_output=True, check=True).stdout)
     commands = {command["name"]: {row["name"]: row for row in command["options"]}
@@ -183,7 +163,7 @@ def main():
     assert commands.keys() == QUESTIONS.keys(), "a command has no question"
     with tempfile.TemporaryDirectory() as folder:
         make_inputs(folder)
-        *faults, count = [*check_rows(commands), *check_page(commands["page"]), *check_defaults(folder, commands)]
+        *faults, count = [*check_rows(commands), *check_defaults(folder, commands)]
     print(*faults, f"{count} defaults given", sep="\n")
     return len(faults) > 0
 

@@ -436,7 +436,7 @@ test("a refused question has no answer anywhere, and an atlas that is opened the
   await fill("toward0", "0");
   assert.ok((await rows(page)).length && !(await page.locator("#error").innerText()));
   await fill("angle", "abc");
-  await refused(/^Cone: abc is not a number from 0.001 to 170$/);
+  await refused(/^angle: abc is not a number from 0.001 to 170$/);
   await fill("angle", "20");
   assert.ok((await rows(page)).length);
 });

@@ -35,7 +35,7 @@ async function compare(files, atlas, context) {
     const { cone, axes, view, fill } = plane;
     const [width, height] = view.slice(3);
     const size = 4 * width * height;
-    assert.equal(JSON.parse(conus.ask(...cone, 16, 0)).error, undefined);
+    assert.equal(JSON.parse(conus.ask(...cone.slice(0, 6), `angle=${cone[6]}&resolution=16`)).error, undefined);
     const rgba = conus.cut(...axes, ...view, fill, 0, 0);
     const objects = conus.cut_objects();
     assert.ok(rgba && objects);

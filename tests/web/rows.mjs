@@ -73,7 +73,7 @@ async function compare(files, atlas, layers) {
   const asked = poses(info.low, info.high, 7, layers === "all" ? POSES_ALL_LAYERS : POSES);
   let ours = "";
   asked.forEach(({ origin, toward, angle }, i) => {
-    assert.equal(JSON.parse(conus.ask(...origin, ...toward, angle, 16, layers === "all" ? 1 : 0)).error, undefined);
+    assert.equal(JSON.parse(conus.ask(...origin, ...toward, `angle=${angle}&resolution=16&layers=${layers}`)).error, undefined);
     ours += conus.rows(NDJSON).replaceAll('"query": "1"', `"query": "${i + 1}"`).replaceAll('"query":"1"', `"query":"${i + 1}"`);
   });
   fs.writeFileSync(path.join(folder, "poses.tsv"), ["x\ty\tz\ttx\tty\ttz\tangle",
@@ -110,7 +110,7 @@ test("the question of the README", { skip: !real.length && "mricron-data is not 
   const conus = await start();
   for (const [file, name] of real) conus.put(file, name);
   conus.open("/atlas/aal.nii.gz");
-  conus.ask(-90, 20, 20, 0, -10, 10, 20, 16, 0);
+  conus.ask(-90, 20, 20, 0, -10, 10, "angle=20&resolution=16");
   const rows = conus.rows(NDJSON).trim().split("\n").map((row) => JSON.parse(row));
   assert.deepEqual(rows.slice(0, 3).map((row) => [row.name, row.pixels]), [["Frontal_Inf_Oper_L", 188], ["Precentral_L", 16], ["Postcentral_L", 4]]);
   const native = run("query", real[0][0], "--origin", "-90,20,20", "--toward", "0,-10,10", "--angle", "20", "--resolution", "16", "--format", "ndjson", "--quiet");

@@ -3,8 +3,11 @@
 import assert from "node:assert";
 import { readFileSync } from "node:fs";
 import test from "node:test";
-import { START, fromFragment, inPage, toCommand, toFragment } from "../../apps/web/page/state.js";
 import { candidates } from "../../apps/web/page/files.js";
+import { start } from "./conus.mjs";
+
+globalThis.CONUS_ROWS = JSON.parse((await start()).form());
+const { ROWS, START, fromFragment, inPage, toCommand, toFragment, toMethods } = await import("../../apps/web/page/state.js");
 
 const seeded = (x) => () => (x = (Math.imul(x, 1664525) + 1013904223) >>> 0) / 2 ** 32;
 
@@ -32,7 +35,7 @@ test("an empty link is the start, embed is a mode", () => {
 });
 
 for (const [link, words] of [["v=2", /version 2/], ["colour=red", /"colour"/], ["origin=1,2", /three numbers/], ["origin=1,2,x", /origin: x is not a number/], ["angle=0", /0.001 to 170/],
-  ["angle=1e3", /number/], ["angle=", /number/], ["layers=some", /visible and all/], ["resolution=257", /1 to 256/], ["origin=Infinity,0,0", /number/], ["toward=1e999,0,0", /number/],
+  ["angle=1e3", /number/], ["angle=", /number/], ["layers=some", /visible and all/], ["resolution=257", /1 to 256/], ["resolution=16.5", /no whole number/], ["origin=Infinity,0,0", /number/], ["toward=1e999,0,0", /number/],
   ["__proto__=1", /__proto__/], ["origin=%ZZ", /malformed/i], [`atlas=${"x".repeat(2000)}`, /longer/], ["cut=<img src=x>", /number|three/]]) {
   test(`#${link.slice(0, 30)} is refused`, () => assert.throws(() => fromFragment(`#${link}`), words));
 }
@@ -55,6 +58,20 @@ test("the command has what differs from the defaults", () => {
   assert.equal(toCommand(START, "aal.nii.gz"), "conus query aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angle 20");
   assert.equal(toCommand({ ...START, layers: "all", resolution: 32 }, "it's.nii"),
     "conus query 'it'\\''s.nii' --origin -90,20,20 --toward 0,-10,10 --angle 20 --layers all --resolution 32");
+});
+
+test("another row is in links, commands and methods", () => {
+  const more = [{ name: "slice-fraction", type: "number", default: "0.2", range: { low: 0, high: 1 } }, { name: "no-sky", type: "flag" }];
+  ROWS.push(...more);
+  try {
+    const question = { ...START, "slice-fraction": 0.0005, "no-sky": true };
+    assert.match(toFragment(question, ""), /&slice-fraction=0.0005&no-sky=1/);
+    assert.ok(toCommand(question, "a.nii").endsWith(" --angle 20 --slice-fraction 0.0005 --no-sky"));
+    assert.match(toMethods(question, { version: "0", name: "a", transform: "" }), / Other settings were --slice-fraction 0.0005 --no-sky\. /);
+    assert.doesNotMatch(toMethods({ ...question, "slice-fraction": undefined, "no-sky": undefined }, { name: "a" }), /Other/);
+  } finally {
+    ROWS.splice(-2);
+  }
 });
 
 test("the likeliest atlas of several files comes first", () => {

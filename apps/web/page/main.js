@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page: joins files, fields, pictures and table; the worker owns conus.
-import { LIMITS, START, digits, fromFragment, inPage, quoted, readWithin, toCommand, toFragment, toMethods } from "./state.js";
+import { MM, ROWS, START, digits, fromFragment, inPage, quoted, readRow, readWithin, textOf, toCommand, toFragment, toMethods, toOptions } from "./state.js";
 import { CUTS, Cut, ENDLESS, View } from "./panes.js";
 import { Stage } from "./stage.js";
 import { Headset } from "./vr.js";
@@ -365,9 +365,12 @@ function fillFields() {
     write(`origin${a}`, digits(question.origin[a]));
     write(`toward${a}`, digits(question.toward[a]));
   }
-  write("angle", digits(question.angle));
-  form.elements.layers.value = question.layers;
-  form.elements.resolution.value = String(question.resolution);
+  for (const row of ROWS) {
+    const text = textOf(row, question[row.name]);
+    if (row.type === "choice") form.elements[row.name].value = text;
+    else if (row.type === "flag") form.elements[row.name].checked = Boolean(text);
+    else write(row.name, text);
+  }
   form.elements.end.value = end;
 }
 
@@ -375,11 +378,10 @@ form.addEventListener("input", (/** @type {Event} */ event) => {
   const field = /** @type {HTMLInputElement} */ (event.target);
   refused = linked = "";
   takeField(field, () => {
+    const row = ROWS.find(({ name }) => name === field.name);
     const found = /^(origin|toward)(\d)$/.exec(field.name);
-    if (found) question[/** @type {"origin"} */ (found[1])] = /** @type {any} */ (question[/** @type {"origin"} */ (found[1])].map((v, a) => (a === Number(found[2]) ? readWithin(`${WORDS[/** @type {"origin"} */ (found[1])]} ${"xyz"[a]}`, field.value, LIMITS.mm) : v)));
-    else if (field.name === "angle") question.angle = readWithin("Cone", field.value, LIMITS.degrees);
-    else if (field.name === "layers") question.layers = /** @type {any} */ (field.value);
-    else if (field.name === "resolution") question.resolution = Number(field.value);
+    if (found) question[/** @type {"origin"} */ (found[1])] = /** @type {any} */ (question[/** @type {"origin"} */ (found[1])].map((v, a) => (a === Number(found[2]) ? readWithin(`${WORDS[/** @type {"origin"} */ (found[1])]} ${"xyz"[a]}`, field.value, MM) : v)));
+    else if (row) question[row.name] = readRow(row, row.type === "flag" && !field.checked ? "" : field.value);
     else end = /** @type {any} */ (field.value);
     if (end === "toward" && field.name.startsWith("toward")) question.cut = null;
   });
@@ -650,7 +652,7 @@ $("#t1").onchange = (/** @type {any} */ event) => attempt(async () => {
   files = [...files.filter((file) => !file[2]), [...added[0], true]];
 });
 GREYS.forEach((id, i) => {
-  $(id).oninput = (/** @type {any} */ { target }) => takeField(target, () => { atlas.window[i] = readWithin(["Black", "White"][i], target.value, LIMITS.mm); });
+  $(id).oninput = (/** @type {any} */ { target }) => takeField(target, () => { atlas.window[i] = readWithin(["Black", "White"][i], target.value, MM); });
 });
 $("#colours").onchange = () => attempt(async () => { if (atlas) ({ objects } = await ask("colours", { kind: Number($("#colours").value) })); });
 addEventListener("dragover", (event) => { event.preventDefault(); document.body.classList.add("dropping"); });
@@ -843,7 +845,7 @@ function savePoses() {
   for (const [kind, lines] of headset.record) {
     const [layers, resolution] = kind.split("-");
     const file = `conus-${name}-${kind}.tsv`;
-    const head = `# conus batch ${quoted(atlasFile)} --poses ${file} --layers ${layers} --resolution ${resolution} -o rows.tsv\n${["name", "time_s", "x", "y", "z", "tx", "ty", "tz", "angle", "trigger"].join("\t")}\n`;
+    const head = `# conus batch ${quoted(atlasFile)} --poses ${file} --layers ${layers} --resolution ${resolution}${toOptions(headset.page.question, ["angle", "layers", "resolution"])} -o rows.tsv\n${["name", "time_s", "x", "y", "z", "tx", "ty", "tz", "angle", "trigger"].join("\t")}\n`;
     download(file, new Blob([head, lines.join("\n"), "\n"]));
   }
 }

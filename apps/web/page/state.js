@@ -3,11 +3,12 @@
 
 /**
  * @typedef {[number, number, number]} Point
- * @typedef {{origin: Point, toward: Point, angle: number, layers: "visible" | "all", resolution: number, cut: Point | null}} Question; cuts without a place go through the contact of the best hit
+ * @typedef {{name: string, type: "number" | "count" | "choice" | "flag", help: string, unit?: string, default?: string, common: boolean, range?: {low: number, high: number}, choices?: string[]}} Row
+ * @typedef {{origin: Point, toward: Point, angle: number, layers: "visible" | "all", resolution: number, cut: Point | null} & Record<string, any>} Question; cuts without a place go through the contact of the best hit
  */
 
-/** @type {Question} */
-export const START = { origin: [-90, 20, 20], toward: [0, -10, 10], angle: 20, layers: "visible", resolution: 64, cut: null };
+/** What is asked beside the two places: apps/pages/question.c has the rows, pack.mjs puts them here. @type {Row[]} */
+export const ROWS = CONUS_ROWS;
 
 /** A number with the digits that a person would type. @param {number} x */
 export const digits = (x) => String(Number(x.toFixed(3)));
@@ -22,12 +23,12 @@ const join = (p) => p.map(digits).join(",");
 /** The part of a link behind #. @param {Question} q @param {string} atlas "aal.nii.gz@b512dcd3", or "" */
 export function toFragment(q, atlas) {
   const pairs = { v: "1", atlas: encodeURIComponent(atlas).replaceAll("%40", "@"), origin: join(q.origin), toward: join(q.toward),
-    angle: digits(q.angle), layers: q.layers, resolution: String(q.resolution), cut: q.cut ? join(q.cut) : "" };
+    ...Object.fromEntries(ROWS.map((row) => [row.name, textOf(row, q[row.name])])), cut: q.cut ? join(q.cut) : "" };
   return Object.entries(pairs).filter(([, value]) => value).map(([key, value]) => `${key}=${value}`).join("&");
 }
 
-/** mm of a position, and degrees of a cone. @type {Record<string, [number, number]>} */
-export const LIMITS = { mm: [-1e5, 1e5], degrees: [0.001, 170] };
+/** mm of a position. @type {[number, number]} */
+export const MM = [-1e5, 1e5];
 
 /** A number in words; throws, with what the number is of. @param {string} what @param {string} text @param {number[]} limits */
 export function readWithin(what, text, [low, high]) {
@@ -38,20 +39,30 @@ export function readWithin(what, text, [low, high]) {
 
 /** @param {string} text @param {string} key @returns {Point} */
 function readPoint(text, key) {
-  const p = text.split(",").map((x) => readWithin(key, x, LIMITS.mm));
+  const p = text.split(",").map((x) => readWithin(key, x, MM));
   if (p.length !== 3) throw new Error(`${key}=${text}: a position is three numbers x,y,z`);
   return /** @type {Point} */ (p);
 }
 
-const READ = {
-  origin: readPoint, toward: readPoint, cut: readPoint,
-  angle: (/** @type {string} */ text, /** @type {string} */ key) => readWithin(key, text, LIMITS.degrees),
-  resolution: (/** @type {string} */ text, /** @type {string} */ key) => Math.round(readWithin(key, text, [1, 256])),
-  layers: (/** @type {string} */ text) => {
-    if (text !== "visible" && text !== "all") throw new Error(`layers=${text}: visible and all are allowed`);
-    return text;
-  },
-};
+/** The value of a row in words; throws, with what is allowed. @param {Row} row @param {string} text */
+export function readRow({ name, type, range, choices = ["1", ""] }, text) {
+  if (type === "number" || type === "count") {
+    const x = readWithin(name, text, range ? [range.low, range.high] : [-Infinity, Infinity]);
+    if (type === "count" && !Number.isInteger(x)) throw new Error(`${name}: ${text} is no whole number`);
+    return x;
+  }
+  if (!choices.includes(text)) throw new Error(`${name}=${text}: ${choices.join(" and ")} are allowed`);
+  return type === "choice" ? text : Boolean(text);
+}
+
+/** And back. @param {Row} row @param {any} value */
+export const textOf = ({ type, unit }, value) => (type === "flag" ? (value ? "1" : "") : type === "choice" ? value : unit ? digits(value) : String(Number(value.toPrecision(9))));
+
+/** @type {Question} */
+export const START = { origin: [-90, 20, 20], toward: [0, -10, 10], cut: null, .../** @type {any} */ (Object.fromEntries(ROWS.map((row) => [row.name, readRow(row, row.default ?? "")]))) };
+
+const READ = /** @type {Record<string, (text: string, key: string) => any>} */ ({ origin: readPoint, toward: readPoint, cut: readPoint,
+  ...Object.fromEntries(ROWS.map((row) => [row.name, (/** @type {string} */ text) => readRow(row, text)])) });
 
 /**
  * Reads the part of a link behind #; throws, with words, at what it does not know: nothing is guessed.
@@ -64,7 +75,7 @@ export function fromFragment(text) {
   if (text.length > 1000) throw new Error("this link is longer than any that a page makes");
   for (const pair of text.replace(/^#/, "").split("&").filter(Boolean)) {
     const [key, value = ""] = pair.split(/=(.*)/s);
-    if (Object.hasOwn(READ, key)) question[key] = /** @type {any} */ (READ)[key](decodeURIComponent(value), key);
+    if (Object.hasOwn(READ, key)) question[key] = READ[key](decodeURIComponent(value), key);
     else if (key === "atlas") atlas = decodeURIComponent(value);
     else if (key === "embed") embed = value === "1";
     else if (key === "v" && value === "1") continue;
@@ -83,18 +94,22 @@ function countRays(n) {
 /** The paragraph that conus cite writes of the answer. @param {Question} q @param {any} atlas */
 export function toMethods(q, atlas) {
   const all = q.layers === "all";
+  const others = toOptions(q, ["angle", "layers", "resolution"]); // of which no sentence below is
   return `The areas in a cone with its apex at ${join(q.origin)} and its axis through ${join(q.toward)} (x,y,z, RAS mm), and a full opening angle of ${digits(q.angle)}°, were determined with conus, version ${atlas.version}, which selects by conic volumes after Rick et al. (2010, doi:10.1109/VR.2010.5444783). ` +
     `The cone was filled with ${countRays(q.resolution)} rays${q.angle > 120 ? " (evenly spread in angle where it opens beyond 120°)" : ""}, one through the centre of each pixel in the round aperture of ${q.resolution} × ${q.resolution} pixels. ` +
     `Each ray was followed exactly, ${all ? "through all objects" : "to the first object that it hits"}: no voxel and no triangle on its way was left out. An object's share is the part of the solid angle whose rays hit this object before any other. ` +
-    (all ? "Occluded objects counted, too. " : "") + `Objects were ranked by their share. The atlas was ${atlas.name}${atlas.sha256 && ` (SHA-256 ${atlas.sha256.slice(0, 8)}…; ${atlas.transform})`}. ` +
+    (all ? "Occluded objects counted, too. " : "") + (others ? `Other settings were${others}. ` : "") + `Objects were ranked by their share. The atlas was ${atlas.name}${atlas.sha256 && ` (SHA-256 ${atlas.sha256.slice(0, 8)}…; ${atlas.transform})`}. ` +
     "The cone is a geometric model: no field, heat or sound was computed.";
 }
 
 /** A file's name as a shell reads it. @param {string} name */
 export const quoted = (name) => (/^[\w./-]+$/.test(name) ? name : `'${name.replaceAll("'", "'\\''")}'`);
 
+/** Its options beside the places, without some: those that are always said, and what is not as it began. @param {Question} q @param {string[]} but */
+export const toOptions = (q, but = []) => ROWS.filter((row) => !but.includes(row.name) && (row.common || q[row.name] !== START[row.name]))
+  .map((row) => ` --${row.name}${row.type === "flag" ? "" : ` ${textOf(row, q[row.name])}`}`).join("");
+
 /** The command that gives the same rows. @param {Question} q @param {string} name */
 export function toCommand(q, name) {
-  return `conus query ${quoted(name)} --origin ${join(q.origin)} --toward ${join(q.toward)} --angle ${digits(q.angle)}` +
-    (q.layers === "all" ? " --layers all" : "") + (q.resolution !== START.resolution ? ` --resolution ${q.resolution}` : "");
+  return `conus query ${quoted(name)} --origin ${join(q.origin)} --toward ${join(q.toward)}${toOptions(q)}`;
 }

@@ -432,7 +432,7 @@ export class Headset {
   /** @param {Float64Array} numbers @param {boolean} isFull @returns {Question} */
   questionOf(numbers, isFull) {
     const [x, y, z, tx, ty, tz, angle] = numbers;
-    return { origin: [x, y, z], toward: [tx, ty, tz], angle, layers: isFull ? this.layers : "visible", resolution: isFull ? this.page.question.resolution : ROUGH, cut: null };
+    return { ...this.page.question, origin: [x, y, z], toward: [tx, ty, tz], angle, layers: isFull ? this.layers : "visible", resolution: isFull ? this.page.question.resolution : ROUGH, cut: null };
   }
 
   /** Asks, if that is another question than the last: one is under way, and each frame comes with the newest. Rough ones

@@ -6,7 +6,7 @@ const FOLDER = "/atlas/";
 /** Numbers of web.c's functions; those of text have "string". */
 const SIGNATURES = {
   open: ["string", ["string"]], add_context: ["string", ["string"]], objects: ["string", []], use_colours: [null, ["number"]],
-  ask: ["string", Array(9).fill("number")], rows: ["string", ["number"]], sidecar: ["string", []], error: ["string", []],
+  ask: ["string", [...Array(6).fill("number"), "string"]], rows: ["string", ["number"]], sidecar: ["string", []], error: ["string", []],
   cut: ["number", Array(11).fill("number")], cut_objects: ["number", []],
   view: ["number", Array(9).fill("number")], view_objects: ["number", []], view_distances: ["number", []],
   mesh: ["string", ["number"]], mesh_part: ["number", ["number"]], mesh_end: [null, []],
@@ -38,6 +38,9 @@ function placeCuts({ origin, toward }, rows) {
   const axis = toward.map((v, a) => v - origin[a]);
   return [x, y, z].map((v, a) => v + 0.001 * axis[a] / Math.hypot(...axis));
 }
+
+/** What is asked beside the places, as conus reads it. */
+const settingsOf = ({ origin, toward, cut: place, ...settings }) => Object.entries(settings).filter(([, value]) => value !== false).map((pair) => pair.join("=")).join("&");
 
 const CALLS = {
   async start({ module: compiled }) {
@@ -76,7 +79,7 @@ const CALLS = {
   /** The answer to a question and all pictures of it; of one that is refused why, and pictures without a cone. */
   draw({ question: q, cuts, view, chosen, given }) {
     spare = given;
-    const { error: refused, depth, hits = [], ranks = [], colours = [] } = JSON.parse(conus.ask(...q.origin, ...q.toward, q.angle, q.resolution, q.layers === "all" ? 1 : 0));
+    const { error: refused, depth, hits = [], ranks = [], colours = [] } = JSON.parse(conus.ask(...q.origin, ...q.toward, settingsOf(q)));
     const rows = refused ? "" : conus.rows(NDJSON);
     if (!refused) cut = placeCuts(q, rows);
     const out = { refused, depth, rows, hits, ranks, colours, cut, cuts: [] };

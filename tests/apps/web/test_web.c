@@ -47,21 +47,59 @@ static void asks_well(const char *answer, const char *hits, double depth)
 static void test_rows_of_an_answer(void **state)
 {
     (void)state;
-    asks_well(web_ask(3, 50, 4, 3, 0, 4, 1, 16, 0), "\"hits\": [1], \"ranks\": [1], \"colours\": [\"#d2246c\"]}", 38);
+    asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16"),
+              "\"hits\": [1], \"ranks\": [1], \"colours\": [\"#d2246c\"]}", 38);
     const char *first = web_rows(CONUS_FORMAT_CSV);
     assert_non_null(strstr(first, "Slab anterior,SlA,1,1,208,1,"));
     assert_null(strstr(first, "Slab posterior"));
-    asks_well(web_ask(3, 50, 4, 3, 0, 4, 1, 16, 1), "\"ranks\": [1, 2], \"colours\": [\"#d2246c\", \"#009ca8\"]}", 0);
+    asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16&layers=all"),
+              "\"ranks\": [1, 2], \"colours\": [\"#d2246c\", \"#009ca8\"]}", 0);
     assert_non_null(strstr(web_rows(CONUS_FORMAT_CSV), "Slab posterior"));
     assert_non_null(strstr(web_sidecar(), "\"sha256\""));
+}
+
+/* What is not said is as its row says: 64 rays along a side, 20 degrees, first hits. */
+static void test_the_form_is_what_is_asked(void **state)
+{
+    (void)state;
+    json_t *rows = json_loads(web_form(), 0, NULL);
+    assert_int_equal(json_array_size(rows), 3);
+    assert_string_equal(json_string_value(json_object_get(json_array_get(rows, 0), "name")), "angle");
+    assert_string_equal(json_string_value(json_object_get(json_array_get(rows, 0), "default")), "20");
+    json_decref(rows);
+    web_ask(3, 50, 4, 3, 0, 4, "");
+    char *plain = strdup(web_rows(CONUS_FORMAT_CSV));
+    assert_non_null(strstr(plain, "Slab anterior"));
+    web_ask(3, 50, 4, 3, 0, 4, "&angle=20&layers=visible&resolution=64");
+    assert_string_equal(web_rows(CONUS_FORMAT_CSV), plain);
+    web_ask(3, 50, 4, 3, 0, 4, "&angle=21");
+    assert_string_not_equal(web_rows(CONUS_FORMAT_CSV), plain);
+    free(plain);
 }
 
 static void test_errors_are_words(void **state)
 {
     (void)state;
     assert_non_null(strstr(web_open("nothing.nii.gz"), "{\"error\": \"nothing.nii.gz"));
-    assert_non_null(strstr(web_ask(1, 1, 1, 1, 1, 1, 20, 16, 0), "{\"error\": \"toward"));
-    asks_well(web_ask(3, 50, 4, 3, 0, 4, 1, 16, 0), "[1]", 38); /* the atlas is still open */
+    assert_non_null(strstr(web_ask(1, 1, 1, 1, 1, 1, "angle=20&resolution=16"), "{\"error\": \"toward"));
+    static const char *const wrong[][2] = {
+        {"angle=171", "--angle: 171 is out of range"},
+        {"angle=", "--angle: "},
+        {"layers=some", "--layers: "},
+        {"angle=20&cut=1,2,3", "cut: a page asks"},
+        {"angle", "angle: a page"},
+        {"resolution=16.5", "--resolution: "},
+        {"angle=20&&origin=1", "origin: a page asks"},
+        {"=", ": a page asks"},
+        {"resolution=257", "--resolution: 257"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        const char *said = web_ask(3, 50, 4, 3, 0, 4, wrong[i][0]);
+        assert_memory_equal(said, "{\"error\": \"", 11);
+        assert_memory_equal(said + 11, wrong[i][1], strlen(wrong[i][1]));
+        assert_memory_equal(web_rows(CONUS_FORMAT_CSV), "{\"error\"", 8); /* nor the answer before */
+    }
+    asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16"), "[1]", 38); /* the atlas is still open */
 }
 
 static void is_about(const uint8_t *rgb, unsigned colour)
@@ -77,9 +115,9 @@ static void test_a_refused_question_takes_the_answer_away(void **state)
 {
     (void)state;
     const size_t at = 4 * (23 * 64 + 32);
-    asks_well(web_ask(0, 50, 0, 0, 0, 0, 1, 16, 0), "[1]", 38);
+    asks_well(web_ask(0, 50, 0, 0, 0, 0, "angle=1&resolution=16"), "[1]", 38);
     is_about(web_cut(0, 1, 0, 0, 0, 64, 64, 1, 1, 0, 0) + at, LOOK_RANK_1);
-    assert_non_null(strstr(web_ask(1, 1, 1, 1, 1, 1, 90, 16, 0), "{\"error\": \"toward"));
+    assert_non_null(strstr(web_ask(1, 1, 1, 1, 1, 1, "angle=90&resolution=16"), "{\"error\": \"toward"));
     assert_null(strstr(web_rows(CONUS_FORMAT_CSV), "Slab"));
     is_about(web_cut(0, 1, 0, 0, 0, 64, 64, 1, 1, 0, 0) + at, LOOK_NOT_HIT);
 }
@@ -115,14 +153,14 @@ static void test_view_is_lit_from_the_eye(void **state)
 {
     (void)state;
     const size_t middle = 4 * (32 * 64 + 32);
-    asks_well(web_ask(0, -50, 0, 0, 0, 0, 1, 16, 0), "[2]", 38); /* the posterior one alone */
+    asks_well(web_ask(0, -50, 0, 0, 0, 0, "angle=1&resolution=16"), "[2]", 38); /* the posterior one alone */
     is_about(web_view(64, 0, 100, 0, 0, 0, 0, 10, 0) + middle, LOOK_NOT_HIT);
-    asks_well(web_ask(0, 50, 0, 0, 0, 0, 1, 16, 0), "[1]", 38);
+    asks_well(web_ask(0, 50, 0, 0, 0, 0, "angle=1&resolution=16"), "[1]", 38);
     const uint8_t *rgba = web_view(64, 0, 100, 0, 0, 0, 0, 10, 0) + middle;
     is_about(rgba, LOOK_RANK_1);
     assert_int_equal(rgba[3], 255);
     web_use_colours(COLOURS_OF_FILE);
-    asks_well(web_ask(0, 50, 0, 0, 0, 0, 1, 16, 0), "[1]", 38);
+    asks_well(web_ask(0, 50, 0, 0, 0, 0, "angle=1&resolution=16"), "[1]", 38);
     is_about(web_view(64, 0, 100, 0, 0, 0, 0, 10, 0) + middle, 0xF2BA85);
     rgba = web_view(64, 0, 100, 0, 0, 0, 0, 10, 2); /* another is chosen */
     assert_in_range(rgba[middle], 95, 97);
@@ -135,7 +173,7 @@ static void test_what_has_little_is_pale(void **state)
 {
     char hex[8];
     (void)state;
-    const char *answer = web_ask(-50, 8, 0, 0, 8, 0, 28, 128, 0);
+    const char *answer = web_ask(-50, 8, 0, 0, 8, 0, "angle=28&resolution=128");
     const char *list = strstr(answer, "\"colours\": [\"#");
     assert_non_null(strstr(answer, "\"hits\": [1, 2]"));
     const conus_result *small = conus_selection_result(page.selection, 1);
@@ -155,7 +193,7 @@ static void test_what_is_behind_has_stripes(void **state)
 {
     (void)state;
     int coloured = 0;
-    asks_well(web_ask(0, -50, 0, 0, 0, 0, 1, 16, 1), "[2, 1]", 0);
+    asks_well(web_ask(0, -50, 0, 0, 0, 0, "angle=1&resolution=16&layers=all"), "[2, 1]", 0);
     const uint8_t *row = web_view(64, 0, 100, 0, 0, 0, 0, 10, 0) + (size_t)4 * 32 * 64;
     for (int x = 24; x < 40; x++) {
         const bool is_stripe = row[4 * x] < 100;
@@ -210,6 +248,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_objects_have_names_and_colours),
         cmocka_unit_test(test_rows_of_an_answer),
+        cmocka_unit_test(test_the_form_is_what_is_asked),
         cmocka_unit_test(test_errors_are_words),
         cmocka_unit_test(test_a_refused_question_takes_the_answer_away),
         cmocka_unit_test(test_cut_has_its_top_row_first),

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// npm's package as whoever depends on it has it: node --test npm.mjs, in a folder whose node_modules has conus. Its rows
+// and files are those of the program $CONUS; of AAL, where mricron's templates are.
+import assert from "node:assert";
+import { execFileSync } from "node:child_process";
+import fs from "node:fs";
+import { createRequire } from "node:module";
+import os from "node:os";
+import path from "node:path";
+import test from "node:test";
+import { pathToFileURL } from "node:url";
+
+const from = createRequire(path.join(process.cwd(), "app.js")).resolve("conus/package.json");
+const inPackage = (name) => import(pathToFileURL(path.join(path.dirname(from), name)));
+const { exports } = JSON.parse(fs.readFileSync(from, "utf8"));
+const { ConusError, load } = await inPackage(exports["."].node);
+
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), "conus-npm-"));
+process.on("exit", () => fs.rmSync(folder, { recursive: true }));
+const conus = (...words) => execFileSync(process.env.CONUS, words, { cwd: folder, encoding: "utf8" });
+conus("phantom", "nested", "-o", ".", "--size", "24");
+conus("phantom", "slabs", "-o", ".");
+const templates = process.env.CONUS_TEMPLATES ?? "/usr/share/mricron/templates";
+const aal = fs.existsSync(`${templates}/aal.nii.gz`);
+const taken = (...names) => Object.fromEntries(names.map((name) => [name, fs.readFileSync(path.join(aal && name.startsWith("aal") ? templates : folder, name))]));
+const atlases = fs.readdirSync(folder).filter((name) => name.endsWith(".nii.gz"));
+if (aal) for (const name of ["aal.nii.gz", "aal.nii.txt"]) fs.copyFileSync(`${templates}/${name}`, path.join(folder, name));
+
+/** What lies beside an atlas, the atlas first. */
+const beside = (atlas) => taken(atlas, ...fs.readdirSync(folder).filter((name) => name !== atlas && name.startsWith(atlas.split(".")[0]) && !name.endsWith(".json")));
+const random = ((x) => () => (x = (Math.imul(x, 1664525) + 1013904223) >>> 0) / 2 ** 32)(7);
+const place = (reach) => [0, 1, 2].map(() => Number((reach * (2 * random() - 1)).toFixed(2)));
+
+for (const atlas of [...atlases, ...(aal ? ["aal.nii.gz"] : [])]) {
+  test(`rows of ${atlas} are those of conus query`, async () => {
+    const opened = await load(beside(atlas));
+    let hits = 0;
+    for (let i = 0; i < 12; i++) {
+      const cone = { origin: place(90), toward: place(20), angle: Number((1 + 100 * random()).toFixed(2)), layers: i % 2 ? "all" : "visible", resolution: i % 3 ? 64 : 17 };
+      const words = ["query", atlas, `--origin=${cone.origin}`, `--toward=${cone.toward}`, `--angle=${cone.angle}`, "--layers", cone.layers, `--resolution=${cone.resolution}`, "-q", "--format"];
+      const rows = await opened.select(cone);
+      const wanted = conus(...words, "ndjson").trim().split("\n").map((line) => JSON.parse(line));
+      assert.deepEqual(rows, wanted);
+      assert.equal(await opened.text("tsv"), conus(...words, "tsv"));
+      hits += rows.filter(({ pixels }) => pixels).length;
+    }
+    assert.ok(hits > 12);
+    opened.close();
+  });
+}
+
+test("what nobody said is as conus query has it, and settings are rows of options", async () => {
+  const atlas = await load(beside("nested.nii.gz"));
+  const cone = { origin: [0, 0, 90], toward: [0, 0, 0], angle: 10 };
+  await atlas.select(cone);
+  assert.equal(await atlas.text(), conus("query", "nested.nii.gz", "--origin", "0,0,90", "--toward", "0,0,0", "-q", "--format", "tsv"));
+  assert.equal(JSON.parse(await atlas.text("sidecar")).GeneratedBy[0].Name, "conus");
+  const refused = async (words, asked) => {
+    await assert.rejects(atlas.select(asked), (error) => error instanceof ConusError && words.test(error.message) || assert.fail(String(error)));
+    if (asked.angle !== undefined && asked.toward.length === 3) await assert.rejects(atlas.text(), /no answer/); // nor the one before
+  };
+  await refused(/^angle: how wide/, { ...cone, angle: undefined });
+  await refused(/^angle: 171 is out of range/, { ...cone, angle: 171 });
+  await refused(/^layers: "some" is none/, { ...cone, layers: "some" });
+  await refused(/^radius: a page asks nothing of this name/, { ...cone, radius: 3 });
+  await refused(/^toward: is the origin/, { ...cone, toward: [0, 0, 90] });
+  await refused(/^toward: a position is three numbers/, { ...cone, toward: [0, 0] });
+  await refused(/^toward: a position is three numbers/, { ...cone, toward: [0, "1", 0] });
+  assert.equal((await atlas.select(cone))[0].name, JSON.parse(conus("query", "nested.nii.gz", "--origin", "0,0,90", "--toward", "0,0,0", "-q", "--format", "ndjson").split("\n")[0]).name);
+  await assert.rejects(atlas.text("xml"), /none of sidecar, tsv/);
+  const late = atlas.select(cone);
+  atlas.close();
+  await assert.rejects(late, /closed/);
+  await assert.rejects(atlas.select(cone), /closed/);
+});
+
+test("what is no atlas is refused in conus's words", async () => {
+  await assert.rejects(load(new Uint8Array(10), { name: "x.nii.gz" }), (error) => error instanceof ConusError && /^x\.nii\.gz: /.test(error.message));
+  await assert.rejects(load(new Uint8Array(10)), /^ConusError: name: /);
+  await assert.rejects(load({}), /^ConusError: name: /);
+});
