@@ -330,8 +330,7 @@ static void judge(const struct census *c, const struct head *head, double longes
                 "columns another? The first: %s",
                 c->bad, c->rows, first_fault);
     }
-    const enum pose_brain brain = head->out->said.space.brain; /* of somebody's own scan the middle is not known */
-    bool is_asked = is_known && !head->words.any_sides && brain != POSE_BRAIN_SUBJECT && brain != POSE_BRAIN_OTHER;
+    bool is_asked = is_known && !head->words.any_sides;
     bool are_right = is_asked && judge_sides(c, head);
     if (is_unsaid && of_people && c->farthest > 0.5 && c->farthest <= 1.001) {
         job_bad(job,
