@@ -257,8 +257,11 @@ conus_brain_gap conus_brain_compare(conus_brain_view a, conus_brain_view b)
     if ((a.brain != b.brain || is_named) && (is_of_animal(&a) || is_of_animal(&b))) {
         return CONUS_BRAIN_GAP_OTHER;
     }
+    if (is_of_animal(&a) && is_of_animal(&b)) { /* "the macaque INIA19" */
+        return is_of_mouse(&a) || strcmp(a.words, b.words) == 0 ? CONUS_BRAIN_GAP_NONE : CONUS_BRAIN_GAP_OTHER;
+    }
     bool has_template = a.brain == CONUS_BRAIN_TEMPLATE || b.brain == CONUS_BRAIN_TEMPLATE;
-    return is_of_mouse(&a) ? CONUS_BRAIN_GAP_NONE : has_template ? CONUS_BRAIN_GAP_SOME_MM : CONUS_BRAIN_GAP_OTHER;
+    return has_template ? CONUS_BRAIN_GAP_SOME_MM : CONUS_BRAIN_GAP_OTHER;
 }
 
 const char *space_brain_word(conus_brain stated)

@@ -42,12 +42,13 @@ static const struct option_group groups[] = {
 
 enum { ATLAS_COLUMNS = 6, PLACE_COLUMNS = 4 };
 
-static void put_atlases(FILE *out, const void *catalogue)
+static bool put_atlases(FILE *out, const void *catalogue)
 {
+    bool whole = true;
     fputs("name\tsource\tkind\tvoxel_mm\tpath\tlabels\n", out);
     for (size_t i = 0; i < conus_catalogue_count(catalogue); i++) {
         const conus_installed *atlas = conus_catalogue_atlas(catalogue, i);
-        aligned_put_cell(out, atlas->name);
+        whole = aligned_put_cell(out, atlas->name) && whole;
         fprintf(out, "\t%s\t%s\t", atlas->source, atlas->kind);
         const double *mm = atlas->spacing;
         if (!(mm[0] > 0)) {
@@ -58,26 +59,29 @@ static void put_atlases(FILE *out, const void *catalogue)
             fprintf(out, "%.4gx%.4gx%.4g", mm[0], mm[1], mm[2]);
         }
         fputc('\t', out);
-        aligned_put_cell(out, atlas->path);
+        whole = aligned_put_cell(out, atlas->path) && whole;
         fputc('\t', out);
-        aligned_put_cell(out, atlas->labels);
+        whole = aligned_put_cell(out, atlas->labels) && whole;
         fputc('\n', out);
     }
+    return whole;
 }
 
-static void put_places(FILE *out, const void *catalogue)
+static bool put_places(FILE *out, const void *catalogue)
 {
+    bool whole = true;
     fputs("source\tplace\tpath\tstate\n", out);
     for (size_t i = 0; i < conus_catalogue_place_count(catalogue); i++) {
         const conus_catalogue_place *place = conus_catalogue_place_at(catalogue, i);
         fprintf(out, "%s\t%s\t", place->source, place->rule);
-        aligned_put_cell(out, place->path);
+        whole = aligned_put_cell(out, place->path) && whole;
         fprintf(out, "\t%s\n",
                 place->there            ? "there"
                 : place->path[0]        ? "no such folder"
                 : place->rule[0] == '(' ? "no such program"
                                         : "not set");
     }
+    return whole;
 }
 
 static bool put_table(FILE *out, const conus_catalogue *catalogue, bool places)

@@ -308,15 +308,17 @@ static size_t column_count(const conus_atlas *atlas)
     return conus_atlas_tractogram_count(atlas) ? COLUMN_COUNT : COLUMN_COUNT - 1;
 }
 
-static void put_tsv(FILE *out, const void *atlas)
+static bool put_tsv(FILE *out, const void *atlas)
 {
     size_t count = column_count(atlas);
+    bool whole = true;
     for (size_t c = 0; c < count; c++) {
         fprintf(out, "%s%s", c ? "\t" : "", columns[c]);
     }
     fputc('\n', out);
     for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
         json_t *object = info_json_object(atlas, i);
+        whole = object && whole;
         bool is_bundle = json_object_get(object, "streamlines");
         bool is_surface = json_is_integer(json_object_get(object, "triangles"));
         for (size_t c = 0; c < count; c++) {
@@ -327,6 +329,7 @@ static void put_tsv(FILE *out, const void *atlas)
         fputc('\n', out);
         json_decref(object);
     }
+    return whole;
 }
 
 /* Where the Allen CCF lies in it, if it is one. */
@@ -446,8 +449,7 @@ static bool put_atlas(FILE *out, const void *what)
     case INFO_TREE:
         return info_tree(out, text->atlas);
     default:
-        put_tsv(out, text->atlas);
-        return true;
+        return put_tsv(out, text->atlas);
     }
 }
 

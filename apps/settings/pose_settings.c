@@ -84,9 +84,11 @@ const struct option probe_settings_options[] = {
     {0},
 };
 
-/* The longest edge of the box around the atlas's objects, mm; 0 while there is none. */
+/* The longest edge of the box around the atlas's objects, mm; 0 while there is none. Of MNI's brain, which is 181 mm
+ * long, at least nearly that, also where the atlas has parts of it alone. */
 static double longest_edge(const conus_atlas *atlas)
 {
+    static const double LEAST = 170;
     double low[3];
     double high[3];
     double longest = 0;
@@ -94,7 +96,9 @@ static double longest_edge(const conus_atlas *atlas)
     for (int a = 0; a < 3 && has_box; a++) {
         longest = high[a] - low[a] > longest ? high[a] - low[a] : longest;
     }
-    return longest;
+    const conus_brain brain = has_box ? conus_atlas_brain(atlas).brain : CONUS_BRAIN_UNKNOWN;
+    bool is_of_mni = brain == CONUS_BRAIN_MNI152 || brain == CONUS_BRAIN_COLIN27;
+    return is_of_mni && longest < LEAST ? LEAST : longest;
 }
 
 conus_pose_options pose_settings_options(const struct pose_file_settings *settings, const struct aim_settings *aim,

@@ -165,7 +165,11 @@ void pose_coordsystem_hear_name(struct job *job, conus_pose_list *list, const ch
     if (!said.name[0]) {
         return;
     }
-    if (!list->space.name[0]) {
+    const bool is_other = text_equal_ignoring_case(text_from(list->space.name), "Other"); /* BIDS's word for none */
+    if (!list->space.name[0] || (is_other && said.brain)) {
+        if (is_other) {
+            job_warn(job, "its name says space \"%s\", its coordsystem.json \"Other\": the name is taken", said.name);
+        }
         said.scale = list->space.scale;
         list->space = said;
         return;

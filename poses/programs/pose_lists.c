@@ -103,8 +103,8 @@ static const struct layout {
 /* ASA's .elc. */
 static bool is_elc(struct text text)
 {
-    return text_starts(text, "# ASA electrode file") || text_starts(text, "ReferenceLabel") ||
-           text_starts(text, "NumberPositions=");
+    return text_starts(text, "# ASA electrode file") || text_starts(text, "# ASA optode file") ||
+           text_starts(text, "ReferenceLabel") || text_starts(text, "NumberPositions=");
 }
 
 /* The point and the name of a line; false if its three fields are no numbers, with a message. */

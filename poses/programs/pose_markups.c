@@ -210,7 +210,9 @@ static void read_comment(struct reading *reading, struct text line)
         reading->lps = text_equal(value, "LPS") || text_equal(value, "1");
         reading->has_space = true;
         if (!ras && !reading->lps) {
-            job_bad(reading->job, "CoordinateSystem \"%.*s\", allowed are RAS, LPS, 0 and 1", POSE_QUOTE(value));
+            bool is_ijk = text_equal(value, "IJK") || text_equal(value, "2");
+            job_bad(reading->job, "CoordinateSystem \"%.*s\"%s%s, allowed are RAS, LPS, 0 and 1", POSE_QUOTE(value),
+                    is_ijk ? ": " : "", is_ijk ? space_why_voxels : "");
         }
         pose_note_space(reading->to->job, reading->to->options, reading->lps);
     }

@@ -175,7 +175,10 @@ void columns_hear_words(struct head *head)
     if (said->mm > 0 && !out->is_own_unit) {
         double scale = said->mm / columns_space_mm(head->options->space);
         if (out->scale > 0 && out->scale != scale) {
-            job_bad(job, "a line names another unit than the header has");
+            const double mm = out->scale * columns_space_mm(head->options->space);
+            job_bad(job,
+                    "a line says that 1 is %g mm, the header %g mm: write one unit, or type %s,unit=mm (cm, m, um)",
+                    said->mm, mm, out->file);
         }
         out->scale = scale;
     }
@@ -329,8 +332,14 @@ static void judge(const struct census *c, const struct head *head, double longes
     }
     bool is_asked = is_known && !head->words.any_sides;
     bool are_right = is_asked && judge_sides(c, head);
-    if (is_unsaid && (of_people || space == CONUS_SPACE_BREGMA) && c->farthest > 0 &&
-        c->farthest <= (of_people ? 1 : 0.02)) {
+    if (is_unsaid && of_people && c->farthest > 0.5 && c->farthest <= 1.001) {
+        job_bad(job,
+                "all positions lie within 1 mm of the origin, the farthest %.2g: on a sphere of radius 1 they are "
+                "directions, and no positions; save the cap with x, y, z in mm on the head of MNI; if they are mm, "
+                "type %s,unit=mm",
+                c->farthest, head->out->file);
+    } else if (is_unsaid && (of_people || space == CONUS_SPACE_BREGMA) && c->farthest > 0 &&
+               c->farthest <= (of_people ? 1 : 0.02)) {
         job_bad(job,
                 "all positions lie within %s mm of the origin, as if they were in metres: type %s,unit=m; if they are "
                 "mm, %s,unit=mm",

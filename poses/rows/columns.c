@@ -43,7 +43,7 @@ static const struct {
     {ROLE_THETA, ANGLE, "theta"},
     {ROLE_NAME, NO_MEASURE,
      "query id/query/id/name/label/channel/electrode/contact/site/roi/region/sensor/optode/marker/area/structure/"
-     "probe/cluster/cluster id/cluster index/index"},
+     "probe/trajectory/cluster/cluster id/cluster index/index"},
 };
 
 /* Other units than lengths. */
@@ -60,7 +60,7 @@ static const struct {
 
 /* The third list: what a column says that makes a row no mere point. */
 static const char turned[] = "normal/normals/nrm/vec/vector/orient/orientation/ori/rot/rotation/roll/pitch/yaw/azimuth/"
-                             "elevation/tilt/twist/arc/ring/collar/handle/euler/axis/trajectory";
+                             "elevation/tilt/twist/arc/ring/collar/handle/euler/axis";
 
 /* And beside a depth alone, which would be straight down. */
 static const char inclined[] = "angle/inclination/winkel/theta/phi";
@@ -574,7 +574,8 @@ static void find_roles(struct head *head)
 static void refuse_turned(struct head *head, const struct family *position)
 {
     const bool is_straight = !head->out->is_of_points;
-    for (size_t i = 0; i < head->family_count; i++) {
+    bool is_other = false; /* ex_x ey_x ez_x are also ex_x ex_y ex_z */
+    for (size_t i = 0; i < head->family_count && !is_other; i++) {
         const struct family *family = &head->families[i];
         bool is_beside = family->kind == UNKNOWN && position->kind != OF_SPACE && is_whole(family);
         bool is_end = head->out->is_bids && family->kind >= TARGET && family->kind <= QUATERNION && is_whole(family);
@@ -583,7 +584,8 @@ static void refuse_turned(struct head *head, const struct family *position)
         }
         FAULT_IF(is_end, head, "%s beside x y z: --poses-format table reads them; without them the rows are points",
                  FAMILY_SHOWN(head, family));
-        FAULT_IF(family != position && (family->kind == TURNED || is_beside || family->kind == ENTRY), head,
+        is_other = family != position && (family->kind == TURNED || is_beside || family->kind == ENTRY);
+        FAULT_IF(is_other, head,
                  "%s beside %s: if they are a direction, call them dx dy dz; a point to look at is tx ty tz, an axis "
                  "entry_x entry_y entry_z and target_x target_y target_z; without %s the rows are points",
                  FAMILY_SHOWN(head, family), FAMILY_SHOWN(head, position), FAMILY_SHOWN(head, family));
@@ -813,7 +815,8 @@ static void choose_families(struct head *head)
         drop_role(head, ROLE_THETA);
     }
     FAULT_IF(has_angles && !is_of_rodents, head,
-             "phi and theta are angles from bregma, which only an atlas of the Allen CCF has (--space bregma)");
+             "phi and theta are angles: of a probe from bregma with an atlas of the Allen CCF (--space bregma); of a "
+             "cap on a sphere, which are no positions: save it with x, y, z in mm on the head of MNI");
     if (head->lacks_space && position && !named) {
         const struct text *cells = head->line.cells;
         const size_t *at = position->at;

@@ -245,7 +245,8 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
         [POSE_BRAIN_UNKNOWN] = CONUS_BRAIN_UNKNOWN,   [POSE_BRAIN_SUBJECT] = CONUS_BRAIN_OWN,
         [POSE_BRAIN_MNI152] = CONUS_BRAIN_MNI152,     [POSE_BRAIN_TALAIRACH] = CONUS_BRAIN_TALAIRACH,
         [POSE_BRAIN_TEMPLATE] = CONUS_BRAIN_TEMPLATE, [POSE_BRAIN_COLIN27] = CONUS_BRAIN_COLIN27,
-        [POSE_BRAIN_MNI305] = CONUS_BRAIN_MNI305,     [POSE_BRAIN_OTHER] = CONUS_BRAIN_OWN};
+        [POSE_BRAIN_MNI305] = CONUS_BRAIN_MNI305,     [POSE_BRAIN_ANIMAL] = CONUS_BRAIN_TEMPLATE,
+        [POSE_BRAIN_MOUSE] = CONUS_BRAIN_TEMPLATE,    [POSE_BRAIN_OTHER] = CONUS_BRAIN_OWN};
     char words[192];
     char at[sizeof space->name + 32];
     double c[3];
@@ -281,7 +282,12 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
         return notes_warn(notes, "positions are in %s; they must be in the world of the person's scan, as the atlas is",
                           at);
     }
-    const conus_brain_view own = {.brain = brain, .edition = edition_of(space->name), .source = ""};
+    const conus_brain_view own = {.brain = brain,
+                                  .edition = edition_of(space->name),
+                                  .source = space->brain == POSE_BRAIN_MOUSE    ? "CCF"
+                                            : space->brain == POSE_BRAIN_ANIMAL ? "voxels"
+                                                                                : "",
+                                  .words = text_mentions(text_from(view.words), space->name) ? view.words : at};
     switch (conus_brain_compare(own, view)) {
     case CONUS_BRAIN_GAP_NONE:
         return CONUS_OK;

@@ -160,9 +160,11 @@ enum pose_brain {
     POSE_BRAIN_SUBJECT, /**< Somebody's own scan. */
     POSE_BRAIN_MNI152,
     POSE_BRAIN_TALAIRACH,
-    POSE_BRAIN_TEMPLATE, /**< Another template. */
+    POSE_BRAIN_TEMPLATE, /**< Another template, of people. */
     POSE_BRAIN_COLIN27,
     POSE_BRAIN_MNI305,
+    POSE_BRAIN_ANIMAL, /**< A template of another animal than the mouse. */
+    POSE_BRAIN_MOUSE,
     POSE_BRAIN_OTHER /**< Somebody's own, but not, or not surely, in the world of its scan: tkRAS, n/a. */
 };
 

@@ -41,11 +41,15 @@ static const struct row {
     {"mni305/fsaverage/mni 305", STRONG, POSE_BRAIN_MNI305, "MNI305", NULL},
     {"talairach/tal/tlrc/mni2tal", STRONG, POSE_BRAIN_TALAIRACH, "Talairach", NULL},
     {"tk/tkr/tkras/tkrras/tkreg/tkregras/surfaceras/surface ras", STRONG, POSE_BRAIN_OTHER, "tkRAS", NULL},
+    {"d99/inia19/nmtv2/nmt v2/yerkes19/waxholm/whs", STRONG, POSE_BRAIN_ANIMAL, NULL, NULL},
+    {"macaque/macaca/monkey/rhesus/marmoset/baboon/rat/ferret/pig", WEAK, POSE_BRAIN_ANIMAL, NULL, NULL},
+    {"mouse/mus musculus", WEAK, POSE_BRAIN_MOUSE, NULL, NULL},
     {"radiological", STRONG, 0, NULL,
      "left and right may be exchanged; --space lps reads x to the left and y to the back"},
     {"mni/mni152/icbm/icbm152", STRONG, POSE_BRAIN_MNI152, "MNI 152", NULL},
     {"mcp/earbar/earbars/ear/ears/tragus/interaural/lambda/dura/pia/midcommissural/posterior commissure", ORIGIN, 0,
      NULL, why_origin},
+    {"ear bar zero/earbar zero/interaural zero/ebz/interaural line", STRONG, 0, NULL, why_origin},
     {"ac/anterior commissure", FROM, 0, NULL, why_origin}, /* MNI's origin is often called so */
     {"bregma", FROM, 0, NULL, why_bregma},
     {"bregma", AT, 0, NULL, why_bregma},
@@ -55,8 +59,8 @@ static const struct row {
     {"native/scanner/acpc/ac pc/leksell/crw/scs/ctf/dicom", ALONE, POSE_BRAIN_SUBJECT, NULL, NULL},
     {"individual/head/device", WEAK, POSE_BRAIN_SUBJECT, NULL, NULL},
     {"freesurfer/brainvoyager", WEAK, POSE_BRAIN_OTHER, NULL, NULL},
-    {"t1/t1w/t2/t2w/ct/flair/patient/patient s/subject/subject s/participant/frame", FRONT, POSE_BRAIN_SUBJECT, NULL,
-     NULL},
+    {"t1/t1w/t2/t2w/ct/flair/mri/patient/patient s/subject/subject s/participant/frame", FRONT, POSE_BRAIN_SUBJECT,
+     NULL, NULL},
     {"voxel/voxels/vox/ijk", ALONE, 0, NULL, space_why_voxels},
     {"matrix", WEAK, 0, NULL, space_why_voxels},
     {"array index/array indices/array coordinates/index coordinates/python indices/numpy indices/matlab indices/"
@@ -116,6 +120,10 @@ static const struct {
     {"T2", POSE_BRAIN_SUBJECT},         {"FLAIR", POSE_BRAIN_SUBJECT},
     {"CT", POSE_BRAIN_SUBJECT},         {"tk", POSE_BRAIN_OTHER},
     {"surface", POSE_BRAIN_OTHER},      {"FreeSurfer", POSE_BRAIN_OTHER},
+    {"D99", POSE_BRAIN_ANIMAL},         {"NMT", POSE_BRAIN_ANIMAL},
+    {"INIA19", POSE_BRAIN_ANIMAL},      {"Yerkes19", POSE_BRAIN_ANIMAL},
+    {"MBM", POSE_BRAIN_ANIMAL},         {"WHS", POSE_BRAIN_ANIMAL},
+    {"Fischer344", POSE_BRAIN_ANIMAL},  {"MouseIn", POSE_BRAIN_MOUSE},
     {"n/a", POSE_BRAIN_OTHER},
 };
 
@@ -221,6 +229,7 @@ static const char of_voxels[] = "coord/coordsystem/coordinatesystem/coordsys/ind
 static const char of_signs[] = "coord/coordsystem/coordinatesystem/coordsys/convention/axes";
 #define ORDERS "convention/axes/axis/axcodes/orientation/orient/order"
 static const char of_codes[] = "coord/coordsystem/coordinatesystem/coordsys/" ORDERS;
+static const char of_animals[] = "atlas/brain/template";
 
 /* but the last two not where the sentence says one of an image: "image axes: LPS" is how its voxels lie. */
 static const char of_images[] = "image/images/scan/scans/volume/volumes/voxel/voxels/grid/nifti/nii/mri/mr/ct/t1/t1w/"
@@ -336,9 +345,12 @@ static bool is_heard(const struct sentence *sentence, size_t index, const struct
         bool is_before = token_is(sentence, index + count, "space/coordinates/coordinate/coords/system/frame") &&
                          sentence->tokens[index + count].data[-1] != '_'; /* of the name of a file */
         return !of_coordinates && !has_token(sentence, "mni/mni152/icbm/icbm152") &&
-               (is_before || (index && token_is(sentence, index - 1, "space")));
+               (is_before || (index && token_is(sentence, index - 1, "space")) ||
+                (index > 1 && token_phrase(sentence, index - 2, "coord frame"))); /* MNE's */
     }
-    const char *others = row->why == space_why_voxels     ? of_voxels
+    bool is_animal = row->brain == POSE_BRAIN_ANIMAL || row->brain == POSE_BRAIN_MOUSE;
+    const char *others = is_animal                        ? of_animals
+                         : row->why == space_why_voxels   ? of_voxels
                          : has_token(sentence, of_images) ? ""
                          : row->brain == SIGNS            ? of_signs
                          : row->why == why_code           ? of_codes

@@ -332,7 +332,9 @@ static void write_point(char out[CELL_SIZE], const conus_report *report, const s
         snprintf(column, sizeof column, "%s%c", shown->column, "xyz"[a]);
         p[a] = report_number(row, column);
     }
-    snprintf(out, CELL_SIZE, "%8.*f %*.*f %*.*f", digits, p[0], width, digits, p[1], width, digits, p[2]);
+    if (isfinite(p[0] + p[1] + p[2])) { /* of a position without a normal it is n/a */
+        snprintf(out, CELL_SIZE, "%8.*f %*.*f %*.*f", digits, p[0], width, digits, p[1], width, digits, p[2]);
+    }
 }
 
 /* Writes a number; nothing where it is n/a. */

@@ -208,3 +208,24 @@ END
     [ ! -e "$TEMPLATES/inia19-NeuroMaps.nii.gz" ] || run -0 --separate-stderr "$CONUS" query aal --atlas inia19-NeuroMaps --point 1,2,3 -q
     [[ $stderr == *'are different brains: one pose fits one of them only' ]]
 }
+
+@test "an animal's template is refused on people's and on another animal's, and taken on its own" {
+    need inia19-NeuroMaps
+    need aal
+    printf '# %s template, mm\nname,x,y,z\nM1,-15.2,3.1,15.4\nV1,-8.5,-30.2,3.0\n' D99 >d99.csv
+    printf '# %s template, mm\nname,x,y,z\nM1,-15.2,3.1,15.4\nV1,-8.5,-30.2,3.0\n' INIA19 >inia19.csv
+    for at in aal inia19-NeuroMaps; do
+        run -3 --separate-stderr "$CONUS" query $at --pose d99.csv
+        [[ "$stderr" == *'positions are in "D99", the atlas in another space'* ]]
+    done
+    run -3 "$CONUS" query aal --pose inia19.csv
+    run -0 --separate-stderr "$CONUS" query inia19-NeuroMaps --pose inia19.csv -q
+    [ -z "$stderr" ]
+}
+
+@test "centimetres are warned of in an atlas of a part of MNI's brain" {
+    need JHU-WhiteMatter-labels-1mm # 117 mm long
+    printf 'name,x,y,z\nA,-4.2,-2.0,5.0\nB,3.8,1.4,-0.4\nC,-0.8,-9.2,0.2\n' >cm.csv
+    run -0 --separate-stderr "$CONUS" query JHU-WhiteMatter-labels-1mm --pose cm.csv -q
+    [[ "$stderr" == *'are they in centimetres? Then type cm.csv,unit=cm'* ]]
+}

@@ -679,3 +679,10 @@ matsimnibs() { printf '%s %s 0 -40\n%s %s 0 -20\n0 0 -1 90\n0 0 0 1\n' "-$2" "$1
     answers query sphere.nii.gz --pose "$points/3dclust-rai.1D" --poses-format list --radius 200 --format tsv -q
     answers query sphere.nii.gz --pose - --radius 200 --format tsv -q <"$points/3dclust-rai.1D"
 }
+
+@test "a position without a normal has no place off the scalp, and no nan in the table" {
+    run -0 "$CONUS" positions F9 C3 --out 10
+    [[ "${lines[3]}" == F9* && "${lines[4]}" == C3* && "$output" != *nan* ]]
+    run -0 "$CONUS" positions F9 --out 10 --format tsv
+    [[ "${lines[1]}" == F9$'\t'n/a$'\t'n/a$'\t'n/a* ]]
+}

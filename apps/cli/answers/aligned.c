@@ -51,13 +51,11 @@ static void put_columns(FILE *out, const char *tsv, size_t columns, const bool r
     }
 }
 
-bool aligned_put(FILE *out, void put(FILE *out, const void *what), const void *what, size_t columns, const bool right[])
+bool aligned_put(FILE *out, bool put(FILE *out, const void *what), const void *what, size_t columns, const bool right[])
 {
     struct system_text tsv;
-    if (system_text_open(&tsv)) {
-        put(tsv.stream, what);
-    }
-    bool whole = system_text_close(&tsv);
+    bool whole = system_text_open(&tsv) && put(tsv.stream, what);
+    whole = system_text_close(&tsv) && whole;
     if (whole) {
         put_columns(out, tsv.data, columns, right);
     }
@@ -65,12 +63,14 @@ bool aligned_put(FILE *out, void put(FILE *out, const void *what), const void *w
     return whole;
 }
 
-void aligned_put_cell(FILE *out, const char *text)
+bool aligned_put_cell(FILE *out, const char *text)
 {
     char *plain = text ? strdup(text) : NULL;
+    const bool whole = plain || !text;
     if (plain) {
         make_plain_line(plain);
     }
     fputs(plain && *plain ? plain : "n/a", out);
     free(plain);
+    return whole;
 }

@@ -191,11 +191,11 @@ enum { ALIGNED_COLUMNS = 16 }; /**< At most. */
 
 /** Calls @p put, which writes a header and lines of @p columns cells with tabs between them, and sets these out in
  * columns. Columns whose only value is "n/a" are left out. right[c]: column c is aligned to the right. False without
- * memory. */
-bool aligned_put(FILE *out, void put(FILE *out, const void *what), const void *what, size_t columns,
+ * memory, and where @p put is. */
+bool aligned_put(FILE *out, bool put(FILE *out, const void *what), const void *what, size_t columns,
                  const bool right[]);
-/** Writes a text of any bytes as one cell; "n/a" if there is none. */
-void aligned_put_cell(FILE *out, const char *text);
+/** Writes a text of any bytes as one cell; "n/a" if there is none. False without memory. */
+bool aligned_put_cell(FILE *out, const char *text);
 
 /* The JSON of `conus info --format json`. */
 

@@ -314,10 +314,12 @@ json_t *info_json_object(const conus_atlas *atlas, size_t number)
         has_surface ? json_integer((json_int_t)object->triangles) : json_null(), "closed",
         has_surface ? json_boolean(object->closed) : json_null(), "volume_mm3",
         has_surface && object->volume_mm3 == 0 ? json_null() : json_real(object->volume_mm3));
-    if (object->kind == CONUS_KIND_BUNDLE) {
-        json_object_set_new(json, "streamlines", json_integer((json_int_t)object->streamlines));
-        json_object_set_new(json, "points", json_integer((json_int_t)object->points));
-        json_object_set_new(json, "length_mm", json_real(object->length_mm));
+    if (object->kind == CONUS_KIND_BUNDLE &&
+        (json_object_set_new(json, "streamlines", json_integer((json_int_t)object->streamlines)) ||
+         json_object_set_new(json, "points", json_integer((json_int_t)object->points)) ||
+         json_object_set_new(json, "length_mm", json_real(object->length_mm)))) {
+        json_decref(json);
+        json = NULL;
     }
     return json;
 }
