@@ -28,29 +28,32 @@ static bool is_called_ignoring_case(const conus_object *object, struct text text
     return text_equal_ignoring_case(text, object->name) || text_equal_ignoring_case(text, object->abbreviation);
 }
 
-static bool is_between(char c)
+/* Bytes of the blank, _, -, dot, comma or bracket that a text begins with; 0 = none. */
+static size_t between(struct text text)
 {
-    return c && strchr(" _-.,()[]{}\t", c);
+    size_t blank = text_blank(text);
+    return blank ? blank : text.size && text.data[0] && strchr("_-.,()[]{}", text.data[0]);
 }
 
-/* Takes the next word of a name, of what is not blank, _, -, dot, comma or bracket, off *rest. A minus is a part of its
- * number. */
+static struct text behind(struct text text, size_t size)
+{
+    return (struct text){text.data + size, text.size - size};
+}
+
+/* Takes the next word of a name, of what is not between words, off *rest. A minus is a part of its number. */
 static bool take_word(struct text *rest, struct text *word)
 {
-    const char *data = rest->data;
-    size_t start = 0;
-    while (start < rest->size && is_between(data[start]) &&
-           !(data[start] == '-' && start + 1 < rest->size && data[start + 1] >= '0' && data[start + 1] <= '9')) {
-        start++;
+    while (between(*rest) && !(rest->data[0] == '-' && text_digits(*rest, 1))) {
+        *rest = behind(*rest, between(*rest));
     }
-    size_t end = start + (start < rest->size);
-    while (end < rest->size && !is_between(data[end])) {
-        end++;
+    size_t size = rest->size > 0;
+    while (size < rest->size && !between(behind(*rest, size))) {
+        size++;
     }
-    *word = (struct text){data + start, end - start};
-    end += end < rest->size; /* so that a dash behind a word is no minus of the next */
-    *rest = (struct text){data + end, rest->size - end};
-    return word->size;
+    *word = (struct text){rest->data, size};
+    *rest = behind(*rest, size);
+    *rest = behind(*rest, between(*rest)); /* so that a dash behind a word is no minus of the next */
+    return size;
 }
 
 static bool is_same_word(struct text a, struct text b)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Takes a place apart, as people write it. */
+#include "base/formats/table.h"
 #include "poses/rows/pose_row.h"
 
 enum { SHOWN = 80 };
@@ -17,13 +18,13 @@ conus_status place_read(struct place_words *out, struct text text)
         const char *prefix;
         enum place_form form;
     } forms[] = {{"centroid:", PLACE_CENTROID}, {"near:", PLACE_NEAR}, {"index:", PLACE_LABEL}, {"1020:", PLACE_CAP}};
-    struct place_words words = {.form = PLACE_NAME, .name = text_trim(text)};
+    struct place_words words = {.form = PLACE_NAME, .name = table_trim(text)};
     for (size_t i = 0; i < sizeof forms / sizeof forms[0] && words.form == PLACE_NAME; i++) {
         size_t size = strlen(forms[i].prefix);
         if (words.name.size >= size &&
             text_equal_ignoring_case((struct text){words.name.data, size}, forms[i].prefix)) {
             words.form = forms[i].form;
-            words.name = text_trim((struct text){words.name.data + size, words.name.size - size});
+            words.name = table_trim((struct text){words.name.data + size, words.name.size - size});
         }
     }
     if (!words.name.size) {

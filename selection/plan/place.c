@@ -203,8 +203,9 @@ static conus_status find_object(struct finding *finding)
     return words->numbers.count == 1   ? fail_with(status, "; it has one number, a point has three")
            : words->numbers.count == 2 ? fail_with(status, "; it has two numbers, a point has three")
            : brain_of(finding->atlas) == BRAIN_MNI152
-               ? fail_with(status, strchr(conus_message(), '?') ? " Or a 10-20 position, as C3"
-                                                                : "; it may be a 10-20 position, as C3")
+               ? fail_with(status, strstr(conus_message(), "quotes") ? ". Or a 10-20 position, as C3"
+                                   : strchr(conus_message(), '?')    ? " Or a 10-20 position, as C3"
+                                                                     : "; it may be a 10-20 position, as C3")
                : status;
 }
 
@@ -241,18 +242,18 @@ static conus_status take_centroid(struct finding *finding, const struct plan_con
     if (centroid[3] > 0 && plan_is_inside(structure, centroid)) {
         return CONUS_OK;
     }
-    struct inner_point inner;
-    conus_status status = plan_deepest(&inner, structure, centroid);
-    if (status) {
-        return status;
+    if (!(centroid[3] > 0)) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s has no voxels and no closed surface, and so no centroid",
+                    structure->name);
     }
-    return inner.depth > 0 ? fail(CONUS_ERROR_ARGUMENT,
-                                  "the centroid of %s, (%.1f, %.1f, %.1f), is not in it; \"%s\" alone is its inner "
-                                  "point, (%.1f, %.1f, %.1f), RAS mm",
-                                  structure->name, centroid[0], centroid[1], centroid[2], structure->name, inner.at[0],
-                                  inner.at[1], inner.at[2])
-                           : fail(CONUS_ERROR_ARGUMENT, "%s has no voxels and no closed surface, and so no centroid",
-                                  structure->name);
+    const double *inner = finding->place.point;
+    conus_status status = take_inner_point(finding, structure, centroid);
+    return status ? status
+                  : fail(CONUS_ERROR_ARGUMENT,
+                         "the centroid of %s, (%.1f, %.1f, %.1f), is not in it; \"%s\" alone is its inner point, "
+                         "(%.1f, %.1f, %.1f), RAS mm",
+                         structure->name, centroid[0], centroid[1], centroid[2], structure->name, inner[0], inner[1],
+                         inner[2]);
 }
 
 static conus_status take_nearest(struct finding *finding, const struct plan_constraint *structure)

@@ -87,6 +87,8 @@ static void names_are_found_as_people_write_them(void **state)
         {"only right", 23, NULL},
         {"arcuate left", 0, "Arcuate_L"},
         {"R arcuate", 0, "Arcuate_R"},
+        {"left\xc2\xa0hippocampus", 1, NULL}, /* a no-break space, */
+        {"Frontal\xe2\x80\x89Pole", 8, NULL}, /* and a thin one */
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         uint32_t found = 0;

@@ -27,6 +27,8 @@ static const struct {
     {"centroid", PLACE_NAME, "centroid"},
     {"nearby:1", PLACE_NAME, "nearby:1"},
     {"near:1,2,3", PLACE_NEAR, "1,2,3"},
+    {"\xc2\xa0\x43\x33\xc2\xa0", PLACE_NAME, "C3"}, /* no-break spaces */
+    {"1020:\xc2\xa0\x43\x33\xe2\x80\x89", PLACE_CAP, "C3"},
 };
 
 static void a_place_has_a_form(void **state)
