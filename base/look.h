@@ -16,10 +16,10 @@ enum look_colour {
      * 3-D, their contrast is 3 or more. */
     LOOK_RANK_1 = 0xD2246C,
     LOOK_RANK_2 = 0x009CA8,
-    LOOK_RANK_3 = 0x8A6C00,
-    LOOK_RANK_4 = 0xA87EF6,
+    LOOK_RANK_3 = 0xA87EF6,
+    LOOK_RANK_4 = 0x7E9C54,
     LOOK_RANK_5 = 0x4272AE,
-    LOOK_RANK_6 = 0x7E9C54,
+    LOOK_RANK_6 = 0x8A6C00,
     LOOK_RANK_MORE = 0x6B727C, /**< From the seventh on, with a number. */
     LOOK_NOT_HIT = 0xC9CDD3,   /**< On dark. */
     LOOK_NOT_HIT_ON_WHITE = 0xD6D9DE,

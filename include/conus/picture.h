@@ -153,6 +153,7 @@ typedef struct conus_drawn_point {
     uint8_t rgb[3];    /**< sRGB of a mark's line or disc. */
     bool dashed;       /**< A mark's line has dashes, which go on in the next mark. */
     bool hollow;       /**< A point's ball is a ring: its row has no answer. */
+    uint32_t object;   /**< Of a mark: its name is that of this object, as in the legend; 0 = `name`. */
 } conus_drawn_point;
 
 /** How near to a cut the middle of a smaller ball is drawn there, mm. */
@@ -221,8 +222,8 @@ typedef struct conus_view {
                               (conus_atlas_use_palette(), not the safe colours), what is hit has one of six colours by
                               its place in the answer: what is hit first, then pathways, bundles and what is listed,
                               areas behind others, and what else stands out. From the seventh on it is grey, with a
-                              number in picture and legend but for areas that are only behind others; all else is a
-                              neutral grey. Pathways that are haze have their own. */
+                              number in picture and legend; areas that are only behind others have no chip there. All
+                              else is a neutral grey. Pathways that are haze have their own. */
     bool no_cone;          /**< With a selection: only its contacts are drawn, not its cone. */
     bool print;            /**< As for paper: what is drawn in space has a thin dark line around it, and of several
                               panels each has a letter: a, b, c. */

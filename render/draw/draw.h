@@ -106,6 +106,7 @@ struct legend_row {
     uint8_t rgb[3];           /**< sRGB of the chip.                                                            */
     const uint8_t (*ramp)[3]; /**< [LEGEND_BAR] sRGB of the chip from left to right in place of `rgb`; NULL = that. */
     bool plain;               /**< No chip, and grey letters: for what is no object.                            */
+    bool bare;                /**< No chip. */
     bool heading;             /**< A heading: only its name, in grey. */
     bool written;             /**< Its name is in the picture: the row is for the legend in words only. */
     bool striped;             /**< Stripes of its colour on the chip. */

@@ -339,7 +339,7 @@ static void write_row(const struct layout *layout, size_t column, double left, d
     const float *ink = row->plain || row->heading ? layout->dim : layout->legend->ink;
     if (row->mark) {
         draw_bar(layout, left, baseline, row);
-    } else if (!row->heading && !row->plain) {
+    } else if (!row->heading && !row->plain && !row->bare) {
         float chip[4];
         double bottom = baseline + 0.04 * layout->em;
         const struct draw_box box = {rint(left), rint(bottom - CHIP * layout->em), rint(left + CHIP * layout->em),

@@ -87,6 +87,7 @@ struct picture {
     bool is_low;                   /**< A legend that may stand anywhere stands below. */
     char *key;                     /**< What its colours mean, with the names that the atlas has; NULL = none. */
     char *sides;                   /**< [objects + 1] of conus_atlas_sides(); with a font. */
+    const char **prefixes;         /**< Likewise, of conus_atlas_prefixes(). */
     struct picture_probes *probes; /**< Strips; NULL = none. */
     struct picture_group *groups;  /**< [group_count] Of points, in the order of the first of each. */
     size_t group_count;

@@ -562,8 +562,11 @@ void picture_draw_marks(struct draw_list *list, const struct picture *picture)
                                      e ? mark->end : mark->at);
         }
         draw_colour(rgba, mark->rgb, 1);
-        if (is_seen && mark->name) {
-            names += picture->font && names < NAMES && draw_name(list, picture, mark->name, ends[0], boxes, names);
+        if (is_seen && (mark->name || mark->object)) {
+            char text[PICTURE_TEXT];
+            const bool is_drawn = picture->font && names < NAMES;
+            const char *name = is_drawn && mark->object ? picture_name(text, picture, mark->object) : mark->name;
+            names += is_drawn && draw_name(list, picture, name, ends[0], boxes, names);
         } else if (is_seen && mark->radius > 0) {
             draw_line(list, ends[0], ends[0], 2 * (mark->radius + 1) * unit, measured_under);
             draw_line(list, ends[0], ends[0], 2 * mark->radius * unit, rgba);

@@ -70,8 +70,7 @@ static const struct wording *wording_of(const conus_view *options)
 struct picture_legend {
     struct legend legend;
     struct legend_row *rows;
-    const char **prefixes; /* of conus_atlas_prefixes() */
-    char **texts;          /* [text_count] what say() gave */
+    char **texts; /* [text_count] what say() gave */
     size_t text_count, text_capacity;
     bool failed;                               /* a text found no memory */
     uint8_t bars[2][MARKS - 1][LEGEND_BAR][3]; /* of the ramp of numbers, and of haze */
@@ -270,9 +269,14 @@ const char *picture_name(char out[PICTURE_TEXT], const struct picture *picture, 
 {
     const conus_atlas *atlas = picture->atlas;
     const char *own = atlas->objects[number - 1].name;
+    const char *word = picture->prefixes ? picture->prefixes[number] : "";
     const struct volume *volume = atlas_object_volume(atlas, number);
     const char *path = volume ? volume->info.path : conus_atlas_file(atlas, 0);
     char other[PICTURE_TEXT];
+    if (word[0]) {
+        snprintf(out, PICTURE_TEXT, "%s %s", word, own);
+        return out;
+    }
     const char *title = path_title(out, PICTURE_TEXT, own, path ? path : "");
     if (title != own || conus_atlas_exchanged(atlas) || strlen(own) + sizeof "right" >= PICTURE_TEXT) {
         return title;
@@ -377,22 +381,23 @@ static void set_chip(struct legend_row *row, struct picture_legend *out, const s
     row->striped = picture->emphasis && picture->emphasis[number] == EMPHASIS_HATCHED;
 }
 
-/* Adds a row with an object's name: behind its number in the picture, with its kind or side where another object has
- * that name, and saying so where it is hidden. */
+/* Adds a row with an object's name: behind its number in the picture, and saying so where it is hidden. From the
+ * seventh rank on a chip without a number would be that of several. */
 static struct legend_row *add_object(struct picture_legend *legend, const struct picture *picture, uint32_t number,
                                      bool hidden)
 {
     const char *own = picture->atlas->objects[number - 1].name;
-    const char *word = legend->prefixes[number];
     char text[PICTURE_TEXT];
-    const char *name = word[0] ? own : picture_name(text, picture, number);
+    const char *name = picture_name(text, picture, number);
+    const size_t number_shown = picture_tag(picture, number);
     char tag[PICTURE_NUMBER] = "";
-    if (picture_tag(picture, number)) {
-        snprintf(tag, sizeof tag, "%zu  ", picture_tag(picture, number));
+    if (number_shown) {
+        snprintf(tag, sizeof tag, "%zu  ", number_shown);
     }
-    struct legend_row *row =
-        add_row(legend, say(legend, "%s%s%s%s%s", tag, word, word[0] ? " " : "", name, hidden ? " (not seen)" : ""));
-    row->own = strcmp(name, own) == 0 ? NULL : own;
+    struct legend_row *row = add_row(legend, say(legend, "%s%s%s", tag, name, hidden ? " (not seen)" : ""));
+    row->own = picture->prefixes[number][0] || strcmp(name, own) == 0 ? NULL : own;
+    row->bare =
+        !number_shown && picture->ranks && picture->ranks[number] > PICTURE_RANKS && !picture->atlas->has_palette;
     row->written = picture->names && picture->names[number].lines > 0 && !picture->names[number].number;
     set_chip(row, legend, picture, number);
     return row;
@@ -980,7 +985,7 @@ static void describe_row(struct buffer *out, const struct legend *legend, size_t
     buffer_text(out, row->own ? row->own : row->name);
     if (row->ramp) {
         buffer_text(out, " (coloured as below)");
-    } else if (!row->plain && !row->heading) {
+    } else if (!row->plain && !row->heading && !row->bare) {
         buffer_format(out, " (#%02X%02X%02X%s)", rgb[0], rgb[1], rgb[2], row->striped ? ", striped" : "");
     }
     for (int d = 0; d < LEGEND_DETAILS; d++) {
@@ -1043,7 +1048,6 @@ void picture_legend_finish(struct picture *picture)
     }
     if (legend) {
         memory_free(legend->texts);
-        memory_free((void *)legend->prefixes);
         memory_free(legend->rows);
     }
     memory_free(legend);
@@ -1060,9 +1064,8 @@ conus_status picture_legend_init(struct picture *picture)
     struct picture_legend *legend = picture->legend = memory_zeroed(1, sizeof *legend);
     if (legend) {
         legend->rows = memory_zeroed(most + 1 + GROUP_ROWS + 1 + KEYS * COLOUR_ROWS, sizeof *legend->rows);
-        legend->prefixes = memory_zeroed(picture->atlas->object_count + 1, sizeof *legend->prefixes);
     }
-    if (!legend || !legend->rows || !legend->prefixes || conus_atlas_prefixes(legend->prefixes, picture->atlas)) {
+    if (!legend || !legend->rows) {
         return CONUS_ERROR_MEMORY;
     }
     conus_status status = fill_rows(legend, picture);

@@ -39,6 +39,7 @@ void picture_finish(struct picture *picture)
     font_destroy(picture->font);
     memory_free(picture->key);
     memory_free(picture->sides);
+    memory_free((void *)picture->prefixes);
     memory_free(picture->groups);
     memory_free(picture->group_of);
     memory_free(picture->emphasis);
@@ -108,12 +109,24 @@ static conus_status check_opacity(const conus_view *view, const conus_atlas *atl
     return CONUS_OK;
 }
 
+static conus_status check_marks(const conus_view *view, const conus_atlas *atlas)
+{
+    for (size_t i = 0; i < view->mark_count; i++) {
+        if (view->marks[i].object > atlas->object_count) {
+            return fail(CONUS_ERROR_ARGUMENT, "mark of object %u; there are %zu objects", view->marks[i].object,
+                        atlas->object_count);
+        }
+    }
+    return CONUS_OK;
+}
+
 static conus_status fill_options(conus_view *out, const conus_view *view, const conus_atlas *atlas)
 {
     conus_view options = *options_of(conus_view, view);
     conus_status status = check_frustum(&options);
     status = status ? status : picture_check_sheet(&options);
     status = status ? status : check_opacity(&options, atlas);
+    status = status ? status : check_marks(&options, atlas);
     status = status ? status : picture_probes_check(&options);
     status = status ? status : picture_points_check(&options);
     if (status) {
@@ -621,8 +634,12 @@ conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory,
     if (status || !picture->font) {
         return status;
     }
-    picture->sides = memory_zeroed(picture->atlas->object_count + 1, 1);
-    status = picture->sides ? conus_atlas_sides(picture->sides, picture->atlas) : CONUS_ERROR_MEMORY;
+    const size_t count = picture->atlas->object_count + 1;
+    picture->sides = memory_zeroed(count, 1);
+    picture->prefixes = memory_zeroed(count, sizeof *picture->prefixes);
+    status =
+        picture->sides && picture->prefixes ? conus_atlas_sides(picture->sides, picture->atlas) : CONUS_ERROR_MEMORY;
+    status = status ? status : conus_atlas_prefixes(picture->prefixes, picture->atlas);
     if (!status && options->probe_count) {
         status = picture_probes_init(picture);
     }

@@ -184,6 +184,41 @@ static void an_atlas_whose_areas_have_no_names_says_so(void **state)
     }
 }
 
+/* Beside fibres surfaces are drawn, and areas of voxels are not: only these are said to be left out, while they are not
+ * hidden. */
+static void what_is_drawn_is_not_said_to_be_left_out(void **state)
+{
+    static const struct area_row table[] = {{.label = 6, .name = "Insula"}, {.label = 7, .name = "Putamen"}};
+    (void)state;
+    for (int is_surfaces = 0; is_surfaces < 2; is_surfaces++) {
+        struct viewer viewer;
+        struct window window = {.viewer = &viewer, .screen.enlarged = -1};
+        char path[600];
+        conus_atlas *atlas = NULL;
+        snprintf(path, sizeof path, "%s/brain.atlas.json", test_scratch("phantom"));
+        if (is_surfaces) {
+            assert_ok(conus_phantom_write("brain", test_scratch("phantom"), NULL));
+            assert_ok(conus_atlas_load(&atlas, path, NULL));
+        } else {
+            assert_ok(area_rows_atlas(&atlas, (const size_t[]){2, 1, 1}, (const uint32_t[]){6, 7}, table));
+            assert_ok(area_rows_add_pathway(atlas, "Tract"));
+        }
+        assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas, .path = path}, 1, NULL, NULL, NULL));
+        lay_out(&window);
+        for (uint32_t hidden = 0; hidden <= 2; hidden++) {
+            if (hidden) {
+                viewer_hide(&viewer, hidden, true);
+            }
+            ui_audit_begin();
+            panel_views(&window);
+            ui_audit_end();
+            assert_int_equal(has("Areas as glass"), !is_surfaces && hidden < 2);
+        }
+        ui_destroy();
+        viewer_finish(&viewer);
+    }
+}
+
 /* What was said on stderr stands beside the answer, but for what is there in short already. */
 static void warnings_of_the_program_stand_beside_the_answer(void **state)
 {
@@ -287,6 +322,7 @@ TEST_GROUP(panels)
         cmocka_unit_test(an_exchanged_atlas_is_exchanged_and_has_no_side),
         cmocka_unit_test(warnings_of_the_program_stand_beside_the_answer),
         cmocka_unit_test(an_atlas_whose_areas_have_no_names_says_so),
+        cmocka_unit_test(what_is_drawn_is_not_said_to_be_left_out),
         cmocka_unit_test(an_address_that_is_refused_stays_in_its_field),
         cmocka_unit_test(a_threshold_has_its_part_of_the_largest_value),
     };

@@ -208,6 +208,25 @@ static void ranks_are_no_state(void **state)
     }
 }
 
+/* Brown is a dark amber, so as a fill it is taken for the cone's light: no rank before the last is as near to its hue.
+ */
+static void the_hue_of_the_cone_comes_last(void **state)
+{
+    (void)state;
+    static const uint8_t cone[3] = {LOOK_RGB(LOOK_CONE)};
+    double away[RANKS];
+    double lab[3];
+    lab_of(lab, cone, NORMAL);
+    const double hue = hue_of(lab[1], lab[2]);
+    for (int a = 0; a < RANKS; a++) {
+        lab_of(lab, ranks[a], NORMAL);
+        away[a] = fabs(remainder(hue_of(lab[1], lab[2]) - hue, 360));
+    }
+    for (int a = 0; a < RANKS - 1; a++) {
+        assert_true(away[a] > away[RANKS - 1]);
+    }
+}
+
 static double luminance_of(const uint8_t rgb[3])
 {
     return 0.2126 * linear_of(rgb[0]) + 0.7152 * linear_of(rgb[1]) + 0.0722 * linear_of(rgb[2]);
@@ -265,6 +284,7 @@ TEST_GROUP(look)
         cmocka_unit_test(sights_are_those_of_people),
         cmocka_unit_test(ranks_are_told_apart),
         cmocka_unit_test(ranks_are_no_state),
+        cmocka_unit_test(the_hue_of_the_cone_comes_last),
         cmocka_unit_test(ranks_are_seen_on_dark_and_white),
         cmocka_unit_test(outlines_are_seen),
         cmocka_unit_test(fills_are_told_apart),

@@ -67,7 +67,7 @@ SIZE(conus_grid_view, 184);
 SIZE(conus_batch_block, 48);
 SIZE(conus_answers, 40);
 SIZE(conus_pathway_transfer, 16);
-SIZE(conus_drawn_point, 80);
+SIZE(conus_drawn_point, 88);
 SIZE(conus_drawn_probe, 16);
 SIZE(conus_transfer_point, 40);
 SIZE(conus_image_difference, 72);

@@ -20,17 +20,18 @@ static const struct {
 enum { BUTTONS = sizeof buttons / sizeof buttons[0] };
 
 static const double glass = 0.15; /* opacity */
-static const char as_glass[] = "Areas as glass", why[] = "Areas are left out: they would hide fibres";
+static const char as_glass[] = "Areas as glass", why[] = "Other areas are left out: they would hide fibres";
 
 /* Whether pictures have pathways or streamlines, and so leave out the areas of voxels, which would hide them, or draw
  * them as glass. */
 static bool has_areas_to_leave_out(const struct view_atlas *view)
 {
-    size_t number = view->object_count;
-    while (number && !conus_atlas_object(view->atlas, number)->voxels) {
-        number--;
+    bool found = false;
+    for (size_t number = 1; number <= view->object_count && !found; number++) {
+        const conus_object *object = conus_atlas_object(view->atlas, number);
+        found = object->kind == CONUS_KIND_AREA && object->voxels && !view->shown.hidden[number];
     }
-    return number && view_atlas_shows_tracts(view);
+    return found && view_atlas_shows_tracts(view);
 }
 
 /* Draws areas that are not hit as glass, and pathways as before. */

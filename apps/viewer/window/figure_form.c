@@ -80,7 +80,6 @@ static bool set_camera(conus_view *view, struct eye *eye, const char *streamline
 struct marks {
     conus_drawn_point items[TOOL_COUNT * (CONE_LINES + 3 + HITS_NAMED)];
     size_t count;
-    char names[TOOL_COUNT][HITS_NAMED][VIEW_ATLAS_TITLE];
 };
 
 static conus_drawn_point *add_mark(struct marks *marks, const double from[3], const double to[3], uint32_t rgb)
@@ -121,10 +120,7 @@ static void add_tool(struct marks *marks, const struct window *window, enum tool
     for (size_t i = 0; i < HITS_NAMED && i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         if (result->object && result->pixels) {
-            char title[VIEW_ATLAS_TITLE];
-            char *name = marks->names[number][i];
-            snprintf(name, VIEW_ATLAS_TITLE, "%s", view_atlas_title(title, viewer->drawn, result->object));
-            add_mark(marks, result->contact, result->contact, rgb)->name = name;
+            add_mark(marks, result->contact, result->contact, rgb)->object = result->object;
         }
     }
 }
@@ -142,7 +138,8 @@ static conus_status draw_3d(conus_image **out, const char **refusal, const struc
     conus_view view = {.selection = answer_selection(viewer_pictured(viewer)),
                        .no_cone = !tool_has_cone(viewer, FIRST_TOOL),
                        .chosen = viewer_full(viewer),
-                       .fade = viewer_fade(viewer),
+                       .fade = viewer->display.fade,
+                       .no_covered_context = true,
                        .shapes = shapes,
                        .measured = measured(viewer),
                        .points = viewer->points.points,

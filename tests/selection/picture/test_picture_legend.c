@@ -118,6 +118,7 @@ static struct legend_row describe(char text[3][TEXT], const struct scene *scene,
     snprintf(text[0], TEXT, "%.1f %%", 100 * result->share);
     snprintf(text[1], TEXT, "%.1f mm", result->entry);
     row.striped = behind;
+    row.bare = behind && index >= 6;
     row.detail[0] = behind ? "behind" : text[0];
     row.detail[1] = text[1];
     static const uint8_t grey[3] = {LOOK_RGB(LOOK_NOT_HIT_ON_WHITE)}; /* as what is not hit there */
@@ -357,6 +358,23 @@ static void names_are_written_as_people_do(void **state)
         memory_free(sides);
         conus_atlas_destroy(atlas);
     }
+}
+
+/* A mark of an object beside its place in a picture has the name that the legend has. */
+static void a_mark_has_the_name_of_the_legend(void **state)
+{
+    (void)state;
+    conus_drawn_point mark = {.at = {-40, 0, 0}, .end = {-40, 0, 0}, .object = 1};
+    struct scene scene = make_scene(slabs, "Some_slab", left, 20);
+    conus_image *image = NULL;
+    scene.view = (conus_view){.shapes = true, .legend_rows = 1};
+    assert_int_equal(count_texts(&scene, "Some slab"), 1);
+    scene.view.marks = &mark;
+    scene.view.mark_count = 1;
+    assert_int_equal(count_texts(&scene, "Some slab"), 2);
+    mark.object = (uint32_t)conus_atlas_object_count(scene.atlas) + 1;
+    assert_int_equal(draw(&image, &scene), CONUS_ERROR_ARGUMENT);
+    finish_scene(&scene);
 }
 
 /* A streamline of 40 mm along y, at x and about y. */
@@ -1044,6 +1062,7 @@ TEST_GROUP(picture_legend)
         cmocka_unit_test(a_high_picture_has_its_legend_below),
         cmocka_unit_test(rays_that_hit_nothing_have_a_row),
         cmocka_unit_test(names_are_written_as_people_do),
+        cmocka_unit_test(a_mark_has_the_name_of_the_legend),
         cmocka_unit_test(bundles_that_are_not_hit_are_said_in_words),
         cmocka_unit_test(an_area_that_is_given_an_opacity_has_a_row),
         cmocka_unit_test(areas_with_an_opacity_or_a_row_are_not_pale),
