@@ -113,7 +113,24 @@ static bool matrix_is_sound(const struct volume *volume)
         }
         sound = fabs(volume->voxel_from_world[i] - inverse[i]) <= 1e-9 * scale;
     }
+    for (int a = 0; a < 3; a++) {
+        sound = sound && fabs(volume->info.spacing[a] - info.spacing[a]) <= 1e-9 * info.spacing[a];
+    }
     return sound;
+}
+
+/* Whether the box around the centres of voxels is in the grid; that of a volume without objects is empty. */
+static bool centres_are_sound(const struct volume *volume)
+{
+    const struct box3 grid = space_grid_box(&volume->info);
+    bool is_empty = true;
+    bool sound = true;
+    for (int a = 0; a < 3; a++) {
+        const double low = volume->centres.low[a], high = volume->centres.high[a];
+        is_empty = is_empty && low == INFINITY && high == -INFINITY;
+        sound = sound && low >= grid.low[a] && low <= high && high <= grid.high[a];
+    }
+    return is_empty || sound;
 }
 
 static bool steps_are_sound(const struct numbers *numbers)
@@ -175,6 +192,9 @@ static conus_status check_volume(const conus_atlas *atlas, size_t index)
     if (status) {
         return status;
     }
+    if (volume->distances && !centres_are_sound(volume)) {
+        return refuse(what, index, "the box of its objects is not in its grid");
+    }
     return !volume_can_be_hit(volume) == !volume->distances &&
                    (!volume->distances || distance_map_is_sound(volume->distances, volume))
                ? CONUS_OK
@@ -187,8 +207,12 @@ static conus_status check_mesh(const struct mesh *mesh, const char *what, size_t
         mesh->vertex_count > UINT32_MAX || mesh_check_numbers(mesh)) {
         return refuse(what, index, "a triangle or a vertex is none");
     }
-    return vec3_is_finite(mesh->shape.low) && vec3_is_finite(mesh->shape.high) ? CONUS_OK
-                                                                               : refuse(what, index, "its box is none");
+    const struct box3 box = mesh_box(mesh); /* grids are made in it */
+    bool sound = true;
+    for (int a = 0; a < 3; a++) {
+        sound = sound && mesh->shape.low[a] == box.low[a] && mesh->shape.high[a] == box.high[a];
+    }
+    return sound ? CONUS_OK : refuse(what, index, "its box is not the one of its triangles");
 }
 
 static conus_status check_tractogram(const struct tractogram *tractogram, size_t index)
@@ -197,6 +221,12 @@ static conus_status check_tractogram(const struct tractogram *tractogram, size_t
     if (!(tractogram->radius > 0 && tractogram->radius <= TRACT_RADIUS_LIMIT) ||
         tractogram->space > CONUS_FILE_SPACE_LPS) {
         return refuse(what, index, "its radius or space is none");
+    }
+    for (int a = 0; a < 3 && tractogram->point_count; a++) {
+        if (!(tractogram->low[a] >= -TRACT_COORDINATE_LIMIT && tractogram->low[a] <= tractogram->high[a] &&
+              tractogram->high[a] <= TRACT_COORDINATE_LIMIT)) {
+            return refuse(what, index, "its box is none");
+        }
     }
     conus_status status = tractogram_check_tree(tractogram);
     if (status) {
