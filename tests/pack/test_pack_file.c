@@ -309,21 +309,47 @@ static void other_heads_are_refused_by_what_they_say(void **state)
     bytes_finish(&bytes);
 }
 
+/* As someone who wants to be believed. */
+static void make_sums_right(struct bytes *bytes)
+{
+    enum { CRC = 24, LAYOUT_AT = 32, SMALL_END = 40 }; /* of the atlas's head */
+    struct pack_head head;
+    uint64_t end;
+    memcpy(&head, bytes->data, sizeof head);
+    uint8_t *atlas = bytes->data + head.atlas.at;
+    memcpy(&end, atlas + SMALL_END, sizeof end);
+    const uint64_t crc = libdeflate_crc32(0, atlas + LAYOUT_AT, end - LAYOUT_AT);
+    memcpy(atlas + CRC, &crc, sizeof crc);
+    const uint32_t sum = libdeflate_crc32(0, bytes->data + PACK_PAGE, head.sums.at - PACK_PAGE);
+    memcpy(bytes->data + head.sums.at, &sum, sizeof sum);
+    head.sums_crc = libdeflate_crc32(0, &sum, sizeof sum);
+    set_head(bytes, head);
+}
+
 /* The pack with the byte at `at` changed, and with right sums. */
 static void assert_seen(struct bytes *bytes, size_t at, uint8_t value, const char *place)
 {
-    struct pack_head head;
     uint8_t was = bytes->data[at];
-    memcpy(&head, bytes->data, sizeof head);
     for (int turn = 0; turn < 2; turn++) {
         bytes->data[at] = turn ? was : value;
-        uint32_t sum = libdeflate_crc32(0, bytes->data + PACK_PAGE, head.sums.at - PACK_PAGE);
-        memcpy(bytes->data + head.sums.at, &sum, sizeof sum);
-        head.sums_crc = libdeflate_crc32(0, &sum, sizeof sum);
-        set_head(bytes, head);
+        make_sums_right(bytes);
         assert_int_equal(open_bytes(bytes), turn ? CONUS_OK : CONUS_ERROR_DATA);
         assert_true(turn || strstr(conus_message(), place));
     }
+}
+
+static void a_text_that_is_not_there_or_does_not_end_is_refused(void **state)
+{
+    (void)state;
+    static const char sum[] = "ba7816bf"; /* SHA-256 of "abc", the file of make_atlas() */
+    static const char note[] = "a note";
+    struct bytes bytes = make_pack();
+    const uint8_t *file = memmem(bytes.data, bytes.size, sum, sizeof sum - 1);
+    const uint8_t *line = memmem(bytes.data, bytes.size, note, sizeof note);
+    assert_true(file && line);
+    assert_seen(&bytes, (size_t)(file - bytes.data) + 64, 'x', "holds no atlas");
+    assert_seen(&bytes, (size_t)(line - bytes.data) - sizeof(size_t), 0, "holds no atlas"); /* its size */
+    bytes_finish(&bytes);
 }
 
 static void no_number_leads_out_of_a_pack_with_right_sums(void **state)
@@ -642,6 +668,7 @@ TEST_GROUP(pack_file)
         cmocka_unit_test(each_field_of_the_head_is_refused_or_means_nothing),
         cmocka_unit_test(other_heads_are_refused_by_what_they_say),
         cmocka_unit_test(no_number_leads_out_of_a_pack_with_right_sums),
+        cmocka_unit_test(a_text_that_is_not_there_or_does_not_end_is_refused),
         cmocka_unit_test(boxes_are_those_of_what_is_in_them),
         cmocka_unit_test(a_box_within_the_objects_gives_a_wrong_shell_only),
         cmocka_unit_test(a_volume_has_numbers_of_its_own_objects_only),
