@@ -119,18 +119,19 @@ static bool matrix_is_sound(const struct volume *volume)
     return sound;
 }
 
-/* Whether the box around the centres of voxels is in the grid; that of a volume without objects is empty. */
+/* Whether the box is the one around the centres of its voxels: grids are made in it. */
 static bool centres_are_sound(const struct volume *volume)
 {
-    const struct box3 grid = space_grid_box(&volume->info);
-    bool is_empty = true;
+    struct volume measured = *volume;
     bool sound = true;
-    for (int a = 0; a < 3; a++) {
-        const double low = volume->centres.low[a], high = volume->centres.high[a];
-        is_empty = is_empty && low == INFINITY && high == -INFINITY;
-        sound = sound && low >= grid.low[a] && low <= high && high <= grid.high[a];
+    measured.distances = NULL; /* without which what is known already does not count */
+    volume_measure_centres(&measured);
+    for (int i = 0; i < 6; i++) {
+        const double is = i < 3 ? volume->centres.low[i] : volume->centres.high[i - 3];
+        const double wanted = i < 3 ? measured.centres.low[i] : measured.centres.high[i - 3];
+        sound = sound && (is == wanted || fabs(is - wanted) <= 1e-9 * (1 + fabs(wanted)));
     }
-    return is_empty || sound;
+    return sound;
 }
 
 static bool steps_are_sound(const struct numbers *numbers)
@@ -193,7 +194,7 @@ static conus_status check_volume(const conus_atlas *atlas, size_t index)
         return status;
     }
     if (volume->distances && !centres_are_sound(volume)) {
-        return refuse(what, index, "the box of its objects is not in its grid");
+        return refuse(what, index, "its box is not the one of its objects");
     }
     return !volume_can_be_hit(volume) == !volume->distances &&
                    (!volume->distances || distance_map_is_sound(volume->distances, volume))

@@ -105,8 +105,7 @@ static size_t find_squares(struct net_square *squares, const struct net_grid *gr
             const size_t b = grid->step[(a + 1) % 3];
             const size_t c = grid->step[(a + 2) % 3];
             const size_t next = point + grid->step[a];
-            const bool is_at_border = point < b + c || next >= grid->count; /* there only if the atlas's box is wrong */
-            if (is_at_border || grid->objects[point] == grid->objects[next]) {
+            if (next >= grid->count || grid->objects[point] == grid->objects[next]) {
                 continue;
             }
             if (squares) {

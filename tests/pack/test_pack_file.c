@@ -383,12 +383,13 @@ static void no_number_leads_out_of_a_pack_with_right_sums(void **state)
     bytes_finish(&bytes);
 }
 
-/* A number of an opened pack that says where something lies; grids are made between such numbers. */
-static void assert_place_is_checked(const conus_atlas *atlas, double *number, const char *said)
+/* A number of an opened pack that says where something lies; grids are made between such numbers. `by`: by so much off
+ * it is seen, too. */
+static void assert_place_is_checked(const conus_atlas *atlas, double *number, double by, const char *said)
 {
-    static const double tried[] = {-1e300, 1e300, -INFINITY, INFINITY, NAN};
     const double was = *number;
-    for (size_t i = 0; i < sizeof tried / sizeof tried[0]; i++) {
+    const double tried[] = {-1e300, 1e300, -INFINITY, INFINITY, NAN, was + by, was - by};
+    for (size_t i = 0; i < (by > 0 ? 7 : 5); i++) {
         *number = tried[i];
         assert_fails(pack_check_atlas(atlas), CONUS_ERROR_DATA);
         assert_non_null(strstr(conus_message(), said));
@@ -403,33 +404,19 @@ static void boxes_are_those_of_what_is_in_them(void **state)
     conus_atlas *atlas = NULL;
     assert_ok(conus_atlas_load(&atlas, pack_path, NULL));
     for (int a = 0; a < 3; a++) {
-        assert_place_is_checked(atlas, &atlas->meshes[0].shape.low[a], "surface 0 (from 0): its box");
-        assert_place_is_checked(atlas, &atlas->meshes[0].shape.high[a], "surface 0 (from 0): its box");
-        assert_place_is_checked(atlas, &atlas->context_surfaces[0].mesh.shape.low[a], "surface around the areas 0");
-        assert_place_is_checked(atlas, &atlas->tractograms[0].low[a], "tractogram 0 (from 0): its box");
-        assert_place_is_checked(atlas, &atlas->tractograms[0].high[a], "tractogram 0 (from 0): its box");
-        assert_place_is_checked(atlas, &atlas->volumes[0].centres.low[a], "volume 0 (from 0): the box");
-        assert_place_is_checked(atlas, &atlas->volumes[0].centres.high[a], "volume 0 (from 0): the box");
-        assert_place_is_checked(atlas, &atlas->volumes[2].info.spacing[a], "volume 2 (from 0): its matrices");
+        assert_place_is_checked(atlas, &atlas->meshes[0].shape.low[a], 0.01, "surface 0 (from 0): its box");
+        assert_place_is_checked(atlas, &atlas->meshes[0].shape.high[a], 0.01, "surface 0 (from 0): its box");
+        assert_place_is_checked(atlas, &atlas->context_surfaces[0].mesh.shape.low[a], 0.01,
+                                "surface around the areas 0");
+        assert_place_is_checked(atlas, &atlas->tractograms[0].low[a], 0, "tractogram 0 (from 0): its box");
+        assert_place_is_checked(atlas, &atlas->tractograms[0].high[a], 0, "tractogram 0 (from 0): its box");
+        assert_place_is_checked(atlas, &atlas->volumes[0].centres.low[a], 0.01, "volume 0 (from 0): its box");
+        assert_place_is_checked(atlas, &atlas->volumes[0].centres.high[a], 0.01, "volume 0 (from 0): its box");
+        assert_place_is_checked(atlas, &atlas->volumes[2].info.spacing[a], 0.01, "volume 2 (from 0): its matrices");
     }
     assert_ok(pack_check_atlas(atlas));
     conus_atlas_destroy(atlas);
     bytes_finish(&bytes);
-}
-
-/* Sanitizers see whether something outside is read. */
-static void a_box_within_the_objects_gives_a_wrong_shell_only(void **state)
-{
-    (void)state;
-    struct attacked attacked;
-    conus_atlas *atlas = NULL;
-    begin_attack(&attacked, 0);
-    assert_ok(conus_atlas_load(&atlas, pack_path, NULL));
-    memset(atlas->volumes[0].centres.low, 0, sizeof atlas->volumes[0].centres.low);
-    assert_ok(pack_check_atlas(atlas));
-    assert_ok(conus_atlas_add_shell(atlas, 0));
-    conus_atlas_destroy(atlas);
-    end_attack(&attacked);
 }
 
 /* Each number is put into the first, an inner and the last voxel, which sound numbers hold. */
@@ -442,7 +429,7 @@ static void assert_taken(const conus_atlas *atlas, uint16_t *numbers, const bool
         for (size_t k = 0; k < 3; k++) {
             const uint16_t was = numbers[places[k]];
             numbers[places[k]] = tried[i];
-            const bool is_sound = pack_check_atlas(atlas) == CONUS_OK;
+            const bool is_sound = pack_check_atlas(atlas) == CONUS_OK || strstr(conus_message(), "its box");
             assert_true(is_sound == (tried[i] < 4 && taken[tried[i]]));
             numbers[places[k]] = was;
         }
@@ -670,7 +657,6 @@ TEST_GROUP(pack_file)
         cmocka_unit_test(no_number_leads_out_of_a_pack_with_right_sums),
         cmocka_unit_test(a_text_that_is_not_there_or_does_not_end_is_refused),
         cmocka_unit_test(boxes_are_those_of_what_is_in_them),
-        cmocka_unit_test(a_box_within_the_objects_gives_a_wrong_shell_only),
         cmocka_unit_test(a_volume_has_numbers_of_its_own_objects_only),
         cmocka_unit_test(damage_far_behind_is_found),
         cmocka_unit_test(every_failing_allocation_is_an_error),
