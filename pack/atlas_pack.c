@@ -435,6 +435,8 @@ static void pass_files_and_notes(struct pack_walk *walk, conus_atlas *atlas, con
         atlas->files.count = i + 1;
         pack_bytes(walk, atlas->files.items[i].sha256, sizeof atlas->files.items[i].sha256);
         pack_text(walk, &atlas->files.items[i].path);
+        const struct file_sum *file = &atlas->files.items[i];
+        pack_check(walk, file->path && memchr(file->sha256, 0, sizeof file->sha256));
     }
     struct notes *notes = &atlas->notes;
     notes->lines = pack_reserve(walk, notes->lines, counts->notes.count, sizeof *notes->lines);
@@ -448,6 +450,7 @@ static void pass_files_and_notes(struct pack_walk *walk, conus_atlas *atlas, con
         }
         notes->count = i + 1;
         pack_words(walk, &notes->lines[i]);
+        pack_check(walk, notes->lines[i]);
     }
 }
 

@@ -113,6 +113,24 @@ static bool matrix_is_sound(const struct volume *volume)
         }
         sound = fabs(volume->voxel_from_world[i] - inverse[i]) <= 1e-9 * scale;
     }
+    for (int a = 0; a < 3; a++) {
+        sound = sound && fabs(volume->info.spacing[a] - info.spacing[a]) <= 1e-9 * info.spacing[a];
+    }
+    return sound;
+}
+
+/* Whether the box is the one around the centres of its voxels: grids are made in it. */
+static bool centres_are_sound(const struct volume *volume)
+{
+    struct volume measured = *volume;
+    bool sound = true;
+    measured.distances = NULL; /* without which what is known already does not count */
+    volume_measure_centres(&measured);
+    for (int i = 0; i < 6; i++) {
+        const double is = i < 3 ? volume->centres.low[i] : volume->centres.high[i - 3];
+        const double wanted = i < 3 ? measured.centres.low[i] : measured.centres.high[i - 3];
+        sound = sound && (is == wanted || fabs(is - wanted) <= 1e-9 * (1 + fabs(wanted)));
+    }
     return sound;
 }
 
@@ -175,6 +193,9 @@ static conus_status check_volume(const conus_atlas *atlas, size_t index)
     if (status) {
         return status;
     }
+    if (volume->distances && !centres_are_sound(volume)) {
+        return refuse(what, index, "its box is not the one of its objects");
+    }
     return !volume_can_be_hit(volume) == !volume->distances &&
                    (!volume->distances || distance_map_is_sound(volume->distances, volume))
                ? CONUS_OK
@@ -187,8 +208,12 @@ static conus_status check_mesh(const struct mesh *mesh, const char *what, size_t
         mesh->vertex_count > UINT32_MAX || mesh_check_numbers(mesh)) {
         return refuse(what, index, "a triangle or a vertex is none");
     }
-    return vec3_is_finite(mesh->shape.low) && vec3_is_finite(mesh->shape.high) ? CONUS_OK
-                                                                               : refuse(what, index, "its box is none");
+    const struct box3 box = mesh_box(mesh); /* grids are made in it */
+    bool sound = true;
+    for (int a = 0; a < 3; a++) {
+        sound = sound && mesh->shape.low[a] == box.low[a] && mesh->shape.high[a] == box.high[a];
+    }
+    return sound ? CONUS_OK : refuse(what, index, "its box is not the one of its triangles");
 }
 
 static conus_status check_tractogram(const struct tractogram *tractogram, size_t index)
@@ -197,6 +222,12 @@ static conus_status check_tractogram(const struct tractogram *tractogram, size_t
     if (!(tractogram->radius > 0 && tractogram->radius <= TRACT_RADIUS_LIMIT) ||
         tractogram->space > CONUS_FILE_SPACE_LPS) {
         return refuse(what, index, "its radius or space is none");
+    }
+    for (int a = 0; a < 3 && tractogram->point_count; a++) {
+        if (!(tractogram->low[a] >= -TRACT_COORDINATE_LIMIT && tractogram->low[a] <= tractogram->high[a] &&
+              tractogram->high[a] <= TRACT_COORDINATE_LIMIT)) {
+            return refuse(what, index, "its box is none");
+        }
     }
     conus_status status = tractogram_check_tree(tractogram);
     if (status) {

@@ -94,6 +94,20 @@ static int look_for_references(struct citing *citing, struct cited_atlas *atlas,
     return EXIT_DONE;
 }
 
+/* The sum of a pack's source, which is no input itself. */
+static const char *recorded_sum(const json_t *atlas, const char *path)
+{
+    size_t index;
+    const json_t *volume;
+    const char *sum = NULL;
+    json_array_foreach(json_object_get(atlas, "volumes"), index, volume)
+    {
+        const char *own = json_string_value(json_object_get(volume, "path"));
+        sum = !sum && own && strcmp(own, path) == 0 ? json_string_value(json_object_get(volume, "sha256")) : sum;
+    }
+    return sum;
+}
+
 static int list_recorded(struct citing *citing, const char *ran)
 {
     const json_t *several = json_object_get(citing->record.root, "Atlases");
@@ -111,6 +125,8 @@ static int list_recorded(struct citing *citing, const char *ran)
         atlas->name = name ? strdup(name) : cited_stem(path);
         atlas->file = path_name(path);
         code = atlas->name ? look_for_references(citing, atlas, path, ran) : print_no_memory();
+        const json_t *recorded = several ? json_array_get(several, i) : json_object_get(citing->record.root, "Atlas");
+        atlas->sha256 = atlas->sha256 ? atlas->sha256 : recorded_sum(recorded, path);
     }
     return code;
 }

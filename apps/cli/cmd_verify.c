@@ -44,9 +44,10 @@ const struct command cmd_verify = {
     .operands = {"RESULT"},
     .holds = {HOLDS_ROWS},
     .description =
-        "RESULT is what query, batch, sweep, track, overlap, connect or plan wrote, with its .json beside it. Checks\n"
-        "the SHA-256 of all that was read, answers again in a folder of its own, and compares. Exit code 0:\n"
-        "identical, 1: something differs, and which row and why, 3: it cannot be answered again, and why.",
+        "RESULT is what query, batch, sweep, track, overlap, connect, plan, calibrate or positions wrote, with its\n"
+        ".json beside it. Checks the SHA-256 of all that was read, answers again in a folder of its own, and\n"
+        "compares. Exit code 0: identical, 1: something differs, and which row and why, 3: it cannot be answered\n"
+        "again, and why.",
     .examples = "  conus verify answers.tsv\n"
                 "  conus verify answers.tsv --folder /data/study\n",
     .groups = groups,

@@ -348,7 +348,7 @@ bool option_is_standard(const struct option *option, const char *text, void *fie
     }
     const size_t size = field_sizes[option->type];
     bool same = option->type == OPTION_TEXT ? strcmp(is, text) == 0 : memcmp(&standard, &given, size) == 0;
-    if (same && field) {
+    if (same) {
         memset(field, 0, size);
     }
     return same;

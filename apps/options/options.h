@@ -287,7 +287,7 @@ const char *option_choice(const struct option *option, size_t index);
  * To give it is to give nothing: the field is zero, option_given() is false. NULL = there is no such value. */
 const char *option_standard(const struct option *option);
 
-/** Whether @p text, which the option takes, says that value; the @p field, unless that is NULL, is zero then. */
+/** Whether @p text, which the option takes, says that value; the @p field is zero then. */
 bool option_is_standard(const struct option *option, const char *text, void *field);
 
 /** Reads @p text into the option's field at @p field. Prints an error and returns false when it is not what is allowed.

@@ -5,6 +5,8 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 
+#include <string.h>
+
 #define COORDINATE_LIMIT 1e9F
 
 void mesh_finish(struct mesh *mesh)
@@ -136,21 +138,28 @@ static void integrate_triangles(struct mesh_shape *out, const struct mesh *mesh)
     vec3_add_scaled(out->centroid, middle, 1 / (solid ? volume : area), solid ? moment : surface);
 }
 
-conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh)
+struct box3 mesh_box(const struct mesh *mesh)
 {
-    struct mesh_shape shape = {.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
-    shape.closed = mesh->shape.closed;
-    conus_status status = shape.closed ? CONUS_OK : mesh_is_closed(&shape.closed, mesh);
-    if (status) {
-        return status;
-    }
+    struct box3 box = box3_empty();
     for (size_t i = 0; i < mesh->triangle_count; i++) {
         double p[3][3];
         mesh_corners(p, mesh, i);
-        for (int k = 0; k < 9; k++) {
-            shape.low[k % 3] = fmin(shape.low[k % 3], p[k / 3][k % 3]);
-            shape.high[k % 3] = fmax(shape.high[k % 3], p[k / 3][k % 3]);
+        for (int k = 0; k < 3; k++) {
+            box3_add(&box, p[k]);
         }
+    }
+    return box;
+}
+
+conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh)
+{
+    struct mesh_shape shape = {.closed = mesh->shape.closed};
+    const struct box3 box = mesh_box(mesh);
+    memcpy(shape.low, box.low, sizeof shape.low);
+    memcpy(shape.high, box.high, sizeof shape.high);
+    conus_status status = shape.closed ? CONUS_OK : mesh_is_closed(&shape.closed, mesh);
+    if (status) {
+        return status;
     }
     integrate_triangles(&shape, mesh);
     status = shape.closed ? mesh_winds_once(&shape.has_volume, mesh, &shape) : CONUS_OK;

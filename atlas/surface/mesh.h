@@ -60,6 +60,9 @@ conus_status mesh_check(struct mesh *mesh, struct notes *notes);
 /** The part of mesh_check() that makes a mesh safe to use: numbers and indices. */
 conus_status mesh_check_numbers(const struct mesh *mesh);
 
+/** Bounds of the vertices that triangles of a checked mesh use. */
+struct box3 mesh_box(const struct mesh *mesh);
+
 /** Measures a checked mesh; keeps mesh->shape.closed. CONUS_ERROR_MEMORY without memory for edges or crossings. */
 conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh);
 

@@ -473,6 +473,8 @@ static void the_setting_that_differs_is_named(void **state)
         {"{\"Batch\": {\"fingerprint\": \"1\"}}", "{\"Batch\": {\"fingerprint\": \"2\"}}",
          "Batch.fingerprint is \"1\" there"},
         {"{\"Settings\": {}}", "{\"Settings\": {\"level\": \"1\"}}", "Settings.level is missing there"},
+        {"{\"Question\": {\"options\": {\"angle\": \"10\"}}}", "{\"Question\": {\"options\": {}}}",
+         "Question.options.angle is \"10\" there, and missing"}, /* a default is never recorded */
         {"{\"Settings\": {\"level\": \"1\"}}", "{}", "Settings is {\"level\":\"1\"} there, and missing"},
         {"{\"Checksum\": \"1\"}", "{}", NULL},
     };

@@ -352,6 +352,19 @@ END
 }
 
 # A cylinder has no apex; needles that are given have no candidates.
+@test "an atlas from a pack is the file that was packed" {
+    scene
+    conus pack nested.nii.gz -o p.conus -q
+    sum=$(sha256sum nested.nii.gz | cut -d ' ' -f 1)
+    conus query p.conus $aim -o a.tsv
+    cites a.tsv
+    has "The atlas was nested (file nested.nii.gz, SHA-256 ${sum:0:8}…, read from the pack p.conus, placed by its sform"
+    has "(file nested.nii.gz, SHA-256 $sum)"
+    conus query slabs.nii.gz --atlas p.conus $aim -o b.tsv
+    cites b.tsv
+    has "(file nested.nii.gz, SHA-256 ${sum:0:8}…, read from the pack p.conus, placed by its sform"
+}
+
 @test "a cylinder's depths, and a plan that is given whole" {
     scene
     conus query nested.nii.gz --origin 0,-100,0 --toward 0,0,0 --radius 3 --range 10,90 -o tube.tsv

@@ -112,7 +112,7 @@ column() {
     conus verify few.tsv
     conus cite few.tsv | tr '\n' ' ' >cited
     grep -qF 'differ from all before it in 2 or more needles, by 1 mm or more' cited
-    grep -qF 'constraints: A: at least 2 mm of the axis in U (2 of 2 hold); B: ' cited
+    grep -qF 'constraints: A (radius 1 mm): at least 2 mm of the axis in U (2 of 2 hold); B (radius 0.5 mm): ' cited
     # 1 mm is not 1.5 mm: B moves by 2 mm, C by 2 and 3 mm to where it has no leeway
     answers $N --between 0.1 --top 3 --diverse 1.5 -q --format tsv
     [ "$(column query <<<"$output")" = "a-0 b-4 c--4 a-0 b-2 c--3 a-0 b-2 c--6" ]
@@ -144,7 +144,7 @@ column() {
     jq -e '.Plan.rows | map(.needles) == [["R"], ["R", "S"], ["S"]] and map(.once) == [false, true, false]' plan.json
     conus verify plan.tsv
     conus cite plan.tsv | tr '\n' ' ' >said
-    grep -qF 'constraints: R: at least 2 mm of the axis in U (2 of 2 hold); R, S, for one needle only: at least' said
+    grep -qF 'constraints: R (radius 0.5 mm): at least 2 mm of the axis in U (2 of 2 hold); R, S (radius 0.25 mm), for one needle only: at least' said
     # with b.tsv alone, once, there is no place for both
     printf 'needle\tposes\tonce\nR,S\tb.tsv\t1\n' >once.tsv
     run -0 --separate-stderr conus plan u-shape.nii.gz --needles once.tsv --reach U,length=2

@@ -70,23 +70,3 @@ rows = next(c["options"] for c in json.load(open("rows.json"))["commands"] if c[
 print(*(row["name"] for row in rows), sep="\n")' "$command" | diff wanted -
     done
 }
-
-# record VALUE: the result's sidecar as a version would have written it that recorded what was given.
-record() {
-    python3 -c 'import json, sys
-root = json.load(open("a.json"))
-root["Question"]["options"]["angle"] = sys.argv[1]
-json.dump(root, open("old.json", "w"))' "$1"
-    sum=$(python3 "$BATS_TEST_DIRNAME/leaves.py" --seal old.json)
-    sed -i -E "s/(\"Checksum\": \")[0-9a-f]*/\1$sum/" old.json
-}
-
-@test "verify takes a default that was recorded for one that was not" {
-    conus phantom nested -o . --size 24
-    conus query nested.nii.gz --origin 0,0,90 --toward 0,0,0 -o a.tsv -q
-    record 10.0
-    run -0 conus verify a.tsv --sidecar old.json
-    record 10.5
-    run -1 conus verify a.tsv --sidecar old.json
-    [[ $output == *'Question.options.angle is "10.5" there, and missing when it is answered again'* ]]
-}

@@ -309,21 +309,47 @@ static void other_heads_are_refused_by_what_they_say(void **state)
     bytes_finish(&bytes);
 }
 
+/* As someone who wants to be believed. */
+static void make_sums_right(struct bytes *bytes)
+{
+    enum { CRC = 24, LAYOUT_AT = 32, SMALL_END = 40 }; /* of the atlas's head */
+    struct pack_head head;
+    uint64_t end;
+    memcpy(&head, bytes->data, sizeof head);
+    uint8_t *atlas = bytes->data + head.atlas.at;
+    memcpy(&end, atlas + SMALL_END, sizeof end);
+    const uint64_t crc = libdeflate_crc32(0, atlas + LAYOUT_AT, end - LAYOUT_AT);
+    memcpy(atlas + CRC, &crc, sizeof crc);
+    const uint32_t sum = libdeflate_crc32(0, bytes->data + PACK_PAGE, head.sums.at - PACK_PAGE);
+    memcpy(bytes->data + head.sums.at, &sum, sizeof sum);
+    head.sums_crc = libdeflate_crc32(0, &sum, sizeof sum);
+    set_head(bytes, head);
+}
+
 /* The pack with the byte at `at` changed, and with right sums. */
 static void assert_seen(struct bytes *bytes, size_t at, uint8_t value, const char *place)
 {
-    struct pack_head head;
     uint8_t was = bytes->data[at];
-    memcpy(&head, bytes->data, sizeof head);
     for (int turn = 0; turn < 2; turn++) {
         bytes->data[at] = turn ? was : value;
-        uint32_t sum = libdeflate_crc32(0, bytes->data + PACK_PAGE, head.sums.at - PACK_PAGE);
-        memcpy(bytes->data + head.sums.at, &sum, sizeof sum);
-        head.sums_crc = libdeflate_crc32(0, &sum, sizeof sum);
-        set_head(bytes, head);
+        make_sums_right(bytes);
         assert_int_equal(open_bytes(bytes), turn ? CONUS_OK : CONUS_ERROR_DATA);
         assert_true(turn || strstr(conus_message(), place));
     }
+}
+
+static void a_text_that_is_not_there_or_does_not_end_is_refused(void **state)
+{
+    (void)state;
+    static const char sum[] = "ba7816bf"; /* SHA-256 of "abc", the file of make_atlas() */
+    static const char note[] = "a note";
+    struct bytes bytes = make_pack();
+    const uint8_t *file = memmem(bytes.data, bytes.size, sum, sizeof sum - 1);
+    const uint8_t *line = memmem(bytes.data, bytes.size, note, sizeof note);
+    assert_true(file && line);
+    assert_seen(&bytes, (size_t)(file - bytes.data) + 64, 'x', "holds no atlas");
+    assert_seen(&bytes, (size_t)(line - bytes.data) - sizeof(size_t), 0, "holds no atlas"); /* its size */
+    bytes_finish(&bytes);
 }
 
 static void no_number_leads_out_of_a_pack_with_right_sums(void **state)
@@ -357,6 +383,42 @@ static void no_number_leads_out_of_a_pack_with_right_sums(void **state)
     bytes_finish(&bytes);
 }
 
+/* A number of an opened pack that says where something lies; grids are made between such numbers. `by`: by so much off
+ * it is seen, too. */
+static void assert_place_is_checked(const conus_atlas *atlas, double *number, double by, const char *said)
+{
+    const double was = *number;
+    const double tried[] = {-1e300, 1e300, -INFINITY, INFINITY, NAN, was + by, was - by};
+    for (size_t i = 0; i < (by > 0 ? 7 : 5); i++) {
+        *number = tried[i];
+        assert_fails(pack_check_atlas(atlas), CONUS_ERROR_DATA);
+        assert_non_null(strstr(conus_message(), said));
+    }
+    *number = was;
+}
+
+static void boxes_are_those_of_what_is_in_them(void **state)
+{
+    (void)state;
+    struct bytes bytes = make_pack();
+    conus_atlas *atlas = NULL;
+    assert_ok(conus_atlas_load(&atlas, pack_path, NULL));
+    for (int a = 0; a < 3; a++) {
+        assert_place_is_checked(atlas, &atlas->meshes[0].shape.low[a], 0.01, "surface 0 (from 0): its box");
+        assert_place_is_checked(atlas, &atlas->meshes[0].shape.high[a], 0.01, "surface 0 (from 0): its box");
+        assert_place_is_checked(atlas, &atlas->context_surfaces[0].mesh.shape.low[a], 0.01,
+                                "surface around the areas 0");
+        assert_place_is_checked(atlas, &atlas->tractograms[0].low[a], 0, "tractogram 0 (from 0): its box");
+        assert_place_is_checked(atlas, &atlas->tractograms[0].high[a], 0, "tractogram 0 (from 0): its box");
+        assert_place_is_checked(atlas, &atlas->volumes[0].centres.low[a], 0.01, "volume 0 (from 0): its box");
+        assert_place_is_checked(atlas, &atlas->volumes[0].centres.high[a], 0.01, "volume 0 (from 0): its box");
+        assert_place_is_checked(atlas, &atlas->volumes[2].info.spacing[a], 0.01, "volume 2 (from 0): its matrices");
+    }
+    assert_ok(pack_check_atlas(atlas));
+    conus_atlas_destroy(atlas);
+    bytes_finish(&bytes);
+}
+
 /* Each number is put into the first, an inner and the last voxel, which sound numbers hold. */
 static void assert_taken(const conus_atlas *atlas, uint16_t *numbers, const bool taken[4])
 {
@@ -367,7 +429,7 @@ static void assert_taken(const conus_atlas *atlas, uint16_t *numbers, const bool
         for (size_t k = 0; k < 3; k++) {
             const uint16_t was = numbers[places[k]];
             numbers[places[k]] = tried[i];
-            const bool is_sound = pack_check_atlas(atlas) == CONUS_OK;
+            const bool is_sound = pack_check_atlas(atlas) == CONUS_OK || strstr(conus_message(), "its box");
             assert_true(is_sound == (tried[i] < 4 && taken[tried[i]]));
             numbers[places[k]] = was;
         }
@@ -593,6 +655,8 @@ TEST_GROUP(pack_file)
         cmocka_unit_test(each_field_of_the_head_is_refused_or_means_nothing),
         cmocka_unit_test(other_heads_are_refused_by_what_they_say),
         cmocka_unit_test(no_number_leads_out_of_a_pack_with_right_sums),
+        cmocka_unit_test(a_text_that_is_not_there_or_does_not_end_is_refused),
+        cmocka_unit_test(boxes_are_those_of_what_is_in_them),
         cmocka_unit_test(a_volume_has_numbers_of_its_own_objects_only),
         cmocka_unit_test(damage_far_behind_is_found),
         cmocka_unit_test(every_failing_allocation_is_an_error),

@@ -182,8 +182,8 @@ static const struct sentence of_settings[] = {
 };
 
 static const struct sentence of_atlas[] = {
-    {"", " {another?Another atlas, asked by itself, was|The atlas was} {name} (file {file}{sum?, SHA-256 @…}{placed?, "
-         "placed by @}{references?; see the references})."},
+    {"", " {another?Another atlas, asked by itself, was|The atlas was} {name} (file {file}{sum?, SHA-256 @…}{packed?, "
+         "read from the pack @}{placed?, placed by @}{references?; see the references})."},
     {"template", " Whose brain it is was stated (template={template}), not taken from its files."},
     {"", "{meaning}"},
     {"level", " Areas were joined along the area tree to the level \"{level}\"."},
@@ -216,7 +216,8 @@ static const struct sentence of_item[] = {
     {"!asked low !high", "{name} (from {low})"},
     {"!asked !low high", "{name} (to below {high})"},
     {"!asked !low !high !needles", "{name} (all values)"},
-    {"needles", "{needles}{once?, for one needle only}: {constraints}{candidates? ({feasible} of @ hold)}"},
+    {"needles", "{needles}{radius_mm? (radius @ mm)}{once?, for one needle only}: {constraints}{candidates? "
+                "({feasible} of @ hold)}"},
     {0},
 };
 
@@ -697,6 +698,7 @@ static void put_atlas(FILE *out, const struct citation *citation, size_t index)
     set_if(own, "references", atlas->references.count);
     set(own, "name", "%s", atlas->name);
     set(own, "file", "%s", atlas->file);
+    set(own, "packed", "%s", path_name(text_of(own, "pack.path")));
     set(own, "sum", "%.8s", atlas->sha256 ? atlas->sha256 : "");
     /* "sform, code 1 (scanner)", "the Allen CCF's grid", "none: voxel sizes only, ..." */
     bool is_none = strncmp(transform, "none: ", strlen("none: ")) == 0;

@@ -32,38 +32,13 @@ static bool name_fits(const char *name, const char *pattern)
     return *name == *pattern;
 }
 
-/* Whether a value of the recorded question's options is one that is not recorded now: as without the option. */
-static bool is_standard(const struct comparing *comparing, const char *key, const json_t *value)
-{
-    const struct option *option = option_find(comparing->replay->command, key);
-    messages_hold(true);
-    bool is = option && option_is_standard(option, json_string_value(value), NULL);
-    messages_hold(false);
-    return is;
-}
-
-/* Whether an earlier version recorded such an option, which then counted in the fingerprint. */
-static bool has_standards(const struct comparing *comparing)
-{
-    json_t *options = json_object_get(json_object_get(comparing->replay->record->root, "Question"), "options");
-    const char *key;
-    json_t *value;
-    bool has = false;
-    json_object_foreach(options, key, value)
-    {
-        has = has || is_standard(comparing, key, value);
-    }
-    return has;
-}
-
 /* docs/commands.md lists them with the reasons. */
-static bool is_free(const struct comparing *comparing, const char *name)
+static bool is_free(const struct replay *replay, const char *name)
 {
-    const struct replay *replay = comparing->replay;
     return name_fits(name, "Checksum") || name_fits(name, "GeneratedBy[].Version") ||
            name_fits(name, "GeneratedBy[].CommandLine") ||
            (name_fits(name, "Batch.fingerprint") &&
-            (replay->is_moved || strcmp(replay->record->version, conus_version()) != 0 || has_standards(comparing)));
+            (replay->is_moved || strcmp(replay->record->version, conus_version()) != 0));
 }
 
 static char *json_text(const json_t *value)
@@ -101,9 +76,7 @@ static bool engines_equal(const char *name, const json_t *a, const json_t *b)
 /* Compares values where at least one is neither an object nor a list. */
 static void compare_values(struct comparing *out, const char *name, const json_t *a, const json_t *b)
 {
-    static const char options[] = "Question.options.";
-    if (out->said || is_free(out, name) || numbers_equal(a, b) || engines_equal(name, a, b) ||
-        (!b && strncmp(name, options, sizeof options - 1) == 0 && is_standard(out, name + sizeof options - 1, a))) {
+    if (out->said || is_free(out->replay, name) || numbers_equal(a, b) || engines_equal(name, a, b)) {
         return;
     }
     char *one = json_text(a);
