@@ -200,6 +200,19 @@ def test_needles_at_angles_of_a_rig_share_arcs():
     assert all(float(row["arc_deg"]) >= 16 - 1e-9 for row in pairs if row not in on_one)
 
 
+def test_a_table_in_a_folder_has_angles_and_its_targets_beside_it():
+    call_conus("phantom", "sphere", "-o", ".")
+    pathlib.Path("sub").mkdir()
+    grid = "angles,arc=-20:20:4,slider=-20:20:4,back=20"
+    pathlib.Path("sub/needles.tsv").write_text(f"needle\ttoward\tfrom\nA\ta.tsv\t{grid}\nB\tb.tsv\t{grid}\n")
+    for name, x in zip("ab", (-6, 6)):
+        pathlib.Path(f"sub/{name}.tsv").write_text(f"x\ty\tz\n{x}\t{x / 2}\t15\n")
+    call_conus("plan", "sphere.nii.gz", "--needles", "sub/needles.tsv", "--depth", "target", "--reach", "Sphere,length=2", "--arcs",
+               "16,most=1", "-q", "-o", "plan.tsv")
+    assert len(certificate.read_table("plan.tsv")) == 2
+    assert b"identical" in call_conus("verify", "plan.tsv").stdout
+
+
 def test_compound_angles_are_those_of_aind_mri_utils():
     call_conus("phantom", "sphere", "-o", ".")
     poses = []
