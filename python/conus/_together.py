@@ -189,6 +189,8 @@ def together_of(
         for own in [one] if isinstance(one, Mapping) else items(names, one):
             is_given = {name.strip() for name in names.split(",")} <= placed
             asked.append(_Question(atlas, names, {**of_all, **own}, threads, is_given, state))
+    if idle := [text(question.names) for question in asked if text(question.arc) and not options.arcs]:
+        raise ArgumentError(f"{idle[0]}: arc has no effect without arcs")
     questions = ffi.new("conus_question[]", max(1, len(asked)))
     for question, struct in zip(asked, questions):
         question.fill(struct)
