@@ -944,7 +944,7 @@ static int write_candidates(const struct planner *planner)
         struct written_pose *longer = code ? NULL : realloc(poses, (count + more + 1) * sizeof *poses);
         poses = longer ? longer : poses;
         code = code || longer ? code : print_no_memory();
-        for (size_t k = 0; k < more && !code; k++) {
+        for (size_t k = 0; k < more && longer; k++) {
             poses[count++] = (struct written_pose){.id = chosen[k].pose->id,
                                                    .pose = chosen[k].pose,
                                                    .needle = conus_together_needle(planner->together, i)->name,
