@@ -143,6 +143,8 @@ static const struct source_key rows[] = {
     {KEY_EACH, "each", KEYS_ARCS, IS_WHOLE, .least = 1, .most = 1, .low = 1, .high = 16, .allowed = ONE_TO_16},
 };
 
+_Static_assert(KEY_EACH < 64, "KEY_BIT() has a bit for each");
+
 enum { ROWS = sizeof rows / sizeof rows[0], LISTED = 256 };
 
 /* The key that `text`, behind a comma, is; NULL if it is none. */

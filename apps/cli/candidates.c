@@ -22,7 +22,7 @@ const struct option candidate_options[] = {
              "angles,arc=FIRST:LAST:STEP,slider=FIRST:LAST:STEP,back=MM: MM from each target at these angles of a rig, "
              "degrees",
      .words = "entry, scalp, skull, craniotomy, grid", .common = true, .excludes = "poses", .needs = "toward|needles",
-     OPTION_READING(SURFACE)},
+     OPTION_READING(SURFACE), .no_file = "angles"},
     {OPTION_VALUED("toward", struct candidate_settings, toward, "WHAT,..."),
      .help = "to targets: centroid, deepest (the voxel farthest from the border) or voxels of the first --reach; a "
              "FILE of points; or normal, against that of the surface; keys: of=NAME,... (another structure), "
@@ -76,9 +76,7 @@ static bool read_angles(struct place *out, const struct source_keys *keys)
 static bool read_place(struct place *out, const char *option, const char *value, enum key_kind kind)
 {
     struct source_keys keys;
-    static const char angles[] = "angles";
-    const size_t word = sizeof angles - 1;
-    bool has_angles = kind == KEYS_ENTRIES && strncmp(value, angles, word) == 0 && (!value[word] || value[word] == ',');
+    bool has_angles = kind == KEYS_ENTRIES && !option_names_file(&candidate_options[0], value);
     kind = has_angles ? KEYS_ANGLES : kind;
     out->path = strdup(value);
     if (!option_cut_keys(&keys, option, out->path, kind)) {

@@ -2,6 +2,7 @@
 /* conus plan --needles: several needles together. A row of the table is a question, and the needles that may answer it:
  * its cells become options, which are read by the parser of conus plan. */
 #include "base/path.h"
+#include "base/system/system.h"
 #include "base/text.h"
 #include "cli/answers/answers.h"
 #include "cli/cmd_plan.h"
@@ -9,6 +10,7 @@
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/progress.h"
+#include "sources/keys.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -191,11 +193,21 @@ static bool is_empty(const char *cell)
     return !*cell || strcmp(cell, "n/a") == 0;
 }
 
-/* Files of a table are where it is. */
-static bool is_beside_table(const struct option *option, const char *cell)
+/* Whether there is a file in the table's folder, which `path` begins with. */
+static bool is_in_folder(const char *path, size_t folder, const char *cell)
 {
-    bool is_file = option->role == OPTION_READS || option->role == OPTION_READS_POSES ||
-                   (option->role == OPTION_READS_NAMES && conus_atlas_is_path(cell));
+    char file[SYSTEM_PATH];
+    const bool fits = snprintf(file, sizeof file, "%.*s%s", (int)folder, path, cell) < SYSTEM_PATH;
+    file[fits ? keys_file_length(file, KEYS_TARGETS) : 0] = '\0';
+    return system_allows(file, 0);
+}
+
+/* Files of a table are where it is. */
+static bool is_beside_table(const struct option *option, const char *cell, const char *path, size_t folder)
+{
+    bool is_file = (option->role == OPTION_READS && option_names_file(option, cell)) ||
+                   option->role == OPTION_READS_POSES ||
+                   (option->role == OPTION_READS_NAMES && (!path_is_name(cell) || is_in_folder(path, folder, cell)));
     return is_file && !path_is_whole(cell) && strcmp(cell, "-") != 0;
 }
 
@@ -245,7 +257,8 @@ static int make_words(struct question_row *row, char *const *cells, const struct
     }
     for (size_t k = 0; k < count && whole; k++) {
         if (columns[k] && columns[k] != &row_columns[ONCE] && columns[k] != &row_columns[ARC] && !is_empty(cells[k])) {
-            whole = add_word(row, columns[k], path, is_beside_table(columns[k], cells[k]) ? folder : 0, cells[k]);
+            whole = add_word(row, columns[k], path, is_beside_table(columns[k], cells[k], path, folder) ? folder : 0,
+                             cells[k]);
         }
     }
     /* A needle whose pose is given needs no candidates: it is its own. */
@@ -931,7 +944,7 @@ static int write_candidates(const struct planner *planner)
         struct written_pose *longer = code ? NULL : realloc(poses, (count + more + 1) * sizeof *poses);
         poses = longer ? longer : poses;
         code = code || longer ? code : print_no_memory();
-        for (size_t k = 0; k < more && !code; k++) {
+        for (size_t k = 0; k < more && longer; k++) {
             poses[count++] = (struct written_pose){.id = chosen[k].pose->id,
                                                    .pose = chosen[k].pose,
                                                    .needle = conus_together_needle(planner->together, i)->name,

@@ -322,6 +322,12 @@ bool option_read(const struct option *option, void *field, const char *text)
     return false;
 }
 
+bool option_names_file(const struct option *option, const char *value)
+{
+    const size_t word = option->no_file ? strlen(option->no_file) : 0;
+    return !word || strncmp(value, option->no_file, word) != 0 || (value[word] && value[word] != ',');
+}
+
 bool option_cut_keys(struct source_keys *out, const char *option, char *text, enum key_kind kind)
 {
     return text ? (keys_cut(out, text, kind) && *text) ||

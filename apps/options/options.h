@@ -151,6 +151,7 @@ struct option {
     bool required;
     enum option_role role;
     enum option_content holds; /**< Of the file that it names. */
+    const char *no_file;       /**< A value that names none, alone or before keys; may be NULL. */
     unsigned flags;            /**< enum option_flags */
     const char *needs;    /**< Options without which it has no effect: one of "pose|poses", or "sampling=slices". Those
                                that the command does not have do not count. */
@@ -301,6 +302,9 @@ bool number_parse(const char *text, double *out);
 size_t numbers_parse(double *out, size_t limit, const char *text, char separator);
 /** The whole of @p text as a decimal whole number up to @p limit. */
 bool count_parse(const char *text, uint64_t limit, uint64_t *out);
+
+/** Whether the value of an option that reads a file names one. */
+bool option_names_file(const struct option *option, const char *value);
 
 /** Cuts the @p text FILE,key=value of an option, which then is FILE. Prints an error and returns false where it is
  * none; @p text NULL: there is no memory. */

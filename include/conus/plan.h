@@ -466,7 +466,7 @@ typedef struct conus_together_options {
     conus_progress progress; /**< Is told how many candidates were tried; false ends the run. NULL = no callback. */
     void *progress_user;     /**< Passed to @p progress. */
     double arcs;   /**< A rig carries the needles on arcs, whose angles differ by so many degrees at least, up to
-                      180 (Eq. 26), in the axes of the selectors' frame; 0 = it does not. */
+                      180 (Eq. 26), in the axes of the selectors' frames, which are the same; 0 = it does not. */
     double slider; /**< Slider angles of needles on one arc differ by so many degrees at least, up to 180; 0 =
                       as @p arcs. */
     double same;   /**< Arc angles of needles on one arc differ by no more, below half of @p arcs; 0 = 0.5 degrees. */

@@ -25,7 +25,7 @@ _OF_SELECTOR = ("radius", "range", "space", "bregma", "layers", "resolution")
 _OF_CONSTRAINTS = tuple(inspect.signature(constraints_of).parameters)
 _OF_CANDIDATES = ("poses", "origins", "directions", "entries", "targets", "tilt", "roll", "near", "depth")
 _OWN = ("once", "arc", "parts")
-_ARCS = ("slider", "same", "most", "each")
+_ARCS = ("spacing", "slider", "same", "most", "each")
 
 
 def _given(asked: Mapping[str, Any], keys: tuple[str, ...]) -> dict[str, Any]:
@@ -154,14 +154,15 @@ def _set_pair(options: Any, name: str, given: Any, members: tuple[str, str]) -> 
 def _set_arcs(options: Any, arcs: Any) -> None:
     """Degrees, or a mapping with the keys of --arcs beside "spacing"."""
     keys = dict(arcs) if isinstance(arcs, Mapping) else {"spacing": arcs}
-    options.arcs = real("arcs", keys.pop("spacing", 0))
-    for key, value in keys.items():
+    for key, value in {**keys, "spacing": keys.get("spacing", 0)}.items():
         if key not in _ARCS:
-            raise ArgumentError(f"arcs: there is no key {shown(key)}, allowed are spacing, {', '.join(_ARCS)}")
+            raise ArgumentError(f"arcs: there is no key {shown(key)}, allowed are {', '.join(_ARCS)}")
         if key in ("most", "each"):
             setattr(options, f"arcs_{key}", whole(f"arcs: {key}", value, 1, 16))
+        elif not (degrees := real(f"arcs: {key}", value)) > 0:  # 0 would be the default
+            raise ArgumentError(f"arcs: {key}: {shown(value)}, wanted is a number of degrees above 0")
         else:
-            setattr(options, key, real(f"arcs: {key}", value))
+            setattr(options, "arcs" if key == "spacing" else key, degrees)
 
 
 def together_of(
@@ -175,7 +176,9 @@ def together_of(
     if (diverse is None) != (options.top == 1):
         raise ArgumentError("diverse: by how much combinations have to differ goes with top above 1")
     _set_pair(options, "diverse", 0 if diverse is None else diverse, ("diverse", "differ"))
-    options.effort = 0 if effort is None else whole("effort", effort * 1000000, 1, 2**64 - 1)
+    if effort is not None:
+        steps = 1000000 * real("effort", effort)
+        options.effort = whole("effort", round(steps) if math.isfinite(steps) else steps, 1, 2**64 - 1)
     if arcs is not None:
         _set_arcs(options, arcs)
     if given is not None:
@@ -189,6 +192,8 @@ def together_of(
         for own in [one] if isinstance(one, Mapping) else items(names, one):
             is_given = {name.strip() for name in names.split(",")} <= placed
             asked.append(_Question(atlas, names, {**of_all, **own}, threads, is_given, state))
+    if idle := [text(question.names) for question in asked if text(question.arc) and not options.arcs]:
+        raise ArgumentError(f"{idle[0]}: arc has no effect without arcs")
     questions = ffi.new("conus_question[]", max(1, len(asked)))
     for question, struct in zip(asked, questions):
         question.fill(struct)

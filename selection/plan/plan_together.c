@@ -3,11 +3,13 @@
  * apart (Eq. 25 to 28). */
 #include "conus/own.h"
 
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/order.h"
 #include "base/status.h"
 #include "base/text.h"
+#include "poses/rows/pose_row.h"
 #include "selection/plan/plan.h"
 #include "selection/plan/together/together.h"
 #include "selection/selection.h"
@@ -489,7 +491,7 @@ static conus_status init_question(conus_together *together, const conus_question
     status = status ? status
                     : bodies_init(&out->bodies, asked->selector->options.radius, options.shanks, options.shank_count,
                                   asked->parts, asked->part_count);
-    out->bodies.frame = &asked->selector->frame;
+    out->bodies.frame = &together->questions[0].asked.selector->frame;
     out->bodies.arc = arc;
     status = status ? status : create_plan(out, together);
     return status == CONUS_ERROR_ARGUMENT ? fail_in(status, out->asked.needles) : status;
@@ -511,6 +513,36 @@ static conus_status take_given(conus_together *together)
         status = status == CONUS_ERROR_ARGUMENT ? fail_in(status, row->id) : status;
     }
     return status;
+}
+
+/* Whether two frames call the same ways right, anterior and dorsal. */
+static bool have_same_axes(const conus_frame *frame, const conus_frame *other)
+{
+    static const double ROUNDED = 1e-12; /* half of a square */
+    bool are = true;
+    for (size_t a = 0; a < 3; a++) {
+        double ways[2][3];
+        const double axis[3] = {a == 0, a == 1, a == 2};
+        direction_to_anatomical(ways[0], axis, frame);
+        direction_to_anatomical(ways[1], axis, other);
+        are = are && vec3_normalise(ways[0], ways[0]) && vec3_normalise(ways[1], ways[1]) &&
+              vec3_dot(ways[0], ways[1]) > 1 - ROUNDED;
+    }
+    return are;
+}
+
+/* Angles of arcs are in the axes of one frame. */
+static conus_status check_axes(const conus_together *together)
+{
+    const bool has_arcs = together->options.arcs > 0;
+    for (size_t q = 1; q < together->question_count && has_arcs; q++) {
+        const conus_question *asked = &together->questions[q].asked;
+        if (!have_same_axes(together->questions[0].bodies.frame, &asked->selector->frame)) {
+            return fail(CONUS_ERROR_ARGUMENT, "arcs: %s: its space has other axes than that of %s", asked->needles,
+                        together->questions[0].asked.needles);
+        }
+    }
+    return CONUS_OK;
 }
 
 /* Finds needles that are alike, and lists what is asked of those that are not given. */
@@ -1069,6 +1101,7 @@ conus_status conus_plan_together(conus_together **out, const conus_question *que
     }
     conus_status status = check_options(together, options);
     status = status ? status : init_questions(together, questions, count);
+    status = status ? status : check_axes(together);
     status = status ? status : check_list(together);
     status = status ? status : take_given(together);
     status = status ? status : begin_needles(together);

@@ -250,6 +250,14 @@ static void what_cannot_be_is_refused(void **state)
         {{.entries = entries[0], .entry_count = 1, .normals = flat, .beyond = NAN}, "beyond"},
         {{.entries = entries[0], .entry_count = 1, .normals = flat, .roll_step = 230}, "roll: in steps of"},
         {{.entries = entries[0], .entry_count = 1, .normals = flat, .roll_step = NAN}, "roll: in steps of"},
+        {{.angles = flat, .entry_count = 1, .back = 5}, "angles: targets go with them"},
+        {{.angles = flat, .entries = flat, .entry_count = 1, .targets = flat, .target_count = 1, .back = 5},
+         "angles: targets go with them"},
+        {{.angles = nowhere, .entry_count = 3, .targets = flat, .target_count = 1, .back = 5},
+         "angles: finite numbers"},
+        {{.angles = flat, .entry_count = 1, .targets = flat, .target_count = 1}, "back: 0 mm"},
+        {{.angles = flat, .entry_count = 1, .targets = flat, .target_count = 1, .back = INFINITY}, "back: inf mm"},
+        {{.angles = flat, .targets = flat, .target_count = 1, .back = 5}, "there is no entry"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         conus_pose_stream *stream = NULL;

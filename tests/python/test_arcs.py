@@ -11,6 +11,7 @@ import sys
 import numpy as np
 import pytest
 
+import conus
 from support import call_conus
 
 sys.path.append(str(pathlib.Path(__file__).parents[1] / "oracles"))
@@ -198,6 +199,38 @@ def test_needles_at_angles_of_a_rig_share_arcs():
     on_one = [row for row in pairs if float(row["arc_deg"]) < 1e-9]
     assert len(on_one) in (2, 3) and all(float(row["slider_deg"]) >= 16 - 1e-9 for row in on_one)
     assert all(float(row["arc_deg"]) >= 16 - 1e-9 for row in pairs if row not in on_one)
+
+
+def test_a_table_in_a_folder_has_angles_and_its_targets_beside_it():
+    call_conus("phantom", "sphere", "-o", ".")
+    pathlib.Path("sub").mkdir()
+    grid = "angles,arc=-20:20:4,slider=-20:20:4,back=20"
+    pathlib.Path("sub/needles.tsv").write_text(f"needle\ttoward\tfrom\nA\ta.tsv\t{grid}\nB\tb.tsv\t{grid}\n")
+    for name, x in zip("ab", (-6, 6)):
+        pathlib.Path(f"sub/{name}.tsv").write_text(f"x\ty\tz\n{x}\t{x / 2}\t15\n")
+    call_conus("plan", "sphere.nii.gz", "--needles", "sub/needles.tsv", "--depth", "target", "--reach", "Sphere,length=2", "--arcs",
+               "16,most=1", "-q", "-o", "plan.tsv")
+    assert len(certificate.read_table("plan.tsv")) == 2
+    assert b"identical" in call_conus("verify", "plan.tsv").stdout
+
+
+def test_arcs_are_in_the_axes_of_one_space():
+    """A grid of the CCF's size in a world that is turned by 10 degrees about the right-left axis."""
+    turn = np.eye(4)
+    turn[1:3, 1:3] = [[np.cos(np.radians(10)), -np.sin(np.radians(10))], [np.sin(np.radians(10)), np.cos(np.radians(10))]]
+    grid = np.diag([0.2, -0.2, -0.2, 1])
+    grid[:3, 3] = -5.6, 5.9, 3.9
+    for name, arc, x in (("a", 10, -1), ("b", -20, 1)):
+        write_poses(f"{name}.tsv", [(name, np.array([x, 0, 0]), way_out(arc, 0), 3)])
+    box = conus.load(np.ones((57, 66, 40), "u2"), turn @ grid)
+    ask = lambda spaces, arcs: box.plan_together({name: {"space": space, "poses": conus.read_poses(f"{name}.tsv")} for name, space in
+                                                  zip("ab", spaces)}, reach={"1": 1}, arcs=arcs).pairs.to_dataframe()["arc_deg"]
+    for spaces in (("ras", "lps"), ("ccf", "bregma")):
+        assert np.allclose(ask(spaces, 16).astype(float), 30, atol=1e-5)
+    for spaces in (("ras", "bregma"), ("ccf", "ras")):
+        with pytest.raises(conus.ArgumentError, match="arcs: b: .* other axes than that of a"):
+            ask(spaces, 16)
+        assert len(ask(spaces, None)) == 1
 
 
 def test_compound_angles_are_those_of_aind_mri_utils():

@@ -90,9 +90,13 @@ def test_what_is_not_allowed_is_refused(atlas):
     needles = {"A": {"poses": conus.read_poses("a.tsv")}}
     for wrong, why in (({"between": -1}, "between"), ({"between": (1, 2, 3)}, "between"), ({"arcs": {"pitch": 3}}, "pitch"),
                        ({"arcs": 0.5}, "arcs: same"), ({"top": 2}, "diverse"), ({"diverse": 1}, "diverse"), ({"top": 101}, "top"),
-                       ({"effort": 0}, "effort"), ({"entry_distance": 101}, "entry_distance"), ({"rank": "depth"}, "rank"),
+                       ({"effort": 0}, "effort"),
+                       ({"effort": float("inf")}, "effort"), ({"arcs": 0}, "spacing: 0"), ({"arcs": {"most": 2}}, "spacing"),
+                       ({"arcs": {"spacing": 16, "same": 0}}, "same: 0"), ({"arcs": {"spacing": 16, "slider": 0}}, "slider: 0"),
+                       ({"entry_distance": 101}, "entry_distance"), ({"rank": "depth"}, "rank"),
                        ({"given": conus.read_poses("b.tsv")}, "b0 is no needle"), ({"parts": [(1, 2)]}, "parts"),
-                       ({"parts": [(0, 2, 2)]}, "part 1"), ({"arc": 3}, "arc"), ({"reach": {"Nowhere": 1}}, "Nowhere")):
+                       ({"parts": [(0, 2, 2)]}, "part 1"), ({"arc": 3}, "arc"),
+                       ({"arc": "a"}, "A: arc has no effect without arcs"), ({"reach": {"Nowhere": 1}}, "Nowhere")):
         with pytest.raises(conus.ArgumentError, match=why):
             atlas.plan_together(needles, **{"reach": {"U": 2}, **wrong})
     for wrong in ({}, {"A": {}}, {"": needles["A"]}, {"A,A": needles["A"]}):

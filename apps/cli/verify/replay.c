@@ -244,7 +244,7 @@ static void put_use(struct writing *out, const struct option_use *use)
         break;
     case OPTION_READS:
     case OPTION_READS_POSES:
-        put_read(out, name, use->value, true);
+        put_read(out, name, use->value, option_names_file(use->option, use->value));
         break;
     case OPTION_READS_ATLAS:
         put_atlas(out, name, use->value, ++out->atlases);

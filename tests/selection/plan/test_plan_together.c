@@ -1129,6 +1129,14 @@ static conus_status try_once(void *data)
     status = status ? status : conus_together_pairs(&pairs, together);
     conus_table_destroy(pairs);
     conus_together_destroy(together);
+    together = NULL;
+    /* On arcs: there is a combination but for their limits. */
+    const conus_together_options limited = {.arcs = 1e-3, .same = 1e-4, .slider = 1e-9, .arcs_most = 1};
+    status = status ? status : conus_plan_together(&together, scene->needles, scene->count, &limited);
+    if (!status) {
+        assert_true(conus_together_conflict(together)->by_arcs);
+    }
+    conus_together_destroy(together);
     return status;
 }
 
@@ -1141,6 +1149,7 @@ static void every_failing_allocation_is_clean(void **state)
     for (size_t i = 0; i < 2; i++) {
         write_random(&scene.candidates[i], i ? "memory-1.tsv" : "memory-0.tsv", 5, &seed, false);
     }
+    scene.needles[0].arc = "a";
     test_every_allocation(try_once, &scene);
     end_scene(&scene);
 }
