@@ -290,17 +290,18 @@ static void count_row(struct census *census, const struct head *head, const conu
 /* What names and columns say of sides: each is evidence. Half of two points or more is refused, one is warned of. */
 static bool judge_sides(const struct census *c, const struct head *head)
 {
-    static const char *const turns[] = {"if y > 0 is the back, too, type --space lps; else ",
-                                        "if y > 0 is the front, type --space ras; else ", "", ""};
-    const char *turn = head->out->said.has_signs ? "" : turns[head->options->space];
+    static const char *const turns[] = {"if y > 0 is the back, too, type --space lps; else turn the sign of",
+                                        "if y > 0 is the front, type --space ras; else turn the sign of", "mend",
+                                        "mend"};
+    const char *turn = head->out->said.has_signs ? "mend" : turns[head->options->space];
     bool are_right = false;
     for (size_t i = 0; i <= c->column_count; i++) {
         const struct sides *sides = &c->sides[i];
         const struct text column = i ? head->line.cells[c->columns[i - 1]] : text_from("");
         size_t wrong = sides->left_on_right + sides->right_on_left;
         char why[256];
-        snprintf(why, sizeof why, "%s%.*s%s%sturn the sign of x, or mend the %s", i ? "by column \"" : "",
-                 POSE_QUOTE(column), i ? "\", if these are sides of the brain; " : "", turn, i ? "sides" : "names");
+        snprintf(why, sizeof why, "%s%.*s%s%s x, or mend the %s", i ? "by column \"" : "", POSE_QUOTE(column),
+                 i ? "\", if these are sides of the brain; " : "", turn, i ? "sides" : "names");
         are_right = are_right || (sides->left && sides->right && !wrong);
         if (head->out->is_of_points) {
             sides_check(head->job, sides, why, head->out->file);

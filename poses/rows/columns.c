@@ -815,8 +815,7 @@ static void choose_families(struct head *head)
     int directions = (target != NULL) + (direction != NULL) + has_quaternion + has_matrix + has_tilt + has_angles;
     out->is_straight = directions == 0 && out->has[ROLE_DEPTH] && is_of_rodents;
     out->is_of_points = directions == 0 && !out->is_straight;
-    const bool are_of_cap = has_angles && !is_of_rodents;
-    FAULT_IF(out->place && !out->is_of_points && !are_of_cap, head,
+    FAULT_IF(out->place && !out->is_of_points && (is_of_rodents || !has_angles), head,
              "a direction or a depth beside names of places, which are points");
     out->is_mlapdv = has_angles && head->options->space == CONUS_SPACE_BREGMA && position &&
                      position->stem[0] == '\0' && find_name(head, "x", 0) == position->at[0];
@@ -831,7 +830,7 @@ static void choose_families(struct head *head)
         drop_role(head, ROLE_THETA);
     }
     FAULT_IF(
-        are_of_cap, head,
+        has_angles && !is_of_rodents, head,
         "phi and theta are angles; those of a cap are not positions: save its name,x,y,z in MNI, in mm; those of a "
         "probe need --space bregma and an atlas of the Allen CCF");
     if (head->lacks_space && position && !named) {
@@ -1593,15 +1592,13 @@ static void name_cells(char *out, size_t size, const struct table *table, const 
 {
     struct text rest = text_from(labels);
     bool more = true;
-    bool has_name = false;
     *out = '\0';
     for (size_t i = 0; i < line->given; i++) {
         double value;
         char word[32];
         struct text label = {word, 0};
         if (!table_number(&value, table, line->cells[i]) || !text_field(&rest, '/', &more, &label)) {
-            label.size = (size_t)snprintf(word, sizeof word, has_name ? "word%zu" : "name", i + 1);
-            has_name = true;
+            label.size = (size_t)snprintf(word, sizeof word, strstr(out, "name") ? "word%zu" : "name", i + 1);
         }
         const size_t used = strlen(out);
         snprintf(out + used, size - used, "%s%.*s", i ? separator_of(table) : "", TEXT_SHOW(label, sizeof word));
@@ -1618,8 +1615,7 @@ static void refuse_bare(const struct head *head)
     for (size_t number = 0; number < table->first && text_line(&rest, &text); number++) {
     }
     const size_t numbers = table_split(&line, table, text) ? table_numbers(&line) : 0;
-    char last[160]; /* for a row whose point is in the last three numbers, */
-    char first[160];
+    char last[160], first[160]; /* for a row whose point is in these three numbers */
     name_cells(last, sizeof last, table, &line, numbers == 4 ? "row/x/y/z" : "x/y/z");
     name_cells(first, sizeof first, table, &line, "x/y/z/value");
     const struct text shown = text_trim(text);
