@@ -106,9 +106,9 @@ static conus_status refuse(struct pair *pairs, size_t count)
         least = fmin(least, own);
     }
     return fail(CONUS_ERROR_DATA,
-                "a cap that names no space, and does not lie on the head of MNI 152, but looks like %s: %.20s is %.0f "
-                "mm off (allowed %g), half of %zu known names more than %.0f mm (allowed %g); export it in MNI from "
-                "the program that wrote it, or give the atlas's own positions as name,x,y,z",
+                "a cap that names no space, and does not lie on the head of MNI 152, but looks like %s: export it in "
+                "MNI, in mm (%.20s is %.0f mm off, allowed are %g, and half of %zu names more than %.0f, allowed are "
+                "%g)",
                 ways[best].words, worst.name, worst.apart, FARTHEST, count, median, MEDIAN);
 }
 
@@ -154,13 +154,13 @@ conus_status cap_check(conus_pose_list *list, const char *file, struct notes *no
     }
     size_t count = find_pairs(pairs, list, true);
     double radius = count && scale == 0 ? centre(pairs, count, offsetof(struct pair, point)) : INFINITY;
-    conus_status status = radius > HEAD_OF_CM
-                              ? CONUS_OK
-                              : fail(CONUS_ERROR_DATA,
-                                     "a cap without a unit: half of its positions lie within %.3g of their middle, so "
-                                     "these are %s: type %s,unit=%s",
-                                     radius, radius > HEAD_OF_M ? "centimetres" : "metres, or a sphere of radius 1",
-                                     file, radius > HEAD_OF_M ? "cm" : "m");
+    conus_status status =
+        radius > HEAD_OF_CM ? CONUS_OK
+                            : fail(CONUS_ERROR_DATA,
+                                   "a cap without a unit; by its size (half lies within %.3g of the middle) these are "
+                                   "%s: type %s,unit=%s",
+                                   radius, radius > HEAD_OF_M ? "centimetres" : "metres, or a sphere of radius 1", file,
+                                   radius > HEAD_OF_M ? "cm" : "m");
     for (size_t i = 0; scale > 0 && i < list->count; i++) {
         double *p = list->rows[i].pose.world_from_device + 12;
         vec3_scale(p, p, scale);

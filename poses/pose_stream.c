@@ -413,7 +413,7 @@ static void check_sides(struct job *job, conus_pose_stream *stream)
     const conus_pose_list *list = &stream->list;
     const conus_pose_options *options = &stream->options;
     struct sides sides = {0};
-    bool is_own = list->space.brain == POSE_BRAIN_SUBJECT || list->space.brain == POSE_BRAIN_OTHER;
+    bool is_own = list->space.brain == POSE_BRAIN_SUBJECT || list->space.brain >= POSE_BRAIN_FRAME;
     if (is_own || !(options->longest > 0) || options->space >= CONUS_SPACE_CCF || stream->words.any_sides) {
         return;
     }

@@ -158,12 +158,16 @@ static bool is_atlas(const char *path)
 
 int pose_settings_check_file(const char *path, const char *option, const struct arguments *arguments)
 {
-    return path && arguments->operand_count && is_atlas(path)
-               ? print_data_error(
-                     "%s: is an atlas by its name, not a file of poses; the atlas comes first: conus %s %s --%s %s; a "
-                     "table has another ending",
-                     path, arguments->command->name, path, option, arguments->operands[0])
-               : EXIT_DONE;
+    if (!path || !arguments->operand_count || !is_atlas(path)) {
+        return EXIT_DONE;
+    }
+    const char *first = arguments->operands[0];
+    return is_atlas(first)
+               ? print_data_error("%s: is an atlas by its name, not a file of poses; a table has another ending", path)
+               : print_data_error(
+                     "%s: is an atlas by its name, not a file of poses; the atlas comes first: conus %s %s "
+                     "--%s %s; a table has another ending",
+                     path, arguments->command->name, path, option, first);
 }
 
 int pose_settings_print_error(conus_status status, const char *path, const char *option,
@@ -319,9 +323,9 @@ static int match(size_t *said, const struct pose_source *from, const char *path,
         if (from->list ? conus_pose_list_match(from->list, atlas->atlas)
                        : conus_pose_stream_match(from->stream, atlas->atlas)) {
             char name[ATLAS_PREFIX_SIZE];
-            return print_data_error("%s: %s%s; --atlas-transform FILE brings the atlas to them%s",
+            return print_data_error("%s: %s%s, or move the atlas there (--atlas-transform)%s",
                                     pose_settings_file_name(path), atlases_prefix(name, atlas), conus_message(),
-                                    settings ? ", --any-space takes them as positions in the atlas's space" : "");
+                                    settings ? "; only if they are in the atlas's space, type --any-space" : "");
         }
     }
     *said = say_notes(from, path, atlases->count > 1, 0, common->quiet);

@@ -22,6 +22,9 @@ enum flags {
 };
 
 /* A list is of the first row whose `ending` is that of the file's name and whose `mark` stands in its head. */
+#define SAVE_IN_MNI "bring its positions to the atlas's space (MNI), and save name,x,y,z in mm"
+#define SAVE_NO_ANGLES "angles are not positions: save the cap's name,x,y,z in MNI, in mm"
+
 static const struct layout {
     const char *ending;  /* "" = any */
     const char *mark;    /* "" = none; "^": only where the text begins, "\n": where a line does */
@@ -41,7 +44,8 @@ static const struct layout {
     {"", "Coordinate order = LPI\n#Voxels  CM x   CM y   CM z  Peak x", .x = 4, .name = -1},
     {"", "Focus point (LPI)",
      .refused =
-         "AFNI's whereami says one point in several spaces: put the x y z of one of them into a line of their own"},
+         "AFNI's whereami says one point in several spaces: put the x y z of {MNI}, not {TLRC}, into a line of their "
+         "own"},
     /* FreeSurfer */
     {"", "Size(mm^2)  MNIX   MNIY   MNIZ", .space = "MNI 305", .brain = POSE_BRAIN_MNI305, .x = 4, .name = -1},
     {"", "Size(mm^2)  TalX   TalY   TalZ",
@@ -73,22 +77,13 @@ static const struct layout {
     {"", "^Electrode,", .separator = ',', .x = 1, .name = 4, .flags = IS_CAP | BEGINS_AT_ONCE}, /* SimNIBS */
     {"", "^Fiducial,", .separator = ',', .x = 1, .name = 4, .flags = IS_CAP | BEGINS_AT_ONCE},
     {"", "^ReferenceElectrode,", .separator = ',', .x = 1, .name = 4, .flags = IS_CAP | BEGINS_AT_ONCE},
-    {".hpts", "",
-     .refused =
-         "digitised points of a head (.hpts) are in a head's own space: bring them to MNI in MNE, and save name,x,y,z"},
-    {".pos", "",
-     .refused = "points of a head by a Polhemus tracker (.pos), in a head's own space: bring them to MNI, and save "
-                "name,x,y,z"},
-    {".elp", "",
-     .refused = "angles on a sphere (.elp) are no positions: save the cap with x, y, z in mm on the head of MNI"},
-    {".locs", "",
-     .refused = "angles of a drawing (.locs) are no positions: save the cap with x, y, z in mm on the head of MNI"},
-    {".loc", "",
-     .refused = "angles of a drawing (.loc) are no positions: save the cap with x, y, z in mm on the head of MNI"},
-    {".fif", "",
-     .refused = "a file of MNE's (.fif): save its positions from Python as name,x,y,z, in mm and in MNI or the scan"},
-    {".snirf", "",
-     .refused = "a recording (SNIRF): its positions are a head's own; save them as a table of BIDS (optodes.tsv)"},
+    {".hpts", "", .refused = "points of a head (.hpts) are in its own space: " SAVE_IN_MNI},
+    {".pos", "", .refused = "points of a head by a Polhemus tracker (.pos) are in its own space: " SAVE_IN_MNI},
+    {".elp", "", .refused = SAVE_NO_ANGLES},
+    {".locs", "", .refused = SAVE_NO_ANGLES},
+    {".loc", "", .refused = SAVE_NO_ANGLES},
+    {".fif", "", .refused = "a file of MNE's (.fif): " SAVE_IN_MNI},
+    {".snirf", "", .refused = "a recording (SNIRF) has positions in a head's own space: " SAVE_IN_MNI},
     /* Others */
     {"", "^x,y,z,t,label", .separator = ',', .name = 4, .flags = NEEDS_LPS}, /* ANTs */
     {"", "; InputIndex = [",

@@ -211,8 +211,9 @@ static void read_comment(struct reading *reading, struct text line)
         reading->has_space = true;
         if (!ras && !reading->lps) {
             bool is_ijk = text_equal(value, "IJK") || text_equal(value, "2");
-            job_bad(reading->job, "CoordinateSystem \"%.*s\"%s%s, allowed are RAS, LPS, 0 and 1", POSE_QUOTE(value),
-                    is_ijk ? ": " : "", is_ijk ? space_why_voxels : "");
+            job_bad(reading->job, "CoordinateSystem \"%.*s\"%s", POSE_QUOTE(value),
+                    is_ijk ? ": voxels, not mm: save it again in RAS or LPS; another number here converts nothing"
+                           : ", allowed are RAS, LPS, 0 and 1");
         }
         pose_note_space(reading->to->job, reading->to->options, reading->lps);
     }

@@ -176,8 +176,7 @@ void columns_hear_words(struct head *head)
         double scale = said->mm / columns_space_mm(head->options->space);
         if (out->scale > 0 && out->scale != scale) {
             const double mm = out->scale * columns_space_mm(head->options->space);
-            job_bad(job,
-                    "a line says that 1 is %g mm, the header %g mm: write one unit, or type %s,unit=mm (cm, m, um)",
+            job_bad(job, "1 is %g mm by a line, %g mm by the header: keep one unit, or type %s,unit=mm (or cm, m, um)",
                     said->mm, mm, out->file);
         }
         out->scale = scale;
@@ -291,16 +290,17 @@ static void count_row(struct census *census, const struct head *head, const conu
 /* What names and columns say of sides: each is evidence. Half of two points or more is refused, one is warned of. */
 static bool judge_sides(const struct census *c, const struct head *head)
 {
-    static const char *const turns[] = {"if the file is in LPS, --space lps turns x and y; else ",
-                                        "if the file is in RAS, --space ras turns x and y; else ", "", ""};
-    const char *turn = head->out->said.has_signs ? "" : turns[head->options->space];
+    static const char *const turns[] = {"if y > 0 is the back, too, type --space lps; else turn the sign of",
+                                        "if y > 0 is the front, type --space ras; else turn the sign of", "mend",
+                                        "mend"};
+    const char *turn = head->out->said.has_signs ? "mend" : turns[head->options->space];
     bool are_right = false;
     for (size_t i = 0; i <= c->column_count; i++) {
         const struct sides *sides = &c->sides[i];
         const struct text column = i ? head->line.cells[c->columns[i - 1]] : text_from("");
         size_t wrong = sides->left_on_right + sides->right_on_left;
         char why[256];
-        snprintf(why, sizeof why, "%s%.*s%s%smend x or the %s", i ? "by column \"" : "", POSE_QUOTE(column),
+        snprintf(why, sizeof why, "%s%.*s%s%s x, or mend the %s", i ? "by column \"" : "", POSE_QUOTE(column),
                  i ? "\", if these are sides of the brain; " : "", turn, i ? "sides" : "names");
         are_right = are_right || (sides->left && sides->right && !wrong);
         if (head->out->is_of_points) {
@@ -330,20 +330,21 @@ static void judge(const struct census *c, const struct head *head, double longes
                 "columns another? The first: %s",
                 c->bad, c->rows, first_fault);
     }
-    bool is_asked = is_known && !head->words.any_sides;
+    bool is_asked = is_known && !head->words.any_sides && head->out->said.space.brain != POSE_BRAIN_FRAME;
     bool are_right = is_asked && judge_sides(c, head);
     if (is_unsaid && of_people && c->farthest > 0.5 && c->farthest <= 1.001) {
         job_bad(job,
                 "all positions lie within 1 mm of the origin, the farthest %.2g: on a sphere of radius 1 they are "
-                "directions, and no positions; save the cap with x, y, z in mm on the head of MNI; if they are mm, "
-                "type %s,unit=mm",
+                "directions, not positions: save those of the cap in MNI, in mm; only if these are mm, type "
+                "%s,unit=mm",
                 c->farthest, head->out->file);
     } else if (is_unsaid && (of_people || space == CONUS_SPACE_BREGMA) && c->farthest > 0 &&
                c->farthest <= (of_people ? 1 : 0.02)) {
         job_bad(job,
                 "all positions lie within %s mm of the origin, as if they were in metres: type %s,unit=m; if they are "
-                "mm, %s,unit=mm",
-                of_people ? "1" : "0.02", head->out->file, head->out->file);
+                "mm, %s,unit=mm%s",
+                of_people ? "1" : "0.02", head->out->file, head->out->file,
+                of_people ? "; where x points to the nose (Brainstorm, CTF), bring them to MNI first" : "");
     }
     if (c->farthest > fmax(10 * longest, 1000) && of_people && is_known && !head->out->has_unit) {
         job_bad(job,

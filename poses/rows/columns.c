@@ -585,17 +585,24 @@ static void refuse_turned(struct head *head, const struct family *position)
         FAULT_IF(is_end, head, "%s beside x y z: --poses-format table reads them; without them the rows are points",
                  FAMILY_SHOWN(head, family));
         is_other = family != position && (family->kind == TURNED || is_beside || family->kind == ENTRY);
-        FAULT_IF(is_other, head,
-                 "%s beside %s: if they are a direction, call them dx dy dz; a point to look at is tx ty tz, an axis "
-                 "entry_x entry_y entry_z and target_x target_y target_z; without %s the rows are points",
+        const bool is_of_sensor = is_other && has_names(head, "ex x/ey x/ez x");
+        FAULT_IF(is_of_sensor, head,
+                 "ex ey ez beside %s are axes of a sensor: bring positions and axes from its space to the atlas's, and "
+                 "call the axis into the head dx dy dz (turn its signs where it points out)",
+                 FAMILY_SHOWN(head, position));
+        FAULT_IF(is_other && !is_of_sensor, head,
+                 "%s beside %s: if they are a direction into the head, call them dx dy dz; a point to look at is tx ty "
+                 "tz, an axis entry_x entry_y entry_z and target_x target_y target_z; without %s the rows are points",
                  FAMILY_SHOWN(head, family), FAMILY_SHOWN(head, position), FAMILY_SHOWN(head, family));
     }
     struct buffer list = {0};
+    bool is_of_frame = false;
     for (size_t i = 0; i < head->line.count; i++) {
         struct text rest = text_from(head->names[i]);
         struct text word;
         bool is_one = false;
         while (head->out->role_of[i] == ROLES && text_word(&rest, &word)) {
+            is_of_frame = is_of_frame || text_is_one_of(word, "arc/ring/collar", true);
             is_one = is_one || text_is_one_of(word, turned, true) ||
                      (is_straight && text_is_one_of(word, inclined, true) && strcmp(head->names[i], "angle") != 0);
         }
@@ -613,11 +620,18 @@ static void refuse_turned(struct head *head, const struct family *position)
         }
     }
     (void)JOB_CALL(head->job, buffer_status(&list));
-    FAULT_IF(list.size, head,
-             "column %s beside %s is not read: without it the rows are %s; directions are dx dy dz, tx ty tz, tilt_ml "
-             "and tilt_ap (one may be 0), phi and theta, qw qx qy qz or m00...m33%s",
-             list.data, FAMILY_SHOWN(head, position), is_straight ? "straight down" : "points",
-             head->out->is_bids ? ", with --poses-format table here" : "");
+    FAULT_IF(
+        list.size && is_of_frame, head,
+        "column %s beside %s is of a stereotactic frame, as these are then: bring them to the atlas's space; an axis "
+        "is entry_x entry_y entry_z and target_x target_y target_z",
+        list.data, FAMILY_SHOWN(head, position));
+    FAULT_IF(
+        list.size && !is_of_frame, head,
+        "column %s beside %s is not read: without it the rows are %s; a direction is dx dy dz, a target tx ty tz%s, "
+        "a rotation qw qx qy qz or m00...m33%s",
+        list.data, FAMILY_SHOWN(head, position), is_straight ? "straight down" : "points",
+        head->options->space < CONUS_SPACE_CCF ? "" : ", a tilt tilt_ml and tilt_ap or phi and theta",
+        head->out->is_bids ? ", with --poses-format table here" : "");
     buffer_finish(&list);
 }
 
@@ -801,7 +815,8 @@ static void choose_families(struct head *head)
     int directions = (target != NULL) + (direction != NULL) + has_quaternion + has_matrix + has_tilt + has_angles;
     out->is_straight = directions == 0 && out->has[ROLE_DEPTH] && is_of_rodents;
     out->is_of_points = directions == 0 && !out->is_straight;
-    FAULT_IF(out->place && !out->is_of_points, head, "a direction or a depth beside names of places, which are points");
+    FAULT_IF(out->place && !out->is_of_points && (is_of_rodents || !has_angles), head,
+             "a direction or a depth beside names of places, which are points");
     out->is_mlapdv = has_angles && head->options->space == CONUS_SPACE_BREGMA && position &&
                      position->stem[0] == '\0' && find_name(head, "x", 0) == position->at[0];
     if (out->has[ROLE_THETA] || has_names(head, "sph radius")) { /* of a sphere or a drawing */
@@ -814,22 +829,16 @@ static void choose_families(struct head *head)
         drop_role(head, ROLE_PHI);
         drop_role(head, ROLE_THETA);
     }
-    FAULT_IF(has_angles && !is_of_rodents, head,
-             "phi and theta are angles: of a probe from bregma with an atlas of the Allen CCF (--space bregma); of a "
-             "cap on a sphere, which are no positions: save it with x, y, z in mm on the head of MNI");
+    FAULT_IF(
+        has_angles && !is_of_rodents, head,
+        "phi and theta are angles; those of a cap are not positions: save its name,x,y,z in MNI, in mm; those of a "
+        "probe need --space bregma and an atlas of the Allen CCF");
     if (head->lacks_space && position && !named) {
-        const struct text *cells = head->line.cells;
-        const size_t *at = position->at;
-        FAULT(head,
-              "%s: from bregma (mm) or in the CCF (um) they need an atlas of the Allen CCF, with --space bregma or "
-              "--space ccf",
-              FAMILY_SHOWN(head, position));
-        if (out->is_of_points && is_whole(position)) {
-            buffer_format(&head->faults,
-                          "; only if they are this atlas's own positions, to the right, front and top, type "
-                          "'%s,x=%.*s,y=%.*s,z=%.*s'",
-                          out->file, POSE_QUOTE(cells[at[1]]), POSE_QUOTE(cells[at[0]]), POSE_QUOTE(cells[at[2]]));
-        }
+        FAULT(
+            head,
+            "%s: from AC, PC or MCP, convert them to the atlas's space, and call them x y z (right, front, top); from "
+            "bregma (mm) or in the CCF (um) they need an atlas of the Allen CCF, with --space bregma or --space ccf",
+            FAMILY_SHOWN(head, position));
     }
     FAULT_IF(has_tilt && out->has[ROLE_TILT_ML] != out->has[ROLE_TILT_AP] && !head->words.tilt[0].size &&
                  !head->words.tilt[1].size,
@@ -851,16 +860,16 @@ static void choose_families(struct head *head)
         FAULT_IF(head->is_on_its_side, head, "%s", on_its_side);
         bool are_voxels = are_indices(head);
         bool are_others = false;
-        FAULT_IF(!head->is_on_its_side, head, "%s %s %s are needed: no columns say where rows are%s",
-                 axis_shown(head, 0), axis_shown(head, 1), axis_shown(head, 2),
-                 head->row_count ? "" : ", and no row has three numbers");
+        FAULT_IF(!head->is_on_its_side, head, "%s %s %s, the positions, are missing%s", axis_shown(head, 0),
+                 axis_shown(head, 1), axis_shown(head, 2), head->row_count ? "" : ", and no row has three numbers");
         FAULT_IF(are_voxels, head, "i j k are %s", space_why_voxels);
         FAULT_IF(!head->is_on_its_side && !head->row_count && head->out->has[ROLE_NAME], head,
-                 "a list of names has those of areas or positions (C3)");
+                 "a list of places has names of areas or of positions (C3)");
         for (size_t i = 0; i < head->family_count; i++) {
             const struct family *family = &head->families[i];
             bool is_other = !are_voxels && (family->kind == UNKNOWN || family->kind == TURNED);
-            FAULT_IF(is_other, head, "only if %s are positions, call them x y z", FAMILY_SHOWN(head, family));
+            FAULT_IF(is_other, head, "only if %s are positions, and no direction, call them x y z",
+                     FAMILY_SHOWN(head, family));
             are_others = are_others || is_other;
         }
         FAULT_IF(head->row_count && !head->is_on_its_side && !are_voxels && !are_others && !head->words.at[0].size,
@@ -886,8 +895,8 @@ static void choose_families(struct head *head)
         drop_role(head, ROLE_DEPTH);
     }
     FAULT_IF(out->has[ROLE_DEPTH], head,
-             "depth needs a direction: add tx ty tz, dx dy dz or tilt_ml tilt_ap, or delete depth; only in space ccf "
-             "and bregma it is straight down");
+             "depth needs a direction: add dx dy dz, a target tx ty tz, or tilt_ml tilt_ap; without depth the rows are "
+             "points");
     FAULT_IF(out->has[ROLE_NEAR] || out->has[ROLE_FAR], head,
              "near and far are depths along a direction: tx ty tz, dx dy dz or qw qx qy qz");
     if (!named) { /* the user's word is enough */
@@ -1039,13 +1048,11 @@ static void refuse_lone_end(struct head *head)
         bool has_name = head->cells[i].given > head->cells[i].numbers && out->role_of[i] == ROLES &&
                         text_is_one_of(text_from(s), "target/entry", true);
         if (has_name && out->has[ROLE_NAME] && out->has[ROLE_X]) {
-            FAULT(
-                head,
-                "column \"%.*s\" beside %s %s %s: if it is a word about each point, type '%s,x=%s,y=%s,z=%s'; if each "
-                "axis %s there, give that place as %s_x %s_y %s_z",
-                POSE_QUOTE(head->line.cells[i]), out->shown[ROLE_X], out->shown[ROLE_X + 1], out->shown[ROLE_X + 2],
-                out->file, out->shown[ROLE_X], out->shown[ROLE_X + 1], out->shown[ROLE_X + 2],
-                s[0] == 't' ? "ends" : "begins", s, s, s);
+            FAULT(head,
+                  "column \"%.*s\": if it only names each point, type '%s,x=%s,y=%s,z=%s'; if the axis %s there, add "
+                  "%s_x %s_y %s_z",
+                  POSE_QUOTE(head->line.cells[i]), out->file, out->shown[ROLE_X], out->shown[ROLE_X + 1],
+                  out->shown[ROLE_X + 2], s[0] == 't' ? "ends" : "begins", s, s, s);
         }
     }
 }
@@ -1579,50 +1586,58 @@ static const char *separator_of(const struct table *table)
     return texts[table->separator];
 }
 
+/* A header for a line: its numbers are called by @p labels in turn, its first other cell is a name. */
+static void name_cells(char *out, size_t size, const struct table *table, const struct table_line *line,
+                       const char *labels)
+{
+    struct text rest = text_from(labels);
+    bool more = true;
+    *out = '\0';
+    for (size_t i = 0; i < line->given; i++) {
+        double value;
+        char word[32];
+        struct text label = {word, 0};
+        if (!table_number(&value, table, line->cells[i]) || !text_field(&rest, '/', &more, &label)) {
+            label.size = (size_t)snprintf(word, sizeof word, strstr(out, "name") ? "word%zu" : "name", i + 1);
+        }
+        const size_t used = strlen(out);
+        snprintf(out + used, size - used, "%s%.*s", i ? separator_of(table) : "", TEXT_SHOW(label, sizeof word));
+    }
+}
+
 /* A table without a header whose first row is no point: what it could be, and the line that says so. */
 static void refuse_bare(const struct head *head)
 {
     const struct table *table = &head->out->table;
-    const char *s = separator_of(table);
     struct text rest = head->text;
     struct text text = {"", 0};
     struct table_line line;
     for (size_t number = 0; number < table->first && text_line(&rest, &text); number++) {
     }
-    size_t numbers = table_split(&line, table, text) ? table_numbers(&line) : 0;
-    bool is_in_front = true; /* each cell but the last three */
-    double value;
-    char names[160] = ""; /* for a row of three numbers */
-    for (size_t i = 0, found = 0; i < line.given; i++) {
-        bool is_number = table_number(&value, table, line.cells[i]);
-        size_t used = strlen(names);
-        char word[32];
-        snprintf(word, sizeof word, i || is_number ? "word%zu" : "name", i + 1);
-        is_in_front = is_in_front && (i + 3 < line.given || is_number);
-        snprintf(names + used, sizeof names - used, "%s%s", i ? s : "",
-                 is_number ? (const char *const[]){"x", "y", "z"}[found % 3] : word);
-        found += is_number;
-    }
+    const size_t numbers = table_split(&line, table, text) ? table_numbers(&line) : 0;
+    char last[160], first[160]; /* for a row whose point is in these three numbers */
+    name_cells(last, sizeof last, table, &line, numbers == 4 ? "row/x/y/z" : "x/y/z");
+    name_cells(first, sizeof first, table, &line, "x/y/z/value");
     const struct text shown = text_trim(text);
     const char *commas = table->separator == TABLE_COMMAS && numbers <= 6
-                             ? "; are they decimal commas? Put a semicolon or a tab between numbers then"
+                             ? "if commas are decimal, put a semicolon or a tab between numbers; else "
                              : "";
     if (numbers == 3) {
         job_bad(head->job,
                 "no header, and other words beside the x y z of a point than a name: \"%.*s\"; put a line of names in "
                 "front: \"%s\"",
-                TEXT_SHOW(shown, 60), names);
+                TEXT_SHOW(shown, 60), last);
     } else if (numbers == 4) {
         job_bad(head->job,
-                "no header, and 4 numbers in a line: in \"%.*s\" the point is in the first three (then a value or "
-                "radius) or in the last three (before them the row's number); put a line in front that says which: "
-                "\"x%sy%sz%svalue\" or \"row%sx%sy%sz\"%s%s",
-                TEXT_SHOW(shown, 60), s, s, s, s, s, s, is_in_front ? "" : ", with a word for each column", commas);
+                "no header, and 4 numbers in a line: \"%.*s\"; %sput a line in front that says whether the point is in "
+                "the first three (\"%s\") or in the last three (\"%s\")",
+                TEXT_SHOW(shown, 60), commas, first, last);
     } else {
+        const char *s = separator_of(table);
         job_bad(head->job,
-                "no header, and %zu numbers in a line, neither the 16 of a matrix nor the x y z of a point: "
-                "\"%.*s\"; put a line of names in front, a word for each column, x%sy%sz among them%s",
-                numbers, TEXT_SHOW(shown, 60), s, s, commas);
+                "no header, and %zu numbers in a line, neither the 16 of a matrix nor the x y z of a point: \"%.*s\"; "
+                "%sput a line of names in front, a word for each column, x%sy%sz among them",
+                numbers, TEXT_SHOW(shown, 60), commas, s, s);
     }
 }
 
@@ -1678,8 +1693,9 @@ static void plan_bare(struct head *head)
         }
         job_bad(job,
                 is_table ? "header: \"%.*s\": no names of columns, but the first line of a table has names"
-                         : "\"%.*s\": neither names of columns nor three numbers in a line; " POSE_FORMATS
-                           " is needed; a list of names has those of areas or positions (C3)",
+                         : "\"%.*s\": neither names of columns nor three numbers in a line; needed are a header and "
+                           "a line per pose, lines of x y z or of names (of areas, or C3), a 4 x 4 matrix, or another "
+                           "program's file",
                 POSE_QUOTE(line));
     } else if (!has_points(head)) {
         refuse_bare(head);

@@ -246,7 +246,9 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
         [POSE_BRAIN_MNI152] = CONUS_BRAIN_MNI152,     [POSE_BRAIN_TALAIRACH] = CONUS_BRAIN_TALAIRACH,
         [POSE_BRAIN_TEMPLATE] = CONUS_BRAIN_TEMPLATE, [POSE_BRAIN_COLIN27] = CONUS_BRAIN_COLIN27,
         [POSE_BRAIN_MNI305] = CONUS_BRAIN_MNI305,     [POSE_BRAIN_ANIMAL] = CONUS_BRAIN_TEMPLATE,
-        [POSE_BRAIN_MOUSE] = CONUS_BRAIN_TEMPLATE,    [POSE_BRAIN_OTHER] = CONUS_BRAIN_OWN};
+        [POSE_BRAIN_MOUSE] = CONUS_BRAIN_TEMPLATE,    [POSE_BRAIN_OTHER] = CONUS_BRAIN_OWN,
+        [POSE_BRAIN_FRAME] = CONUS_BRAIN_OWN};
+    const bool is_of_frame = space->brain == POSE_BRAIN_FRAME;
     char words[192];
     char at[sizeof space->name + 32];
     double c[3];
@@ -276,9 +278,10 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
     if (!view.brain || !brain) {
         return notes_warn(
             notes, "positions are in %s; it is not known whether the atlas (%s) is in the same space%s", at, words,
-            brain == CONUS_BRAIN_OWN ? "; ',template=none' behind ATLAS says that it is this person's" : "");
+            brain == CONUS_BRAIN_OWN && !is_of_frame ? "; ',template=none' behind ATLAS says that it is this person's"
+                                                     : "");
     }
-    if (view.brain == CONUS_BRAIN_OWN && brain == CONUS_BRAIN_OWN) {
+    if (view.brain == CONUS_BRAIN_OWN && brain == CONUS_BRAIN_OWN && !is_of_frame) {
         return notes_warn(notes, "positions are in %s; they must be in the world of the person's scan, as the atlas is",
                           at);
     }
@@ -288,7 +291,7 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
                                             : space->brain == POSE_BRAIN_ANIMAL ? "voxels"
                                                                                 : "",
                                   .words = text_mentions(text_from(view.words), space->name) ? view.words : at};
-    switch (conus_brain_compare(own, view)) {
+    switch (is_of_frame ? CONUS_BRAIN_GAP_OTHER : conus_brain_compare(own, view)) {
     case CONUS_BRAIN_GAP_NONE:
         return CONUS_OK;
     case CONUS_BRAIN_GAP_SMALL:
@@ -298,11 +301,11 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
                           words);
     default:
         return fail(CONUS_ERROR_DATA,
-                    "positions are in %s, the atlas in another space (%s): the areas named would be wrong; needed "
-                    "is the same list in the atlas's space%s",
+                    "positions are in %s, the atlas in another space (%s): areas would be wrong; convert them to the "
+                    "atlas's space%s",
                     at, words,
-                    brain == CONUS_BRAIN_OWN && !is_tkras
-                        ? ", or 'ATLAS,template=none' for an atlas that is that person's own"
-                        : "");
+                    brain != CONUS_BRAIN_OWN || is_tkras ? ""
+                    : is_of_frame                        ? ", by way of the scan"
+                                  : ", or take an atlas of that person's scan ('ATLAS,template=none')");
     }
 }

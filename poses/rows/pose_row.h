@@ -165,7 +165,8 @@ enum pose_brain {
     POSE_BRAIN_MNI305,
     POSE_BRAIN_ANIMAL, /**< A template of another animal than the mouse. */
     POSE_BRAIN_MOUSE,
-    POSE_BRAIN_OTHER /**< Somebody's own, but not, or not surely, in the world of its scan: tkRAS, n/a. */
+    POSE_BRAIN_FRAME, /**< The axes of a stereotactic frame or of a head, which no image has. */
+    POSE_BRAIN_OTHER  /**< Somebody's own, but not, or not surely, in the world of its scan: tkRAS, n/a. */
 };
 
 /** All 0: the file names none. */
@@ -325,7 +326,7 @@ double space_unit_mm(struct text name);
 /** Why such a unit is refused, and voxels. */
 extern const char space_why_unit[], space_why_voxels[];
 
-/** What --any-space does with positions of @p space: "--any-space takes them as RAS mm of the atlas (...)". */
+/** When --any-space is right for positions of @p space: "only if they are RAS mm of the atlas (...), type ...". */
 const char *space_any(conus_space space);
 
 /** Why positions in tkRAS are refused. */

@@ -27,9 +27,9 @@ enum { TOKENS = 64, SIGNS = 100, CELL_TOKENS = 4 };
 static const char why_origin[] = "counted from a point that is not the atlas's origin; convert them to its space";
 static const char why_bregma[] =
     "counted from bregma; --space bregma reads them as AP, ML, DV, and needs an atlas of the Allen CCF";
-static const char why_code[] =
-    "a code of axes that is read only in AFNI's own reports; bring the columns to RAS, and say so";
-const char space_why_voxels[] = "voxels of an image that is not in the file; export them in mm";
+static const char why_code[] = "a code of axes: AFNI's say where they begin (RAI is LPS), others where they end; turn "
+                               "the columns to RAS, and write RAS";
+const char space_why_voxels[] = "voxels, not mm: convert them to mm of the atlas's space";
 
 static const struct row {
     const char *words; /* several of one row in one word: "ac pc" */
@@ -45,7 +45,8 @@ static const struct row {
     {"macaque/macaca/monkey/rhesus/marmoset/baboon/rat/ferret/pig", WEAK, POSE_BRAIN_ANIMAL, NULL, NULL},
     {"mouse/mus musculus", WEAK, POSE_BRAIN_MOUSE, NULL, NULL},
     {"radiological", STRONG, 0, NULL,
-     "left and right may be exchanged; --space lps reads x to the left and y to the back"},
+     "left and right may be exchanged: turn the sign of x if x > 0 is left, or type --space lps if y > 0 is the back, "
+     "too"},
     {"mni/mni152/icbm/icbm152", STRONG, POSE_BRAIN_MNI152, "MNI 152", NULL},
     {"mcp/earbar/earbars/ear/ears/tragus/interaural/lambda/dura/pia/midcommissural/posterior commissure", ORIGIN, 0,
      NULL, why_origin},
@@ -56,7 +57,8 @@ static const struct row {
     {"bregma", ALONE, 0, NULL, why_bregma},
     {"nasion/inion/vertex/preauricular/pc/corner/first voxel/center/centre", AT, 0, NULL, why_origin},
     {"mcp/midcommissural/interaural", WEAK, 0, NULL, why_origin},
-    {"native/scanner/acpc/ac pc/leksell/crw/scs/ctf/dicom", ALONE, POSE_BRAIN_SUBJECT, NULL, NULL},
+    {"native/scanner/acpc/ac pc/dicom", ALONE, POSE_BRAIN_SUBJECT, NULL, NULL},
+    {"leksell/crw/scs/ctf", ALONE, POSE_BRAIN_FRAME, NULL, NULL},
     {"individual/head/device", WEAK, POSE_BRAIN_SUBJECT, NULL, NULL},
     {"freesurfer/brainvoyager", WEAK, POSE_BRAIN_OTHER, NULL, NULL},
     {"t1/t1w/t2/t2w/ct/flair/mri/patient/patient s/subject/subject s/participant/frame", FRONT, POSE_BRAIN_SUBJECT,
@@ -832,7 +834,8 @@ void space_words_hear_name(struct space_words *words, struct text name)
     for (size_t i = 0; i < sentence.count; i++) {
         words->may_be_lps = words->may_be_lps || token_is(&sentence, i, "lps");
         if (!words->heard[0] && token_is(&sentence, i, "native/acpc/scanner/leksell")) {
-            words->space = pose_space_named(sentence.tokens[i], POSE_BRAIN_SUBJECT);
+            words->space = pose_space_named(sentence.tokens[i],
+                                            token_is(&sentence, i, "leksell") ? POSE_BRAIN_FRAME : POSE_BRAIN_SUBJECT);
         }
     }
 }
@@ -869,16 +872,16 @@ bool space_words_hear_cell(struct space_words *words, struct text cell, bool str
 }
 
 const char space_why_tkras[] =
-    "FreeSurfer's tkRAS, from the middle of an image that is not in the file: for an atlas of the same person save "
-    "scanner RAS (Freeview has both), for one in MNI bring the points to MNI; --any-space is for an atlas in tkRAS";
+    "FreeSurfer's tkRAS: for an atlas in MNI bring the points to MNI, for one of the same person save scanner RAS "
+    "(Freeview has both); --any-space is only for an atlas in tkRAS";
 
 const char *space_any(conus_space space)
 {
     static const char *const ways[] = {
-        [CONUS_SPACE_RAS] = "--any-space takes them as RAS mm of the atlas (x right, y front, z top)",
-        [CONUS_SPACE_LPS] = "--any-space takes them as LPS mm of the atlas (x left, y back, z top)",
-        [CONUS_SPACE_CCF] = "--any-space takes them as CCF (AP, DV, ML)",
-        [CONUS_SPACE_BREGMA] = "--any-space takes them as from bregma (AP, ML, DV)",
+        [CONUS_SPACE_RAS] = "only if they are RAS mm of the atlas (x right, y front, z top), type --any-space",
+        [CONUS_SPACE_LPS] = "only if they are LPS mm of the atlas (x left, y back, z top), type --any-space",
+        [CONUS_SPACE_CCF] = "only if they are CCF (AP, DV, ML), type --any-space",
+        [CONUS_SPACE_BREGMA] = "only if they are from bregma (AP, ML, DV), type --any-space",
     };
     return ways[space];
 }

@@ -732,7 +732,7 @@ conus_status plan_check_sides(const struct plan_constraint *structure, const str
         object->kind == CONUS_KIND_AREA && atlas_parcellation(atlas) && !atlas->half_step && !atlas->has_ccf;
     char way[2 * SHOWN + 64] = "";
     if (is_split) {
-        snprintf(way, sizeof way, "; choose one: --hemispheres split, and \"%.*s left\" or \"%.*s right\"", SHOWN,
+        snprintf(way, sizeof way, "; type --hemispheres split, and as the name \"%.*s left\" or \"%.*s right\"", SHOWN,
                  object->name, SHOWN, object->name);
     }
     return fail(CONUS_ERROR_ARGUMENT, "%s lies on both sides: %.2f cm3 left, %.2f cm3 right%s", object->name,

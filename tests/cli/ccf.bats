@@ -245,7 +245,7 @@ END
 
 @test "frames and units that cannot be right are refused" {
     printf 'ap\tdv\tml\ttap\ttdv\ttml\n5400\t-1000\t5739\t5400\t4000\t5739\n' >"$BATS_TEST_TMPDIR/mouse.tsv"
-    fails 3 'ap ml dv: from bregma (mm) or in the CCF (um) they need an atlas of the Allen CCF' query ras.nii --pose "$BATS_TEST_TMPDIR/mouse.tsv"
+    fails 3 'from bregma (mm) or in the CCF (um) they need an atlas of the Allen CCF' query ras.nii --pose "$BATS_TEST_TMPDIR/mouse.tsv"
     conus phantom nested -o "$BATS_TEST_TMPDIR"
     fails 3 'not known to be the Allen CCF' query "$BATS_TEST_TMPDIR/nested.nii.gz" --space ccf --point 1,2,300 --radius 1
     fails 3 'positions there are in mm, not micrometres' query ras.nii --space bregma --point -3400,2000,-2500 --radius 1

@@ -37,7 +37,7 @@ first_line() {
         query sphere.nii.gz --point '1L 2P 3S' --space lps
     fails 2 '--origin: no area has the name, abbreviation or label "Sphera"; did you mean "Sphere"?' \
         query sphere.nii.gz --origin Sphera --toward 0,0,0
-    fails 2 '--toward: Sphere lies on both sides: 16.78 cm3 left, 16.78 cm3 right; choose one: --hemispheres split, and "Sphere left" or "Sphere right"' \
+    fails 2 '--toward: Sphere lies on both sides: 16.78 cm3 left, 16.78 cm3 right; type --hemispheres split, and as the name "Sphere left" or "Sphere right"' \
         query sphere.nii.gz --origin 0,-90,0 --toward Sphere
     fails 2 'near: is nearest to the other end, which is no near: then' \
         query sphere.nii.gz --origin near:Sphere --toward near:Sphere

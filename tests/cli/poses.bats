@@ -40,7 +40,7 @@ answered() {
     fails 3 'poses.tsv: header: only some of the columns x y z: x y, without z; columns found' \
         query sphere.nii.gz --pose poses.tsv
     printf 'dx\tdy\tdz\n0\t0\t100\n' >poses.tsv
-    fails 3 'poses.tsv: header: x y z are needed: no columns say where rows are' query sphere.nii.gz --pose poses.tsv
+    fails 3 'poses.tsv: header: x y z, the positions, are missing' query sphere.nii.gz --pose poses.tsv
 }
 
 @test "hostile: wrong counts of fields" {
@@ -420,7 +420,7 @@ data32="0" data33="1"/></Marker></InstrumentMarker>'
         [ "$output" = "$wanted" ]
     done
     need_aal
-    fails 3 '; --atlas-transform FILE brings the atlas to them, --any-space takes them as positions in the atlas' \
+    fails 3 ', or move the atlas there (--atlas-transform); only if they are in the atlas' \
         batch "$aal" --poses "$SAMPLES/brainsight.txt"
 }
 
@@ -553,7 +553,7 @@ data32="0" data33="1"/></Marker></InstrumentMarker>'
     fails 3 'metres: type abc.csv,x=a,y=b,z=c,unit=m; if they are mm, abc.csv,x=a,y=b,z=c,unit=mm' \
         query sphere.nii.gz --pose abc.csv,x=a,y=b,z=c
     printf 'name,x_lps,y_lps,z_lps\nleft A,-42,-20,50\nright B,38,14,-4\n' >lps.csv # --space cannot turn these
-    fails 3 'right on the left; mend x or the names; if all is right, type lps.csv,sides=anyway' \
+    fails 3 'right on the left; mend x, or mend the names; if all is right, type lps.csv,sides=anyway' \
         query sphere.nii.gz --pose lps.csv
 }
 
@@ -569,7 +569,7 @@ data32="0" data33="1"/></Marker></InstrumentMarker>'
     header x,y,z,qw,qx,notes
     fails 3 'only some of the columns qw qx qy qz' query sphere.nii.gz --pose bad.csv
     header x,y,z,a,b,roll
-    fails 3 'column "roll" beside x y z is not read: without it the rows are points' query sphere.nii.gz --pose bad.csv
+    fails 3 'column "roll" beside x y z is not read: without it the rows are points; a direction is dx dy dz' query sphere.nii.gz --pose bad.csv
     header coil_x,coil_y,coil_z,angle,a,b
     sed -i 's/0,0,0$/7,0,0/' bad.csv
     fails 3 'column "angle" is the opening of a cone, which needs a direction' query sphere.nii.gz --pose bad.csv

@@ -56,7 +56,7 @@ static void fiducials_are_read_strictly(void **state)
     (void)state;
     static const char head[] = "# Markups fiducial file version = 4.11\n# CoordinateSystem = RAS\n";
     pose_text_refuse(text_from("# Markups fiducial file version = 4.11\n# CoordinateSystem = 2\n"), NULL,
-                     "CoordinateSystem \"2\": voxels of an image");
+                     "CoordinateSystem \"2\": voxels, not mm: save it again in RAS or LPS");
     pose_text_refuse(text_from("# columns = id,x,y,z,z,label\n"), NULL, "a column z twice");
     pose_text_refuse(text_from("# Fiducial List file\n# columns = label,x,y\n"), NULL,
                      "columns: \"label,x,y\", x, y and z are needed");

@@ -154,7 +154,7 @@ static void other_formats_are_not_in_ccf(void **state)
     refuse("qw,qx,qy,qz,x,y,z\n1,0,0,0,5400,332,5739\n", &in_ccf, "rotations");
     refuse("1 0 0 5400 0 1 0 332 0 0 1 5739 0 0 0 1\n", &in_ccf, "format matrix are not in space ccf");
     refuse("ap,dv,ml,ap,dx,dy,dz\n", &in_ccf, "\"ap\" twice");
-    refuse("ap,dv,ml,dx,dy,dz\n", NULL, "x y z are needed");
+    refuse("ap,dv,ml,dx,dy,dz\n", NULL, "x y z, the positions, are missing");
     assert_fails(conus_pose_list_load(&list, pose_sample("brainsight.txt"), &from_bregma), CONUS_ERROR_DATA);
     assert_fails(conus_pose_list_load(&list, pose_sample("lines.mrk.json"), &in_ccf), CONUS_ERROR_DATA);
     assert_fails(pose_list_parse(&list, text_from("1 2 3\n"), &no_frame), CONUS_ERROR_UNSUPPORTED);

@@ -47,7 +47,7 @@ def test_names_in_a_file_are_places(atlas, tmp_path):
     assert poses.origins[3].tolist() == atlas.place("1020:C3").point.tolist()
     assert "Both lies on both sides" in poses.errors[1] and np.isnan(poses.origins[1]).all()
     assert np.allclose(poses.radii, [5, np.nan, 0, np.nan], equal_nan=True)
-    with pytest.raises(conus.DataError, match="x y z are needed"):
+    with pytest.raises(conus.DataError, match="x y z, the positions, are missing"):
         conus.read_poses(path)
 
 

@@ -133,10 +133,9 @@ static void what_is_hidden_has_the_same(void **state)
 static void an_area_on_both_sides_is_refused(void **state)
 {
     (void)state;
-    refuse_place(
-        "Both",
-        "Both lies on both sides: 0.02 cm3 left, 0.02 cm3 right; choose one: --hemispheres split, and \"Both left\" "
-        "or \"Both right\"");
+    refuse_place("Both", "Both lies on both sides: 0.02 cm3 left, 0.02 cm3 right; type --hemispheres split, and as the "
+                         "name \"Both left\" "
+                         "or \"Both right\"");
     assert_null(strstr(conus_message(), "near:"));
     refuse_place("centroid:Both", "Both lies on both sides"); /* its inner point is no advice */
     const conus_place_options options = {.has_axis = true};
