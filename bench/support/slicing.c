@@ -39,7 +39,7 @@ conus_status slicing_init(struct slicing *out, uint32_t slices)
     glVertexArrayVertexBuffer(out->vertices, 0, out->buffer, 0, sizeof *out->polygons);
     glEnableVertexArrayAttrib(out->vertices, 0);
     glVertexArrayAttribFormat(out->vertices, 0, 4, GL_FLOAT, GL_FALSE, 0);
-    return colour_program_create(&out->program, &vertex, COLOUR_SLICES, NULL);
+    return colour_program_create(&out->program, &vertex, COLOUR_SLICES, NULL, true);
 }
 
 void slicing_finish(struct slicing *slicing)

@@ -18,8 +18,7 @@ struct colour_gl {
     struct colour_device device;
     struct gl_context *context;
     struct gl_current previous; /* what was current before enter() */
-    GLuint program;             /* Over one triangle on the screen. */
-    GLuint layer_program;       /* The same for translucent pictures; 0 until one is drawn. */
+    GLuint programs[2][2];      /* Over one triangle on the screen, [translucent][with a context]; 0 until needed. */
     GLuint view, palette, opacities, vertices;
     GLuint tiles;              /* All that is drawn now; 0 = all of the picture. */
     struct mesh_layer *meshes; /* NULL if there are none. */
@@ -89,8 +88,13 @@ static void put_look(uint8_t *out, const struct colour_pass *pass, const struct 
     memcpy(out + 4 * count * sizeof *pass->shown, pass->opacity, count * sizeof *pass->opacity);
 }
 
+static bool shows_context(const struct colour_pass *pass, const struct colour_view *view)
+{
+    return pass->may_have_context && view->fade < 1;
+}
+
 conus_status colour_program_create(GLuint *out, const struct program_shader *vertex, enum colour_program kind,
-                                   const struct colour_pass *pass)
+                                   const struct colour_pass *pass, bool has_context)
 {
     const struct program_define defines[] = {{"MARKER_LIMIT", COLOUR_MARKER_LIMIT},
                                              {"TRANSFER_ENTRIES", COLOUR_TABLE_ENTRIES},
@@ -103,7 +107,7 @@ conus_status colour_program_create(GLuint *out, const struct program_shader *ver
                                              {"LOOK_MARKER_EDGE", LOOK_MARKER_EDGE},
                                              {"TRANSLUCENT", kind == COLOUR_LAYERS},
                                              {"AREAS", !pass || pass->may_have_areas},
-                                             {"CONTEXT", !pass || pass->may_have_context},
+                                             {"CONTEXT", has_context},
                                              {"HAZE", !pass || pass->hazy.transfers}};
     const struct program_shader more = {"colour_layers.glsl", shader_colour_layers};
     const struct program_source source = {.vertex = *vertex,
@@ -114,20 +118,18 @@ conus_status colour_program_create(GLuint *out, const struct program_shader *ver
     return program_create(out, &source);
 }
 
-static conus_status need_program(GLuint *program, enum colour_program kind, const struct colour_pass *pass)
+static conus_status need_program(struct colour_gl *gl, const struct colour_pass *pass, bool layers, bool has_context)
 {
     static const struct program_shader screen = {.file = "screen.vert.glsl", .text = shader_screen_vert};
-    return *program ? CONUS_OK : colour_program_create(program, &screen, kind, pass);
+    GLuint *program = &gl->programs[layers][has_context];
+    return *program ? CONUS_OK
+                    : colour_program_create(program, &screen, layers ? COLOUR_LAYERS : COLOUR_RAYS, pass, has_context);
 }
 
 static conus_status prepare(struct colour_device *device, const struct colour_pass *pass)
 {
     struct colour_gl *gl = (struct colour_gl *)device;
     const GLsizeiptr count = (GLsizeiptr)(1 + pass->object_count + pass->around_count);
-    conus_status status = need_program(&gl->program, COLOUR_RAYS, pass);
-    if (status) {
-        return status;
-    }
     glCreateBuffers(1, &gl->palette);
     glNamedBufferData(gl->palette, count * 4 * (GLsizeiptr)sizeof *pass->colours, NULL, GL_DYNAMIC_DRAW);
     glCreateBuffers(1, &gl->opacities);
@@ -187,11 +189,16 @@ void colour_gl_prepare(const struct colour_pass *pass, const struct colour_view 
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, TILE_BUFFER, gl->tiles ? gl->tiles : gl->palette); /* any, not read */
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, gl->opacities);
     glBindVertexArray(gl->vertices);
-    glUseProgram(layers ? gl->layer_program : gl->program);
+    glUseProgram(gl->programs[layers][shows_context(pass, view)]);
 }
 
 conus_status colour_gl_draw(const struct colour_pass *pass, const struct colour_view *view)
 {
+    conus_status status =
+        need_program(gl_of(pass), pass, colour_pass_has_layers(pass, view), shows_context(pass, view));
+    if (status) {
+        return status;
+    }
     colour_gl_prepare(pass, view);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     return gl_check("colour pass");
@@ -284,10 +291,7 @@ static conus_status draw(float *rgba, struct colour_device *device, const struct
                          const struct colour_view *view, const struct colour_edges *edges)
 {
     struct colour_gl *gl = (struct colour_gl *)device;
-    const bool layers = colour_pass_has_layers(pass, view);
-    conus_status status =
-        need_program(layers ? &gl->layer_program : &gl->program, layers ? COLOUR_LAYERS : COLOUR_RAYS, pass);
-    status = status ? status : resize_target(&gl->target, view);
+    conus_status status = resize_target(&gl->target, view);
     if (status) {
         gl->is_plain = false;
         return status;
@@ -306,14 +310,15 @@ static const char *name(const struct colour_device *device)
 static void destroy(struct colour_device *device)
 {
     struct colour_gl *gl = (struct colour_gl *)device;
-    if (gl->program && !enter(device)) { /* otherwise there may be no GL at all */
+    if (gl->view && !enter(device)) { /* otherwise there may be no GL at all */
         const GLuint buffers[] = {gl->view, gl->palette, gl->opacities};
         mesh_layer_destroy(gl->meshes);
         target_finish(&gl->target);
         glDeleteBuffers(sizeof buffers / sizeof *buffers, buffers);
         glDeleteVertexArrays(1, &gl->vertices);
-        glDeleteProgram(gl->program);
-        glDeleteProgram(gl->layer_program);
+        for (int n = 0; n < 4; n++) {
+            glDeleteProgram(gl->programs[n / 2][n % 2]);
+        }
         leave(device);
     }
     gl_context_destroy(gl->context);

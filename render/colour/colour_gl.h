@@ -26,8 +26,8 @@ enum colour_program {
                            on the plane's number as `layout(location = 0) flat out float`.                    */
 };
 
-/** @p pass NULL = for areas, a context and haze; else the program does not look for what its atlas never has. */
+/** @p pass NULL = for areas and haze; else the program does not look for what its atlas never has. */
 conus_status colour_program_create(GLuint *out, const struct program_shader *vertex, enum colour_program kind,
-                                   const struct colour_pass *pass);
+                                   const struct colour_pass *pass, bool has_context);
 
 #endif

@@ -450,8 +450,8 @@ static bool is_entered(const struct picture *picture, uint32_t number)
     return found && count > 0;
 }
 
-/* Adds rows for bundles that are not hit first and of which streamlines are coloured in the cone, while they are few,
- * and one that says that other areas are left out. */
+/* Adds rows for bundles that are not hit first and of which streamlines are coloured in the cone, while they are few.
+ */
 static void add_pathways(struct picture_legend *out, const struct picture *picture)
 {
     const conus_atlas *atlas = picture->atlas;
@@ -463,7 +463,14 @@ static void add_pathways(struct picture_legend *out, const struct picture *pictu
             set_tube_chip(row, out, picture);
         }
     }
-    if ((pathways_first(atlas) || pathways_shown(atlas)) && atlas_parcellation_count(atlas) && leaves_out(picture)) {
+}
+
+/* Adds a row that says so where areas are left out; without a cone, only below others. */
+static void add_left_out(struct picture_legend *out, const struct picture *picture)
+{
+    const conus_atlas *atlas = picture->atlas;
+    if ((pathways_first(atlas) || pathways_shown(atlas)) && atlas_parcellation_count(atlas) && leaves_out(picture) &&
+        (picture->options.selection || out->legend.count)) {
         struct legend_row *row = add_row(out, "other areas");
         row->plain = true;
         row->detail[0] = "not drawn";
@@ -828,6 +835,7 @@ static conus_status fill_rows(struct picture_legend *out, const struct picture *
     if (selection) {
         add_pathways(out, picture);
     }
+    add_left_out(out, picture);
     add_groups(out, picture);
     const size_t count = out->legend.count;
     if (count && conus_atlas_exchanged(picture->atlas)) { /* for whoever reads sides off the names */

@@ -317,7 +317,6 @@ static void hide_in_atlas(struct viewer *viewer, struct view_atlas *view)
             view->shown.hidden[number] = conus_atlas_is_hidden(view->atlas, number);
         }
     }
-    view_atlas_find_cover(view);
     if (viewer->painter) {
         painter_resume(viewer->painter);
     }

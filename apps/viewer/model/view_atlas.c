@@ -22,13 +22,6 @@ static conus_status find_box(struct view_atlas *view)
     return hides && !status ? conus_atlas_set_hidden(view->atlas, view->shown.hidden) : status;
 }
 
-void view_atlas_find_cover(struct view_atlas *view)
-{
-    if (conus_context_is_covered(&view->is_covered, view->atlas)) {
-        view->is_covered = false; /* of one grey, or none */
-    }
-}
-
 bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
 {
     struct view_atlas view = {.atlas = source->atlas,
@@ -49,7 +42,6 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
         view_atlas_finish(&view);
         return false;
     }
-    view_atlas_find_cover(&view);
     size_t context = view_atlas_context(&view);
     if (context == conus_atlas_volume_count(view.atlas) || conus_atlas_window(view.found_grey, view.atlas, context)) {
         view.found_grey[0] = view.found_grey[1] = 0;

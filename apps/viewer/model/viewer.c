@@ -371,14 +371,20 @@ uint32_t viewer_full(const struct viewer *viewer)
     return is_neutral(viewer) ? 0 : viewer->drawn->shown.chosen;
 }
 
-double viewer_fade(const struct viewer *viewer)
+bool viewer_leaves_context(const struct viewer *viewer)
 {
     const struct view_atlas *view = viewer->drawn;
-    bool is_within = view->is_covered && !view_atlas_shows_tracts(view);
-    for (size_t number = 0; number <= view->object_count && is_within; number++) {
-        is_within = !(view->appearance.opacity[number] < 1); /* NaN: as the first says */
+    bool leaves = !view_atlas_shows_tracts(view);
+    for (size_t number = 0; number <= view->object_count && leaves; number++) {
+        leaves = !(view->appearance.opacity[number] < 1); /* NaN: as the first says */
     }
-    return is_within ? 1 : viewer->display.fade;
+    return leaves;
+}
+
+double viewer_fade(const struct viewer *viewer)
+{
+    const bool is_gone = viewer->painter && viewer_leaves_context(viewer) && painter_finds_cover(viewer->painter);
+    return is_gone ? 1 : viewer->display.fade;
 }
 
 struct answer *viewer_pictured(const struct viewer *viewer)

@@ -144,7 +144,6 @@ struct view_atlas {
     const char **prefixes; /**< [object_count + 1] Of conus_atlas_prefixes(). */
     double found_grey[2];  /**< Grey values of the context that the cuts show as black and white, unless the look says
                             others: what air and bright tissue have; both 0 without one. */
-    bool is_covered;       /**< conus_context_is_covered() */
     struct appearance appearance;
     struct shown_objects shown;
     struct file_watch *watch;
@@ -167,8 +166,6 @@ struct view_source {
 bool view_atlas_init(struct view_atlas *out, const struct view_source *source);
 /** Ends all but the atlas itself. */
 void view_atlas_finish(struct view_atlas *view);
-/** Finds anew whether the areas that are shown cover the context, as figures ask. */
-void view_atlas_find_cover(struct view_atlas *view);
 
 /** Asks for what is in the cone of a tool, of full opening @p angle, degrees. Where that fails, there is no answer. */
 conus_status view_atlas_select(struct view_atlas *view, enum tool_number tool, const conus_selector_options *options,
@@ -448,8 +445,11 @@ size_t viewer_rank(const struct viewer *viewer, uint32_t object);
 /** The answer that pictures show the colours of: before there is a cone one without a hit; NULL = none, and all have
  * the colours of their file. */
 struct answer *viewer_pictured(const struct viewer *viewer);
-/** How much the context is thinned in 3-D: it is gone where it lies within areas through which nothing is seen. */
+/** How much the context is thinned in the newest picture in 3-D: it is gone where areas cover it through which nothing
+ * is seen. */
 double viewer_fade(const struct viewer *viewer);
+/** Whether nothing is seen through any area, and areas are not left out: a context that they cover is not drawn. */
+bool viewer_leaves_context(const struct viewer *viewer);
 /** Grows with what cuts show: not with moves after which their colours are the same. */
 unsigned viewer_cut_version(const struct viewer *viewer);
 /** sRGB of an object that has this place; 0 = none. */

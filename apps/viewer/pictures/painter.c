@@ -3,6 +3,7 @@
 #include "viewer/pictures/pictures.h"
 
 #include "base/system/system.h"
+#include "conus/own.h"
 #include "options/progress.h"
 
 #include <math.h>
@@ -45,10 +46,12 @@ struct painter {
     char error[MESSAGE_SIZE];
     char device[160];
     bool has_update;
+    bool is_covered;                            /* the context, by areas that are shown */
     conus_transfer_point used[TRANSFER_POINTS]; /* the transfer function in use */
     size_t used_count;
 
     /* the thread's own */
+    bool knows_cover; /* is_covered is of the areas that are shown now */
     const conus_atlas *atlas;
     char *transfer;
     double *opacity;
@@ -62,8 +65,9 @@ struct painter {
 
 bool painting_shows_same(const struct painting *a, const struct painting *b)
 {
-    return a->width == b->width && a->height == b->height && a->fade == b->fade && a->own_colours == b->own_colours &&
-           a->is_old == b->is_old && a->backdrop == b->backdrop && a->is_dark == b->is_dark && a->chosen == b->chosen &&
+    return a->width == b->width && a->height == b->height && a->fade == b->fade &&
+           a->leaves_context == b->leaves_context && a->own_colours == b->own_colours && a->is_old == b->is_old &&
+           a->backdrop == b->backdrop && a->is_dark == b->is_dark && a->chosen == b->chosen &&
            a->answer_number == b->answer_number && a->plan_number == b->plan_number &&
            a->scene_number == b->scene_number && eye_is_same(&a->eye, &b->eye);
 }
@@ -134,6 +138,20 @@ static bool is_wanted(void *user, size_t done, size_t total)
     return wanted;
 }
 
+/* Whether areas cover the context. After areas were hidden or shown, that looks through the image once. */
+static bool finds_cover(struct painter *painter)
+{
+    if (!painter->knows_cover) {
+        bool is_covered = false;
+        const bool fails = conus_context_is_covered(&is_covered, painter->atlas); /* of one grey */
+        pthread_mutex_lock(&painter->lock);
+        painter->is_covered = !fails && is_covered;
+        pthread_mutex_unlock(&painter->lock);
+        painter->knows_cover = true;
+    }
+    return painter->is_covered;
+}
+
 /* Returns the stage that is reached: the one before where the picture is not wanted any more. A coarse one is drawn to
  * its end, or else a view that moves would have none. */
 static enum stage paint(struct painter *painter, conus_renderer *renderer, const struct painting *what,
@@ -156,7 +174,7 @@ static enum stage paint(struct painter *painter, conus_renderer *renderer, const
                        .no_legend = true,
                        .own_colours = what->own_colours,
                        .draft = stage != STAGE_SMOOTH,
-                       .fade = what->fade,
+                       .fade = what->leaves_context && finds_cover(painter) ? 1 : what->fade,
                        .opacity = painter->opacity,
                        .pale = painter->opacity[0],
                        .progress = stage == STAGE_COARSE ? NULL : is_wanted,
@@ -230,6 +248,7 @@ static void apply_update(struct painter *painter, conus_renderer *renderer, stru
     if (status) {
         note_error(painter);
     }
+    painter->knows_cover = painter->knows_cover && !update->hidden;
     if (update->opacity) {
         free(painter->opacity);
         painter->opacity = update->opacity;
@@ -477,6 +496,14 @@ static void copy_text(struct painter *painter, const char *text, char *out, size
     pthread_mutex_lock(&painter->lock);
     snprintf(out, size, "%s", text);
     pthread_mutex_unlock(&painter->lock);
+}
+
+bool painter_finds_cover(struct painter *painter)
+{
+    pthread_mutex_lock(&painter->lock);
+    const bool is_covered = painter->is_covered;
+    pthread_mutex_unlock(&painter->lock);
+    return is_covered;
 }
 
 bool painter_error(struct painter *painter, char *out, size_t size)

@@ -184,6 +184,7 @@ struct painting {
     struct eye eye;
     uint32_t width, height;
     double fade;
+    bool leaves_context; /**< A context that areas cover is not drawn. */
     enum backdrop backdrop;
     bool is_dark;           /**< The theme, if it is that of the theme. */
     bool own_colours;       /**< As of conus_view. */
@@ -235,6 +236,9 @@ bool painter_set_transfer(struct painter *painter, const conus_transfer_point *p
 
 /** The transfer function that is used, up to @p capacity points; 0 before it is known, or where there is no context. */
 size_t painter_transfer(struct painter *painter, conus_transfer_point *points, size_t capacity);
+
+/** Whether areas that were shown in the newest picture cover the context, conus_context_is_covered(). */
+bool painter_finds_cover(struct painter *painter);
 
 /** Why nothing is drawn, in one line; false while all is well. */
 bool painter_error(struct painter *painter, char *out, size_t size);

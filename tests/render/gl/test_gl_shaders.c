@@ -73,7 +73,7 @@ static void make_picture_programs(void)
         for (int kind = COLOUR_RAYS; kind <= COLOUR_SLICES; kind++) {
             GLuint program = 0;
             assert_ok(colour_program_create(&program, kind == COLOUR_SLICES ? &planes : &screen,
-                                            (enum colour_program)kind, &pass));
+                                            (enum colour_program)kind, &pass, variant & 2U));
             glDeleteProgram(program);
         }
     }

@@ -714,16 +714,16 @@ static void describe_heat(struct legend_row rows[6], uint8_t bars[5][LEGEND_BAR]
     }
 }
 
-/* The legend has a bar from 50 to 100 %, and for each pathway a disc with its number, which is on the picture, too. The
- * disc has the pathway's colour; it is one and a half times as high as the letters, 86 pixels large, less the number
- * and the rim. */
+/* The legend has a bar from 50 to 100 %, for each pathway a disc with its number, which is on the picture, too, and a
+ * row for the two areas, which are left out. The disc has the pathway's colour; it is one and a half times as high as
+ * the letters, 86 pixels large, less the number and the rim. */
 static void haze_by_values_has_a_bar_and_numbers(void **state)
 {
     (void)state;
     static const char *const names[] = {"1  First", "2  Second"};
     uint8_t bars[5][LEGEND_BAR][3];
-    struct legend_row rows[8];
-    const struct legend legend = {.rows = rows, .count = 8, .tail = 6}; /* a mask: its name says what it is */
+    struct legend_row rows[9];
+    const struct legend legend = {.rows = rows, .count = 9, .tail = 6}; /* a mask: its name says what it is */
     conus_image *image = NULL;
     struct scene scene = see_haze(2);
     const conus_atlas *atlas = scene.atlas;
@@ -731,8 +731,9 @@ static void haze_by_values_has_a_bar_and_numbers(void **state)
         rows[i] = (struct legend_row){.name = names[i]};
         memcpy(rows[i].rgb, atlas->objects[2 + i].rgb, 3);
     }
-    describe_heat(rows + 2, bars, "Pathways by probability, %");
-    check_legend(&scene, legend, RIGHT);
+    rows[2] = (struct legend_row){.name = "other areas", .plain = true, .detail = {"not drawn"}};
+    describe_heat(rows + 3, bars, "Pathways by probability, %");
+    check_legend(&scene, legend, BELOW);
     scene.view.legend = CONUS_LEGEND_BELOW;
     assert_ok(draw(&image, &scene));
     for (size_t n = 2; n < 4; n++) {
@@ -888,15 +889,16 @@ static void one_haze_has_its_bar_as_its_chip(void **state)
     (void)state;
     uint8_t ramp[LEGEND_BAR][3];
     uint8_t bars[5][LEGEND_BAR][3];
-    struct legend_row rows[7] = {{.name = "First", .ramp = (const uint8_t(*)[3])ramp}};
-    const struct legend legend = {.rows = rows, .count = 7, .tail = 6}; /* a mask: its name says what it is */
+    struct legend_row rows[8] = {{.name = "First", .ramp = (const uint8_t(*)[3])ramp},
+                                 {.name = "other areas", .plain = true, .detail = {"not drawn"}}};
+    const struct legend legend = {.rows = rows, .count = 8, .tail = 6}; /* a mask: its name says what it is */
     struct scene scene = see_haze(1);
     for (size_t k = 0; k < LEGEND_BAR; k++) {
         heat(ramp[k], ((double)k + 0.5) / LEGEND_BAR);
     }
     heat(rows[0].rgb, 0.5);
-    describe_heat(rows + 1, bars, "First by probability, %");
-    check_legend(&scene, legend, RIGHT);
+    describe_heat(rows + 2, bars, "First by probability, %");
+    check_legend(&scene, legend, BELOW);
     finish_scene(&scene);
 }
 
