@@ -195,9 +195,9 @@ conus_status scalp_make(conus_scalp *out, struct mesh *mesh, const double landma
 /** The position of this name, in any case; NULL: there is none on a scalp. */
 const struct scalp_position *scalp_find(const conus_scalp *scalp, struct text name);
 
-/** The place @p mm from one position to another, and on, by the shorter way along the section through both and Cz; it
- * has the name of @p from. CONUS_ERROR_ARGUMENT where one is Cz, where no way is clearly the shorter, and for a way
- * that is not above 0 and below half of the section. */
+/** The place @p mm from one position to another, and on, by the shorter way along the section through both that has the
+ * mean of their normals in its plane; it has the name of @p from. CONUS_ERROR_ARGUMENT where both are one, where no way
+ * is clearly the shorter, and for a way that is not above 0 and below half of the section. */
 conus_status scalp_walk(struct scalp_position *out, const conus_scalp *scalp, const struct scalp_position *from,
                         const struct scalp_position *to, double mm);
 

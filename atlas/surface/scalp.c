@@ -185,6 +185,36 @@ static void point_at(double out[3], const struct loop *loop, double whole, doubl
     }
 }
 
+/* The section by the plane across which this goes, through so many points: how long it is, and where each is on it. */
+static conus_status find_section(double *whole, double at[], struct finding *finding, const char *const names[3],
+                                 const double *const points[], size_t count, const double across[3])
+{
+    double normal[3], apart = 0;
+    conus_status status = vec3_normalise(normal, across) ? cut(finding, points[1], normal)
+                                                         : fail(CONUS_ERROR_DATA, "scalp: %s, %s and %s lie on a line",
+                                                                names[0], names[1], names[2]);
+    status = status ? status : follow(finding, points[1]);
+    if (status) {
+        return status;
+    }
+    *whole = 0;
+    for (size_t i = 0; i < finding->loop.count; i++) {
+        double edge[3];
+        vec3_sub(edge, finding->loop.points[i + 1], finding->loop.points[i]);
+        *whole += vec3_length(edge);
+    }
+    for (size_t k = 0; k < count; k++) {
+        at[k] = place_on(&apart, &finding->loop, points[k]);
+        if (!(apart <= POINT_FAR)) {
+            return fail(CONUS_ERROR_DATA,
+                        "scalp: the section through %s, %s and %s is not one loop through them: is it the outer "
+                        "surface of a head, without holes, and are the landmarks its own?",
+                        names[0], names[1], names[2]);
+        }
+    }
+    return CONUS_OK;
+}
+
 /* The section from a over m to b: where it begins on the loop, and how long it is, below 0 against the loop's way. */
 struct arc {
     double start, length, whole;
@@ -193,31 +223,13 @@ struct arc {
 static conus_status find_arc(struct arc *out, struct finding *finding, const char *const names[3],
                              const double *const points[3])
 {
-    double normal[3], ways[2][3], at[3], apart[3];
+    double normal[3], ways[2][3], at[3];
     vec3_sub(ways[0], points[1], points[0]);
     vec3_sub(ways[1], points[2], points[0]);
     vec3_cross(normal, ways[0], ways[1]);
-    conus_status status = vec3_normalise(normal, normal) ? cut(finding, points[1], normal)
-                                                         : fail(CONUS_ERROR_DATA, "scalp: %s, %s and %s lie on a line",
-                                                                names[0], names[1], names[2]);
-    status = status ? status : follow(finding, points[1]);
+    conus_status status = find_section(&out->whole, at, finding, names, points, 3, normal);
     if (status) {
         return status;
-    }
-    out->whole = 0;
-    for (size_t i = 0; i < finding->loop.count; i++) {
-        double edge[3];
-        vec3_sub(edge, finding->loop.points[i + 1], finding->loop.points[i]);
-        out->whole += vec3_length(edge);
-    }
-    for (int k = 0; k < 3; k++) {
-        at[k] = place_on(&apart[k], &finding->loop, points[k]);
-        if (!(apart[k] <= POINT_FAR)) {
-            return fail(CONUS_ERROR_DATA,
-                        "scalp: the section through %s, %s and %s is not one loop through them: is it the outer "
-                        "surface of a head, without holes, and are the landmarks its own?",
-                        names[0], names[1], names[2]);
-        }
     }
     const double over = fmod(at[1] - at[0] + out->whole, out->whole);
     const double to = fmod(at[2] - at[0] + out->whole, out->whole);
@@ -360,45 +372,58 @@ static conus_status find_normals(struct scalp_position *at, size_t count, const 
 }
 
 /* The place so far from one point of the loop to another, by the shorter way. */
-static conus_status walk(struct scalp_position *out, const struct finding *finding, const struct arc *arc,
+static conus_status walk(struct scalp_position *out, const struct finding *finding, double whole, const double at[2],
                          const struct scalp_position *from, const struct scalp_position *to, double mm)
 {
-    double apart;
-    const double ahead = place_on(&apart, &finding->loop, to->point) - arc->start;
-    const double forward = ahead - arc->whole * floor(ahead / arc->whole);
-    if (!(fmin(forward, arc->whole - forward) < arc->whole / 3)) {
+    const double forward = at[1] - at[0] - whole * floor((at[1] - at[0]) / whole);
+    if (!(fmin(forward, whole - forward) < whole / 3)) {
         return fail(
             CONUS_ERROR_ARGUMENT,
             "%s and %s are %.0f and %.0f mm apart on the two ways around the head: a position nearer to %s says "
             "which way",
-            from->name, to->name, fmin(forward, arc->whole - forward), fmax(forward, arc->whole - forward), from->name);
+            from->name, to->name, fmin(forward, whole - forward), fmax(forward, whole - forward), from->name);
     }
-    if (!(mm > 0 && mm < arc->whole / 2)) {
+    if (!(mm > 0 && mm < whole / 2)) {
         return fail(CONUS_ERROR_ARGUMENT, "%g mm from %s: allowed are above 0, and less than %.0f, half of the section",
-                    mm, from->name, arc->whole / 2);
+                    mm, from->name, whole / 2);
     }
     *out = (struct scalp_position){.name = from->name};
-    point_at(out->point, &finding->loop, arc->whole, arc->start + (2 * forward < arc->whole ? mm : -mm));
+    point_at(out->point, &finding->loop, whole, at[0] + (2 * forward < whole ? mm : -mm));
     return find_normals(out, 1, finding->mesh);
+}
+
+/* Across the plane through both that has the mean of their normals in it, as a tape lies. */
+static conus_status find_across(double out[3], const struct scalp_position *from, const struct scalp_position *to,
+                                const struct mesh *mesh)
+{
+    struct scalp_position ends[2] = {{.name = from->name}, {.name = to->name}}; /* landmarks have no normals yet */
+    memcpy(ends[0].point, from->point, sizeof from->point);
+    memcpy(ends[1].point, to->point, sizeof to->point);
+    conus_status status = find_normals(ends, 2, mesh);
+    double way[3];
+    vec3_sub(way, to->point, from->point);
+    vec3_add_scaled(ends[0].outward, ends[0].outward, 1, ends[1].outward);
+    vec3_cross(out, way, ends[0].outward);
+    return status;
 }
 
 conus_status scalp_walk(struct scalp_position *out, const conus_scalp *scalp, const struct scalp_position *from,
                         const struct scalp_position *to, double mm)
 {
-    const struct scalp_position *vertex = scalp_find(scalp, text_from("Cz"));
+    const char *const names[] = {from->name, to->name, "their normals"};
     struct finding finding = {.mesh = &scalp->mesh};
     struct scalp_position found;
-    struct arc arc;
-    if (from == vertex || to == vertex || from == to) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s to %s: two positions are needed, neither Cz: the section goes through it",
-                    from->name, to->name);
+    double whole, across[3], at[2];
+    if (from == to) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s to %s: two positions are needed", from->name, to->name);
     }
     finding.first = memory_raw(scalp->mesh.vertex_count, sizeof(uint32_t));
     conus_status status = finding.first ? mesh_find_first(finding.first, &scalp->mesh) : CONUS_ERROR_MEMORY;
-    status = status ? status
-                    : find_arc(&arc, &finding, (const char *const[]){from->name, to->name, vertex->name},
-                               (const double *const[]){from->point, to->point, vertex->point});
-    status = status ? status : walk(&found, &finding, &arc, from, to, mm);
+    status = status ? status : find_across(across, from, to, &scalp->mesh);
+    status =
+        status ? status
+               : find_section(&whole, at, &finding, names, (const double *const[]){from->point, to->point}, 2, across);
+    status = status ? status : walk(&found, &finding, whole, at, from, to, mm);
     finding_finish(&finding);
     if (!status) {
         *out = found;

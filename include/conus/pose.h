@@ -322,7 +322,7 @@ typedef struct conus_place_options {
  *  - "near:AREA": the centre of its voxel, or the point of its surface, that is nearest to another place;
  *  - a position of the 10-10 system, "C3", where the atlas is known to lie in MNI 152 or Colin 27 and none of its areas
  *    is called so, or "1020:C3" where its brain is not known;
- *  - with a scalp "C3>F3:50": 50 mm from C3 towards F3, and on, along the section of the scalp through both and Cz.
+ *  - with a scalp "C3>F3:50": 50 mm from C3 towards F3, and on, along the scalp as a tape lies (Eq. 35).
  * @param[out] out The point.
  * @param atlas Where it is, as it lies in the world now.
  * @param text UTF-8.

@@ -69,7 +69,7 @@ _ERRORS = {
 _RENAMED = {
     "--atlas-transform": "transforms", "--hemispheres split": 'hemispheres="split"', "--mask-object": "name",
     "--pathway": "pathways", "--pathway FILE,name=NAME": "pathways=[(map, {name: (low, high)})]",
-    "--poses-format table": 'format="table"', "--poses-format": "format", "--probe-tip": "tip",
+    "--poses-format table": 'format="table"', "--poses-format": "format", "--probe-tip": "tip", "--scalp": "scalp",
     "--sides exchanged": 'sides="exchanged"', "'conus overlap ATLAS MAP'": "atlas.overlap(map)", "as ATLAS": "as source", "is ATLAS": "is source",
     "conus sweep --jitter and conus plan --jitter": "jitter(error=) and plan(jitter=)",
 }  # fmt: skip

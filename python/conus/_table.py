@@ -41,6 +41,12 @@ def frame_of(columns: dict[Any, Array]) -> pandas.DataFrame:
     return pandas.DataFrame({key: series(key, values) for key, values in columns.items() if isinstance(key, str)})
 
 
+def _kept(values: Array) -> Array:
+    """The array, from now on read-only."""
+    values.flags.writeable = False
+    return values
+
+
 def _joined(parts: list[dict[Any, Array]]) -> dict[Any, Array]:
     return {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
 
@@ -65,7 +71,8 @@ class Table(Bound):
         self._columns = {text(column.name): column for column in found}
         self._many: Optional[tuple[dict[Any, Array], Any]] = None  # arrays of many poses, and the names of these
         self.columns = tuple(self._columns)
-        self.starts, self.errors = np.array([0, lib.conus_table_rows(self._p)]), {}
+        self._rows = int(lib.conus_table_rows(self._p))
+        self.starts, self.errors = _kept(np.array([0, self._rows])), {}
         self.objects = self._view(lib.conus_table_objects(self._p), "<u4")  #: numbers in the atlas; 0 = none
 
     @classmethod
@@ -94,13 +101,13 @@ class Table(Bound):
             parts = [{key: values[:0] for key, values in table.arrays().items()}]
         arrays = _joined([*chunks, *parts])
         for values in arrays.values():
-            values.flags.writeable = False
+            _kept(values)
         table._many = arrays, array.names
-        table.starts, table.errors, table.objects = np.cumsum(counts), errors, arrays["objects",]
+        table.starts, table.errors, table.objects = _kept(np.cumsum(counts)), errors, arrays["objects",]
         return table
 
     def _view(self, pointer: Any, kind: str) -> Array:
-        return np.asarray(_Lent(self._p, pointer, len(self), kind)) if len(self) else np.empty(0, kind)
+        return np.asarray(_Lent(self._p, pointer, self._rows, kind)) if self._rows else np.empty(0, kind)
 
     def __len__(self) -> int:
         return int(self.starts[-1])
@@ -136,14 +143,12 @@ class Table(Bound):
             return self._view(column.numbers, "<f8")
         if column.type == lib.CONUS_TYPE_COUNT:
             return self._view(column.counts, "<i8")
-        texts = np.asarray(self._words(column)[self._view(column.codes, "<u4")])
-        texts.flags.writeable = False
-        return texts
+        return _kept(np.asarray(self._words(column)[self._view(column.codes, "<u4")]))
 
     def arrays(self) -> dict[Any, Array]:
         """The columns by their names; as "missing" and a name where a count is n/a; and the objects."""
         if self._many:
-            return self._many[0]
+            return dict(self._many[0])
         out: dict[Any, Array] = {name: self[name] for name in self.columns}
         for name, column in self._columns.items():
             if column.type == lib.CONUS_TYPE_COUNT:

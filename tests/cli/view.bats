@@ -912,6 +912,13 @@ is_at() {
     cd ..
     view made/one.json <<<'save two.json'
     diff <(jq .opened.options made/one.json) <(jq .opened.options two.json)
+    cd made
+    printf 'name,x,y,z\nA,1,2,3\n' >points,1.csv
+    printf 'x,y,z,tx,ty,tz\n-40,0,0,5,1,1\n' >needle.csv
+    view slabs.nii.gz --pose points,1.csv,unit=mm --poses needle.csv --apart needle.csv,3 --depth 40 --reach 1 \
+        <<<'save one.json'
+    jq -e --arg here "$PWD/" '[.opened.options[] | split($here)] == [["--pose=", "points,1.csv,unit=mm"],
+        ["--poses=", "needle.csv"], ["--apart=", "needle.csv,3"], ["--depth=40"], ["--reach=1"]]' one.json
 }
 
 @test "sessions that do not fit are refused when they are given or dropped, and a script goes on" {

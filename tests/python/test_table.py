@@ -66,6 +66,12 @@ def test_tables_of_many_poses_are_tables():
     assert one.starts.tolist() == [0, len(one)] and one.errors == {}
     for name in one.columns:
         np.testing.assert_array_equal(many[name][:many.starts[1]], one[name])
+    many.arrays().clear()
+    assert len(many["entry_mm"]) == len(many)
+    for table in (one, many):  # how many rows a view has is not the caller's to say
+        assert not table.starts.flags.writeable
+    one.starts = np.array([0, 10**6])
+    assert one["entry_mm"].shape == many["entry_mm"][:many.starts[1]].shape
 
 
 def make_lines(atlas):

@@ -169,7 +169,7 @@ static const struct sentence of_settings[] = {
                           "fractions of their lengths (Eq. 35 of conus's documentation)."},
     {"Places.0.toward",
      " The place is {Places.0.way_mm} mm from it towards {Places.0.toward}, along the section of the "
-     "scalp through both and Cz."},
+     "scalp through both and their normals."},
     {"Question.options.any-space",
      " What the file of poses says of their space was not heard (--any-space): they were taken as they are."},
     {"Question.options.summary",

@@ -22,11 +22,11 @@ const struct option needle_options[] = {
      .help =
          "points and poses, such as contacts, optodes or coils: all are drawn as balls with their names, and one is "
          "chosen to be asked about",
-     .holds = HOLDS_POSES},
+     .role = OPTION_READS_POSES, .holds = HOLDS_POSES},
     {OPTION_VALUED("poses", struct view_settings, poses, "FILE"),
      .help = "poses to replay, on a time line; with constraints, the candidates of a plan, as for conus plan: the best "
              "are listed",
-     .holds = HOLDS_POSES},
+     .role = OPTION_READS_POSES, .holds = HOLDS_POSES},
     {OPTION_MM("depth", struct view_settings, depth),
      .help = "far end of the first tool, its tip, mm from the device's position (F4, F5), and that of candidates that "
              "have none in a column far",
