@@ -57,16 +57,23 @@ test("what nobody said is as conus query has it, and settings are rows of option
   assert.equal(JSON.parse(await atlas.text("sidecar")).GeneratedBy[0].Name, "conus");
   const refused = async (words, asked) => {
     await assert.rejects(atlas.select(asked), (error) => error instanceof ConusError && words.test(error.message) || assert.fail(String(error)));
-    if (asked.angle !== undefined && asked.toward.length === 3) await assert.rejects(atlas.text(), /no answer/); // nor the one before
+    await assert.rejects(atlas.text(), /no answer/); // nor the one before
   };
   await refused(/^angle: how wide/, { ...cone, angle: undefined });
   await refused(/^angle: 171 is out of range/, { ...cone, angle: 171 });
+  await refused(/^angle: "NaN" is not a number/, { ...cone, angle: NaN });
+  await refused(/^angle: "0x14" is not a number/, { ...cone, angle: "0x14" });
+  for (const angle of [false, true, null, [20], "20&layers=all", "20\0", () => 20]) await refused(/^angle: a number or a word is needed/, { ...cone, angle });
+  await refused(/^layers: a number or a word/, { ...cone, layers: "all&resolution=1" });
+  await refused(/^layers=all&resolution: a number or a word/, { ...cone, "layers=all&resolution": 1 });
+  await refused(/^resolution: "16.5" is not a whole/, { ...cone, resolution: 16.5 });
+  await refused(/^cut: rows have none/, { ...cone, cut: [0, 0, 0] });
   await refused(/^layers: "some" is none/, { ...cone, layers: "some" });
   await refused(/^radius: a page asks nothing of this name/, { ...cone, radius: 3 });
   await refused(/^toward: is the origin/, { ...cone, toward: [0, 0, 90] });
   await refused(/^toward: a position is three numbers/, { ...cone, toward: [0, 0] });
   await refused(/^toward: a position is three numbers/, { ...cone, toward: [0, "1", 0] });
-  assert.equal((await atlas.select(cone))[0].name, JSON.parse(conus("query", "nested.nii.gz", "--origin", "0,0,90", "--toward", "0,0,0", "-q", "--format", "ndjson").split("\n")[0]).name);
+  assert.equal((await atlas.select({ ...cone, layers: undefined, resolution: undefined }))[0].name, JSON.parse(conus("query", "nested.nii.gz", "--origin", "0,0,90", "--toward", "0,0,0", "-q", "--format", "ndjson").split("\n")[0]).name);
   await assert.rejects(atlas.text("xml"), /none of sidecar, tsv/);
   const late = atlas.select(cone);
   atlas.close();
@@ -77,5 +84,7 @@ test("what nobody said is as conus query has it, and settings are rows of option
 test("what is no atlas is refused in conus's words", async () => {
   await assert.rejects(load(new Uint8Array(10), { name: "x.nii.gz" }), (error) => error instanceof ConusError && /^x\.nii\.gz: /.test(error.message));
   await assert.rejects(load(new Uint8Array(10)), /^ConusError: name: /);
-  await assert.rejects(load({}), /^ConusError: name: /);
+  for (const source of [{}, [new Uint8Array(10)], "x.nii", null]) await assert.rejects(load(source), /^ConusError: name: /);
+  const worker = () => ({ postMessage() { queueMicrotask(() => this.onerror({})); }, terminate() {} }); // as where its file is missing
+  await assert.rejects(load({ "x.nii": new Uint8Array(1) }, { worker }), /^ConusError: the worker cannot be started/);
 });

@@ -99,6 +99,10 @@ test("a page with an atlas and an answer inside says that its rows are equal", {
   assert.equal(await page.locator("#equal").isVisible(), false);
   await settle(page, () => page.locator("[name=angle]").fill("20"));
   assert.equal(await page.locator("#equal").isVisible(), true);
+  await settle(page, () => page.locator("[name=resolution]").fill("16.5")); // refused, and no rows are equal
+  assert.deepEqual([await rows(page), await page.locator("#equal").isVisible()], [[], false]);
+  await settle(page, () => page.locator("[name=resolution]").fill("64"));
+  assert.deepEqual([await rows(page), await page.locator("#equal").isVisible()], [README, true]);
   const over = page.locator('[data-pane="0"] .over');
   const box = await over.boundingBox();
   await page.mouse.move(box.x + 0.3 * box.width, box.y + 0.355 * box.height); // beside the contact

@@ -36,9 +36,13 @@ test("an empty link is the start, embed is a mode", () => {
 
 for (const [link, words] of [["v=2", /version 2/], ["colour=red", /"colour"/], ["origin=1,2", /three numbers/], ["origin=1,2,x", /origin: x is not a number/], ["angle=0", /0.001 to 170/],
   ["angle=1e3", /number/], ["angle=", /number/], ["layers=some", /visible and all/], ["resolution=257", /1 to 256/], ["resolution=16.5", /no whole number/], ["origin=Infinity,0,0", /number/], ["toward=1e999,0,0", /number/],
-  ["__proto__=1", /__proto__/], ["origin=%ZZ", /malformed/i], [`atlas=${"x".repeat(2000)}`, /longer/], ["cut=<img src=x>", /number|three/]]) {
+  ["angle=20&angle=30", /"angle" twice/], ["__proto__=1", /__proto__/], ["origin=%ZZ", /malformed/i], [`atlas=${"x".repeat(2000)}`, /longer/], ["cut=<img src=x>", /number|three/]]) {
   test(`#${link.slice(0, 30)} is refused`, () => assert.throws(() => fromFragment(`#${link}`), words));
 }
+
+test("small numbers are read as conus page writes them", () => {
+  assert.deepEqual(fromFragment("#origin=-90,20,1.0000000000000001e-05&angle=2.5").question, { ...START, origin: [-90, 20, 1e-5], angle: 2.5 });
+});
 
 test("cuts that nobody has placed are not in a link", () => {
   const link = toFragment(START, "");

@@ -32,7 +32,7 @@ export const MM = [-1e5, 1e5];
 
 /** A number in words; throws, with what the number is of. @param {string} what @param {string} text @param {number[]} limits */
 export function readWithin(what, text, [low, high]) {
-  const x = /^[+-]?(\d+\.?\d*|\.\d+)$/.test(text.trim()) ? Number(text) : NaN;
+  const x = /^[+-]?(\d+\.?\d*|\.\d+)(e-\d+)?$/.test(text.trim()) ? Number(text) : NaN;
   if (!(x >= low && x <= high)) throw new Error(`${what}: ${text.trim() || "nothing"} is not a number from ${low} to ${high}`);
   return x;
 }
@@ -70,11 +70,14 @@ const READ = /** @type {Record<string, (text: string, key: string) => any>} */ (
  */
 export function fromFragment(text) {
   const question = /** @type {any} */ ({ ...START });
+  const said = new Set();
   let atlas = "";
   let embed = false;
   if (text.length > 1000) throw new Error("this link is longer than any that a page makes");
   for (const pair of text.replace(/^#/, "").split("&").filter(Boolean)) {
     const [key, value = ""] = pair.split(/=(.*)/s);
+    if (said.has(key)) throw new Error(`this link has "${key}" twice`);
+    said.add(key);
     if (Object.hasOwn(READ, key)) question[key] = READ[key](decodeURIComponent(value), key);
     else if (key === "atlas") atlas = decodeURIComponent(value);
     else if (key === "embed") embed = value === "1";

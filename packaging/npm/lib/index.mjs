@@ -16,7 +16,7 @@ const bytesOf = async (data) => (data instanceof ArrayBuffer ? data.slice(0) : A
 /** [[name, bytes], ...] of which the first is the atlas. @param {any} source @param {string} [name] */
 function listFiles(source, name) {
   const isOne = source instanceof ArrayBuffer || ArrayBuffer.isView(source) || typeof source?.arrayBuffer === "function";
-  const list = isOne ? [[name ?? source.name, source]] : Object.entries(source ?? {});
+  const list = isOne ? [[name ?? source.name, source]] : Object.entries(source?.[Symbol.iterator] ? {} : source ?? {}); // files of a list have no names of their places
   if (!list.length || !list.every(([key]) => key)) throw new ConusError("name: the name of a file, whose ending says its format, is needed");
   return Promise.all(list.map(async ([key, data]) => [key, await bytesOf(data)]));
 }
@@ -28,10 +28,21 @@ function readPlace(name, p) {
   return place;
 }
 
+/** Options of conus page, which the worker joins to one text: numbers and words alone; undefined is what nobody said. */
+function readSettings({ cut, ...settings }) {
+  if (cut !== undefined) throw new ConusError("cut: rows have none");
+  const said = Object.entries(settings).filter(([, value]) => value !== undefined);
+  for (const [name, value] of said) {
+    if (!/^[\w-]+$/.test(name) || typeof value !== "number" && !(typeof value === "string" && /^[\w.+-]+$/.test(value))) throw new ConusError(`${name}: a number or a word is needed`);
+  }
+  return Object.fromEntries(said);
+}
+
 export class Atlas {
   #worker;
   #waiting = new Map();
   #last = 0;
+  #isRefused = false; // the last question, here already
 
   /** @param {any} worker */
   constructor(worker) {
@@ -44,7 +55,7 @@ export class Atlas {
       if (data.error === undefined) done(data);
       else failed(new ConusError(plain(data.error)));
     };
-    worker.onerror = (event) => this.#end(event.message);
+    worker.onerror = (event) => this.#end(event.message || "the worker cannot be started");
   }
 
   #end(why) {
@@ -56,11 +67,9 @@ export class Atlas {
 
   #ask(call, data = {}) {
     if (!this.#worker) return Promise.reject(new ConusError("this atlas is closed"));
+    this.#worker.postMessage({ id: ++this.#last, call, ...data });
     this.#worker.ref?.();
-    return new Promise((done, failed) => {
-      this.#waiting.set(++this.#last, { done, failed });
-      this.#worker.postMessage({ id: this.#last, call, ...data });
-    });
+    return new Promise((done, failed) => this.#waiting.set(this.#last, { done, failed }));
   }
 
   static async load(source, { name, worker, wasm } = {}) {
@@ -80,8 +89,10 @@ export class Atlas {
   }
 
   async select({ origin, toward, ...settings }) {
+    this.#isRefused = true;
     if (settings.angle === undefined) throw new ConusError("angle: how wide the cone is, in degrees, is needed");
-    const question = { ...settings, origin: readPlace("origin", origin), toward: readPlace("toward", toward) };
+    const question = { ...readSettings(settings), origin: readPlace("origin", origin), toward: readPlace("toward", toward) };
+    this.#isRefused = false;
     const { refused, rows } = await this.#ask("draw", { question, cuts: [], view: null, chosen: 0, given: [] });
     if (refused) throw new ConusError(plain(refused));
     return rows.trim().split("\n").filter(Boolean).map((row) => JSON.parse(row));
@@ -89,6 +100,7 @@ export class Atlas {
 
   async text(format = "tsv") {
     if (!Object.hasOwn(FORMATS, format)) throw new ConusError(`text: "${format}" is none of ${Object.keys(FORMATS).join(", ")}`);
+    if (this.#isRefused) throw new ConusError("text: there is no answer");
     const { text } = await this.#ask("text", { format: FORMATS[format] });
     if (text.startsWith('{"error"')) throw new ConusError("text: there is no answer");
     return text;
