@@ -40,9 +40,9 @@ static conus_status check_angles(const conus_candidates *asked)
     return asked->entries || asked->normals || !asked->targets
                ? fail(CONUS_ERROR_ARGUMENT, "angles: targets go with them, and neither entries nor normals")
            : !are_finite ? fail(CONUS_ERROR_ARGUMENT, "angles: finite numbers are needed")
-           : asked->back > 0 && isfinite(asked->back)
+           : asked->back > 0 && asked->back <= 500
                ? CONUS_OK
-               : fail(CONUS_ERROR_ARGUMENT, "back: %g mm, allowed is a number above 0", asked->back);
+               : fail(CONUS_ERROR_ARGUMENT, "back: %g mm, allowed is a number above 0, up to 500", asked->back);
 }
 
 static conus_status check(const conus_candidates *asked)

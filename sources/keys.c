@@ -139,7 +139,7 @@ static const struct source_key rows[] = {
     {KEY_MOST, "most", KEYS_ARCS, IS_WHOLE, .least = 1, .most = 1, .low = 1, .high = 16, .allowed = ONE_TO_16},
     {KEY_TILT_AP, "arc", KEYS_ANGLES, NUMBERS(3), .any_order = true, .low = -360, .high = 360, .allowed = A_GRID},
     {KEY_TILT_ML, "slider", KEYS_ANGLES, NUMBERS(3), .any_order = true, .low = -360, .high = 360, .allowed = A_GRID},
-    {KEY_DEPTH, "back", KEYS_ANGLES, POSITIVE},
+    {KEY_DEPTH, "back", KEYS_ANGLES, NUMBERS(1), .high = 500, .is_above = true, .allowed = ABOVE_0 ", up to 500 mm"},
     {KEY_EACH, "each", KEYS_ARCS, IS_WHOLE, .least = 1, .most = 1, .low = 1, .high = 16, .allowed = ONE_TO_16},
 };
 

@@ -222,6 +222,21 @@ static void say_unused_errors(const struct sweep *sweep)
     }
 }
 
+/* A place that a cap found, with the error of a navigated coil. */
+static void say_cap(const struct sweep *sweep, const conus_pose_error *error)
+{
+    const struct named_places *places = &sweep->request.places;
+    for (size_t i = 0; i < places->count && strcmp(error->name, "tms-navigated") == 0; i++) {
+        const conus_named_place *item = &places->items[i];
+        const bool is_cap = strcmp(item->option, "origin") == 0 && item->place.kind == CONUS_PLACE_POSITION;
+        say_note(
+            CONUS_SEVERITY_NOTE, !is_cap || sweep->settings->request.common.quiet,
+            "--jitter tms-navigated is how far a navigated coil repeats a saved pose; a place that a cap finds, as "
+            "%s, is off by tms-cap",
+            item->place.name);
+    }
+}
+
 static int answer_all(struct sweep *sweep)
 {
     struct request *request = &sweep->request;
@@ -275,6 +290,9 @@ static int answer_sweep(struct sweep *sweep)
     struct provenance provenance = {0};
     conus_pose_error error;
     provenance.error = !sweep->jitter_of_rows && settings_error(&error, sweep->settings->jitter, false) ? &error : NULL;
+    if (provenance.error) {
+        say_cap(sweep, &error);
+    }
     request_list_inputs(&provenance, request);
     provenance.question.rows = sweep->rows == CONUS_ROWS_SHARES    ? "shares"
                                : sweep->rows == CONUS_ROWS_CHANCES ? "chances"

@@ -167,6 +167,9 @@ int request_find_aim(struct request *request)
     request->places = (struct named_places){.atlas = request->atlases.items[0].atlas, .frame = &request->frame};
     const struct aim_settings *aim = &request->settings->aim;
     int code = settings_scalp(&request->places.scalp, &request->scalp, aim, &request->frame);
+    code = code ? code
+                : settings_scalp_match(request->places.scalp, &request->atlases, request->settings->file.any_space,
+                                       request->settings->common.quiet);
     if (code) {
         return code;
     }

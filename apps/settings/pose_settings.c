@@ -27,7 +27,8 @@ const struct option pose_file_options[] = {
     {OPTION_NAMED("along-shafts", struct pose_file_settings, along_shafts),
      .help = "contacts of electrodes (BIDS) point along their shafts, each to the next", .needs = "pose|poses|camera"},
     {OPTION_NAMED("any-space", struct pose_file_settings, any_space),
-     .help = "accept positions even if the file names another space than the atlas", .needs = "pose|poses|camera|from"},
+     .help = "accept positions even if the file names another space than the atlas, or the scalp is of another head",
+     .needs = "pose|poses|camera|from|scalp"},
     {0},
 };
 

@@ -181,7 +181,7 @@ const struct option stance_options[] = {
      .flags = OPTION_OF_CONE, .needs = "inward", .excludes = "up,pose"},
     {OPTION_VALUED("scalp", struct aim_settings, scalp, "SURFACE,nasion=X:Y:Z,inion=X:Y:Z,lpa=X:Y:Z,rpa=X:Y:Z"),
      .help = "with --inward: positions of a cap are those on this scalp, a closed surface, by the landmarks on it, "
-             "whatever brain the atlas is",
+             "which is the head of the atlas",
      .words = "head, subject, individual, EEG", .flags = OPTION_OF_CONE, .needs = "inward", .excludes = "pose",
      OPTION_READING(SURFACE)},
     {0},
@@ -399,6 +399,57 @@ int settings_scalp(conus_scalp **out, char **path, const struct aim_settings *se
         }
     }
     return print_status(conus_scalp_load(out, *path, (const double(*)[3])landmarks));
+}
+
+/* The root mean square distance, mm, of the scalp's positions from those of MNI 152. */
+static conus_status find_distance(double *out, const conus_scalp *scalp)
+{
+    static const char *const names[] = {"Cz", "C3", "C4", "Fz", "Pz", "Oz"};
+    enum { COUNT = sizeof names / sizeof *names };
+    conus_table *tables[2] = {NULL, NULL};
+    double sum = 0;
+    conus_status status = conus_positions(&tables[0], names, COUNT, &(conus_position_options){.scalp = scalp});
+    status = status ? status : conus_positions(&tables[1], names, COUNT, NULL);
+    for (size_t i = 0; i < 3 * COUNT && !status; i++) {
+        const char *axis = (const char *const[]){"x", "y", "z"}[i / COUNT];
+        const double way =
+            conus_table_numbers(tables[0], axis)[i % COUNT] - conus_table_numbers(tables[1], axis)[i % COUNT];
+        sum += way * way;
+    }
+    conus_table_destroy(tables[0]);
+    conus_table_destroy(tables[1]);
+    *out = sqrt(sum / COUNT);
+    return status;
+}
+
+int settings_scalp_match(const conus_scalp *scalp, const struct atlases *atlases, bool any_space, bool quiet)
+{
+    /* Twice the 9.9 mm by which electrodes of one person are off in MNI space ("eeg-cap"); Colin 27's scalp: 3.6 mm. */
+    static const double BOUND = 20;
+    double mm = 0;
+    conus_status status = scalp ? find_distance(&mm, scalp) : CONUS_OK;
+    for (size_t i = 0; i < atlases->count && scalp && !any_space && !status; i++) {
+        char name[ATLAS_PREFIX_SIZE];
+        const conus_brain_view brain = conus_atlas_brain(atlases->items[i].atlas);
+        const bool is_other = brain.brain == CONUS_BRAIN_TEMPLATE;
+        atlases_prefix(name, &atlases->items[i]);
+        if (brain.brain > CONUS_BRAIN_OWN && (is_other || mm > BOUND)) {
+            return print_data_error(
+                "--scalp: %sits positions lie %.0f mm from those of MNI 152 in the mean%s: is it somebody's own head? "
+                "The atlas is %s; --atlas-transform FILE brings it to that head, ',template=none' behind ATLAS says "
+                "that it is of that head, --any-space that the scalp lies in the atlas's space",
+                name, mm, is_other ? "" : ", allowed are 20", brain.words);
+        }
+        say_note(CONUS_SEVERITY_NOTE, quiet || brain.brain,
+                 "--scalp: %snothing says whose head the atlas is of; it is "
+                 "taken to be of this one",
+                 name);
+        say_note(CONUS_SEVERITY_NOTE, quiet || brain.brain <= CONUS_BRAIN_OWN,
+                 "--scalp: %sits positions lie %.0f mm from those of MNI 152 in the mean; it is taken to lie in the "
+                 "atlas's space (%s)",
+                 name, mm, brain.words);
+    }
+    return print_status(status);
 }
 
 void settings_say_handle(const struct arguments *arguments, const struct engine_settings *engine,

@@ -156,6 +156,11 @@ conus_position_options settings_stance(const struct aim_settings *settings, cons
  * free(). Neither where it is not given. */
 int settings_scalp(conus_scalp **out, char **path, const struct aim_settings *settings, const conus_frame *frame);
 
+/** Refuses a scalp (NULL = none) that cannot be the head of an atlas: of a person's template where its positions are
+ * far from those of MNI 152, of another always, unless @p any_space. Says, unless @p quiet, what else it is taken for.
+ */
+int settings_scalp_match(const conus_scalp *scalp, const struct atlases *atlases, bool any_space, bool quiet);
+
 /** Says that a round cone does not see the handle, where nothing else does. */
 void settings_say_handle(const struct arguments *arguments, const struct engine_settings *engine,
                          const struct common_settings *common);

@@ -388,7 +388,7 @@ typedef struct conus_candidates {
                                         entry_names; NULL = they have no names. */
     const double *angles; /**< [entry_count][2] In place of entries: arc and slider angle of a rig, degrees, in the axes
                              of @p frame (Eq. 26). The device is @p back from each target on that way out. */
-    double back;          /**< mm, above 0. */
+    double back;          /**< mm, above 0 up to 500. */
 } conus_candidates;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

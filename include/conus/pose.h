@@ -302,7 +302,7 @@ typedef struct conus_place_options {
     const conus_frame *frame; /**< Space and unit of numbers; NULL = the world. */
     const double *other;      /**< [3] World mm: the place to which near:AREA is nearest; NULL = there is none. */
     bool has_axis;            /**< There is another end, so that messages may advise near:AREA. */
-    const conus_scalp *scalp; /**< Where positions lie, whatever brain the atlas is; NULL = on the head of MNI 152. */
+    const conus_scalp *scalp; /**< Where positions lie, on the head of the atlas; NULL = on the head of MNI 152. */
 } conus_place_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

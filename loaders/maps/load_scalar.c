@@ -337,11 +337,41 @@ void context_set(struct job *job, conus_atlas *atlas, struct volume_file *file, 
     }
 }
 
+/* A note where a region looks like the large values of a map of p values, whose small ones are meant: all values are
+ * from 0 to 1, and one at which p is cut takes most of those that are not 0, which are no mask's. */
+static void note_p_values(struct job *job, const conus_volume_info *info, const float *values)
+{
+    static const double CUT = 0.1; /* p is seldom cut above */
+    const size_t count = info->dim[0] * info->dim[1] * info->dim[2];
+    size_t some = 0;
+    size_t taken = 0;
+    float low = INFINITY;
+    float high = 0;
+    for (size_t i = 0; i < count && info->threshold > 0 && info->threshold <= CUT; i++) {
+        if (values[i] != 0 && !isnan(values[i])) {
+            low = fminf(low, values[i]);
+            high = fmaxf(high, values[i]);
+            some++;
+            taken += values[i] >= tolerance_least(info->threshold);
+        }
+    }
+    if (low > 0 && low < high && high <= 1 && 2 * taken > some) {
+        job_note(
+            job,
+            "%s: the region is %.3g %% of the voxels that are not 0, and all values are from 0 to 1: of a map of p "
+            "values it has the large ones; such a map is asked as 1 - p, or as its z values",
+            info->path, 100 * (double)taken / (double)some);
+    }
+}
+
 void roi_of_volume(struct job *job, conus_roi **out, struct volume_file *file, double threshold)
 {
     file->info.role = CONUS_ROLE_SCALAR;
     float *values = volume_values_or_nan(job, file);
     file->info.threshold = threshold;
+    if (values) {
+        note_p_values(job, &file->info, values);
+    }
     if (!JOB_CALL(job, roi_create(out, &file->info, values))) {
         memory_free(values);
     }

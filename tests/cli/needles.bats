@@ -408,6 +408,7 @@ table() { # LINE...
     done
     refused '--from angles: slider=FIRST:LAST:STEP' $N --from angles,arc=0:9:1,back=3 --toward centroid --depth target
     refused '--from angles: back=MM is needed' $N --from angles,arc=0:9:1,slider=0:0:1 --toward centroid --depth target
+    refused 'allowed is a number above 0, up to 500 mm' $N --from angles,arc=0:9:1,slider=0:0:1,back=12000 --toward centroid --depth target
     refused 'more than 1000000 directions' $N --from angles,arc=0:9:0.001,slider=0:9:0.01,back=3 --toward centroid --depth target
     refused '--entry-distance has no effect with --from angles' $N --from angles,arc=0:9:1,slider=0:0:1,back=3 --toward centroid \
         --depth target --entry-distance 3

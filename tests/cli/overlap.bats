@@ -116,6 +116,25 @@ EOF
         for (i = 1; i <= NF; i++) at[$i] = i } NR == 2 { printf "%.3g", $at["volume_mm3"] }') "
 }
 
+# Of 6 voxels that are not 0, 5 have 0.001 and more.
+@test "a map of p values at a p takes the large ones, and a note says so" {
+    conus phantom nested -o .
+    map() { # VALUES
+        printf '%s\n' NRRD0004 'type: float' 'dimension: 3' 'sizes: 8 1 1' 'space: RAS' \
+            'space directions: (1,0,0) (0,1,0) (0,0,1)' 'space origin: (0,0,0)' 'encoding: text' '' "$1" >map.nrrd
+    }
+    map '0 0.0005 0.2 0.3 0.5 0.7 1 0'
+    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz map.nrrd --threshold 0.001
+    [[ "$stderr" == *"map.nrrd: the region is 83.3 % of the voxels that are not 0, and all values are from 0 to 1: of a map of p values it has \
+the large ones; such a map is asked as 1 - p, or as its z values"* ]]
+    answers overlap nested.nii.gz map.nrrd --threshold 0.001 -q
+    answers overlap nested.nii.gz map.nrrd --threshold 0.6
+    map '0 0.0005 0.2 0.3 0.5 0.7 2.25 0' # no p
+    answers overlap nested.nii.gz map.nrrd --threshold 0.001
+    map '0 1 1 1 1 1 1 0' # a mask
+    answers overlap nested.nii.gz map.nrrd --threshold 0.05
+}
+
 @test "a message says where atlas and region have changed places" {
     scene
     fails 2 "no mask: a threshold is needed, from which on a voxel belongs to the region (below 0: down from which); \

@@ -122,13 +122,20 @@ def test_ways_that_are_none(ball):
 @needs_aal
 def test_a_way_is_a_place(ball, tmp_path):
     options = ["--inward", "--scalp", ball, "--angle", "10"]
-    call_conus("query", AAL, "--origin", "C3>F3:50", *options, "-o", tmp_path / "q.tsv")
+    call_conus("query", f"{AAL},template=none", "--origin", "C3>F3:50", *options, "-o", tmp_path / "q.tsv")
     at = ",".join(str(x) for x in vectors(conus.positions("C3>F3:50", scalp=ball), "")[0])
     along = ",".join(str(x) for x in vectors(conus.positions("C3>F3:50", scalp=ball), "d")[0])
     plain = run_conus("query", AAL, "--origin", at, "--direction", along, "--angle", "10", "--format", "tsv", "-q")
     assert (tmp_path / "q.tsv").read_text().count("\n") == len(plain) + 1
     assert b"identical" in call_conus("verify", tmp_path / "q.tsv").stdout
     assert "50 mm from it towards F3" in " ".join(call_conus("cite", tmp_path / "q.tsv").stdout.decode().split())
+
+
+@needs_aal
+@pytest.mark.parametrize("error, aim, says", [("tms-navigated", "C3", True), ("tms-cap", "C3", False), ("tms-navigated", "-80,-10,60", False)])
+def test_a_navigated_coil_is_not_found_by_a_cap(error, aim, says):
+    said = call_conus("sweep", AAL, f"--origin={aim}", "--inward", "--jitter", error, "--samples", 16).stderr.decode()
+    assert ("a place that a cap finds, as C3, is off by tms-cap" in said) == says, said
 
 
 @pytest.mark.skipif(not PUBLISHED.exists(), reason="the published positions are not here")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import conus
-from support import call_conus
+from support import AAL, call_conus, needs_aal
 
 CURVES = [
     ("Nz Cz Iz", 10, "Fpz AFz Fz FCz - CPz Pz POz Oz"), ("LPA Cz RPA", 10, "T7 C5 C3 C1 - C2 C4 C6 T8"),
@@ -179,3 +179,39 @@ def test_other_scalps_are_refused(tmp_path):
     ]:
         done = subprocess.run([os.environ["CONUS"], "positions", *words], capture_output=True, check=False, cwd=tmp_path)
         assert done.returncode == code and message in done.stderr.decode(), (words, done.returncode, done.stderr)
+
+
+MNI = {"Cz": (0.0, -8.2, 97.3), "C3": (-67.7, -11.3, 61.2), "C4": (68.4, -11.2, 62.0), "Fz": (0.4, 59.6, 64.4), "Pz": (-0.4, -84.6, 79.3),
+       "Oz": (0.0, -118.5, 8.2)}  # the published ones (SimNIBS, EEG10-10_UI_Jurak_2007.csv)
+
+
+@needs_aal
+@pytest.mark.parametrize("moved", [(0, 0, 0), (0, 25, -25), (5, -30, 28)])
+def test_a_scalp_is_the_head_of_the_atlas(tmp_path, moved):
+    """An ellipsoid about as large as the head of MNI 152: how far its positions lie from those is by closed forms."""
+    shape = Ellipsoid((86, 112, 103), np.array([0, -18, 0]) + moved)
+    landmarks = dict(zip(("Nz", "Iz", "LPA", "RPA"),
+                         (shape.on(np.array(d, float)) for d in [(0, 1, -0.3), (0, -1, -0.3), (-1, 0, -0.4), (1, 0, -0.4)])))
+    write(tmp_path / "scalp.surf.gii", *ellipsoid(shape.axes, shape.centre))
+    found = shape.positions(landmarks)
+    mm = np.sqrt(np.mean([((found[name] - at) ** 2).sum() for name, at in MNI.items()]))
+
+    def ask(atlas, *more):
+        scalp = option(tmp_path / "scalp.surf.gii", landmarks)
+        done = subprocess.run([os.environ["CONUS"], "query", atlas, "--origin", "C3", "--inward", "--scalp", scalp, *more],
+                              capture_output=True, check=False)
+        return done.returncode, done.stderr.decode()
+
+    code, said = ask(AAL)
+    assert (code == 3) == (mm > 20) == any(moved), (mm, said)
+    assert f"its positions lie {mm:.0f} mm from those of MNI 152 in the mean" in said and "Colin 27" in said
+    assert ("',template=none' behind ATLAS says that it is of that head" in said) == (mm > 20)
+    for atlas, more in ((f"{AAL},template=none", ()), (AAL, ("--any-space",))):
+        code, said = ask(atlas, *more)
+        assert code in (0, 1) and "--scalp" not in said, said
+    labels = np.ones((20, 20, 20), "u1")
+    nibabel.Nifti1Image(labels, np.array([[5, 0, 0, -50], [0, 5, 0, -70], [0, 0, 5, 0], [0, 0, 0, 1.0]])).to_filename(tmp_path / "own.nii")
+    code, said = ask(tmp_path / "own.nii")
+    assert code in (0, 1) and "nothing says whose head the atlas is of" in said, said
+    code, said = ask(os.path.join(os.path.dirname(AAL), "inia19-NeuroMaps.nii.gz"))
+    assert code == 3 and "The atlas is the macaque INIA19" in said, said

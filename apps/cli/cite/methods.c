@@ -171,7 +171,7 @@ static const struct sentence of_settings[] = {
      " The place is {Places.0.way_mm} mm from it towards {Places.0.toward}, along the section of the "
      "scalp through both and their normals."},
     {"Question.options.any-space",
-     " What the file of poses says of their space was not heard (--any-space): they were taken as they are."},
+     " What the poses, or the scalp, say of their space was not heard (--any-space): they were taken as they are."},
     {"Question.options.summary",
      " Reported are the object that ranks first, the runner-up and the difference of their scores."},
     {"Space.orientation=CCF", " Positions were those of the Allen CCF, AP, DV and ML in µm from its corner."},
