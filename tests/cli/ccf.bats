@@ -208,6 +208,8 @@ END
         ask "$BATS_FILE_TMPDIR/$form" --space bregma --point -0.1,-1,-0.5 --hemispheres split
         [ "$(cat labels)" = 1060 ]
     done
+    "$CONUS" query "$BATS_FILE_TMPDIR/allen.nrrd" --point 5,-5,-1 --radius 1 --hemispheres split -q -o cited.tsv
+    [[ $("$CONUS" cite cited.tsv | tr '\n' ' ') == *'cut in two at ML 5700 µm of the Allen CCF.'* ]]
     # x and ML contradict each other
     fails 2 'right; choose one by a point of it; near:' query "$BATS_FILE_TMPDIR/globe" -q --space bregma \
         --origin 0,-1,2 --toward index:60
