@@ -316,6 +316,27 @@ bool frame_is_ccf_size(const double size[3]);
  * as at the Allen Institute. CONUS_ERROR_DATA if the first volume's grid is the CCF's at another place. */
 conus_status frame_set_ccf(conus_atlas *atlas, bool from_right);
 
+/** The plane between an atlas's left and right. */
+struct midline {
+    bool is_ccf;              /**< It is that of the Allen CCF, and right is where ML grows; else x = 0.           */
+    bool is_turned;           /**< There x grows to the left of it, as in a folder of BrainGlobe: left by x is right
+                                   by ML.                                                                        */
+    double side_from_own[16]; /**< From where the atlas's files have it (conus_atlas_own_point()) to mm, of which the
+                                   first number is how far a point lies to the right of the plane.               */
+};
+
+/** ML of the CCF's midline, micrometres: the middle of its grid. */
+#define FRAME_CCF_MIDDLE 5700
+
+/** A centre of a voxel on the midline is right, in spite of this rounding of moving it there, mm. */
+#define FRAME_MIDLINE_ROUNDING 1e-6
+
+/** Finds the midline: x = 0 of the atlas's own space, or that of the CCF wherever its corner is. */
+void frame_midline(struct midline *out, const conus_atlas *atlas);
+
+/** Keeps where the CCF is in an atlas whose grid says it, before the voxels move to another grid. */
+void frame_keep_ccf(conus_atlas *atlas);
+
 /** The frame of options that have one, or else a space that needs no atlas. CONUS_ERROR_ARGUMENT where its space is
  * none, or needs one. */
 conus_status frame_of_options(conus_frame *out, const conus_frame *given, conus_space space);

@@ -145,7 +145,7 @@ static bool find_own(double own_from_ccf[16], const conus_atlas *atlas)
         memcpy(own_from_ccf, atlas->own_from_ccf, sizeof atlas->own_from_ccf);
         return true;
     }
-    if (!info) {
+    if (!info || atlas->warp_count) {
         return false;
     }
     if (atlas->is_moved) {
@@ -154,6 +154,30 @@ static bool find_own(double own_from_ccf[16], const conus_atlas *atlas)
         memcpy(own, info->world_from_voxel, sizeof own);
     }
     return find_in_grid(own_from_ccf, info, own);
+}
+
+void frame_midline(struct midline *out, const conus_atlas *atlas)
+{
+    const double um = micrometre;
+    const double side_from_ccf[16] = {0, um, 0, 0, 0, 0, um, 0, um, 0, 0, 0, -um * FRAME_CCF_MIDDLE, 0, 0, 1};
+    double own_from_ccf[16];
+    *out = (struct midline){0};
+    mat4_identity(out->side_from_own);
+    if (find_own(own_from_ccf, atlas) && mat4_invert_affine(out->side_from_own, own_from_ccf)) {
+        const bool is_mirrored = atlas->is_moved && mat4_determinant3(atlas->own_from_world) < 0;
+        mat4_multiply(out->side_from_own, side_from_ccf, out->side_from_own);
+        out->is_ccf = true;
+        out->is_turned = (own_from_ccf[8] < 0) != is_mirrored;
+    }
+}
+
+void frame_keep_ccf(conus_atlas *atlas)
+{
+    double own_from_ccf[16];
+    if (find_own(own_from_ccf, atlas)) {
+        memcpy(atlas->own_from_ccf, own_from_ccf, sizeof own_from_ccf);
+        atlas->has_ccf = true;
+    }
 }
 
 conus_brain_view conus_atlas_brain(const conus_atlas *atlas)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_atlas_set_hemispheres(): areas cut in two at x = 0, or pairs merged into an area above both. */
+/* conus_atlas_set_hemispheres(): areas cut in two at the midline, or pairs merged into an area above both. */
 #include "atlas/areas/areas.h"
 #include "atlas/atlas.h"
 #include "atlas/space.h"
@@ -23,6 +23,7 @@ struct split_area {
 
 struct splitting {
     const conus_atlas *atlas;
+    struct midline midline;
     conus_atlas *areas;       /* what the atlas is to have */
     struct split_area *split; /* [area_count + 1] */
     uint16_t *objects16;
@@ -55,8 +56,9 @@ static void each_voxel(struct splitting *splitting, voxel_act act)
     memcpy(m, info->world_from_voxel, sizeof m);
     if (atlas->is_moved) {
         mat4_multiply(m, atlas->own_from_world, m);
-        m[12] += 1e-6;
     }
+    mat4_multiply(m, splitting->midline.side_from_own, m);
+    m[12] += atlas->is_moved || splitting->midline.is_ccf ? FRAME_MIDLINE_ROUNDING : 0;
     for (size_t k = 0; k < info->dim[2]; k++) {
         for (size_t j = 0; j < info->dim[1]; j++) {
             size_t first = info->dim[0] * (j + info->dim[1] * k);
@@ -208,6 +210,9 @@ static conus_status refuse_uncut(const struct splitting *splitting)
     return voxels[LEFT] && voxels[RIGHT]
                ? fail(CONUS_ERROR_DATA, "split: each of the %zu areas is left or right already",
                       splitting->atlas->area_count)
+           : splitting->midline.is_ccf
+               ? fail(CONUS_ERROR_DATA, "split: all voxels lie on one side of the Allen CCF's midline, ML %d um",
+                      FRAME_CCF_MIDDLE)
                : fail(CONUS_ERROR_DATA, "split: all voxels lie at x %s 0, so x = 0 is not the midline of this atlas",
                       voxels[LEFT] ? "<" : ">=");
 }
@@ -227,6 +232,12 @@ static conus_status prepare_halves(struct splitting *splitting)
     }
     if (!grids) {
         return fail(CONUS_ERROR_DATA, "split: there are no areas");
+    }
+    frame_midline(&splitting->midline, splitting->atlas);
+    if (splitting->midline.is_turned) {
+        return fail(CONUS_ERROR_UNSUPPORTED,
+                    "split: what x calls left in this atlas of the Allen CCF has the greater ML, which is right from "
+                    "bregma (docs/spaces.md): a half could be either; near:AREA or a point choose a side");
     }
     splitting->split = memory_zeroed(splitting->atlas->area_count + 1, sizeof *splitting->split);
     conus_status status = splitting->split ? find_sides(splitting) : CONUS_ERROR_MEMORY;
@@ -254,10 +265,10 @@ static conus_status prepare_halves(struct splitting *splitting)
     return CONUS_OK;
 }
 
-/* Cuts areas of voxels that are on both sides in two: voxels with a centre at world x < 0 and the others. The halves'
- * labels are the area's with a 1 or 2 before it; areas above them become two, too. Areas with a side, by pair, table or
- * a name like "Left-vessel", or because all their voxels are on it, stay whole, and so do areas without a voxel.
- * CONUS_ERROR_DATA if nothing can be cut, CONUS_ERROR_UNSUPPORTED if there are meshes. */
+/* Cuts areas of voxels that are on both sides in two: voxels with a centre left of the midline and the others. The
+ * halves' labels are the area's with a 1 or 2 before it; areas above them become two, too. Areas with a side, by pair,
+ * table or a name like "Left-vessel", or because all their voxels are on it, stay whole, and so do areas without a
+ * voxel. CONUS_ERROR_DATA if nothing can be cut, CONUS_ERROR_UNSUPPORTED if there are meshes. */
 static conus_status hemispheres_split(conus_atlas *atlas)
 {
     struct splitting splitting = {.atlas = atlas};
@@ -266,11 +277,13 @@ static conus_status hemispheres_split(conus_atlas *atlas)
     if (!status) {
         uint64_t voxels[SIDES];
         count_sides(voxels, &splitting);
-        status = notes_add(
-            &atlas->notes,
-            "hemispheres: %zu areas are cut in two at x = 0, which is taken as the midline: %llu voxels lie left "
-            "of it, %llu on it or right",
-            splitting.cut_count, (unsigned long long)voxels[LEFT], (unsigned long long)voxels[RIGHT]);
+        status =
+            notes_add(&atlas->notes,
+                      "hemispheres: %zu areas are cut in two at %s: %llu voxels lie left of it, %llu on it or right",
+                      splitting.cut_count,
+                      splitting.midline.is_ccf ? "ML 5700 um, the midline of the Allen CCF"
+                                               : "x = 0, which is taken as the midline",
+                      (unsigned long long)voxels[LEFT], (unsigned long long)voxels[RIGHT]);
     }
     if (!status) {
         status = atlas_exchange_areas(atlas, splitting.areas);

@@ -152,6 +152,7 @@ conus_status atlas_warp(conus_atlas *atlas, struct deformation *fields, size_t c
         status = status ? status : notes_move(&atlas->notes, &parts.notes);
     }
     if (!status) {
+        frame_keep_ccf(atlas);
         warped_volumes_take(&parts.volumes, atlas);
         meshes_take(atlas, parts.meshes.items);
         bundles_take(atlas, parts.tracts.items);

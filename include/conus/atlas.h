@@ -267,18 +267,18 @@ CONUS_CHECKED conus_status conus_atlas_move(conus_atlas *atlas, const double atl
 /** How an atlas has left and right areas. */
 typedef enum conus_hemispheres {
     CONUS_HEMISPHERES_AS_IS = 0, /**< As the label table has them. */
-    CONUS_HEMISPHERES_SPLIT,     /**< Areas that lie on both sides become two, cut at world x = 0. */
+    CONUS_HEMISPHERES_SPLIT,     /**< Areas that lie on both sides become two, cut at the midline. */
     CONUS_HEMISPHERES_MERGED     /**< Left and right areas of one name are reported as one. */
 } conus_hemispheres;
 
 /** Changes how the atlas has left and right areas, once, before a selector or renderer is made. A note says what was
- * done. Splitting takes the plane x = 0 of the atlas's own space for the midline (conus_atlas_own_point()) and changes
- * the numbers of objects. Merging adds the common areas that pairs are reported as. docs/model.md, Eq. 10, has the
- * rules.
+ * done. Splitting takes the plane x = 0 of the atlas's own space for the midline (conus_atlas_own_point()), in the
+ * Allen CCF ML 5700 um, and changes the numbers of objects. Merging adds the common areas that pairs are reported as.
+ * docs/model.md, Eq. 10, has the rules.
  * @param atlas The atlas; unchanged on failure.
  * @param hemispheres What to do.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where something is hidden; #CONUS_ERROR_DATA where nothing can be split or
- * merged; #CONUS_ERROR_UNSUPPORTED for splitting meshes. */
+ * merged; #CONUS_ERROR_UNSUPPORTED for splitting meshes, and the CCF where x runs against ML. */
 CONUS_CHECKED conus_status conus_atlas_set_hemispheres(conus_atlas *atlas, conus_hemispheres hemispheres);
 
 /** Mirrors an atlas whose voxels are stored from the other side than its header says: about the middle of its first

@@ -273,7 +273,9 @@ static void count_row(struct census *census, const struct head *head, const conu
         census->axes++;
         census->short_axes += row->target_mm < width / 20;
     }
-    const double x = is_of_bregma ? p[1] : world[0];
+    const conus_frame *frame = head->options->frame;
+    const bool is_of_ccf = head->options->space == CONUS_SPACE_CCF;
+    const double x = is_of_bregma ? p[1] : is_of_ccf ? (p[2] - frame->bregma[2]) / 1000 : world[0];
     bool is_wrong = sides_count(&census->sides[0], sides_of_name(name), name, x, width / 36);
     size_t *first = &census->first_wrong[0];
     *first = *first || !is_wrong ? *first : row->line;
@@ -359,9 +361,12 @@ static void judge(const struct census *c, const struct head *head, double longes
                 1000 * longest / 14, head->out->file);
     }
     if (space == CONUS_SPACE_BREGMA && is_list && 2 * c->shallow > c->points) {
+        const double *b = head->options->frame->bregma;
         job_bad(job,
-                "%zu of %zu positions have a DV above 0, above bregma: DV is up in space bregma, depths are negative",
-                c->shallow, c->points);
+                "%zu of %zu positions have a DV above 0, above bregma: DV is up in space bregma, depths are negative; "
+                "if they lie above it, as a skull, --space ccf takes them: AP %g - 1000 AP, DV %g - 1000 DV, ML %g + "
+                "1000 ML, um",
+                c->shallow, c->points, b[0], b[1], b[2]);
     }
     bool are_ends = head->out->ends_at_target || c->farthest_target > 1.5 * c->nearest_target;
     if (is_known && c->axes && are_ends && 2 * c->short_axes >= c->axes) {

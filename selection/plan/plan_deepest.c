@@ -595,43 +595,30 @@ conus_status plan_distances(double *out, const conus_atlas *atlas, const uint32_
     return status;
 }
 
-/* The atlas's own position, with x counted from the midline. */
-static void place_by_midline(double out[3], const conus_atlas *atlas, const double point[3])
+/* The atlas's own position, with x counted from the midline, less than 0 to the left of it. */
+static void place_by_midline(double out[3], const struct midline *midline, const conus_atlas *atlas,
+                             const double point[3])
 {
-    static const double MIDDLE = 5700; /* of the CCF's 11,400 um */
-    double ccf_from_own[16];
     conus_atlas_own_point(out, atlas, point);
-    if (atlas->has_ccf && mat4_invert_affine(ccf_from_own, atlas->own_from_ccf)) {
-        mat4_point(out, ccf_from_own, out);
-        const double ccf[3] = {(out[2] - MIDDLE) / 1000, out[0] / 1000, out[1] / 1000};
-        memcpy(out, ccf, sizeof ccf);
-    }
-}
-
-/* mm from a point to the midline, less than 0 to the left of it: the plane x = 0 of the atlas's own space, where
- * --hemispheres split cuts, or that of the Allen CCF, ML 5700 um, wherever its corner is. */
-static double plan_off_midline(const conus_atlas *atlas, const double point[3])
-{
-    double at[3];
-    place_by_midline(at, atlas, point);
-    return at[0];
+    mat4_point(out, midline->side_from_own, out);
 }
 
 struct side_count {
     const conus_atlas *atlas;
+    const struct midline *midline;
     double sides[2];
     double one; /* mm^3 of a voxel */
 };
 
 static void count_side(void *user, const struct volume *volume, size_t voxel)
 {
-    static const double ROUNDING = 1e-6; /* of moving there and back; a centre on the plane is right */
     struct side_count *count = user;
+    const bool is_rounded = count->atlas->is_moved || count->midline->is_ccf;
     double at[4] = {0};
     double own[3];
     add_centre(at, volume, voxel);
-    place_by_midline(own, count->atlas, at);
-    count->sides[own[0] < -(count->atlas->is_moved ? ROUNDING : 0) ? 0 : 1] += count->one;
+    place_by_midline(own, count->midline, count->atlas, at);
+    count->sides[own[0] < -(is_rounded ? FRAME_MIDLINE_ROUNDING : 0) ? 0 : 1] += count->one;
 }
 
 /* The flux of (x, 0, 0) out of the part of a triangle where x has the sign: its share in the volume there. */
@@ -663,7 +650,7 @@ static double flux_on_side(double corner[3][3], double sign)
     return flux;
 }
 
-static void add_solid_sides(double sides[2], const struct mesh *mesh, const conus_atlas *atlas)
+static void add_solid_sides(struct side_count *count, const struct mesh *mesh)
 {
     double sum[2] = {0};
     for (size_t i = 0; i < mesh->triangle_count; i++) {
@@ -671,35 +658,30 @@ static void add_solid_sides(double sides[2], const struct mesh *mesh, const conu
         double own[3][3];
         mesh_corners(corner, mesh, i);
         for (int c = 0; c < 3; c++) {
-            place_by_midline(own[c], atlas, corner[c]);
+            place_by_midline(own[c], count->midline, count->atlas, corner[c]);
         }
         sum[0] += flux_on_side(own, -1);
         sum[1] += flux_on_side(own, 1);
     }
-    sides[0] += fabs(sum[0]);
-    sides[1] += fabs(sum[1]);
+    count->sides[0] += fabs(sum[0]);
+    count->sides[1] += fabs(sum[1]);
 }
 
 /* mm^3 of voxels and insides of closed surfaces to the left and to the right of the midline. */
-static void plan_sides(double out[2], const struct plan_constraint *structure, const conus_atlas *atlas)
+static void plan_sides(double out[2], const struct plan_constraint *structure, const struct midline *midline,
+                       const conus_atlas *atlas)
 {
-    struct side_count count = {.atlas = atlas};
+    struct side_count count = {.atlas = atlas, .midline = midline};
     for (size_t i = 0; i < structure->part_count; i++) {
         const struct plan_part *part = &structure->parts[i];
         if (part->volume) {
             count.one = fabs(mat4_determinant3(part->volume->info.world_from_voxel));
             each_voxel(structure, part->volume, count_side, &count);
         } else if (part->mesh && part->mesh->shape.closed) {
-            add_solid_sides(count.sides, part->mesh, atlas);
+            add_solid_sides(&count, part->mesh);
         }
     }
     memcpy(out, count.sides, sizeof count.sides);
-}
-
-/* mm^3 as cm^3 for people. */
-static double cm3(double mm3)
-{
-    return mm3 / 1000;
 }
 
 conus_status plan_check_sides(const struct plan_constraint *structure, const struct inner_point *inner,
@@ -722,19 +704,27 @@ conus_status plan_check_sides(const struct plan_constraint *structure, const str
         return status;
     }
     double parts[2];
-    plan_sides(parts, structure, atlas);
+    double own[3];
+    struct midline midline;
+    frame_midline(&midline, atlas);
+    plan_sides(parts, structure, &midline, atlas);
+    place_by_midline(own, &midline, atlas, inner->at);
     bool is_on_both = fmin(parts[0], parts[1]) >= LEAST_PART * (parts[0] + parts[1]);
-    bool is_in_middle = has_sides && fabs(plan_off_midline(atlas, inner->at)) < inner->depth / 2;
+    bool is_in_middle = has_sides && fabs(own[0]) < inner->depth / 2;
     if (!is_on_both || is_in_middle) {
         return CONUS_OK;
     }
     bool is_split =
-        object->kind == CONUS_KIND_AREA && atlas_parcellation(atlas) && !atlas->half_step && !atlas->has_ccf;
+        object->kind == CONUS_KIND_AREA && atlas_parcellation(atlas) && !atlas->half_step && !midline.is_turned;
     char way[2 * SHOWN + 64] = "";
     if (is_split) {
         snprintf(way, sizeof way, "; type --hemispheres split, and as the name \"%.*s left\" or \"%.*s right\"", SHOWN,
                  object->name, SHOWN, object->name);
+    } else if (midline.is_ccf) {
+        snprintf(way, sizeof way, "; choose one by a point of it");
     }
-    return fail(CONUS_ERROR_ARGUMENT, "%s lies on both sides: %.2f cm3 left, %.2f cm3 right%s", object->name,
-                cm3(parts[0]), cm3(parts[1]), way);
+    const char *unit = midline.is_ccf ? "mm3" : "cm3"; /* of mice, of people */
+    const double mm3 = midline.is_ccf ? 1 : 1000;
+    return fail(CONUS_ERROR_ARGUMENT, "%s lies on both sides: %.2f %s left, %.2f %s right%s", object->name,
+                parts[0] / mm3, unit, parts[1] / mm3, unit, way);
 }

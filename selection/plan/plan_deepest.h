@@ -65,9 +65,9 @@ conus_status plan_distances(double *out, const conus_atlas *atlas, const uint32_
 /** The structure's mean position, weighted by volume, and that volume, mm^3, in out[3]; all 0 without one. */
 void plan_centroid(double out[4], const struct plan_constraint *structure);
 
-/** Refuses the inner point of a structure of which 20 % or more lie on each side, and whose object says no side: nobody
- * has chosen one. One that is nearer to the midline than half its depth is fine, in an atlas some of whose areas have a
- * side. CONUS_ERROR_ARGUMENT with both volumes and the way on; CONUS_ERROR_MEMORY. */
+/** Refuses the inner point of a structure of which 20 % or more lie on each side (frame_midline()), and whose object
+ * says no side: nobody has chosen one. One that is nearer to the midline than half its depth is fine, in an atlas some
+ * of whose areas have a side. CONUS_ERROR_ARGUMENT with both volumes and the way on; CONUS_ERROR_MEMORY. */
 conus_status plan_check_sides(const struct plan_constraint *structure, const struct inner_point *inner,
                               const conus_atlas *atlas, uint32_t object);
 

@@ -76,13 +76,18 @@ static void every_layout_of_the_grid_is_one_place(void **state)
         assert_ok(conus_frame_find(&frame, atlas, CONUS_SPACE_CCF, NULL));
         assert_int_equal(conus_atlas_brain(atlas).brain, CONUS_BRAIN_TEMPLATE);
         assert_string_equal(conus_atlas_brain(atlas).words, "Allen CCF");
+        struct midline midline;
+        frame_midline(&midline, atlas);
+        assert_true(midline.is_ccf && !midline.is_turned);
         for (size_t i = 0; i < sizeof points / sizeof points[0]; i++) {
             double world[3];
             double wanted[3];
             world_of_ccf(wanted, points[i]);
             assert_ok(conus_frame_to_world(world, &frame, points[i]));
             expect_near(world, wanted, 3);
-            conus_frame_from_world(world, &frame, world);
+            mat4_point(world, midline.side_from_own, wanted);
+            assert_float_equal(world[0], (points[i][2] - 5700) / 1000, 1e-9); /* mm to the right */
+            conus_frame_from_world(world, &frame, wanted);
             expect_near(world, points[i], 3);
         }
         conus_atlas_destroy(atlas);

@@ -195,6 +195,45 @@ END
     [[ $output == *$'\tarea\t60\t'* && $output != *unassigned* ]]
 }
 
+# Area 60 is AP 4800 to 6000, DV 0 to 1600, ML 3800 to 7600 um: it lies on both sides of ML 5700, on which there are
+# centres of voxels, which are right.
+@test "an area on both sides of the CCF's midline is refused, and cut there: left is where ML is less" {
+    local form
+    cd "$BATS_TEST_TMPDIR"
+    printf '5500 100 4100\n5500 100 5500\n5500 100 5700\n5500 100 7300\n' >cut.txt
+    for form in allen.nrrd ras.nii left.nii plain.nii turned.nii; do
+        fails 2 'choose one: --hemispheres split' query "$BATS_FILE_TMPDIR/$form" --point index:60 --radius 1
+        ask "$BATS_FILE_TMPDIR/$form" --space ccf --pose cut.txt --hemispheres split
+        diff <(printf '1060\n1060\n2060\n2060\n') labels
+        ask "$BATS_FILE_TMPDIR/$form" --space bregma --point -0.1,-1,-0.5 --hemispheres split
+        [ "$(cat labels)" = 1060 ]
+    done
+    "$CONUS" query "$BATS_FILE_TMPDIR/allen.nrrd" --point 5,-5,-1 --radius 1 --hemispheres split -q -o cited.tsv
+    [[ $("$CONUS" cite cited.tsv | tr '\n' ' ') == *'cut in two at ML 5700 µm of the Allen CCF.'* ]]
+    # x and ML contradict each other
+    fails 2 'right; choose one by a point of it; near:' query "$BATS_FILE_TMPDIR/globe" -q --space bregma \
+        --origin 0,-1,2 --toward index:60
+    fails 3 'a half could be either' query "$BATS_FILE_TMPDIR/globe" --hemispheres split --space bregma --point 0,1,-1 \
+        --radius 1
+    # a field moves the voxels to another grid, of any size
+    python3 "$BATS_TEST_DIRNAME/fields.py" itk <(gzip -c "$BATS_FILE_TMPDIR/plain.nii") field.nii.gz 1
+    fails 2 'lies on both sides' query "$BATS_FILE_TMPDIR/plain.nii" --point index:60 --radius 1 \
+        --atlas-transform field.nii.gz
+}
+
+@test "lists: sides by ML, and positions above bregma have a way on" {
+    cd "$BATS_TEST_TMPDIR"
+    printf 'name\tap\tdv\tml\nleft a\t5500\t100\t4100\nleft b\t5500\t300\t4100\nright c\t5500\t100\t7300\n' >sides.tsv
+    ask "$BATS_FILE_TMPDIR/ras.nii" --space ccf --pose sides.tsv
+    sed 's/left/right/' sides.tsv >wrong.tsv
+    fails 3 '2 of 3 called right on the left' query "$BATS_FILE_TMPDIR/ras.nii" --space ccf --pose wrong.tsv --radius 1
+    printf -- '-1 1 0.2\n-1 2 0.2\n-1 3 0.2\n' >skull.txt
+    fails 3 '--space ccf takes them: AP 5400 - 1000 AP, DV 332 - 1000 DV, ML 5739 + 1000 ML, um' \
+        query "$BATS_FILE_TMPDIR/ras.nii" --space bregma --pose skull.txt --radius 1
+    printf '6400 132 6739\n6400 132 7739\n6400 132 8739\n' >ccf.txt
+    run -0 "$CONUS" query "$BATS_FILE_TMPDIR/ras.nii" --space ccf --pose ccf.txt --radius 1
+}
+
 @test "where ML grows to the left by what the atlas says, a note says so" {
     run -0 --separate-stderr "$CONUS" query globe --space bregma --point 0,0,-1 --radius 0.1
     [[ $stderr == *'note: --space bregma: ML grows to the right, as the Allen Institute counts; the atlas says'* ]]

@@ -190,7 +190,8 @@ static const struct sentence of_atlas[] = {
     {"hidden",
      " Some of its objects were left out, as if they were not there{many?; the sidecar lists them|, by label: "
      "{hidden}}."},
-    {"hemispheres=split", " Areas on both sides were cut in two at x = 0 of the atlas."},
+    {"hemispheres=split",
+     " Areas on both sides were cut in two at {ccf?ML 5700 µm of the Allen CCF|x = 0 of the atlas}."},
     {"hemispheres=merged", " Left and right areas of one name were joined."},
     {"mirrored", " Left and right of its places were exchanged, about x = 0."},
     {"field", " It was brought into the space of the positions by {fields?several deformation fields|a deformation "
@@ -674,6 +675,7 @@ static void put_atlas(FILE *out, const struct citation *citation, size_t index)
     size_t fields = 0;
     size_t i;
     const json_t *step;
+    const json_t *note;
     struct system_text text;
     FILE *parts = system_text_open(&text);
     if (parts) {
@@ -689,6 +691,13 @@ static void put_atlas(FILE *out, const struct citation *citation, size_t index)
         fields += json_object_get(step, "field") != NULL;
         set_if(own, "affine", matrix && !is_diagonal(matrix, 1));
     }
+    bool is_ccf = false;
+    json_array_foreach(fact(own, "notes"), i, note)
+    {
+        const char *words = json_string_value(note); /* of the cut (atlas/areas/hemispheres.c) */
+        is_ccf = is_ccf || (words && strstr(words, "the midline of the Allen CCF"));
+    }
+    set_if(own, "ccf", is_ccf);
     set_if(own, "field", fields > 0);
     set_if(own, "fields", fields > 1);
     set_if(own, "moved", moved && !is_diagonal(moved, -1));

@@ -220,8 +220,21 @@ static void the_ccf_has_its_own_midline(void **state)
     const double m[16] = {0, -1e-3, 0, 0, 0, 0, -1e-3, 0, 1e-3, 0, 0, 0, -0.2, 0, 0, 1};
     memcpy(own->own_from_ccf, m, sizeof m);
     assert_fails(conus_place_find(&place, own, "VISp", NULL), CONUS_ERROR_ARGUMENT);
-    assert_string_equal(conus_message(), "VISp lies on both sides: 0.04 cm3 left, 0.04 cm3 right");
+    assert_string_equal(conus_message(), "VISp lies on both sides: 36.00 mm3 left, 36.00 mm3 right; choose one: "
+                                         "--hemispheres split, and \"VISp left\" or \"VISp right\"");
     assert_fails(conus_place_find(&place, own, "1020:C3", NULL), CONUS_ERROR_ARGUMENT);
+    own->own_from_ccf[8] = -1e-3; /* ML grows against x: left by one is right by the other */
+    own->own_from_ccf[12] = 11.2;
+    assert_fails(conus_place_find(&place, own, "VISp", NULL), CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "right; choose one by a point of it"));
+    assert_fails(conus_atlas_set_hemispheres(own, CONUS_HEMISPHERES_SPLIT), CONUS_ERROR_UNSUPPORTED);
+    memcpy(own->own_from_ccf, m, sizeof m);
+    assert_ok(
+        conus_atlas_set_hemispheres(own, CONUS_HEMISPHERES_SPLIT)); /* at x = 5.5: 0 to 3 are left, 8 to 11 right */
+    assert_ok(conus_place_find(&place, own, "VISp left", NULL));
+    assert_true(place.point[0] >= 0 && place.point[0] <= 3);
+    assert_ok(conus_place_find(&place, own, "VISp right", NULL));
+    assert_true(place.point[0] >= 8);
     conus_atlas_destroy(own);
 }
 
