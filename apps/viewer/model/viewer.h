@@ -632,7 +632,7 @@ const char *plans_number(char out[PLAN_NUMBER], double value);
 
 /** Asks for the list, and takes it once it is there. To be called whenever something may have changed. */
 void plans_step(struct viewer *viewer);
-/** The list, or why there is none: NULL, and @p why says so, "" without a file of candidates. */
+/** The list, or why there is none: NULL, and @p why says so; without a file of candidates what to do in the window. */
 const struct plan_list *plans_list(const struct viewer *viewer, const char **why);
 /** Whether the list is still to come, or to come anew. */
 bool plans_is_behind(const struct viewer *viewer);
