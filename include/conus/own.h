@@ -1210,10 +1210,11 @@ CONUS_CHECKED conus_status conus_context_is_covered(bool *out, const conus_atlas
  * @param view Its width, height, camera, frustum, field_of_view, dpi, no_legend and points count; of the background
  * whether it is dark; of the selection and own_colours which colours points have.
  * @param cut Where the cut is, and its mm_per_pixel; NULL = the view is in space, and has a camera.
+ * @param chosen Index of the point whose name has a place before all others; SIZE_MAX = none.
  * @return #CONUS_ERROR_ARGUMENT for a view or cut out of its range; #CONUS_ERROR_DATA for an atlas without anything
  * that shows; #CONUS_ERROR_MEMORY. */
 CONUS_CHECKED conus_status conus_points_image(conus_image **out, const conus_atlas *atlas, const conus_view *view,
-                                              const conus_cut_view *cut);
+                                              const conus_cut_view *cut, size_t chosen);
 
 /** Prepares to draw one cut after the other, as windows do. The pictures are those of conus_cut(), but voxels and
  * surfaces are read again only where a view lies elsewhere. Another selection over the same place costs little.

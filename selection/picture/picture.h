@@ -92,6 +92,7 @@ struct picture {
     struct picture_group *groups;  /**< [group_count] Of points, in the order of the first of each. */
     size_t group_count;
     uint32_t *group_of;     /**< [options.point_count] */
+    size_t first_named;     /**< The point whose name has a place before all others, from 1; 0 = none. */
     bool has_group_scale;   /**< Groups are numbers, with colours of a scale over their range. */
     bool has_unknown_group; /**< One that has no number is beside these. */
     double group_range[2];

@@ -56,9 +56,9 @@ conus_status conus_render_cuts(conus_image **out, const conus_atlas *atlas, cons
 }
 
 conus_status conus_points_image(conus_image **out, const conus_atlas *atlas, const conus_view *view,
-                                const conus_cut_view *cut)
+                                const conus_cut_view *cut, size_t chosen)
 {
-    (void)out, (void)atlas, (void)view, (void)cut;
+    (void)out, (void)atlas, (void)view, (void)cut, (void)chosen;
     return refuse();
 }
 

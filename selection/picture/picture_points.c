@@ -297,7 +297,13 @@ static bool is_group_end(const struct picture *picture, size_t index)
            group_of[index + 1] != group_of[index];
 }
 
-/* Writes names, those of the ends of groups and of the nearest balls first, each where it hides neither a ball nor
+/* Names of a higher rank have a place first: that of the one point, those of ends, and all others. */
+static size_t name_rank(const struct picture *picture, size_t index)
+{
+    return index + 1 == picture->first_named ? 2 : is_group_end(picture, index);
+}
+
+/* Writes names, those of a higher rank and of the nearest balls first, each where it hides neither a ball nor
  * another name, and how many have no such place. `taken` has room for a box for each name behind the first ones. */
 static void write_names(struct draw_list *list, const struct picture *picture, const struct ball *balls, size_t count,
                         const struct draw_box *limit, struct draw_box *taken, size_t taken_count)
@@ -305,10 +311,10 @@ static void write_names(struct draw_list *list, const struct picture *picture, c
     const double letters = LETTERS * picture->em;
     size_t wanted = 0;
     size_t written = 0;
-    for (size_t n = 2 * count; n-- > 0;) { /* all twice: ends, then others; the farthest ball is the first */
+    for (size_t n = 3 * count; n-- > 0;) { /* all for each rank; the farthest ball is the first */
         const struct ball *ball = &balls[n % count];
         const char *name = picture->options.points[ball->index].name;
-        if (!name || !name[0] || is_group_end(picture, ball->index) != (n >= count)) {
+        if (!name || !name[0] || name_rank(picture, ball->index) != n / count) {
             continue;
         }
         const double size[2] = {font_width(picture->font, letters, name), 0.95 * letters};

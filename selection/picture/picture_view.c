@@ -994,9 +994,9 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
 }
 
 conus_status conus_points_image(conus_image **out, const conus_atlas *atlas, const conus_view *view,
-                                const conus_cut_view *cut)
+                                const conus_cut_view *cut, size_t chosen)
 {
-    struct picture picture = {.atlas = atlas};
+    struct picture picture = {.atlas = atlas, .first_named = chosen + 1};
     conus_image *image = NULL;
     double corners[2][3];
     conus_status status = fill_options(&picture.options, view, atlas);

@@ -3,6 +3,7 @@
 #include "viewer/window/start.h"
 
 #include "conus/own.h"
+#include "sources/endings.h"
 #include "test.h"
 
 #include <stdint.h>
@@ -64,6 +65,12 @@ static void a_folder_lists_what_can_be_opened(void **state)
     assert_true(folder_can_open("x.SURF.GII") && folder_can_open("a.obj.gz") && !folder_can_open("x.gz"));
     assert_true(folder_can_open("a.trk.gz") && folder_can_open("a.tck") && folder_can_open("a.TRX"));
     assert_true(folder_can_open("a.tt.gz") && !folder_can_open("a.btt"));
+    for (const char *ending = NULL; (ending = ending_next(ending, ROLE_POSES));) { /* contacts, needles, coils */
+        char name[32];
+        snprintf(name, sizeof name, "needles%s", ending);
+        assert_true(folder_can_open(name));
+    }
+    assert_true(folder_can_open("contacts.csv") && folder_can_open("COILS.TSV") && folder_can_open("coils.xml"));
     assert_true(folder_fits("Brodmann.nii", "bro") && !folder_fits("aal", "bro") && folder_fits("aal", ""));
 }
 

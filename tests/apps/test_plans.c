@@ -367,6 +367,34 @@ static void without_a_feasible_pose_the_nearest_misses_are_listed(void **state)
     viewer_finish(&viewer);
 }
 
+/* Whoever has the window alone is told what it can do, and no option of the command line. */
+static void without_a_list_the_next_step_is_told(void **state)
+{
+    static const char *const wanted[2][2][2] = {/* by target, and by points: words that are there */
+                                                {{"Set as target", "Ctrl+O"}, {"Set as target", "in Points"}},
+                                                {{"aim by hand", "Ctrl+O"}, {"aim by hand", "in Points"}}};
+    struct viewer viewer;
+    struct window window;
+    const char *why;
+    (void)state;
+    window_scene_open_phantom(&window, &viewer, "u-shape");
+    for (size_t target = 0; target < 2; target++) {
+        assert_int_equal(open_plan(&viewer, usual, target ? 4 : 0), 0);
+        for (size_t points = 0; points < 2; points++) {
+            viewer.points.count = points;
+            assert_null(plans_list(&viewer, &why));
+            assert_false(plans_go(&viewer, 0));
+            assert_string_equal(viewer.message, why);
+            assert_null(strstr(why, "--"));
+            assert_int_equal(strstr(why, "no target yet") == why, !target);
+            assert_non_null(strstr(why, wanted[target][points][0]));
+            assert_non_null(strstr(why, wanted[target][points][1]));
+        }
+    }
+    viewer.points.count = 0;
+    viewer_finish(&viewer);
+}
+
 /* A change of the atlas ends a run; the list is made again for the new atlas. */
 static void a_list_follows_the_atlas_and_the_radius(void **state)
 {
@@ -433,6 +461,7 @@ TEST_GROUP(plans)
         cmocka_unit_test(unknown_names_are_refused),
         cmocka_unit_test(rows_move_the_tool_and_are_taken_back),
         cmocka_unit_test(without_a_feasible_pose_the_nearest_misses_are_listed),
+        cmocka_unit_test(without_a_list_the_next_step_is_told),
         cmocka_unit_test(a_list_follows_the_atlas_and_the_radius),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -18,7 +18,9 @@ static conus_atlas *make_atlas(void)
                                          {.number = 21, .name = "occipital pole"},
                                          {.number = 22, .name = "Occipital Pole"},
                                          {.number = 44, .name = "Precentral"},
-                                         {.number = 50, .name = "S\xc3\xa9nile"}};
+                                         {.number = 50, .name = "S\xc3\xa9nile"},
+                                         {.number = 51, .name = "Hippocampus_L"},
+                                         {.number = 52, .name = "Hippocampus_R"}};
     enum { COUNT = sizeof labels / sizeof labels[0] };
     uint8_t data[COUNT];
     conus_atlas *atlas = NULL;
@@ -72,6 +74,18 @@ static void whole_names_come_before_parts(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Other words that the command line takes for one name: another order, a side in full, blanks. */
+static void words_mean_what_they_mean_elsewhere(void **state)
+{
+    conus_atlas *atlas = make_atlas();
+    (void)state;
+    assert_found(atlas, "left hippocampus", (const uint32_t[]){51, 0});
+    assert_found(atlas, "hippocampus right", (const uint32_t[]){52, 0});
+    assert_found(atlas, "superior occipital", (const uint32_t[]){20, 0});
+    assert_found(atlas, "hippocampus", (const uint32_t[]){51, 52, 0}); /* no side is chosen */
+    conus_atlas_destroy(atlas);
+}
+
 static void nothing_fits_nothing(void **state)
 {
     conus_atlas *atlas = make_atlas();
@@ -86,6 +100,7 @@ TEST_GROUP(search)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(names_come_before_numbers),
         cmocka_unit_test(whole_names_come_before_parts),
+        cmocka_unit_test(words_mean_what_they_mean_elsewhere),
         cmocka_unit_test(nothing_fits_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

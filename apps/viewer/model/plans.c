@@ -490,10 +490,26 @@ bool plans_is_behind(const struct viewer *viewer)
     return list->settings.kind == STUDY_PLAN && !(list->answer && study_is_same(&now, &list->answer->question));
 }
 
+/* What to do in the window where no candidates were given. */
+static const char *find_next_step(const struct viewer *viewer)
+{
+    const bool has_points = viewer->points.count;
+    return plans_is_on(viewer) ? (has_points ? "choose a row in Points, or aim by hand: the answer above judges it; F5 "
+                                               "sets a needle's depth"
+                                             : "aim by hand, or open a file of needles or coils (Ctrl+O) and choose a "
+                                               "row in Points: the answer above judges it; F5 sets a needle's depth")
+                               : (has_points ? "no target yet: choose an area and, under Area, \"Set as target\"; then "
+                                               "choose a row in Points"
+                                             : "no target yet: choose an area and, under Area, \"Set as target\"; then "
+                                               "aim by hand, or open a file of needles or coils (Ctrl+O)");
+}
+
 const struct plan_list *plans_list(const struct viewer *viewer, const char **why)
 {
     const struct study_state *list = &viewer->plan.list;
-    *why = list->settings.kind != STUDY_PLAN ? "" : !list->answer ? "trying the poses" : list->answer->error;
+    *why = list->settings.kind != STUDY_PLAN ? find_next_step(viewer)
+           : !list->answer                   ? "trying the poses"
+                                             : list->answer->error;
     return list->answer && list->answer->plan.text ? &list->answer->plan : NULL;
 }
 
@@ -518,10 +534,7 @@ bool plans_go(struct viewer *viewer, size_t index)
     const struct plan_list *list = plans_list(viewer, &why);
     struct tool *tool = &viewer->tools[FIRST_TOOL];
     if (!list || index >= list->count) {
-        viewer_say(viewer, "%s",
-                   list     ? "the plan has no such row"
-                   : why[0] ? why
-                            : "there is no list of a plan: start with --reach or --avoid, and --poses");
+        viewer_say(viewer, "%s", list ? "the plan has no such row" : why);
         return false;
     }
     const struct plan_row *row = &list->rows[index];

@@ -58,6 +58,12 @@ uint32_t *search_all(size_t *count, const conus_atlas *atlas, const char *text)
         fits[number] = (uint8_t)search_fit(conus_atlas_object(atlas, number), text);
         *count += fits[number] != SEARCH_NONE;
     }
+    uint32_t meant = 0; /* as it is on the command line: "left hippocampus" is Hippocampus_L */
+    const bool has_letters = text[strspn(text, "0123456789")];
+    if (has_letters && !conus_atlas_find(&meant, atlas, text) && fits[meant] == SEARCH_NONE) {
+        fits[meant] = SEARCH_EXACT;
+        ++*count;
+    }
     size_t used = 0;
     for (int fit = SEARCH_FIT_END - 1; fit > SEARCH_NONE; fit--) { /* what fits best first */
         for (size_t number = 1; number <= objects; number++) {

@@ -256,8 +256,9 @@ enum search_fit {
 
 enum search_fit search_fit(const conus_object *object, const char *text);
 
-/** Numbers of the objects of @p atlas that fit, best first, and by number where they fit alike. To be freed; @p
- * count is how many. NULL without memory. */
+/** Numbers of the objects of @p atlas that fit, best first, and by number where they fit alike; the one that
+ * conus_atlas_find() finds is as one whose name is the text, unless the text is a number. To be freed; @p count is how
+ * many. NULL without memory. */
 uint32_t *search_all(size_t *count, const conus_atlas *atlas, const char *text);
 
 /** The best of them; 0 = none, or no memory. */
@@ -632,7 +633,7 @@ const char *plans_number(char out[PLAN_NUMBER], double value);
 
 /** Asks for the list, and takes it once it is there. To be called whenever something may have changed. */
 void plans_step(struct viewer *viewer);
-/** The list, or why there is none: NULL, and @p why says so, "" without a file of candidates. */
+/** The list, or why there is none: NULL, and @p why says so; without a file of candidates what to do in the window. */
 const struct plan_list *plans_list(const struct viewer *viewer, const char **why);
 /** Whether the list is still to come, or to come anew. */
 bool plans_is_behind(const struct viewer *viewer);

@@ -19,9 +19,9 @@ static void find_key(double key[POINTS_KEY], const struct window *window, const 
 {
     const struct viewer *viewer = window->viewer;
     const struct eye *eye = &window->pictures.shown;
-    const double head[] = {viewer->points.number, viewer->atlas_number,       (double)box->width,
-                           (double)box->height,   (double)ui_line(),          viewer->display.backdrop,
-                           theme_used(),          viewer->display.own_colours};
+    const double head[] = {viewer->points.number, viewer->atlas_number,        (double)box->width,
+                           (double)box->height,   (double)ui_line(),           viewer->display.backdrop,
+                           theme_used(),          viewer->display.own_colours, viewer->chosen_point};
     enum { HEAD = sizeof head / sizeof *head };
     memset(key, 0, POINTS_KEY * sizeof *key);
     memcpy(key, head, sizeof head);
@@ -40,6 +40,7 @@ static void draw_anew(struct point_layer *layer, struct window *window, const st
 {
     struct viewer *viewer = window->viewer;
     const struct eye *eye = &window->pictures.shown;
+    const conus_drawn_point *chosen = points_chosen(viewer);
     conus_image *image = NULL;
     conus_view view = {.width = (uint32_t)fmaxf(box->width, 1),
                        .height = (uint32_t)fmaxf(box->height, 1),
@@ -57,7 +58,8 @@ static void draw_anew(struct point_layer *layer, struct window *window, const st
         memcpy(view.frustum, eye->frustum, sizeof view.frustum);
         backdrop_set(&view, viewer->display.backdrop, theme_used() == THEME_DARK);
     }
-    conus_status status = conus_points_image(&image, viewer->drawn->atlas, &view, cut);
+    conus_status status = conus_points_image(&image, viewer->drawn->atlas, &view, cut,
+                                             chosen ? (size_t)(chosen - viewer->points.points) : SIZE_MAX);
     uint8_t *rgba = status ? NULL : painted_bytes(image);
     if (status) {
         viewer_say(viewer, "%s", conus_message());

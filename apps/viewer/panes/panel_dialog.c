@@ -17,7 +17,8 @@ static void draw_line(struct window *window)
     bool saves = dialog->purpose == DIALOG_SAVE;
     static const char *const saved[] = {"Save the session as", "Save the session as", "Save the window's picture as",
                                         "Export the hits as", "Save the study as"};
-    ui_heading(saves ? saved[window->files.saves] : "Open an atlas or a session, or add streamlines or a context");
+    ui_heading(saves ? saved[window->files.saves]
+                     : "Open an atlas or a session, or add streamlines, a context, points or poses");
     ui_width(ui_room());
     ui_take_keys(&dialog->takes_keys);
     bool entered = ui_type_path("##path", dialog->text, sizeof dialog->text, "", dialog->prefilled, dialog->selected,

@@ -87,14 +87,12 @@ void panel_plan(struct window *window)
 void panel_planned(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    const char *why = "";
-    const struct plan_list *list = plans_is_on(viewer) ? plans_list(viewer, &why) : NULL;
+    const char *why;
+    const struct plan_list *list = plans_list(viewer, &why);
     bool is_behind = plans_is_on(viewer) && plans_is_behind(viewer);
     ui_text_wrapped(is_behind ? THEME_ORANGE : THEME_HINT, is_behind && list ? "OLD: trying the poses anew"
                                                            : list            ? list->says
-                                                           : why[0]          ? why
-                                                                             : "no list of needles to try: start with "
-                                                                               "--reach or --avoid, and --poses");
+                                                                             : why);
     ui_dim(is_behind ? theme_pale : 1);
     if (list && list->count) {
         draw_list(viewer, list);

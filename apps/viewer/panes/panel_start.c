@@ -38,7 +38,8 @@ static void draw_field(struct window *window)
     ui_tip(
         "a path, or the name of an installed atlas, which the arrow keys choose; Enter opens it: volumes (NIfTI,\n"
         "MGH, NRRD, MetaImage, AFNI, TIFF), surfaces, CIFTI labels, FSL's XML, folders of surfaces or of BrainGlobe,\n"
-        "manifests; on an atlas that is open streamlines (.trk, .tck, .trx, VTK, .tt.gz), an image as context");
+        "manifests; on an atlas that is open streamlines (.trk, .tck, .trx, VTK, .tt.gz), an image as context,\n"
+        "points or poses, such as contacts, needles or coils");
     ui_same_line();
     asked = ui_button(open, "opens what is typed on its left") || asked;
     ui_same_line();

@@ -20,7 +20,7 @@
 
 bool folder_can_open(const char *name)
 {
-    return ending_length(name, strlen(name), ROLES_ATLAS | ROLE_TRACTS);
+    return ending_length(name, strlen(name), ROLES_ATLAS | ROLE_TRACTS | ROLE_POSES);
 }
 
 bool folder_fits(const char *name, const char *text)

@@ -2,6 +2,7 @@
 /* Pictures for papers: sides, backgrounds, letters, places of the legend, and sizes on paper. */
 #include "base/geometry/math3.h"
 #include "base/look.h"
+#include "base/look_sizes.h"
 #include "base/memory.h"
 #include "conus/own.h"
 #include "picture_scene.h"
@@ -646,7 +647,7 @@ static void points_alone_are_those_over_a_drawing(void **state)
         conus_image *over = NULL;
         view.selection = which == 2 ? scene.selection : NULL;
         view.no_cone = which == 2;
-        assert_ok(conus_points_image(&alone, scene.atlas, &view, which == 1 ? &cut : NULL));
+        assert_ok(conus_points_image(&alone, scene.atlas, &view, which == 1 ? &cut : NULL, SIZE_MAX));
         if (which == 1) {
             conus_cut_view same = cut;
             same.width = same.height = 200;
@@ -675,10 +676,50 @@ static void points_alone_are_those_over_a_drawing(void **state)
     }
     conus_image *none = NULL;
     view.camera = NULL;
-    assert_fails(conus_points_image(&none, scene.atlas, &view, NULL), CONUS_ERROR_ARGUMENT);
-    assert_fails(conus_points_image(&none, scene.atlas, &view, &(conus_cut_view){.mm_per_pixel = 0}),
+    assert_fails(conus_points_image(&none, scene.atlas, &view, NULL, SIZE_MAX), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_points_image(&none, scene.atlas, &view, &(conus_cut_view){.mm_per_pixel = 0}, SIZE_MAX),
                  CONUS_ERROR_ARGUMENT);
     assert_null(none);
+}
+
+/* Two names at one place, in a picture with room for one: it is that of the end of the list, as if the other one had no
+ * name, but that of the chosen one where one is chosen. */
+static void a_chosen_point_has_its_name_first(void **state)
+{
+    struct scene scene = need_scene(state);
+    const conus_cut_view cut = {.mm_per_pixel = 1, .right = {0, -1, 0}, .up = {0, 0, 1}};
+    const struct {
+        const char *end, *middle;
+        size_t chosen;
+    } pictures[] = {
+        {"AAAAAA", NULL, SIZE_MAX}, {"AAAAAA", "BBBBBB", SIZE_MAX}, {NULL, "BBBBBB", 1}, {"AAAAAA", "BBBBBB", 1}};
+    conus_image *images[4] = {NULL};
+    size_t differing = 0; /* pixels of one name and of the other */
+    for (size_t i = 0; i < 4; i++) {
+        const conus_drawn_point points[] = {{.name = pictures[i].end, .at = {0, 40, 0}, .end = {NAN}, .radius = 2},
+                                            {.name = pictures[i].middle, .at = {0, 40, 0}, .end = {NAN}, .radius = 2},
+                                            {.at = {0, 40, 0}, .end = {NAN}, .radius = 2}};
+        const conus_view view = {.width = 100,
+                                 .height = 30,
+                                 .dpi = 16.0 * 72 / LOOK_FIGURE_POINTS,
+                                 .legend = CONUS_LEGEND_NONE,
+                                 .points = points,
+                                 .point_count = 3};
+        assert_ok(conus_points_image(&images[i], scene.atlas, &view, &cut, pictures[i].chosen));
+    }
+    for (size_t p = 0; p < (size_t)100 * 30; p++) {
+        for (size_t pair = 0; pair < 2; pair++) {
+            assert_near((double)conus_image_floats(images[2 * pair], "A")[p],
+                        (double)conus_image_floats(images[2 * pair + 1], "A")[p], 1e-6);
+            assert_near((double)conus_image_floats(images[2 * pair], "R")[p],
+                        (double)conus_image_floats(images[2 * pair + 1], "R")[p], 1e-6);
+        }
+        differing += conus_image_floats(images[0], "R")[p] != conus_image_floats(images[2], "R")[p];
+    }
+    assert_true(differing > 20);
+    for (size_t i = 0; i < 4; i++) {
+        conus_image_destroy(images[i]);
+    }
 }
 
 /* All of a colour shows with half of the cone, 0.4 of it with a fiftieth, between them in eight steps; and the picture
@@ -1097,7 +1138,7 @@ static conus_status attempt_points_alone(void *data)
     const struct scene *scene = data;
     conus_image *image = NULL;
     const conus_view view = {.width = 200, .height = 80, .points = two_points, .point_count = 2};
-    conus_status status = conus_points_image(&image, scene->atlas, &view, &cut);
+    conus_status status = conus_points_image(&image, scene->atlas, &view, &cut, 1);
     assert_true((status == CONUS_OK) == (image != NULL));
     conus_image_destroy(image);
     return status;
@@ -1154,6 +1195,7 @@ TEST_GROUP(picture_figure)
         cmocka_unit_test(probes_that_cannot_be_drawn_are_refused),
         cmocka_unit_test(points_that_cannot_be_drawn_are_refused),
         cmocka_unit_test(points_alone_are_those_over_a_drawing),
+        cmocka_unit_test(a_chosen_point_has_its_name_first),
         cmocka_unit_test(colours_are_weighted_by_share),
         cmocka_unit_test(a_ball_colours_what_is_in_it),
         cmocka_unit_test(groups_of_points_have_colours_and_rows),
