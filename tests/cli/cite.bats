@@ -271,14 +271,16 @@ END
 @test "the sentences of a page are those of conus cite" {
     type node >/dev/null || skip 'no node'
     scene
-    local angle layers resolution sentence
+    local angle layers resolution sentence rows
+    rows=$(conus help --json | jq -c '[.commands[] | select(.name == "page").options[] | select(.name | IN("angle", "layers", "resolution"))]')
     for angle in 30 150; do
         for layers in visible all; do
             for resolution in 64 33; do
                 conus query nested.nii.gz --origin 0,-100,0 --toward 0,0,0 -q --force --layers $layers --resolution $resolution \
                     --angle $angle -o a.tsv
                 cites a.tsv
-                node --input-type=module -e "import { toMethods } from '$BATS_TEST_DIRNAME/../../apps/web/page/state.js';
+                node --input-type=module -e "globalThis.CONUS_ROWS = $rows;
+                    const { toMethods } = await import('$BATS_TEST_DIRNAME/../../apps/web/page/state.js');
                     const said = toMethods({ origin: [0, -100, 0], toward: [0, 0, 0], angle: $angle, layers: '$layers', resolution: $resolution },
                         { name: 'nested', version: '0', sha256: '', transform: '' }).split(/(?<=\.) (?=[A-Z])/);
                     console.log(said.filter((sentence) => !/RAS mm|^The atlas was/.test(sentence)).join('\n'));" >said
