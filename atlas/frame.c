@@ -161,10 +161,11 @@ void frame_midline(struct midline *out, const conus_atlas *atlas)
     const double um = micrometre;
     const double side_from_ccf[16] = {0, um, 0, 0, 0, 0, um, 0, um, 0, 0, 0, -um * FRAME_CCF_MIDDLE, 0, 0, 1};
     double own_from_ccf[16];
+    const bool is_mirrored = atlas->is_moved && mat4_determinant3(atlas->own_from_world) < 0; /* sides exchanged */
     *out = (struct midline){0};
     mat4_identity(out->side_from_own);
+    out->side_from_own[0] = is_mirrored ? -1 : 1;
     if (find_own(own_from_ccf, atlas) && mat4_invert_affine(out->side_from_own, own_from_ccf)) {
-        const bool is_mirrored = atlas->is_moved && mat4_determinant3(atlas->own_from_world) < 0;
         mat4_multiply(out->side_from_own, side_from_ccf, out->side_from_own);
         out->is_ccf = true;
         out->is_turned = (own_from_ccf[8] < 0) != is_mirrored;

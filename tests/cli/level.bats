@@ -169,3 +169,15 @@ nested() {
     allen=${CONUS_SHARED_DATA:-$BATS_TEST_DIRNAME/../../../shared/data}/meshes/brainglobe-allen-ccf2017-subset
     [ ! -d "$allen" ] || fails 3 '55 areas are surfaces, only areas of voxels can be cut' info "$allen" --hemispheres split
 }
+
+# Exchanged, what lay right of x = 0 in the file is left.
+@test "halves of an atlas whose sides are exchanged are named by where they lie" {
+    "$CONUS" phantom sphere -o .
+    local sides x
+    for sides in as-is exchanged; do
+        for x in -5 5; do
+            run -0 --separate-stderr "$CONUS" query sphere.nii.gz --sides $sides --hemispheres split --point=$x,0,0 -q --format tsv
+            [[ "$output" == *"$([ $x = 5 ] && echo 'Sphere right' || echo 'Sphere left')"* ]]
+        done
+    done
+}
