@@ -43,6 +43,11 @@ void painter_resume(struct painter *painter)
     (void)painter;
 }
 
+bool painter_finds_cover(struct painter *painter)
+{
+    return !painter;
+}
+
 bool painter_set_opacity(struct painter *painter, const struct appearance *appearance)
 {
     (void)painter;
