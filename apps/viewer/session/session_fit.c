@@ -231,8 +231,40 @@ static bool has_other_context(const json_t *then, const json_t *now)
     return other;
 }
 
+/* Behind --labels= among the options; "" = there is none. */
+static const char *labels_of(const json_t *opened)
+{
+    static const char option[] = "--labels=";
+    const json_t *options = json_object_get(opened, "options");
+    const char *found = "";
+    for (size_t i = 0; i < json_array_size(options); i++) {
+        const char *word = json_string_value(json_array_get(options, i));
+        found = word && strncmp(word, option, sizeof option - 1) == 0 ? word + sizeof option - 1 : found;
+    }
+    return found;
+}
+
+/* Who opens a session with another label table says that its areas have other names: their labels stay to be checked.
+ */
+static void fit_names(json_t *root, const struct window *window)
+{
+    const json_t *named = json_object_get(root, "named");
+    const char *labels = labels_of(window->files.opened);
+    const bool is_said = *labels && strcmp(labels, labels_of(json_object_get(root, "opened"))) != 0;
+    for (size_t i = 0; i < json_array_size(named) && is_said; i++) {
+        json_t *entry = json_array_get(named, i);
+        const json_int_t number = json_integer_value(json_array_get(entry, 0));
+        const conus_object *object =
+            number > 0 ? conus_atlas_object(window->viewer->atlases[0].atlas, (size_t)number) : NULL;
+        if (object) {
+            json_array_set_new(entry, 2, json_string(object->name));
+        }
+    }
+}
+
 void session_fit(json_t *root, const struct window *window)
 {
+    fit_names(root, window);
     const json_t *then = added_of(json_object_get(root, "opened"));
     const json_t *now = added_of(window->files.opened);
     fit_legend(root);
