@@ -202,7 +202,7 @@ END
     cd "$BATS_TEST_TMPDIR"
     printf '5500 100 4100\n5500 100 5500\n5500 100 5700\n5500 100 7300\n' >cut.txt
     for form in allen.nrrd ras.nii left.nii plain.nii turned.nii; do
-        fails 2 'choose one: --hemispheres split' query "$BATS_FILE_TMPDIR/$form" --point index:60 --radius 1
+        fails 2 'type --hemispheres split, and as the name' query "$BATS_FILE_TMPDIR/$form" --point index:60 --radius 1
         ask "$BATS_FILE_TMPDIR/$form" --space ccf --pose cut.txt --hemispheres split
         diff <(printf '1060\n1060\n2060\n2060\n') labels
         ask "$BATS_FILE_TMPDIR/$form" --space bregma --point -0.1,-1,-0.5 --hemispheres split
