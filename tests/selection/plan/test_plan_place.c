@@ -220,8 +220,8 @@ static void the_ccf_has_its_own_midline(void **state)
     const double m[16] = {0, -1e-3, 0, 0, 0, 0, -1e-3, 0, 1e-3, 0, 0, 0, -0.2, 0, 0, 1};
     memcpy(own->own_from_ccf, m, sizeof m);
     assert_fails(conus_place_find(&place, own, "VISp", NULL), CONUS_ERROR_ARGUMENT);
-    assert_string_equal(conus_message(), "VISp lies on both sides: 36.00 mm3 left, 36.00 mm3 right; choose one: "
-                                         "--hemispheres split, and \"VISp left\" or \"VISp right\"");
+    assert_string_equal(conus_message(), "VISp lies on both sides: 36.00 mm3 left, 36.00 mm3 right; type "
+                                         "--hemispheres split, and as the name \"VISp left\" or \"VISp right\"");
     assert_fails(conus_place_find(&place, own, "1020:C3", NULL), CONUS_ERROR_ARGUMENT);
     own->own_from_ccf[8] = -1e-3; /* ML grows against x: left by one is right by the other */
     own->own_from_ccf[12] = 11.2;
