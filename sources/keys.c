@@ -137,6 +137,7 @@ static const struct source_key rows[] = {
     {KEY_SLIDER, "slider", KEYS_ARCS, NUMBERS(1), .high = 180, .is_above = true, .allowed = UP_TO_180},
     {KEY_SAME, "same", KEYS_ARCS, NUMBERS(1), .high = 180, .is_above = true, .allowed = UP_TO_180},
     {KEY_MOST, "most", KEYS_ARCS, IS_WHOLE, .least = 1, .most = 1, .low = 1, .high = 16, .allowed = ONE_TO_16},
+    /* By the ids of tilts and a depth, which angles have not: a set of keys has 64 bits. */
     {KEY_TILT_AP, "arc", KEYS_ANGLES, NUMBERS(3), .any_order = true, .low = -360, .high = 360, .allowed = A_GRID},
     {KEY_TILT_ML, "slider", KEYS_ANGLES, NUMBERS(3), .any_order = true, .low = -360, .high = 360, .allowed = A_GRID},
     {KEY_DEPTH, "back", KEYS_ANGLES, NUMBERS(1), .high = 500, .is_above = true, .allowed = ABOVE_0 ", up to 500 mm"},

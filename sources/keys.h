@@ -99,7 +99,7 @@ enum source_key_id {
     KEY_ABOVE,
     KEY_POWER,
 
-    KEY_SLIDER,
+    KEY_SLIDER, /**< These two in this order, and the next two. */
     KEY_SAME,
     KEY_MOST,
     KEY_EACH,

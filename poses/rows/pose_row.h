@@ -150,9 +150,9 @@ struct position_way {
     double mm;
 };
 
-/** Reads a way. False with CONUS_OK where the text is none: it does not begin with a position and '>'.
+/** Reads a way; its start is NULL where the text is none: it does not begin with a position and '>'.
  * CONUS_ERROR_ARGUMENT where it does and what follows is no position, a colon and a number. */
-conus_status position_way_read(bool *is_way, struct position_way *out, struct text text);
+conus_status position_way_read(struct position_way *out, struct text text);
 
 /** Which brain a space belongs to. */
 enum pose_brain {

@@ -107,13 +107,13 @@ const struct position *position_find(struct text name)
     return NULL;
 }
 
-conus_status position_way_read(bool *is_way, struct position_way *out, struct text text)
+conus_status position_way_read(struct position_way *out, struct text text)
 {
     const char *mark = memchr(text.data, '>', text.size);
     const size_t before = mark ? (size_t)(mark - text.data) : text.size;
     struct position_way way = {.from = position_find(text_trim((struct text){text.data, before}))};
-    *is_way = mark && way.from;
-    if (!*is_way) {
+    if (!mark || !way.from) {
+        *out = (struct position_way){0};
         return CONUS_OK;
     }
     const struct text rest = {mark + 1, text.size - before - 1};

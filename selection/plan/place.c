@@ -88,11 +88,9 @@ static conus_status take_way(bool *is_way, struct finding *finding)
 {
     struct position_way way;
     struct position end;
-    conus_status status = position_way_read(is_way, &way, finding->words.name);
-    if (!status && *is_way) {
-        status = position_way_on_scalp(&end, finding->options->scalp, &way);
-    }
-    if (!status && *is_way) {
+    conus_status status = position_way_find(&end, &way, finding->options->scalp, finding->words.name);
+    *is_way = !status && way.from;
+    if (*is_way) {
         take_position(finding, &end);
         finding->place.is_on_scalp = true;
         finding->place.toward = way.to->name;

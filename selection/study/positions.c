@@ -134,15 +134,20 @@ conus_status position_on_scalp(struct position *out, const conus_scalp *scalp, c
     return CONUS_OK;
 }
 
-conus_status position_way_on_scalp(struct position *out, const conus_scalp *scalp, const struct position_way *way)
+conus_status position_way_find(struct position *out, struct position_way *way, const conus_scalp *scalp,
+                               struct text text)
 {
     struct position ends[2];
     struct scalp_position found;
+    conus_status status = position_way_read(way, text);
+    if (status || !way->from) {
+        return status;
+    }
     if (!scalp) {
         return fail(CONUS_ERROR_ARGUMENT, "%s>%s:%g: a way is measured on somebody's own scalp (--scalp)",
                     way->from->name, way->to->name, way->mm);
     }
-    conus_status status = position_on_scalp(&ends[0], scalp, way->from);
+    status = position_on_scalp(&ends[0], scalp, way->from);
     status = status ? status : position_on_scalp(&ends[1], scalp, way->to);
     status = status ? status
                     : scalp_walk(&found, scalp, scalp_find(scalp, text_from(ends[0].name)),
@@ -155,28 +160,18 @@ conus_status position_way_on_scalp(struct position *out, const conus_scalp *scal
     return status;
 }
 
-/* The end of a way, where the name is one. */
-static conus_status find_way(bool *is_way, conus_place *out, const char *name, const conus_scalp *scalp)
+static conus_status find_position(conus_place *out, const char *name, const conus_scalp *scalp)
 {
     struct position_way way;
     struct position end;
-    conus_status status = position_way_read(is_way, &way, text_from(name));
-    if (!status && *is_way) {
-        status = position_way_on_scalp(&end, scalp, &way);
+    conus_status status = position_way_find(&end, &way, scalp, text_from(name));
+    if (status) {
+        return status;
     }
-    if (!status && *is_way) {
+    if (way.from) {
         *out = place_of_position(&end);
         out->name = name;
-    }
-    return status;
-}
-
-static conus_status find_position(conus_place *out, const char *name, const conus_scalp *scalp)
-{
-    bool is_way;
-    conus_status status = find_way(&is_way, out, name, scalp);
-    if (status || is_way) {
-        return status;
+        return CONUS_OK;
     }
     const struct position *found = position_find(text_from(name));
     const char *closest = NULL;

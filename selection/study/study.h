@@ -96,9 +96,11 @@ struct position_way;
 /** A position on a scalp. CONUS_ERROR_ARGUMENT for one below its ring of 10 %, where there is no rule. */
 conus_status position_on_scalp(struct position *out, const conus_scalp *scalp, const struct position *position);
 
-/** The end of a way on a scalp, as a position with the name of its start. CONUS_ERROR_ARGUMENT where @p scalp is NULL,
- * and as position_on_scalp() and scalp_walk(). */
-conus_status position_way_on_scalp(struct position *out, const conus_scalp *scalp, const struct position_way *way);
+/** The end of a way on a scalp, as a position with the name of its start. Where the text is no way, its start is NULL,
+ * and @p out stays. CONUS_ERROR_ARGUMENT for a way where @p scalp is NULL, and as position_way_read(),
+ * position_on_scalp() and scalp_walk(). */
+conus_status position_way_find(struct position *out, struct position_way *way, const conus_scalp *scalp,
+                               struct text text);
 
 /* quantiles.c */
 /** The 97.5 % quantile of the standard normal distribution. */
