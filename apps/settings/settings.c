@@ -83,8 +83,8 @@ const struct option atlas_options[] = {
 
 const struct option side_options[] = {
     {OPTION_VALUED("hemispheres", struct atlas_settings, hemispheres, "HOW"),
-     .help =
-         "cut areas of both sides in two at x = 0 (split), or report left and right areas of one name as one (merged):",
+     .help = "cut areas of both sides in two at the midline (split), or report left and right areas of one name as one "
+             "(merged):",
      .choices = settings_hemispheres, .words = "left, right, side"},
     {OPTION_VALUED("sides", struct atlas_settings, sides, "HOW"),
      .help = "mirror ATLAS, whose voxels lie the other way round than its header says, as a warning tells (exchanged):",

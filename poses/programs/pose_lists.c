@@ -21,10 +21,10 @@ enum flags {
     ENDS_EARLY = 32      /* rows end at the line "info" */
 };
 
-/* A list is of the first row whose `ending` is that of the file's name and whose `mark` stands in its head. */
 #define SAVE_IN_MNI "bring its positions to the atlas's space (MNI), and save name,x,y,z in mm"
 #define SAVE_NO_ANGLES "angles are not positions: save the cap's name,x,y,z in MNI, in mm"
 
+/* A list is of the first row whose `ending` is that of the file's name and whose `mark` stands in its head. */
 static const struct layout {
     const char *ending;  /* "" = any */
     const char *mark;    /* "" = none; "^": only where the text begins, "\n": where a line does */

@@ -297,7 +297,7 @@ def load(
         Draws a glass shell around all areas of voxels and the head in the context volume. A picture with
         ``transfer="none"`` leaves out that volume, and ``opacity`` the areas.
     hemispheres
-        "as-is", "split" (areas of both sides are cut at x = 0) or "merged".
+        "as-is", "split" (areas of both sides are cut at the midline) or "merged".
     only, hide
         Lists of names, separated by commas: all else, or these, are as if they had never been loaded.
     labels_anyway

@@ -24,7 +24,7 @@ static void choose_hemispheres(struct window *window)
     use_width(window);
     if (ui_choose(
             "##hemispheres", &how, hemispheres_meanings, HEMISPHERES_COUNT,
-            "hemispheres: areas as the file has them; those that lie on both sides cut in two at x = 0 mm; or left "
+            "hemispheres: areas as the file has them; those that lie on both sides cut in two at the midline; or left "
             "and\n"
             "right ones of one name reported as one (--hemispheres). The atlas is opened again for it; F8: the next")) {
         window_request_hemispheres(window, (conus_hemispheres)how);
