@@ -139,7 +139,7 @@ parses() {
         conus $command --help | sed -n '/^Scores/,/^$/p' | awk 'NR > 1 && NF { print $1 }' >there
         awk '/^#/ { on = /^## Eq. 12 / } on' "$ROOT/docs/model.md" | sed -nE 's/^\| ([a-z_]+) \|.*/\1/p' | grep -v '^name$' >said
         diff there said
-        [ "$(wc -l <said)" -eq 18 ]
+        [ "$(wc -l <said)" -ge 18 ]
     done
 }
 
