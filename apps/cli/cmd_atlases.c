@@ -186,7 +186,7 @@ const struct command cmd_atlases = {
     .description =
         "Lists what is in the folders of $CONUS_ATLAS_PATH, and in those of mricron, FSL, FreeSurfer, BrainGlobe,\n"
         "TemplateFlow, AFNI, SPM, CAT12, nilearn and MRIcroGL; --places says which these are. A name may stand\n"
-        "wherever a command wants ATLAS. A path comes first: a file of that name here hides the name.\n"
+        "wherever a command takes ATLAS. A path comes first: a file of that name here hides the name.\n"
         "source:name chooses one source. Upper and lower case, and - _ . + between words, make no difference.\n\n"
         "The list is made from names, headers and FSL's XMLs, without reading voxels. A volume is listed where\n"
         "something says that it holds labels (docs/commands.md).",

@@ -231,7 +231,7 @@ const struct command cmd_cite = {
         "For a RESULT with its .json beside it: writes a paragraph that says what was asked, and the references:\n"
         "conus, the method where rays were traced, and the atlas, as its own files ask. It says what the .json does:\n"
         "conus verify tells whether RESULT is that. For an ATLAS: writes how to cite it. Read it before you publish\n"
-        "it: conus knows nothing of your study.",
+        "it: conus has nothing about your study.",
     .examples = "  conus cite answers.tsv\n"
                 "  conus cite answers.tsv --format bibtex >>paper.bib\n"
                 "  conus cite aal\n",

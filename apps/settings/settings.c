@@ -918,7 +918,7 @@ bool settings_error(conus_pose_error *out, const char *text, bool has_needles)
         return refuse("--jitter: %s", conus_message());
     }
     return out->entry == 0 || has_needles ||
-           refuse("--jitter: %s is an error of needles, at their entry and target; conus plan knows those", out->name);
+           refuse("--jitter: %s is an error of needles, at their entry and target; conus plan has those", out->name);
 }
 
 static bool set_error(conus_jitter_options *out, const conus_pose_error *error)

@@ -320,6 +320,6 @@ void pose_lists_parse(struct pose_reading *to, struct text text)
     } else if (layout) {
         parse_layout(to, layout, text);
     } else {
-        job_bad(to->job, "a list of no program that conus knows");
+        job_bad(to->job, "a list of an unknown program");
     }
 }

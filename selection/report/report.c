@@ -68,7 +68,7 @@ static conus_status check_options(const conus_report_options *options)
         return CONUS_OK;
     }
     if (options->format != CONUS_FORMAT_OPEN_EPHYS) {
-        return fail(CONUS_ERROR_ARGUMENT, "contacts: Open Ephys wants them, and no other format does");
+        return fail(CONUS_ERROR_ARGUMENT, "contacts: Open Ephys needs them, and no other format does");
     }
     return contacts_check(contacts);
 }

@@ -134,12 +134,12 @@ parses() {
     done <<<"$said"
 }
 
-@test "the scores of the page are those of the help" {
+@test "the scores of Eq. 12 are those of the help, in their order" {
     for command in query track; do
         conus $command --help | sed -n '/^Scores/,/^$/p' | awk 'NR > 1 && NF { print $1 }' >there
-        awk '/^### Scores/ { on = 1 } /^### Columns/ { on = 0 } on' "$DOCS" | sed -nE 's/^\| `([a-z_]+)` .*/\1/p' >said
+        awk '/^#/ { on = /^## Eq. 12 / } on' "$ROOT/docs/model.md" | sed -nE 's/^\| ([a-z_]+) \|.*/\1/p' | grep -v '^name$' >said
         diff there said
-        [ "$(wc -l <said)" -eq 18 ]
+        [ "$(wc -l <said)" -ge 18 ]
     done
 }
 

@@ -222,7 +222,7 @@ shanks() {
     fails 2 'range: a shank has its tip at the far end of the range' query $AXIS --format spikeglx
     fails 2 'contacts: Open Ephys counts those of a shank' query $AXIS --range 0,80 --format open-ephys
     fails 2 'contacts: the last is 84 mm from the tip, but the range is only 80 mm long' query $AXIS --range 0,80 --format open-ephys --contacts 5,1,20,4
-    fails 2 'contacts: Open Ephys wants them' query $AXIS --range 0,80 --format spikeglx --contacts 5,1,1,1
+    fails 2 'contacts: Open Ephys needs them' query $AXIS --range 0,80 --format spikeglx --contacts 5,1,1,1
     for wrong in 5,1,1 5,1,1,1,1 x,1,1,1 1.5,1,1,1 0,1,1,1 5,0,1,1 '' nan,1,1,1; do
         fails 2 'is not COUNT,COLUMNS,PITCH,TIP' query $AXIS --range 0,80 --format open-ephys "--contacts=$wrong"
     done
