@@ -114,6 +114,8 @@ static const struct source_key rows[] = {
     {KEY_PART, "part", KEYS_REACH, NUMBERS(2), .high = INFINITY,
      .allowed = "allowed is A:B with numbers from 0, the lower one first"},
     {KEY_CONTACTS, "contacts", KEYS_REACH, NUMBERS(1), .high = 65536, .allowed = TO("65536")},
+    {KEY_CONTACTS, "contacts", KEYS_COVER, IS_WHOLE, .least = 1, .most = 1, .low = 1, .high = 1000000,
+     .allowed = "allowed is a whole number from 1 to 1000000"},
     {KEY_PROBABILITY, "probability", KEYS_REACH, NUMBERS(1), .high = 1, .allowed = TO("1")},
     {KEY_SHARE, "share", KEYS_REACH | KEYS_AVOID, NUMBERS(1), .high = 1, .allowed = TO("1")},
     {KEY_PIERCED, "pierced", KEYS_REACH | KEYS_AVOID, NUMBERS(1), .high = 1, .allowed = TO("1")},
@@ -136,6 +138,8 @@ static const struct source_key rows[] = {
 
     {KEY_SLIDER, "slider", KEYS_ARCS, NUMBERS(1), .high = 180, .is_above = true, .allowed = UP_TO_180},
     {KEY_SAME, "same", KEYS_ARCS, NUMBERS(1), .high = 180, .is_above = true, .allowed = UP_TO_180},
+    {KEY_TILT_AP, "pitch", KEYS_ARCS, NUMBERS(1), .any_order = true, .low = -180, .high = 180,
+     .allowed = "allowed is a number of degrees from -180 to 180"},
     {KEY_MOST, "most", KEYS_ARCS, IS_WHOLE, .least = 1, .most = 1, .low = 1, .high = 16, .allowed = ONE_TO_16},
     /* By the ids of tilts and a depth, which angles have not: a set of keys has 64 bits. */
     {KEY_TILT_AP, "arc", KEYS_ANGLES, NUMBERS(3), .any_order = true, .low = -360, .high = 360, .allowed = A_GRID},

@@ -35,6 +35,7 @@ enum key_kind {
     KEYS_SCALP = 1 << 21,  /**< A scalp with its landmarks. */
     KEYS_ARCS = 1 << 22,   /**< Degrees between the arcs of a rig. */
     KEYS_ANGLES = 1 << 23, /**< Its angles, from which poses are tried. */
+    KEYS_COVER = 1 << 24,  /**< Names of structures that contacts are in. */
 };
 
 enum source_key_id {

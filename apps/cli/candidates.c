@@ -457,12 +457,14 @@ static void put_table(FILE *out, const struct written_pose *poses, size_t count,
 {
     const bool of_needles = count && poses[0].needle;
     bool has_up = of_needles || !have_usual_turns(poses, count, frame);
+    const bool has_contacts = of_needles && poses[0].counts_contacts;
     bool has_angle = false;
     for (size_t i = 0; i < count; i++) {
         has_angle = has_angle || poses[i].pose->has_angle;
     }
-    fprintf(out, "%squery_id\tx\ty\tz\tdx\tdy\tdz%s\tnear\tfar%s%s\n", of_needles ? "needle\trow\tcandidate\t" : "",
-            has_up ? "\tux\tuy\tuz" : "", has_angle ? "\tangle" : "", of_needles ? "\tleeway_mm" : "");
+    fprintf(out, "%squery_id\tx\ty\tz\tdx\tdy\tdz%s\tnear\tfar%s%s%s\n", of_needles ? "needle\trow\tcandidate\t" : "",
+            has_up ? "\tux\tuy\tuz" : "", has_angle ? "\tangle" : "", of_needles ? "\tleeway_mm" : "",
+            has_contacts ? "\tcontacts" : "");
     for (size_t i = 0; i < count; i++) {
         const conus_planned *pose = poses[i].pose;
         const double *m = pose->pose.world_from_device;
@@ -487,6 +489,9 @@ static void put_table(FILE *out, const struct written_pose *poses, size_t count,
         }
         if (of_needles) {
             fprintf(out, isnan(pose->leeway) ? "\tn/a" : "\t%.9g", pose->leeway);
+        }
+        if (has_contacts) {
+            fprintf(out, "\t%llu", (unsigned long long)poses[i].contacts);
         }
         fputc('\n', out);
     }

@@ -61,9 +61,11 @@ struct written_pose {
     const conus_planned *pose;
     const double *shanks; /**< [shank_count][2] Beside its axis, mm; NULL = one on it. */
     size_t shank_count;
-    const char *needle; /**< Whose candidate it is: then tables say that, and the next two; NULL = nobody's. */
-    size_t row;         /**< Of the table of needles, from 1. */
-    uint64_t number;    /**< Of the needle's candidates. */
+    const char *needle;   /**< Whose candidate it is: then tables say that, and the next two; NULL = nobody's. */
+    size_t row;           /**< Of the table of needles, from 1. */
+    uint64_t number;      /**< Of the needle's candidates. */
+    bool counts_contacts; /**< There are covers: */
+    uint64_t contacts;    /**< so many are in any of them. */
 };
 
 /** Writes poses: a table (.tsv), lines for 3D Slicer, one for each shank (.mrk.json), polylines (.vtk), or the first
@@ -76,7 +78,7 @@ int candidates_write(const char *path, const struct written_pose *poses, size_t 
 struct needles_settings {
     const char *file; /**< NULL = one needle is planned. */
     const char *given, *between, *pairs, *diverse, *candidates, *arcs;
-    struct option_list parts;
+    struct option_list parts, covers;
     double entry_distance;
     uint32_t effort;
 };

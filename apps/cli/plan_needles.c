@@ -31,10 +31,16 @@ const struct option needles_options[] = {
      .help = "the positions of any two needles are so far apart at least, straight, 0 to 100", .standard = "0",
      OPTION_FROM_TO(0, 100), .words = "bolt, burr hole", .needs = "needles", .role = OPTION_PLAIN},
     {OPTION_VALUED("arcs", struct needles_settings, arcs, "DEG,..."),
-     .help = "a rig carries the needles on arcs, at least DEG apart; keys: slider=DEG (of needles on one arc; else the "
-             "same), same=DEG (arc angles on one arc differ by no more, 0.5 unless given), most=N (arcs), each=N "
-             "(needles on one arc); needles with one text in the column arc share an arc, those with another do not",
+     .help =
+         "a rig carries the needles on arcs, at least DEG apart; keys: slider=DEG (of needles on one arc; else the "
+         "same), same=DEG (arc angles on one arc differ by no more, 0.5 unless given), most=N (arcs), each=N "
+         "(needles on one arc), pitch=DEG (of the rig about the right-left axis, which --arc-window and --from angles "
+         "count from); needles with one text in the column arc share an arc, those with another do not",
      .unit = "degrees", .words = "rig, manipulator, slider, probes", .needs = "needles", .role = OPTION_ASKS},
+    {OPTION_VALUED("cover", struct needles_settings, covers, "NAME,...[,contacts=N]"),
+     .help = "contacts of --contacts that are in these areas, which are one structure, are counted, of all shanks of "
+             "all needles together; contacts=N: so many at least; may be repeated",
+     .words = "sampling, coverage, electrodes", .needs = "needles", .role = OPTION_ASKS},
     {OPTION_VALUED("given", struct needles_settings, given, "FILE"),
      .help = "poses that are called like needles: these are where they are, the others are planned round them; with "
              "all given their plan is checked",
@@ -57,7 +63,7 @@ const struct option needles_options[] = {
     {0},
 };
 
-enum { COLUMN_LIMIT = 64, TABLE_LIMIT = 1 << 20, NEEDLE_MOST = 16, ROW_MOST = 64, FILES_MOST = 100 };
+enum { COLUMN_LIMIT = 64, TABLE_LIMIT = 1 << 20, NEEDLE_MOST = 16, ROW_MOST = 64, FILES_MOST = 100, COVER_MOST = 16 };
 
 /* The columns that are no options: 1 where only one needle may answer the row; which arc its needles are on. */
 static const struct option row_columns[] = {{.name = "once"}, {.name = "arc"}};
@@ -82,6 +88,7 @@ struct question_row {
     struct request request; /* a view: only its answerer and its stream are its own */
     struct answerer answerer;
     conus_part *parts;
+    conus_contacts contacts;
     conus_plan_options options;
 };
 
@@ -97,6 +104,10 @@ struct planner {
     conus_pose_list *given;
     conus_pose_row *places; /* those of it */
     conus_together_options options;
+    char *cover_names[COVER_MOST];
+    conus_cover covers[COVER_MOST];
+    double pitch; /* degrees, of --arcs */
+    bool uses_pitch;
     conus_together *together;
 };
 
@@ -304,6 +315,21 @@ static int read_parts(struct question_row *row)
     return code;
 }
 
+/* What a row asks of the angles of a rig counts from its pitch. */
+static void pitch_row(struct question_row *row)
+{
+    struct planner *planner = row->planner;
+    for (size_t i = 0; i < row->constraints.count; i++) {
+        bool is_arc = row->constraints.items[i].kind == CONUS_CONSTRAINT_ARC;
+        row->constraints.items[i].pitch = is_arc ? planner->pitch : 0;
+        planner->uses_pitch = planner->uses_pitch || is_arc;
+    }
+    for (size_t i = 0; i < row->candidates.from.angle_count; i++) {
+        row->candidates.from.angles[2 * i] -= planner->pitch;
+        planner->uses_pitch = true;
+    }
+}
+
 static int parse_row(struct question_row *row)
 {
     const struct arguments *all = row->planner->arguments;
@@ -327,6 +353,11 @@ static int parse_row(struct question_row *row)
     }
     if (!code && row->settings.request.aim.pose && poses_are_no_file(row->settings.request.aim.pose)) {
         code = print_usage_error("--poses needs a file, which is read several times");
+    }
+    pitch_row(row);
+    code = code ? code : settings_contacts(&row->contacts, row->settings.contacts);
+    if (!code && row->planner->options.cover_count && !row->contacts.count) {
+        code = print_usage_error("--cover counts contacts: --contacts COUNT,COLUMNS,PITCH,TIP is needed");
     }
     return code ? code : read_parts(row);
 }
@@ -460,7 +491,11 @@ static int read_table(struct planner *planner)
         code = code || !count ? code : read_row(planner, cells, columns, count, number);
         count = found;
     }
-    return code || planner->count ? code : print_usage_error("%s: no needles in it", path);
+    return code              ? code
+           : !planner->count ? print_usage_error("%s: no needles in it", path)
+           : planner->pitch != 0 && !planner->uses_pitch
+               ? print_usage_error("--arcs: pitch has no effect without --arc-window or --from angles")
+               : EXIT_DONE;
 }
 
 /* MM[,parts=MM] */
@@ -483,9 +518,10 @@ static bool read_between(conus_together_options *out, const char *text)
            refuse("--between: %s: allowed are 0 to 100 mm", text);
 }
 
-/* DEG[,slider=DEG][,same=DEG][,most=N][,each=N] */
-static bool read_arcs(conus_together_options *out, const char *text)
+/* DEG[,slider=DEG][,same=DEG][,most=N][,each=N][,pitch=DEG] */
+static bool read_arcs(struct planner *planner, const char *text)
 {
+    conus_together_options *out = &planner->options;
     struct source_keys keys;
     char *copy = text ? strdup(text) : NULL;
     if (!text || !copy || !option_cut_keys(&keys, "arcs", copy, KEYS_ARCS)) {
@@ -500,6 +536,7 @@ static bool read_arcs(conus_together_options *out, const char *text)
         *numbers[i] = number->numbers[0];
         *counts[i] = (uint64_t)count->numbers[0];
     }
+    planner->pitch = keys_value(&keys, KEY_TILT_AP)->numbers[0];
     bool is_fine = number_parse(copy, &out->arcs) && out->arcs > 0 && out->arcs <= 180;
     free(copy);
     double same = out->same > 0 ? out->same : 0.5;
@@ -507,6 +544,26 @@ static bool read_arcs(conus_together_options *out, const char *text)
                     : 2 * same + 1e-6 < out->arcs ||
                           refuse("--arcs: same: %g degrees, allowed is less than half of the %g between two arcs", same,
                                  out->arcs);
+}
+
+/* NAME,...[,contacts=N] */
+static bool read_covers(struct planner *planner)
+{
+    const struct option_list *given = &planner->settings->needles.covers;
+    if (given->count > COVER_MOST) {
+        return refuse("--cover: %zu of them, allowed are up to %d", given->count, COVER_MOST);
+    }
+    planner->options.covers = planner->covers;
+    for (size_t i = 0; i < given->count; i++) {
+        struct source_keys keys;
+        char *names = planner->cover_names[i] = strdup(given->items[i]);
+        if (!names || !option_cut_keys(&keys, "cover", names, KEYS_COVER)) {
+            return names ? false : print_no_memory() == EXIT_DONE;
+        }
+        planner->covers[planner->options.cover_count++] =
+            (conus_cover){names, (uint64_t)keys_value(&keys, KEY_CONTACTS)->numbers[0]};
+    }
+    return true;
 }
 
 /* MM[,COUNT], and how many combinations. */
@@ -741,6 +798,7 @@ static int search(struct planner *planner)
                                         .user = row,
                                         .parts = row->parts,
                                         .arc = row->arc,
+                                        .contacts = row->contacts,
                                         .part_count = row->settings.needles.parts.count};
     }
     int code = planner->options.differ <= planner->name_count
@@ -858,8 +916,18 @@ static int say_conflict(const struct planner *planner)
                      (unsigned long long)limits[i].found, limits[i].what, (unsigned long long)limits[i].asked);
         }
     }
-    if (!*why && conflict->by_arcs) {
-        snprintf(why, sizeof why, ": on so few arcs, with so few on each; no other limit of one alone was found to do");
+    for (size_t i = 0; i < planner->options.cover_count && conflict->by_limits; i++) {
+        if (isfinite(conflict->contacts[i])) {
+            size = strlen(why);
+            snprintf(why + size, sizeof why - size, "%s at most %.0f of %llu contacts in %.40s", size ? ", or" : ":",
+                     conflict->contacts[i], (unsigned long long)planner->covers[i].contacts, planner->covers[i].names);
+        }
+    }
+    if (!*why && conflict->by_limits) {
+        snprintf(why, sizeof why, ": %s; no other limit of one alone was found to do",
+                 !planner->options.cover_count ? "on so few arcs, with so few on each"
+                 : planner->options.arcs > 0   ? "on so few arcs, with so many contacts"
+                                               : "with so many contacts");
     } else if (!*why && conflict->count > 1) {
         snprintf(why, sizeof why, ": neither another margin of shafts nor another distance of entries alone would do");
     }
@@ -949,7 +1017,9 @@ static int write_candidates(const struct planner *planner)
                                                    .pose = chosen[k].pose,
                                                    .needle = conus_together_needle(planner->together, i)->name,
                                                    .row = chosen[k].question + 1,
-                                                   .number = chosen[k].candidate};
+                                                   .number = chosen[k].candidate,
+                                                   .counts_contacts = planner->options.cover_count,
+                                                   .contacts = chosen[k].contacts};
         }
     }
     code = code ? code : candidates_write(planner->settings->needles.candidates, poses, count, &planner->request.frame);
@@ -1026,8 +1096,8 @@ int plan_needles(const struct plan_settings *settings, const struct arguments *a
                                            : settings->needles.effort ? UINT64_C(1000000) * settings->needles.effort
                                                                       : UINT64_MAX};
     bool fits = read_between(&planner->options, settings->needles.between) &&
-                read_arcs(&planner->options, settings->needles.arcs) && read_list(&planner->options, settings) &&
-                space_settings_check(arguments, &settings->request.aim.space);
+                read_arcs(planner, settings->needles.arcs) && read_covers(planner) &&
+                read_list(&planner->options, settings) && space_settings_check(arguments, &settings->request.aim.space);
     int code = fits ? read_table(planner) : EXIT_USAGE;
     code = code ? code : request_init(&planner->request, &settings->request, arguments);
     code = code ? code : answer(planner);
@@ -1038,6 +1108,9 @@ int plan_needles(const struct plan_settings *settings, const struct arguments *a
     request_finish(&planner->request);
     for (size_t i = 0; i < planner->name_count; i++) {
         free(planner->names[i]);
+    }
+    for (size_t i = 0; i < COVER_MOST; i++) {
+        free(planner->cover_names[i]);
     }
     free(planner->places);
     conus_pose_list_destroy(planner->given);

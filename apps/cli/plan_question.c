@@ -164,7 +164,7 @@ int plan_parse(struct constraints *constraints, struct candidates *candidates, c
     if (!code && !constraints->count) {
         code = print_usage_error("no constraint given: --reach NAME,... or --avoid NAME,...");
     }
-    code = code ? code : constraints_take_contacts(constraints, settings->contacts);
+    code = code ? code : constraints_take_contacts(constraints, settings->contacts, settings->needles.covers.count);
     const struct option *of_cone = option_with(arguments, OPTION_OF_CONE | OPTION_OF_RAYS);
     if (!code && of_cone && constraints_last_measure(constraints) < CONUS_MEASURE_SHARE) {
         code = print_usage_error("--%s has no effect without a measure of the cone, such as share=P", of_cone->name);

@@ -44,6 +44,11 @@ const struct option entry_options[] = {
      .help = "the axis and the inward normal of the surface at its entry enclose at most MAX degrees",
      OPTION_FROM_TO(0, 180), .words = "perpendicular, drill", .needs = "from|needles", .role = OPTION_PLAIN,
      .unit = "degrees"},
+    {OPTION_VALUED("arc-window", struct constraint_settings, arc_window, "A0:A1,M0:M1"),
+     .help =
+         "the needle is at an arc angle of A0 to A1 degrees and a slider angle of M0 to M1 of a rig that turns about "
+         "the right-left axis",
+     .words = "rig, manipulator, reachable", .role = OPTION_ASKS, .unit = "degrees"},
     {0},
 };
 
@@ -174,26 +179,53 @@ static bool read_entry_angle(conus_constraint *out, char *text)
     return is_number;
 }
 
+/* A0:A1,M0:M1, two constraints. */
+static bool read_window(conus_constraint *out, char *text)
+{
+    double ends[4];
+    char *comma = strchr(text, ',');
+    const char *first = strchr(text, ':');
+    bool is_fine = comma && first && first < comma && strrchr(text, ':') > comma;
+    if (is_fine) {
+        *comma = ':';
+        is_fine = numbers_parse(ends, 4, text, ':') == 4;
+        *comma = ',';
+    }
+    for (int i = 0; i < 2 && is_fine; i++) {
+        out[i] = (conus_constraint){.struct_size = sizeof *out,
+                                    .kind = i ? CONUS_CONSTRAINT_SLIDER : CONUS_CONSTRAINT_ARC,
+                                    .limit = ends[2 * i],
+                                    .most = ends[2 * i + 1]};
+    }
+    return is_fine || refuse("--arc-window: \"%s\" is not A0:A1,M0:M1, of the arc and of the slider angle", text);
+}
+
 /* In the order of the options, which is that of conus_constraint_kind. */
 static bool (*const readers[])(conus_constraint *out, char *text) = {
-    read_structure, read_structure, read_length, read_lean, read_apart, read_structure, read_entry_angle,
+    read_structure, read_structure, read_length, read_lean, read_apart, read_structure, read_entry_angle, read_window,
 };
+enum { READERS = sizeof readers / sizeof readers[0] };
 
-/* The number of its kind; that of the row that ends the table where it is no constraint. */
+/* The number of its kind, that of the first one of a window; READERS where it is no constraint. */
 static size_t kind_of(const struct option *option)
 {
     size_t kind = 0;
     while (constraint_options[kind].name && &constraint_options[kind] != option) {
         kind++;
     }
-    return kind;
+    for (size_t i = 0; !constraint_options[kind].name && entry_options[i].name; i++) {
+        if (&entry_options[i] == option) {
+            return kind + i;
+        }
+    }
+    return constraint_options[kind].name ? kind : READERS;
 }
 
 bool constraints_are_given(const struct arguments *arguments)
 {
     bool any = false;
     for (size_t i = 0; arguments && i < arguments->use_count; i++) {
-        any = any || constraint_options[kind_of(arguments->uses[i].option)].name;
+        any = any || kind_of(arguments->uses[i].option) < READERS;
     }
     return any;
 }
@@ -223,9 +255,10 @@ static int read_shanks(struct constraints *out, const char *text)
 
 int constraints_parse(struct constraints *out, const struct arguments *arguments)
 {
-    *out = (struct constraints){.items = calloc(arguments->use_count + 1, sizeof *out->items),
-                                .texts = calloc(arguments->use_count + 1, sizeof *out->texts),
-                                .needles = calloc(arguments->use_count + 1, sizeof *out->needles)};
+    const size_t most = 2 * arguments->use_count + 1;
+    *out = (struct constraints){.items = calloc(most, sizeof *out->items),
+                                .texts = calloc(most, sizeof *out->texts),
+                                .needles = calloc(most, sizeof *out->needles)};
     if (!out->items || !out->texts || !out->needles) {
         return print_no_memory();
     }
@@ -236,7 +269,7 @@ int constraints_parse(struct constraints *out, const struct arguments *arguments
         if (code) {
             return code;
         }
-        if (constraint_options[kind].name || use->option == entry_options) {
+        if (kind < READERS) {
             char *text = out->texts[out->count] = strdup(use->value);
             conus_constraint *item = &out->items[out->count++];
             *item = (conus_constraint){.struct_size = sizeof *item, .kind = (conus_constraint_kind)kind};
@@ -246,15 +279,15 @@ int constraints_parse(struct constraints *out, const struct arguments *arguments
             if (!readers[kind](item, text)) {
                 return EXIT_USAGE;
             }
+            out->count += kind == CONUS_CONSTRAINT_ARC;
         }
     }
     return EXIT_DONE;
 }
 
-int constraints_take_contacts(struct constraints *constraints, const char *text)
+int constraints_take_contacts(struct constraints *constraints, const char *text, bool are_used)
 {
     conus_contacts contacts;
-    bool are_used = false;
     int code = settings_contacts(&contacts, text);
     for (size_t i = 0; i < constraints->count && !code; i++) {
         conus_constraint *item = &constraints->items[i];

@@ -514,7 +514,7 @@ struct constraints {
 };
 
 extern const struct option constraint_options[]; /**< struct constraint_settings */
-extern const struct option entry_options[];      /**< Likewise, of candidates that have an entry. */
+extern const struct option entry_options[];      /**< Likewise, of conus plan alone. */
 extern const struct option shank_options[];      /**< Likewise: --shanks. */
 
 /** Only so that the parser keeps what it reads: constraints_parse() takes the uses, in their order. */
@@ -522,14 +522,14 @@ struct constraint_settings {
     struct option_list reach, avoid, lean, apart, first;
     double length[2];
     double entry_angle;
-    const char *shanks;
+    const char *arc_window, *shanks;
 };
 
 /** Reads the options about constraints, if there are any. @p out is the caller's to constraints_finish() in any case.
  */
 int constraints_parse(struct constraints *out, const struct arguments *arguments);
-/** Gives the contacts of --contacts, NULL = not given, to the constraints that count them. */
-int constraints_take_contacts(struct constraints *constraints, const char *text);
+/** Gives the contacts of --contacts, NULL = not given, to the constraints that count them; @p are_used: others do. */
+int constraints_take_contacts(struct constraints *constraints, const char *text, bool are_used);
 /** Whether there are any; @p arguments may be NULL. */
 bool constraints_are_given(const struct arguments *arguments);
 /** The last measure of any of them, in the order of conus_measure: whether rays are needed, and all layers. */

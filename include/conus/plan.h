@@ -24,14 +24,18 @@ typedef struct conus_plan conus_plan; /**< Constraints, and the poses that were 
 
 /** The kinds of constraints. */
 typedef enum conus_constraint_kind {
-    CONUS_CONSTRAINT_REACH = 0,  /**< The measure of the structure is at least the limit. */
-    CONUS_CONSTRAINT_AVOID,      /**< The clearance of the structure (Eq. 21) is more than the limit, mm; by
-                                    #CONUS_MEASURE_SHARE or #CONUS_MEASURE_PIERCED the measure is at most the limit. */
-    CONUS_CONSTRAINT_LENGTH,     /**< far - near is between the limit and most, mm. */
-    CONUS_CONSTRAINT_LEAN,       /**< The axis and direction enclose at most the limit, degrees. */
-    CONUS_CONSTRAINT_APART,      /**< The axis is farther than the limit from those of other needles, mm. */
-    CONUS_CONSTRAINT_FIRST,      /**< The first object that the axis passes is of the structure. */
-    CONUS_CONSTRAINT_ENTRY_ANGLE /**< The axis and the inward normal at its entry enclose at most the limit, degrees. */
+    CONUS_CONSTRAINT_REACH = 0,   /**< The measure of the structure is at least the limit. */
+    CONUS_CONSTRAINT_AVOID,       /**< The clearance of the structure (Eq. 21) is more than the limit, mm; by
+                                     #CONUS_MEASURE_SHARE or #CONUS_MEASURE_PIERCED the measure is at most the limit. */
+    CONUS_CONSTRAINT_LENGTH,      /**< far - near is between the limit and most, mm. */
+    CONUS_CONSTRAINT_LEAN,        /**< The axis and direction enclose at most the limit, degrees. */
+    CONUS_CONSTRAINT_APART,       /**< The axis is farther than the limit from those of other needles, mm. */
+    CONUS_CONSTRAINT_FIRST,       /**< The first object that the axis passes is of the structure. */
+    CONUS_CONSTRAINT_ENTRY_ANGLE, /**< The axis and the inward normal at its entry enclose at most the limit, degrees.
+                                   */
+    CONUS_CONSTRAINT_ARC,   /**< The arc angle of a rig (Eq. 26) is between the limit and most, degrees, -360 to 360 and
+                               up to a turn apart, within 1e-9; one that is a turn away counts. */
+    CONUS_CONSTRAINT_SLIDER /**< The slider angle, likewise. */
 } conus_constraint_kind;
 
 /** Measures of a structure. Measures from #CONUS_MEASURE_SHARE on are of the cone or cylinder. */
@@ -59,7 +63,7 @@ typedef struct conus_constraint {
                                    union of these objects and of the areas below them in the area tree, without hidden ones. */
     double limit;   /**< In the measure's unit. 0 of REACH: more than 1e-9 mm, or any at all. AVOID by clearance: the
                        margin, 0 to 100 mm. */
-    double most;    /**< LENGTH: the upper end, mm. */
+    double most;    /**< LENGTH, ARC, SLIDER: the upper end, mm or degrees. */
     double part[2]; /**< REACH by length: only the axis from part[0] to part[1] mm before the far end counts; both
                        0 = all of it. */
     double direction[3];     /**< LEAN: world, of any length but 0. */
@@ -69,6 +73,8 @@ typedef struct conus_constraint {
                                 from the far end; those before the near end are in nothing. */
     int32_t shank;           /**< REACH, AVOID, APART, FIRST: the shank that it is about, from 1; #CONUS_SHANK_ANY or
                                 #CONUS_SHANK_ALL of them; 0 = any for REACH, all for the others. */
+    double pitch;            /**< ARC: so many degrees are added to the angle in the axes of the selector's frame, -180
+                                to 180: the rig is turned about the right-left axis. */
 } conus_constraint;
 
 /** conus_constraint.shank: it holds if it does for one shank. */
@@ -117,7 +123,8 @@ typedef struct conus_plan_options {
 typedef struct conus_verdict {
     bool holds;      /**< Whether it holds. */
     double value;    /**< The measured value: of a clearance the axis's distance (radius not taken off), of LENGTH far
-                        - near, of LEAN and ENTRY_ANGLE the angle, degrees, of APART the distance, of FIRST 1 or 0. */
+                        - near, of LEAN, ENTRY_ANGLE, ARC and SLIDER the angle, degrees, of APART the distance, of FIRST
+                        1 or 0. */
     double slack;    /**< By how much it holds, at least 0, or more than 0 of a clearance or APART; below, it breaks by
                         so much. Of a clearance value - radius - limit. */
     double leeway;   /**< mm by which no point of the axis may move so that it breaks (Eq. 22), 0 where it does; NaN
@@ -444,12 +451,19 @@ typedef struct conus_question {
     size_t part_count;                                         /**< Up to 64. */
     const char *arc; /**< Needles of questions with the same text share an arc, those of others do not; NULL or "": with
                         any. Has an effect with conus_together_options.arcs alone. */
+    conus_contacts contacts; /**< Of each shank, which conus_together_options.covers count; else count is 0. */
 } conus_question;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_QUESTION_INIT CONUS_INIT_(conus_question)
 
-/** What holds for each two needles (Eq. 26). */
+/** A structure that contacts of all needles together are to be in (Eq. 27). */
+typedef struct conus_cover {
+    const char *names; /**< As conus_constraint.names. */
+    uint64_t contacts; /**< So many of all shanks of all needles at least; 0 = they are only counted. */
+} conus_cover;
+
+/** What holds for each two needles (Eq. 26), and for all of them. */
 typedef struct conus_together_options {
     size_t struct_size;          /**< Its size, as #CONUS_TOGETHER_OPTIONS_INIT sets it; 0 = that of this version. */
     double between;              /**< Shafts stay farther apart than that, mm, 0 to 100; 0 = they do not touch. */
@@ -470,8 +484,10 @@ typedef struct conus_together_options {
     double slider; /**< Slider angles of needles on one arc differ by so many degrees at least, up to 180; 0 =
                       as @p arcs. */
     double same;   /**< Arc angles of needles on one arc differ by no more, below half of @p arcs; 0 = 0.5 degrees. */
-    uint64_t arcs_most; /**< Up to so many arcs; 0 = any number. */
-    uint64_t arcs_each; /**< Up to so many needles on one arc, likewise. */
+    uint64_t arcs_most;        /**< Up to so many arcs; 0 = any number. */
+    uint64_t arcs_each;        /**< Up to so many needles on one arc, likewise. */
+    const conus_cover *covers; /**< [cover_count] Each question has contacts then. */
+    size_t cover_count;        /**< Up to 16. */
 } conus_together_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -483,6 +499,7 @@ typedef struct conus_chosen {
     uint64_t candidate;        /**< Number of that candidate, from 1, of all of the needle's, question by question; 1
                                   of a given needle. */
     size_t question;           /**< Index of the question that it answers. */
+    uint64_t contacts;         /**< So many of its contacts are in any of the covers. */
 } conus_chosen;
 
 /** A combination (Eq. 27). Lengths are whole nanometres, in mm. */
@@ -497,6 +514,8 @@ typedef struct conus_combination {
     double sum;                 /**< Of the needles' leeways. */
     double depth;               /**< Sum of the far ends' depths. */
     uint64_t nodes;             /**< Of the search, with those of combinations before it. */
+    uint64_t contacts;          /**< So many of all needles are in any of the covers. */
+    const uint64_t *covered;    /**< [cover_count] So many are in each of them. */
 } conus_combination;
 
 /** A needle of the answer. */
@@ -519,10 +538,12 @@ typedef struct conus_conflict {
     double between; /**< mm: each margin of shafts below this has a combination of them, all else being as it is; NaN
                        where none has, and where that is not known. */
     double entry_distance; /**< mm: each distance of entries below this has a combination of them; NaN as of between. */
-    bool by_arcs;          /**< Only the limits of arcs are in the way. Then: */
+    bool by_limits;        /**< Only the limits of all needles together, arcs and covers, are in the way. Then: */
     uint64_t arcs_most;    /**< so many arcs are needed at least, all else being as it is; 0 where no number does, and
                               where that is not known, */
-    uint64_t arcs_each;    /**< and so many needles on one arc, at least. */
+    uint64_t arcs_each;    /**< and so many needles on one arc, at least; */
+    const double *contacts; /**< [cover_count] so many contacts can be had in each cover, likewise; NaN where no
+                               number would do, where that is not known, and of a cover that asks for none. */
 } conus_conflict;
 
 /** Plans needles together: has the candidates of each listed, finds the best combinations, and proves them.

@@ -988,6 +988,7 @@ class Selector(Guarded):
         apart: Any = (),
         first: Any = (),
         entry_angle: Optional[float] = None,
+        arc_window: Any = None,
         angle: Optional[float] = None,
         top: Optional[int] = 20,
         rank: Optional[str] = None,
@@ -1043,6 +1044,8 @@ class Selector(Guarded):
             Names of structures that the axis passes first.
         entry_angle
             The axis and the inward normal at the entry enclose at most so many degrees.
+        arc_window
+            ((A0, A1), (M0, M1)) degrees: the arc and the slider angle of a rig are between these.
         angle
             Opening of the cone, degrees, of poses that have none of their own; 10 unless there is a radius.
         top
@@ -1068,7 +1071,7 @@ class Selector(Guarded):
             For names that are unknown, numbers out of their ranges, and no candidate at all.
         """
         sources: Optional[dict[str, Array]] = {} if flag("maps", maps) else None
-        constraints = constraints_of(reach, avoid, length, lean, apart, first, entry_angle, contacts)
+        constraints = constraints_of(reach, avoid, length, lean, apart, first, entry_angle, arc_window, contacts)
         stream, far, errors = self._candidates(constraints, sources, poses, origins, directions, entries, targets, tilt,
                                                roll, near, depth)
         return plan_of(self, constraints, stream, errors, far, infeasible, top, threads, angle, shanks,
@@ -1702,7 +1705,7 @@ class Atlas:
         return selector.plan(reach, avoid, **options)
 
     def plan_together(
-        self, needles: Mapping[str, Any], *, between: Any = 0, entry_distance: float = 0, arcs: Any = None,
+        self, needles: Mapping[str, Any], *, between: Any = 0, entry_distance: float = 0, arcs: Any = None, cover: Any = (),
         given: Optional[Poses] = None, top: int = 1, diverse: Any = None, effort: Optional[float] = None,
         threads: Optional[int] = None, **of_all: Any,
     ) -> Together:
@@ -1720,7 +1723,10 @@ class Atlas:
         entry_distance
             Positions of any two devices are so far apart at least, mm.
         arcs
-            Degrees between the arcs of a rig; or {"spacing": 16, "slider": 10, "same": 0.5, "most": 3, "each": 4}.
+            Degrees between the arcs of a rig; or {"spacing": 16, "slider": 10, "same": 0.5, "most": 3, "each": 4,
+            "pitch": 14}; the pitch is what arc_window counts from.
+        cover
+            Names, and how many contacts of all needles are in them at least: {"Hippocampus_L": 10}; None counts only.
         given
             Poses of a file that are called like needles, which stay there.
         top, diverse
@@ -1737,7 +1743,7 @@ class Atlas:
         ArgumentError
             For names that are unknown, numbers out of their ranges, and a needle without any candidate.
         """
-        return together_of(self, needles, between, entry_distance, arcs, given, top, diverse, effort, threads, of_all)
+        return together_of(self, needles, between, entry_distance, arcs, cover, given, top, diverse, effort, threads, of_all)
 
     def tolerance(self, reach: Any = (), avoid: Any = (), *, pivot: Any = "entry", **options: Any) -> pandas.DataFrame:
         """By how much needles may be off before a constraint breaks: see :meth:`Selector.tolerance`."""

@@ -36,7 +36,7 @@ _MEASURES = {"reach": (*_POINTS, *_OF_CONTACTS, "share", "pierced", "volume", "f
 _ERRORS = ("entry", "target", "depth")  # of both ends of a needle
 
 
-def _structures(name: str, given: Any) -> list[tuple[str, Any]]:
+def structures_of(name: str, given: Any) -> list[tuple[str, Any]]:
     """The names of each structure, between commas, and what is asked of it; None = nothing more."""
     if isinstance(given, str):
         given = [given]
@@ -69,7 +69,7 @@ class Constraints:
         self.rows.append({"kind": getattr(lib, f"CONUS_CONSTRAINT_{kind.upper()}"), **members})
 
     def add_structures(self, kind: str, main: str, given: Any) -> None:
-        for names, asked in _structures(kind, given):
+        for names, asked in structures_of(kind, given):
             members: dict[str, Any] = {"names": utf8(kind, names)}
             keys = asked if isinstance(asked, Mapping) else {asked: None} if isinstance(asked, str) else {main: asked}
             for key, value in keys.items():
@@ -104,8 +104,8 @@ class Constraints:
 
 
 def constraints_of(reach: Any, avoid: Any, length: Any, lean: Any, apart: Any, first: Any,
-                   entry_angle: Any, contacts: Any) -> Constraints:
-    """The constraints of these arguments of :meth:`Selector.plan`."""
+                   entry_angle: Any, arc_window: Any, contacts: Any, pitch: float = 0, covers: bool = False) -> Constraints:
+    """The constraints of these arguments of :meth:`Selector.plan`; of a pitched rig; whether contacts are counted by covers."""
     found = Constraints(contacts)
     found.add_structures("reach", "length", reach)
     found.add_structures("avoid", "margin", avoid)
@@ -120,11 +120,17 @@ def constraints_of(reach: Any, avoid: Any, length: Any, lean: Any, apart: Any, f
             raise ArgumentError(f"apart: an array of shape {needles.shape}, wanted is (n, 2, 3)")
         pointer = ffi.from_buffer("double[]", needles)
         found.add("apart", needles=pointer, needle_count=len(needles), limit=real("apart", distance))
-    for names, _ in _structures("first", first):
+    for names, _ in structures_of("first", first):
         found.add("first", names=utf8("first", names))
     if entry_angle is not None:
         found.add("entry_angle", limit=real("entry_angle", entry_angle))
-    if found.contacts and not any("contacts" in row for row in found.rows):
+    if arc_window is not None:
+        windows = [vector("arc_window", one, 2) for one in items("arc_window", arc_window)]
+        if len(windows) != 2:
+            raise ArgumentError(f"arc_window: {shown(arc_window)}, wanted is ((A0, A1), (M0, M1)), degrees")
+        for kind, (low, high) in zip(("arc", "slider"), windows):
+            found.add(kind, limit=low, most=high, pitch=pitch if kind == "arc" else 0)
+    if found.contacts and not covers and not any("contacts" in row for row in found.rows):
         raise ArgumentError("contacts have no effect without a reach by contacts or probability")
     return found
 

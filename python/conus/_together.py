@@ -13,7 +13,7 @@ from ._answers import Array
 from ._callback import Callback
 from ._conus import ffi, lib
 from ._library import ArgumentError, Bound, flag, items, owned, real, shown, text, utf8, vector, whole
-from ._plan import constraints_of, frame_of_rows, needle_of, report_text
+from ._plan import constraints_of, frame_of_rows, needle_of, report_text, structures_of
 from ._pose_file import Poses
 from ._table import Table, ask_table
 
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from ._atlas import Atlas, Selector
 
 _OF_SELECTOR = ("radius", "range", "space", "bregma", "layers", "resolution")
-_OF_CONSTRAINTS = tuple(inspect.signature(constraints_of).parameters)
+_OF_CONSTRAINTS = tuple(name for name in inspect.signature(constraints_of).parameters if name not in ("pitch", "covers"))
 _OF_CANDIDATES = ("poses", "origins", "directions", "entries", "targets", "tilt", "roll", "near", "depth")
 _OWN = ("once", "arc", "parts")
-_ARCS = ("spacing", "slider", "same", "most", "each")
+_ARCS = ("spacing", "slider", "same", "most", "each", "pitch")
 
 
 def _given(asked: Mapping[str, Any], keys: tuple[str, ...]) -> dict[str, Any]:
@@ -40,7 +40,8 @@ class _Question:
     """One question: its selector, its constraints, and how its candidates are opened, each time that C asks."""
 
     def __init__(
-        self, atlas: Atlas, names: str, asked: Mapping[str, Any], threads: Any, is_given: bool, state: Callback
+        self, atlas: Atlas, names: str, asked: Mapping[str, Any], threads: Any, is_given: bool, state: Callback,
+        pitch: float, covers: bool,
     ) -> None:
         self.state, self.is_given = state, is_given
         for key in asked:
@@ -48,8 +49,10 @@ class _Question:
                 raise ArgumentError(f"{names}: there is no argument {key}")
         self.selector: Selector = atlas._selector(_given(asked, _OF_SELECTOR))
         reading = {"reach": (), "avoid": (), "length": None, "lean": (), "apart": (), "first": (), "entry_angle": None,
-                   "contacts": None, **_given(asked, _OF_CONSTRAINTS)}
-        self.constraints = constraints_of(**reading)
+                   "arc_window": None, "contacts": None, **_given(asked, _OF_CONSTRAINTS)}
+        self.constraints = constraints_of(**reading, pitch=pitch, covers=covers)
+        if covers and self.constraints.contacts is None:
+            raise ArgumentError(f"{names}: cover counts contacts, and there are none")
         self.stream: Optional[Callable[[], ContextManager[Any]]] = None
         far: Optional[float] = None
         places = _given(asked, _OF_CANDIDATES)
@@ -71,6 +74,7 @@ class _Question:
         out.needles, out.once, out.selector, out.arc = self.names, self.once, self.selector._p, self.arc
         out.constraints, out.constraint_count, out.options = self.limits, len(self.constraints.rows), self.options
         out.parts, out.part_count, out.user = self.parts, self.part_count, self.handle
+        out.contacts = self.constraints.contacts or {}
         if self.stream is not None:
             out.open, out.close = _open, _close
 
@@ -101,13 +105,13 @@ class Together(Bound):
 
     ``needles`` are their names; ``poses`` the (n, needles, 4, 4) matrices from device to world, ``far`` the (n,
     needles) far ends, mm from the apex. ``combinations`` has for each whether it is ``proven`` that none is better, and
-    if not what none exceeds (``bound_mm``), its ``leeway_mm`` and whose that is, ``sum_mm``, ``depth_mm``, and whether it
-    is proven to be the ``last``. ``pairs`` is a table of each two needles. Without a combination ``conflict`` names the
+    if not what none exceeds (``bound_mm``), its ``leeway_mm`` and whose that is, ``sum_mm``, ``depth_mm``, its ``contacts`` in any
+    cover and how many each has ``covered``, and whether it is proven to be the ``last``. ``pairs`` is a table of each two needles. Without a combination ``conflict`` names the
     smallest set of ``needles`` that has none, and the distances that would do, where these are known. A plan is a list
     to be checked.
     """
 
-    def __init__(self, selector: Selector, together: Any) -> None:
+    def __init__(self, selector: Selector, together: Any, covers: int) -> None:
         self._selector, self._p, self._made_of = selector, together, selector._p
         count = lib.conus_together_count(together)
         self.needles = [text(lib.conus_together_needle(together, i).name) for i in range(count)]
@@ -116,6 +120,7 @@ class Together(Bound):
             found.append(one)
         self.combinations = [{"proven": bool(one.proven), "bound_mm": one.bound, "leeway_mm": one.leeway,
                               "leeway_of": text(one.leeway_of) or None, "sum_mm": one.sum, "depth_mm": one.depth,
+                              "contacts": one.contacts, "covered": [one.covered[k] for k in range(covers)],
                               "last": bool(one.last)} for one in found]
         chosen = [one.chosen[i].pose for one in found for i in range(count)]
         matrices = np.array([list(pose.pose.world_from_device) for pose in chosen]).reshape(len(found), count, 4, 4)
@@ -126,8 +131,9 @@ class Together(Bound):
         if conflict := lib.conus_together_conflict(together):
             self.conflict = {"needles": [self.needles[conflict.needles[i]] for i in range(conflict.count)],
                              "between_mm": _known(conflict.between), "entry_distance_mm": _known(conflict.entry_distance)}
-            if conflict.by_arcs:
+            if conflict.by_limits:
                 self.conflict["arcs"] = {"most": conflict.arcs_most or None, "each": conflict.arcs_each or None}
+                self.conflict["contacts"] = [_known(conflict.contacts[k]) for k in range(covers)]
 
     def __len__(self) -> int:
         return len(self.combinations)
@@ -151,9 +157,10 @@ def _set_pair(options: Any, name: str, given: Any, members: tuple[str, str]) -> 
         setattr(options, member, whole(name, value) if member == "differ" else value)
 
 
-def _set_arcs(options: Any, arcs: Any) -> None:
-    """Degrees, or a mapping with the keys of --arcs beside "spacing"."""
+def _set_arcs(options: Any, arcs: Any) -> float:
+    """Degrees, or a mapping with the keys of --arcs beside "spacing". Gives the pitch."""
     keys = dict(arcs) if isinstance(arcs, Mapping) else {"spacing": arcs}
+    pitch = real("arcs: pitch", keys.pop("pitch", 0))
     for key, value in {**keys, "spacing": keys.get("spacing", 0)}.items():
         if key not in _ARCS:
             raise ArgumentError(f"arcs: there is no key {shown(key)}, allowed are {', '.join(_ARCS)}")
@@ -163,11 +170,12 @@ def _set_arcs(options: Any, arcs: Any) -> None:
             raise ArgumentError(f"arcs: {key}: {shown(value)}, wanted is a number of degrees above 0")
         else:
             setattr(options, "arcs" if key == "spacing" else key, degrees)
+    return pitch
 
 
 def together_of(
-    atlas: Atlas, needles: Mapping[str, Any], between: Any, entry_distance: float, arcs: Any, given: Optional[Poses],
-    top: int, diverse: Any, effort: Optional[float], threads: Optional[int], of_all: Mapping[str, Any],
+    atlas: Atlas, needles: Mapping[str, Any], between: Any, entry_distance: float, arcs: Any, cover: Any,
+    given: Optional[Poses], top: int, diverse: Any, effort: Optional[float], threads: Optional[int], of_all: Mapping[str, Any],
 ) -> Together:
     """What :meth:`Atlas.plan_together` gives."""
     options, out = ffi.new("conus_together_options *"), ffi.new("conus_together **")
@@ -179,8 +187,11 @@ def together_of(
     if effort is not None:
         steps = 1000000 * real("effort", effort)
         options.effort = whole("effort", round(steps) if math.isfinite(steps) else steps, 1, 2**64 - 1)
-    if arcs is not None:
-        _set_arcs(options, arcs)
+    pitch = 0.0 if arcs is None else _set_arcs(options, arcs)
+    covers = [(utf8("cover", names), 0 if least is None else whole("cover", least, 1, 1000000))
+              for names, least in structures_of("cover", cover)]
+    counted = ffi.new("conus_cover[]", covers)
+    options.covers, options.cover_count = counted, len(covers)
     if given is not None:
         given.match(atlas)
         rows = [lib.conus_pose_list_row(given._list, i) for i in range(lib.conus_pose_list_count(given._list))]
@@ -191,7 +202,9 @@ def together_of(
     for names, one in needles.items():
         for own in [one] if isinstance(one, Mapping) else items(names, one):
             is_given = {name.strip() for name in names.split(",")} <= placed
-            asked.append(_Question(atlas, names, {**of_all, **own}, threads, is_given, state))
+            asked.append(_Question(atlas, names, {**of_all, **own}, threads, is_given, state, pitch, bool(covers)))
+    if pitch and not any("pitch" in row for question in asked for row in question.constraints.rows):
+        raise ArgumentError("arcs: pitch has no effect without arc_window")
     if idle := [text(question.names) for question in asked if text(question.arc) and not options.arcs]:
         raise ArgumentError(f"{idle[0]}: arc has no effect without arcs")
     questions = ffi.new("conus_question[]", max(1, len(asked)))
@@ -207,4 +220,4 @@ def together_of(
     for i, question in enumerate(asked):
         if not question.is_given and not lib.conus_plan_left(lib.conus_together_question(together, i).plan, 0):
             raise ArgumentError(f"{text(question.names)}: poses: no candidate")
-    return Together(asked[0].selector, together)
+    return Together(asked[0].selector, together, len(covers))

@@ -31,8 +31,9 @@ struct plan_constraint {
     bool *reported; /**< [object_count + 1] The object as which each is reported; NULL except for measures of a cone. */
     struct plan_part *parts;
     size_t part_count;
-    bool has_leeway;  /**< Where it holds. LENGTH, LEAN, FIRST, contacts, probabilities, measures of a cone, and a REACH
-                         by surfaces that are not closed have none, and do not count for the leeway of poses. */
+    bool has_leeway; /**< Where it holds. LENGTH, LEAN, FIRST, ARC, SLIDER, contacts, probabilities, measures of a cone,
+                        and a REACH by surfaces that are not closed have none, and do not count for the leeway of poses.
+                      */
     size_t shanks[2]; /**< It is about those from the first to before the second, from 0: */
     bool any_shank;   /**< any of these; else each. */
 };
@@ -66,6 +67,12 @@ static inline bool plan_is_of_cone(conus_measure measure)
 static inline bool plan_is_of_direction(const struct plan_constraint *constraint)
 {
     return constraint->asked.kind == CONUS_CONSTRAINT_LEAN || constraint->asked.kind == CONUS_CONSTRAINT_ENTRY_ANGLE;
+}
+
+/** Whether it measures an angle of a rig with arcs, degrees. */
+static inline bool plan_is_of_rig(const struct plan_constraint *constraint)
+{
+    return constraint->asked.kind >= CONUS_CONSTRAINT_ARC;
 }
 
 /** Whether the constraint is a distance that must be kept. */
@@ -239,6 +246,9 @@ conus_status plan_judge_least(bool *out, struct plan_judge *judge, size_t index,
 /** A leeway of constraint @p index, which has one, that is proven: at most @p most, mm, and 0 where it breaks. Of a
  * direction its slack, radians, by which the axis may turn. */
 conus_status plan_judge_leeway(double *out, struct plan_judge *judge, size_t index, double most);
+
+/** Counts the contacts of all shanks that are in a structure; cover->asked.contacts are those of a shank. */
+conus_status plan_judge_contacts(uint32_t *out, struct plan_judge *judge, const struct plan_constraint *cover);
 
 /** mm from the needle's axis to the structure of constraint @p index; of several as conus_plan_distance() says. */
 double plan_judge_distance(struct plan_judge *judge, size_t index);

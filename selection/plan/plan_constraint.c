@@ -28,6 +28,8 @@ static const struct {
     [CONUS_CONSTRAINT_APART] = {"apart", false, 1},
     [CONUS_CONSTRAINT_FIRST] = {"first", true, 1},
     [CONUS_CONSTRAINT_ENTRY_ANGLE] = {"entry-angle", false, 1},
+    [CONUS_CONSTRAINT_ARC] = {"arc-window", false, 1},
+    [CONUS_CONSTRAINT_SLIDER] = {"arc-window", false, 1},
 };
 enum { KIND_COUNT = sizeof KINDS / sizeof KINDS[0] };
 
@@ -213,8 +215,25 @@ static bool is_finite(const double *numbers, size_t count)
     return true;
 }
 
+/* A window of angles of a rig. */
+static conus_status check_window(const conus_constraint *asked)
+{
+    static const double TURN = 360;
+    return !(fabs(asked->limit) <= TURN && fabs(asked->most) <= TURN && asked->most >= asked->limit &&
+             asked->most - asked->limit <= TURN)
+               ? fail(CONUS_ERROR_ARGUMENT,
+                      "%s angle: %g to %g degrees, allowed are -360 to 360, the lower one first, up to a turn apart",
+                      asked->kind == CONUS_CONSTRAINT_ARC ? "arc" : "slider", asked->limit, asked->most)
+           : fabs(asked->pitch) <= TURN / 2
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "pitch: %g degrees, allowed are -180 to 180", asked->pitch);
+}
+
 static conus_status check_numbers(const conus_constraint *asked)
 {
+    if (asked->kind >= CONUS_CONSTRAINT_ARC) {
+        return check_window(asked);
+    }
     if (!isfinite(asked->limit) || asked->limit < 0) {
         return fail(CONUS_ERROR_ARGUMENT, "%g, allowed is 0 or more", asked->limit);
     }
@@ -261,7 +280,7 @@ static conus_status check_numbers(const conus_constraint *asked)
 static conus_status find_shanks(struct plan_constraint *out, const conus_constraint *asked, size_t shank_count)
 {
     bool is_same = asked->kind == CONUS_CONSTRAINT_LENGTH || asked->kind == CONUS_CONSTRAINT_LEAN ||
-                   asked->kind == CONUS_CONSTRAINT_ENTRY_ANGLE;
+                   asked->kind >= CONUS_CONSTRAINT_ENTRY_ANGLE;
     if (asked->shank < CONUS_SHANK_ALL || (asked->shank > 0 && (size_t)asked->shank > shank_count)) {
         return shank_count == 1
                    ? fail(CONUS_ERROR_ARGUMENT, "shank: %d, but the device has one shank", (int)asked->shank)
@@ -363,7 +382,7 @@ static bool is_same(const struct plan_constraint *a, const struct plan_constrain
     bool is_alike = a->asked.kind == b->asked.kind && a->asked.measure == b->asked.measure &&
                     a->asked.shank == b->asked.shank && a->asked.part[0] == b->asked.part[0] &&
                     a->asked.part[1] == b->asked.part[1];
-    return is_alike && (a->asked.kind == CONUS_CONSTRAINT_LENGTH || a->asked.kind == CONUS_CONSTRAINT_ENTRY_ANGLE ||
+    return is_alike && (a->asked.kind == CONUS_CONSTRAINT_LENGTH || a->asked.kind >= CONUS_CONSTRAINT_ENTRY_ANGLE ||
                         (a->has && is_within(a->has, b->has, atlas) && is_within(b->has, a->has, atlas)));
 }
 

@@ -19,8 +19,9 @@ enum { DEPTH_LIMIT = 100000, CONSTRAINT_LIMIT = 100, NEEDLE_COLUMN_LIMIT = 200 }
 /* In the order of conus_constraint_kind; behind the number in a column's name comes the ending. */
 static const struct {
     const char *word, *ending, *units;
-} kinds[] = {{.word = "reach"},      {.word = "avoid"},   {"length", "_mm", "mm"},    {"lean", "_deg", "degree"},
-             {"apart", "_mm", "mm"}, {"first", "", NULL}, {"angle", "_deg", "degree"}};
+} kinds[] = {{.word = "reach"},           {.word = "avoid"},         {"length", "_mm", "mm"},
+             {"lean", "_deg", "degree"},  {"apart", "_mm", "mm"},    {"first", "", NULL},
+             {"angle", "_deg", "degree"}, {"arc", "_deg", "degree"}, {"slider", "_deg", "degree"}};
 
 /* In the order of conus_measure; the last one is that of an avoided structure, by clearance. The limit stands before
  * `of`, and the structure's name behind it; `any` stands where any structure will do. */
@@ -85,6 +86,14 @@ static void say_constraint(struct buffer *out, const struct report_constraint *c
         break;
     case CONUS_CONSTRAINT_ENTRY_ANGLE:
         buffer_format(out, "at most %.9g degrees between axis and inward normal", asked->limit);
+        break;
+    case CONUS_CONSTRAINT_ARC:
+    case CONUS_CONSTRAINT_SLIDER:
+        buffer_format(out, "%s angle of %.9g to %.9g degrees",
+                      asked->kind == CONUS_CONSTRAINT_ARC ? "an arc" : "a slider", asked->limit, asked->most);
+        if (asked->pitch != 0) {
+            buffer_format(out, " on a rig that is pitched by %.9g", asked->pitch);
+        }
         break;
     }
     if (asked->shank > 0) {

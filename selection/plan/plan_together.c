@@ -38,9 +38,11 @@ struct question_of {
     conus_plan *plan;
     struct search_item *items; /* [list.count] */
     struct body_list list;
-    bool is_whole, is_full; /* the list has all that hold, or as many as it may */
-    int64_t floor;          /* else all with so much leeway */
-    conus_planned *places;  /* [place_count] those of the answer, in the order of their numbers */
+    struct plan_constraint *covers; /* [cover_count + 1] The last one is of all covers. */
+    uint32_t *covered;              /* [list.count][cover_count + 1] */
+    bool is_whole, is_full;         /* the list has all that hold, or as many as it may */
+    int64_t floor;                  /* else all with so much leeway */
+    conus_planned *places;          /* [place_count] those of the answer, in the order of their numbers */
     size_t place_count;
 };
 
@@ -49,6 +51,7 @@ struct needle_of {
     size_t questions[QUESTION_LIMIT], question_count;
     bool given, has_leeway; /* has_leeway: all its candidates have one */
     conus_planned place;    /* the one that is given */
+    uint32_t covered[COVER_LIMIT + 1];
     struct search_item item;
     struct body_list bodies;
     struct search_item *joined; /* [list.count] of several questions */
@@ -63,6 +66,7 @@ struct entry {
     struct search_answer answer; /* its indices into the lists follow its numbers */
     uint64_t numbers[NEEDLE_LIMIT];
     int64_t bound; /* nm */
+    uint64_t covered[COVER_LIMIT];
     conus_chosen chosen[NEEDLE_LIMIT];
     struct buffer leeway_of;
     conus_combination combination;
@@ -90,7 +94,8 @@ struct conus_together {
     conus_placed placed[NEEDLE_LIMIT];
     conus_conflict conflict;
     size_t conflicting[NEEDLE_LIMIT];
-    struct pair_row *pairs; /* [pair_count] */
+    double contacts[COVER_LIMIT]; /* of a conflict */
+    struct pair_row *pairs;       /* [pair_count] */
     size_t pair_count;
 };
 
@@ -146,6 +151,23 @@ static conus_status check_arcs(struct arcs *out, conus_together_options *options
     return CONUS_OK;
 }
 
+static conus_status check_covers(struct covers *out, const conus_together_options *options)
+{
+    static const uint64_t MOST = 1000000000;
+    if (options->cover_count > COVER_LIMIT) {
+        return fail(CONUS_ERROR_ARGUMENT, "covers: %zu, allowed are up to %d", options->cover_count, COVER_LIMIT);
+    }
+    out->count = options->cover_count;
+    for (size_t k = 0; k < out->count; k++) {
+        out->least[k] = options->covers[k].contacts;
+        if (!options->covers[k].names || out->least[k] > MOST) {
+            return fail(CONUS_ERROR_ARGUMENT, "covers: contacts: names and up to %llu contacts are wanted",
+                        (unsigned long long)MOST);
+        }
+    }
+    return CONUS_OK;
+}
+
 static conus_status check_options(conus_together *together, const conus_together_options *asked)
 {
     together->options = *options_of(conus_together_options, asked);
@@ -154,6 +176,7 @@ static conus_status check_options(conus_together *together, const conus_together
     together->test.margins =
         (struct margins){.between = options->between, .parts = options->parts, .entries = options->entry_distance};
     conus_status status = check_arcs(&together->test.margins.arcs, options);
+    status = status ? status : check_covers(&together->test.covers, options);
     status = status ? status : check_margin("between", options->between);
     status = status ? status : check_margin("parts", options->parts);
     status = status ? status : check_margin("entry_distance", options->entry_distance);
@@ -198,8 +221,51 @@ static conus_status create_plan(struct question_of *question, conus_together *to
     return status;
 }
 
+/* Finds the structures of covers: of each, and of all. */
+static conus_status find_covers(struct question_of *question, const conus_together *together)
+{
+    const conus_atlas *atlas = question->asked.selector->atlas;
+    const size_t count = together->test.covers.count;
+    struct buffer all = {0};
+    if (!count) {
+        return CONUS_OK;
+    }
+    question->covers = memory_zeroed(count + 1, sizeof *question->covers);
+    conus_status status = !question->covers ? CONUS_ERROR_MEMORY
+                          : question->asked.contacts.count
+                              ? contacts_check(&question->asked.contacts)
+                              : fail(CONUS_ERROR_ARGUMENT, "covers: the contacts are not known");
+    for (size_t k = 0; k <= count && !status; k++) {
+        struct plan_constraint *cover = &question->covers[k];
+        const char *names = k < count ? together->options.covers[k].names : all.data;
+        if (k < count) {
+            buffer_format(&all, "%s%s", k ? "," : "", names);
+        }
+        status = buffer_status(&all);
+        status = status ? status : plan_structure_find(cover, atlas, names, false);
+        cover->asked.contacts = question->asked.contacts;
+    }
+    buffer_finish(&all);
+    return status == CONUS_ERROR_ARGUMENT ? fail_in(status, "cover") : status;
+}
+
+/* Counts the contacts of a pose in each cover, and in any. */
+static conus_status count_covered(uint32_t *out, const struct question_of *question, const conus_planned *pose,
+                                  size_t count)
+{
+    struct plan_judge *judge = plan_judge_of(question->plan);
+    conus_status status = CONUS_OK;
+    plan_judge_turn(judge, pose);
+    for (size_t k = 0; k <= count && question->covers && !status; k++) {
+        status = plan_judge_contacts(&out[k], judge, &question->covers[k]);
+    }
+    return status;
+}
+
 static void finish_list(struct question_of *question)
 {
+    memory_free(question->covered);
+    question->covered = NULL;
     memory_free(question->items);
     body_list_finish(&question->list);
     question->items = NULL;
@@ -214,16 +280,20 @@ static struct search_item item_of(const conus_planned *pose, uint64_t number, si
 }
 
 /* Takes the poses that its plan lists, those with so much leeway. */
-static conus_status take_list(struct question_of *question, int64_t least)
+static conus_status take_list(struct question_of *question, int64_t least, size_t covers)
 {
     size_t count = conus_plan_count(question->plan);
     finish_list(question);
     question->items = memory_zeroed(count, sizeof *question->items);
-    conus_status status =
-        question->items ? body_list_init(&question->list, &question->bodies, count) : CONUS_ERROR_MEMORY;
+    question->covered = memory_zeroed(count, (covers + 1) * sizeof *question->covered);
+    conus_status status = question->items && question->covered
+                              ? body_list_init(&question->list, &question->bodies, count)
+                              : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < count && !status; i++) {
         const conus_planned *pose = conus_plan_pose(question->plan, i);
         question->items[i] = item_of(pose, pose->candidate, i);
+        question->items[i].covered = question->covered + i * (covers + 1);
+        status = count_covered(question->covered + i * (covers + 1), question, pose, covers);
     }
     question->is_full = count == LIST_LAST;
     /* What a full list leaves out may have as much as its last one. */
@@ -250,13 +320,13 @@ static void close_candidates(conus_pose_stream *stream, const struct question_of
 }
 
 /* Lists all candidates with so much leeway. */
-static conus_status list_down_to(struct question_of *question, int64_t least)
+static conus_status list_down_to(struct question_of *question, int64_t least, size_t covers)
 {
     conus_pose_stream *stream = NULL;
     conus_status status = question->asked.open(&stream, question->asked.user);
     status = status ? status : plan_list_again(question->plan, stream, least, LIST_LAST);
     close_candidates(stream, question);
-    return status ? status : take_list(question, least);
+    return status ? status : take_list(question, least, covers);
 }
 
 /* Judges all candidates, and lists the best of them. */
@@ -267,18 +337,20 @@ static conus_status begin_list(struct question_of *question, conus_together *tog
     status = status ? status : conus_plan_run(question->plan, stream, UINT64_MAX);
     close_candidates(stream, question);
     const conus_planned *last = status ? NULL : conus_plan_pose(question->plan, SAMPLE_FIRST - 1);
-    status = status ? status : list_down_to(question, last && !isnan(last->leeway) ? nanometres(last->leeway) : 0);
+    status = status ? status
+                    : list_down_to(question, last && !isnan(last->leeway) ? nanometres(last->leeway) : 0,
+                                   together->test.covers.count);
     together->tried_before += status ? 0 : conus_plan_left(question->plan, 0);
     return status;
 }
 
 /* Lists more candidates: LIST_GROWTH times as far down, but not below the cut. */
-static conus_status extend_list(struct question_of *question, int64_t cut)
+static conus_status extend_list(struct question_of *question, int64_t cut, size_t covers)
 {
     int64_t largest = question->list.count ? question->items[0].leeway : 0;
     int64_t way = largest - question->floor > largest / 16 ? largest - question->floor : largest / 16 + 1;
     int64_t least = largest - LIST_GROWTH * way;
-    return list_down_to(question, !question->has_leeway ? 0 : least > cut ? least : cut);
+    return list_down_to(question, !question->has_leeway ? 0 : least > cut ? least : cut, covers);
 }
 
 /* Joins the lists of a needle's questions; of a given needle there is only its place. */
@@ -401,6 +473,7 @@ static conus_status fail_changed(const struct needle_of *needle)
 
 static conus_status place_given(struct needle_of *needle, conus_together *together, const conus_pose_row *given)
 {
+    const size_t covers = together->test.covers.count;
     struct question_of *question = &together->questions[needle->questions[0]];
     conus_pose_row row = *given;
     const conus_planned *place = NULL;
@@ -411,6 +484,8 @@ static conus_status place_given(struct needle_of *needle, conus_together *togeth
     if (!status) {
         body_list_set(&needle->bodies, 0, &needle->place);
         needle->item = item_of(&needle->place, 1, 0);
+        needle->item.covered = needle->covered;
+        status = count_covered(needle->covered, question, &needle->place, covers);
     }
     return status;
 }
@@ -494,6 +569,7 @@ static conus_status init_question(conus_together *together, const conus_question
     out->bodies.frame = &together->questions[0].asked.selector->frame;
     out->bodies.arc = arc;
     status = status ? status : create_plan(out, together);
+    status = status ? status : find_covers(out, together);
     return status == CONUS_ERROR_ARGUMENT ? fail_in(status, out->asked.needles) : status;
 }
 
@@ -718,7 +794,7 @@ static conus_status extend_lists(bool *is_longer, conus_together *together)
         struct question_of *question = &together->questions[q];
         int64_t cut = cut_of(together, question);
         if (question->is_asked && !question->is_full && lacks_above(question, cut)) {
-            status = extend_list(question, cut);
+            status = extend_list(question, cut, together->test.covers.count);
             *is_longer = true;
         }
     }
@@ -812,7 +888,7 @@ static conus_status find_limit(double *out, struct search *search, uint32_t set,
                                enum pair_quantity quantity)
 {
     struct search_answer answer = {0};
-    const struct pair_test other = {test->margins, quantity, LOWEST};
+    const struct pair_test other = {test->margins, quantity, LOWEST, {0}};
     conus_status status = joint_least(&answer, search, set, &other, HIGHEST);
     *out = answer.found && answer.least == answer.most ? NM * (double)answer.least : NAN;
     return status;
@@ -833,17 +909,46 @@ static conus_status find_arcs(uint64_t *out, struct search *search, struct pair_
     return status;
 }
 
-/* Whether all needles have a combination but for the limits of arcs, and what limits would do. */
-static conus_status explain_arcs(bool *is_so, struct search *search, conus_together *together)
+/* The most contacts in a cover that some combination has, all else being as it is; NaN where none has, and where that
+ * is not known. */
+static conus_status find_contacts(double *out, struct search *search, struct pair_test *test, size_t cover,
+                                  size_t count)
+{
+    const uint64_t asked = test->covers.least[cover];
+    uint64_t low = 0;      /* a combination with so many there may be, */
+    uint64_t high = asked; /* and none with so many */
+    conus_status status = CONUS_OK;
+    bool is_known = asked;
+    *out = NAN;
+    while (low < high && is_known && !status) {
+        struct search_answer answer = {0};
+        uint64_t middle = isnan(*out) ? 0 : low + (high - low) / 2;
+        test->covers.least[cover] = middle;
+        status = joint_any(&answer, search, (1U << count) - 1, test);
+        *out = answer.found ? (double)middle : *out;
+        low = answer.found ? middle + 1 : low;
+        high = answer.found ? high : middle;
+        is_known = answer.found || answer.most < 0;
+    }
+    test->covers.least[cover] = asked;
+    *out = is_known ? *out : NAN;
+    return status;
+}
+
+/* Whether all needles have a combination but for the limits of arcs and covers, and what limits would do. */
+static conus_status explain_limits(bool *is_so, struct search *search, conus_together *together)
 {
     struct pair_test test = together->test;
     struct arcs *arcs = &test.margins.arcs;
     struct search_answer answer = {0};
-    arcs->most = arcs->each = 0;
+    arcs->most = arcs->each = test.covers.count = 0;
     conus_status status = joint_any(&answer, search, (1U << together->count) - 1, &test);
-    *is_so = together->conflict.by_arcs = !status && answer.found;
-    *arcs = together->test.margins.arcs;
-    if (*is_so) {
+    *is_so = together->conflict.by_limits = !status && answer.found;
+    test = together->test;
+    for (size_t k = 0; k < test.covers.count && *is_so && !status; k++) {
+        status = find_contacts(&together->contacts[k], search, &test, k, together->count);
+    }
+    if (*is_so && !status) {
         status = find_arcs(&together->conflict.arcs_most, search, &test, &arcs->most, together->count);
         *arcs = together->test.margins.arcs;
         status =
@@ -857,20 +962,24 @@ static conus_status explain(conus_together *together)
     struct search *search = NULL;
     uint32_t set = 0;
     conus_conflict *conflict = &together->conflict;
-    *conflict = (conus_conflict){.needles = together->conflicting, .between = NAN, .entry_distance = NAN};
+    *conflict = (conus_conflict){
+        .needles = together->conflicting, .between = NAN, .entry_distance = NAN, .contacts = together->contacts};
+    for (size_t k = 0; k < together->test.covers.count; k++) {
+        together->contacts[k] = NAN;
+    }
     together->has_conflict = true;
     for (size_t i = 0; i < together->count && !set; i++) {
         set = has_none(&together->needles[i]) ? 1U << i : 0;
     }
     conus_status status = set ? CONUS_OK : begin_search(&search, together, together->options.effort);
-    bool is_by_arcs = false;
+    bool is_by_limits = false;
     struct pair_test pairs = together->test;
-    if (search && (pairs.margins.arcs.most || pairs.margins.arcs.each)) {
-        status = explain_arcs(&is_by_arcs, search, together);
-        set = is_by_arcs ? (1U << together->count) - 1 : 0;
+    if (search && (pairs.margins.arcs.most || pairs.margins.arcs.each || pairs.covers.count)) {
+        status = explain_limits(&is_by_limits, search, together);
+        set = is_by_limits ? (1U << together->count) - 1 : 0;
     }
-    if (search && !is_by_arcs && !status) {
-        pairs.margins.arcs.most = pairs.margins.arcs.each = 0;
+    if (search && !is_by_limits && !status) {
+        pairs.margins.arcs.most = pairs.margins.arcs.each = pairs.covers.count = 0;
         status = find_conflict(&set, search, together, &pairs);
         status = status || !set ? status : find_limit(&conflict->between, search, set, &pairs, PAIR_BETWEEN);
         status = status || !set ? status : find_limit(&conflict->entry_distance, search, set, &pairs, PAIR_ENTRIES);
@@ -923,7 +1032,9 @@ static conus_status place_all(conus_together *together, size_t index)
     int64_t least = INT64_MAX;
     int64_t sum = 0;
     int64_t depth = 0;
+    const size_t covers = together->test.covers.count;
     out->chosen = entry->chosen;
+    out->covered = entry->covered;
     for (size_t i = 0; i < together->count; i++) {
         const struct needle_of *needle = &together->needles[i];
         const struct search_item *item = &needle->list.items[entry->answer.chosen[i]];
@@ -932,7 +1043,11 @@ static conus_status place_all(conus_together *together, size_t index)
         if (!needle->given && !is_same(place, item)) {
             return fail_changed(needle);
         }
-        entry->chosen[i] = (conus_chosen){place, item->number, part->question};
+        entry->chosen[i] = (conus_chosen){place, item->number, part->question, item->covered[covers]};
+        out->contacts += item->covered[covers];
+        for (size_t k = 0; k < covers; k++) {
+            entry->covered[k] += item->covered[k];
+        }
         sum += item->leeway;
         depth += item->depth;
         if (part->has_leeway && item->leeway < least) {
@@ -1133,6 +1248,7 @@ static conus_status add_above(struct needle_of *needle, conus_together *together
     const struct search_list *list = &needle->list;
     struct question_of *question = &together->questions[list->parts[part].question];
     const size_t index = (size_t)(needle - together->needles);
+    const size_t covers = together->test.covers.count;
     conus_planned *first = needle->above + needle->above_count;
     conus_pose_stream *stream = NULL;
     size_t count = 0;
@@ -1148,9 +1264,11 @@ static conus_status add_above(struct needle_of *needle, conus_together *together
     status = status ? status : plan_find(first, count, question->plan, stream, true);
     close_candidates(stream, question);
     for (size_t i = 0; i < count; i++) {
-        needle->candidates[needle->above_count++] =
-            (conus_chosen){&first[i], first[i].candidate + before, list->parts[part].question};
+        uint32_t covered[COVER_LIMIT + 1] = {0};
         status = status || first[i].id ? status : fail_changed(needle);
+        status = status ? status : count_covered(covered, question, &first[i], covers);
+        needle->candidates[needle->above_count++] =
+            (conus_chosen){&first[i], first[i].candidate + before, list->parts[part].question, covered[covers]};
     }
     return status;
 }
@@ -1165,7 +1283,8 @@ conus_status conus_together_candidates(const conus_chosen **out, size_t *count, 
     needle->candidates = memory_zeroed(most, sizeof *needle->candidates);
     conus_status status = needle->above && needle->candidates ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status && needle->given) {
-        needle->candidates[0] = (conus_chosen){&needle->place, 1, needle->questions[0]};
+        needle->candidates[0] =
+            (conus_chosen){&needle->place, 1, needle->questions[0], needle->covered[together->test.covers.count]};
     }
     for (size_t p = 0; p < needle->question_count && !needle->given && !status; p++) {
         status = add_above(needle, together, p, before);
@@ -1190,6 +1309,10 @@ void conus_together_destroy(conus_together *together)
         }
         memory_free(question->places);
         memory_free(question->arc);
+        for (size_t k = 0; question->covers && k <= together->test.covers.count; k++) {
+            plan_constraint_finish(&question->covers[k]);
+        }
+        memory_free(question->covers);
         conus_plan_destroy(question->plan);
         finish_list(question);
     }

@@ -115,10 +115,14 @@ static struct course start_course(const struct plan_constraint *constraint, cons
     struct course course = {.kind = COURSE_SAMPLED, .rate = motion->lever, .guess = FIRST_GUESS, .fails = NAN};
     bool is_tip = asked->kind == CONUS_CONSTRAINT_REACH && asked->measure == CONUS_MEASURE_TIP;
     bool is_direction = plan_is_of_direction(constraint);
-    if (asked->kind == CONUS_CONSTRAINT_LENGTH || is_direction) {
-        course.kind = is_direction && motion->is_turn     ? COURSE_MARCH
-                      : !is_direction && motion->is_depth ? COURSE_SPAN
-                                                          : COURSE_FIXED;
+    bool is_of_rig = plan_is_of_rig(constraint);
+    if (is_of_rig && motion->is_turn) {
+        return course; /* the nearer to the right-left axis, the faster the arc angle turns */
+    }
+    if (asked->kind == CONUS_CONSTRAINT_LENGTH || is_direction || is_of_rig) {
+        course.kind = is_direction && motion->is_turn                    ? COURSE_MARCH
+                      : !(is_direction || is_of_rig) && motion->is_depth ? COURSE_SPAN
+                                                                         : COURSE_FIXED;
         course.rate = 1;
         course.guess = MATH3_PI;
     } else if (motion->is_depth && !is_tip) {

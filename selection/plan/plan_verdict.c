@@ -4,12 +4,14 @@
 #include "base/memory.h"
 #include "selection/plan/plan.h"
 #include "selection/plan/plan_deepest.h"
+#include "selection/plan/together/together.h"
 
 #include <math.h>
 #include <string.h>
 
-static const double LOOK = 1e-5; /* mm: closer to its limit, a measure is taken */
-static const double FAR = 1e7;   /* mm: as far as a clearance is measured */
+static const double LOOK = 1e-5;    /* mm: closer to its limit, a measure is taken */
+static const double FAR = 1e7;      /* mm: as far as a clearance is measured */
+static const double DEGREES = 1e-9; /* by which an angle of a rig may be beyond its window */
 
 conus_status plan_judge_init(struct plan_judge *out, conus_selector *selector,
                              const struct plan_constraint *constraints, const double (*offsets)[2], size_t shank_count)
@@ -317,6 +319,16 @@ static void measure_apart(conus_verdict *out, const struct plan_judge *judge, co
     }
 }
 
+/* The angle in the turn whose middle is that of the window. */
+static double measure_rig(const struct plan_judge *judge, const conus_constraint *asked)
+{
+    const double middle = asked->limit + (asked->most - asked->limit) / 2;
+    double arc;
+    double slider;
+    arc_angles(&arc, &slider, &judge->selector->frame, judge->pose->pose.world_from_device + 8);
+    return middle + remainder((asked->kind == CONUS_CONSTRAINT_ARC ? arc + asked->pitch : slider) - middle, 360);
+}
+
 /* The part of the cone's pixels whose ray has an interval in the structure: intervals are ordered by pixel. */
 static double measure_pierced(const conus_selection *selection, const struct plan_constraint *constraint)
 {
@@ -433,6 +445,10 @@ static conus_status measure(conus_verdict *out, struct plan_judge *judge, const 
     case CONUS_CONSTRAINT_ENTRY_ANGLE:
         out->value = plan_entry_angle(judge->pose);
         break;
+    case CONUS_CONSTRAINT_ARC:
+    case CONUS_CONSTRAINT_SLIDER:
+        out->value = measure_rig(judge, asked);
+        break;
     }
     return CONUS_OK;
 }
@@ -452,8 +468,11 @@ static void decide(conus_verdict *out, const struct plan_constraint *constraint,
         may_be_equal = plan_is_of_cone(asked->measure);
         out->slack = may_be_equal ? asked->limit - out->value : out->value - radius - asked->limit;
         break;
+    case CONUS_CONSTRAINT_ARC:
+    case CONUS_CONSTRAINT_SLIDER:
     case CONUS_CONSTRAINT_LENGTH:
         out->slack = fmin(out->value - asked->limit, asked->most - out->value);
+        out->slack = plan_is_of_rig(constraint) && fabs(out->slack) <= DEGREES ? 0 : out->slack;
         break;
     case CONUS_CONSTRAINT_LEAN:
     case CONUS_CONSTRAINT_ENTRY_ANGLE:
@@ -619,6 +638,23 @@ conus_status plan_judge_leeway(double *out, struct plan_judge *judge, size_t ind
         }
     }
     return status;
+}
+
+conus_status plan_judge_contacts(uint32_t *out, struct plan_judge *judge, const struct plan_constraint *cover)
+{
+    uint32_t count = 0;
+    for (size_t i = 0; i < judge->shank_count; i++) {
+        conus_verdict verdict;
+        judge->shank = &judge->shanks[i];
+        conus_status status = follow(judge);
+        if (status) {
+            return status;
+        }
+        measure_contacts(&verdict, judge, cover);
+        count += (uint32_t)verdict.value;
+    }
+    *out = count;
+    return CONUS_OK;
 }
 
 double plan_judge_distance(struct plan_judge *judge, size_t index)

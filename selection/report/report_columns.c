@@ -307,6 +307,11 @@ static struct cell get_proven(const conus_report *report, const struct report_ro
     return combination->feasible ? integer_cell(combination->proven) : no_cell();
 }
 
+static struct cell get_contacts(const conus_report *report, const struct report_row *row)
+{
+    return report->needles.asked->cover_count ? integer_cell(combination_of(report, row)->contacts) : no_cell();
+}
+
 static struct cell get_needle(const conus_report *report, const struct report_row *row)
 {
     return text_cell(report->needles.at[row->planned.needle]->name);
@@ -326,6 +331,7 @@ static const struct report_column needle_columns[] = {
     {"all_bound", "mm", "no combination that may stand there has a larger least leeway", OF_COMBINATION(NUMBER, bound)},
     {"all_sum_mm", "mm", "sum of the needles' leeways", OF_COMBINATION(NUMBER, sum)},
     {"all_depth_mm", "mm", "sum of the needles' depths", OF_COMBINATION(NUMBER, depth)},
+    {"all_contacts", NULL, "contacts of all needles that are in any --cover", .get = get_contacts},
     {"needle", NULL, "name of the needle", NAMED(get_needle)},
     {"row", NULL, "number of the row of the table that it answers, from 1", .get = get_needle_row},
 };
@@ -370,7 +376,8 @@ static struct cell get_limit(const conus_report *report, const struct report_row
 {
     const conus_constraint *asked = constraint_of(report, row)->asked;
     double value = verdict_of(row)->value;
-    bool is_upper = asked->kind == CONUS_CONSTRAINT_LENGTH && asked->most - value < value - asked->limit;
+    bool has_upper = asked->kind == CONUS_CONSTRAINT_LENGTH || asked->kind >= CONUS_CONSTRAINT_ARC;
+    bool is_upper = has_upper && asked->most - value < value - asked->limit;
     return number_cell(is_upper ? asked->most : asked->limit);
 }
 
@@ -381,7 +388,7 @@ static struct cell get_constraint_index(const conus_report *report, const struct
 
 #define CONSTRAINT_KIND                                                                                                \
     {                                                                                                                  \
-        "kind", NULL, "reach, avoid, length, lean, apart or first", OF_CONSTRAINT(TEXT, kind)                          \
+        "kind", NULL, "reach, avoid, length, lean, apart, first, angle, arc or slider", OF_CONSTRAINT(TEXT, kind)      \
     }
 #define CONSTRAINT_INDEX                                                                                               \
     {                                                                                                                  \

@@ -460,6 +460,10 @@ static json_t *json_from_constraint(const struct report_constraint *constraint)
                   constraint->asked->limit, "asked", json_from_text(constraint->words));
     entry = constraint->name ? with(entry, "name", json_from_text(constraint->name)) : entry;
     entry = constraint->measure ? with_string(entry, "measure", constraint->measure) : entry;
+    if (constraint->asked->kind >= CONUS_CONSTRAINT_ARC) {
+        entry = with(with(entry, "most", json_real(constraint->asked->most)), "pitch_deg",
+                     json_real(constraint->asked->pitch));
+    }
     return contacts->count ? with(entry, "contacts", json_from_contacts(contacts)) : entry;
 }
 
@@ -570,10 +574,30 @@ static json_t *json_from_conflict(const struct report_needles *needles)
     }
     json_t *object = json_pack("{s: o, s: o, s: o}", "needles", names, "between_mm", json_from_end(conflict->between),
                                "entry_distance_mm", json_from_end(conflict->entry_distance));
-    return conflict->by_arcs ? with(object, "arcs",
-                                    json_pack("{s: o, s: o}", "most", json_from_limit(conflict->arcs_most), "each",
-                                              json_from_limit(conflict->arcs_each)))
-                             : object;
+    if (conflict->by_limits && needles->asked->arcs > 0) {
+        object = with(object, "arcs",
+                      json_pack("{s: o, s: o}", "most", json_from_limit(conflict->arcs_most), "each",
+                                json_from_limit(conflict->arcs_each)));
+    }
+    if (conflict->by_limits && needles->asked->cover_count) {
+        json_t *contacts = json_array();
+        for (size_t k = 0; k < needles->asked->cover_count; k++) {
+            contacts = with_item(contacts, json_from_end(conflict->contacts[k]));
+        }
+        object = with(object, "contacts", contacts);
+    }
+    return object;
+}
+
+/* What is to be covered. */
+static json_t *json_from_covers(const conus_together_options *asked)
+{
+    json_t *list = json_array();
+    for (size_t k = 0; k < asked->cover_count; k++) {
+        list = with_item(list, json_pack("{s: o, s: o}", "names", json_from_text(asked->covers[k].names), "contacts",
+                                         json_from_limit(asked->covers[k].contacts)));
+    }
+    return list;
 }
 
 /* The combinations that hold. *nodes: of the search. */
@@ -584,8 +608,13 @@ static json_t *json_from_combinations(uint64_t *nodes, const struct report_needl
         const conus_combination *combination = needles->combinations[n];
         *nodes = combination->nodes;
         if (combination->feasible) {
-            list = with_item(list, json_pack("{s: b, s: o, s: b}", "proven", combination->proven, "bound_mm",
-                                             json_from_end(combination->bound), "last", combination->last));
+            json_t *covered = json_array();
+            for (size_t k = 0; k < needles->asked->cover_count; k++) {
+                covered = with_item(covered, json_integer((json_int_t)combination->covered[k]));
+            }
+            list = with_item(list, json_pack("{s: b, s: o, s: b, s: o}", "proven", combination->proven, "bound_mm",
+                                             json_from_end(combination->bound), "last", combination->last, "covered",
+                                             covered));
         }
     }
     return list;
@@ -611,11 +640,12 @@ static json_t *json_from_needles(const struct report_needles *needles)
     json_t *diverse = asked->top == 1
                           ? json_null()
                           : json_pack("{s: f, s: I}", "apart_mm", asked->diverse, "needles", (json_int_t)asked->differ);
-    return json_pack("{s: s, s: {s: f, s: f}, s: f, s: o, s: I, s: o, s: I, s: o, s: o, s: o, s: o}", "rank",
+    return json_pack("{s: s, s: {s: f, s: f}, s: f, s: o, s: o, s: I, s: o, s: I, s: o, s: o, s: o, s: o}", "rank",
                      "leeway,sum,-depth", "between", "shafts_mm", asked->between, "parts_mm", asked->parts,
-                     "entry_distance_mm", asked->entry_distance, "arcs", json_from_arcs(asked), "top",
-                     (json_int_t)asked->top, "diverse", diverse, "nodes", (json_int_t)nodes, "rows", rows, "needles",
-                     list, "combinations", combinations, "conflict", json_from_conflict(needles));
+                     "entry_distance_mm", asked->entry_distance, "arcs", json_from_arcs(asked), "cover",
+                     json_from_covers(asked), "top", (json_int_t)asked->top, "diverse", diverse, "nodes",
+                     (json_int_t)nodes, "rows", rows, "needles", list, "combinations", combinations, "conflict",
+                     json_from_conflict(needles));
 }
 
 /* The sources; queries are always in RAS. */

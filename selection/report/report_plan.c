@@ -17,9 +17,9 @@ static bool is_left_out(const conus_report *report, const struct report_column *
 {
     static const char *const names[] = {"feasible", "entry", "target", "dx",        "dy",       "dz",
                                         "tip_x",    "tip_y", "tip_z",  "leeway_of", "slack_mm", NULL};
-    static const char *const of_needles[] = {"combination",   "proven",    "all_leeway_mm",
-                                             "all_leeway_of", "all_bound", "all_sum_mm",
-                                             "all_depth_mm",  "row",       NULL};
+    static const char *const of_needles[] = {"combination", "proven",     "all_leeway_mm", "all_leeway_of",
+                                             "all_bound",   "all_sum_mm", "all_depth_mm",  "all_contacts",
+                                             "row",         NULL};
     const bool are_needles = report->options.rows == CONUS_ROWS_NEEDLES;
     bool is = column->home == HOME_NEEDLE ||
               (column->home == HOME_VERDICTS &&
@@ -72,7 +72,7 @@ static bool read_line(char out[CELL_SIZE], const conus_report *report, const str
 }
 
 /* "combination 1: leeway 3.19 mm (A/B), sum 47.2 mm; proven: ..." */
-static void write_combination(struct buffer *out, const conus_combination *combination, size_t number)
+static void write_combination(struct buffer *out, const conus_combination *combination, size_t number, bool has_covers)
 {
     const char *others = number > 1 ? "no other one that differs enough from those before it" : "none";
     if (!combination->feasible) {
@@ -83,7 +83,11 @@ static void write_combination(struct buffer *out, const conus_combination *combi
     if (combination->leeway_of) {
         buffer_format(out, "leeway %.2f mm (%s), ", combination->leeway, combination->leeway_of);
     }
-    buffer_format(out, "sum %.2f mm; ", combination->sum);
+    buffer_format(out, "sum %.2f mm", combination->sum);
+    if (has_covers) {
+        buffer_format(out, ", %llu contacts in covers", (unsigned long long)combination->contacts);
+    }
+    buffer_text(out, "; ");
     if (combination->proven) {
         buffer_format(out, "proven: %s has a larger leeway, and with that a larger sum\n", others);
     } else if (combination->leeway_of) {
@@ -140,7 +144,7 @@ void report_write_plan(struct buffer *out, const conus_report *report)
     for (size_t first = 2; first < lines; first += each) {
         size_t n = report->rows[first - 2].planned.combination;
         if (report->needles.count) {
-            write_combination(out, report->needles.combinations[n], n + 1);
+            write_combination(out, report->needles.combinations[n], n + 1, report->needles.asked->cover_count);
         }
         write_line(out, report, &columns, widths, 0);
         write_line(out, report, &columns, widths, 1);

@@ -52,11 +52,11 @@ column() {
     needles
     conus $N --between 1 -q -o plan.tsv --poses-out best.tsv
     for row in 2 3 4; do
-        name=$(sed -n "${row}p" plan.tsv | cut -f 8)
+        name=$(sed -n "${row}p" plan.tsv | cut -f 9)
         radius=$(sed -n "${row}p" needles.tsv | cut -f 3)
         { head -n 1 best.tsv; grep "^\"$name\"" best.tsv; } >alone.tsv
         conus plan u-shape.nii.gz --poses alone.tsv --reach U,length=2 ${radius:+--radius $radius} -q --force -o alone-plan.tsv
-        head -n 1 plan.tsv | tr '\t' '\n' | sed -n '12,$p' >names
+        head -n 1 plan.tsv | tr '\t' '\n' | sed -n '13,$p' >names
         [ "$(wc -l <names)" -gt 15 ]
         while read -r column; do
             [ "$(column "$column" alone-plan.tsv)" = "$(column "$column" plan.tsv | cut -d ' ' -f $((row - 1)))" ]
@@ -401,7 +401,7 @@ table() { # LINE...
     for key in slider=0 slider=181 same=0 most=0 most=17 most=1.5 each=0 each=x; do
         refused "${key%=*}: found \"${key#*=}\"" $N --arcs "16,$key"
     done
-    refused 'allowed are slider, same, most, each' $N --arcs 16,slider=3,pitch=14
+    refused 'pitch has no effect without --arc-window or --from angles' $N --arcs 16,slider=3,pitch=14
     table 'needle' 'A'
     for grid in 'slider=0:0:1,back=3' 'arc=0:10:0,slider=0:0:1,back=3' 'arc=10:0:1,slider=0:0:1,back=3'; do
         refused '--from angles: arc=FIRST:LAST:STEP is needed' $N --from "angles,$grid" --toward centroid --depth target

@@ -77,7 +77,7 @@ SIZE(conus_polylines, 72);
 SIZE(conus_tract_scalar, 32);
 SIZE(conus_streamline_list_view, 32);
 SIZE(conus_tractogram_info, 144);
-SIZE(conus_constraint, 128);
+SIZE(conus_constraint, 136);
 SIZE(conus_candidates, 128);
 SIZE(conus_plan_options, 120);
 SIZE(conus_verdict, 56);
@@ -86,12 +86,13 @@ SIZE(conus_plan_faults, 24);
 SIZE(conus_tolerance, 80);
 SIZE(conus_tolerance_options, 120);
 SIZE(conus_part, 48);
-SIZE(conus_question, 104);
-SIZE(conus_together_options, 136);
-SIZE(conus_chosen, 24);
-SIZE(conus_combination, 64);
+SIZE(conus_question, 128);
+SIZE(conus_cover, 16);
+SIZE(conus_together_options, 152);
+SIZE(conus_chosen, 32);
+SIZE(conus_combination, 80);
 SIZE(conus_placed, 56);
-SIZE(conus_conflict, 56);
+SIZE(conus_conflict, 64);
 #endif
 
 extern int sizes_are_known;

@@ -68,6 +68,7 @@ class Needle:
         self.leeway = nanometres([float(row["leeway_mm"]) if row["leeway_mm"] != "n/a" else 0 for row in self.rows])
         self.at, self.way, self.up = numbers("x", "y", "z"), numbers("dx", "dy", "dz"), numbers("ux", "uy", "uz")
         self.near, self.far = numbers("near"), numbers("far")
+        self.contacts = np.array([int(row.get("contacts", 0)) for row in self.rows], np.int64)
         self.depth = nanometres(self.far[:, 0])
         self.tip = self.at + self.far * self.way
         right, anterior, dorsal = -self.way.T
@@ -141,6 +142,10 @@ class Answer:
                       for i in range(count) for k in range(i + 1, count)}
         for (i, k), leeways in list(self.pairs.items()):
             self.pairs[k, i] = leeways.T
+        covers = plan.get("cover", [])
+        self.contacts = sum(cover["contacts"] or 0 for cover in covers)
+        if self.contacts and len(covers) > 1:
+            raise Refuted("it covers several structures, of which the candidates do not say how many contacts are in each")
         numbers = [str(n + 1) for n in range(len(plan["combinations"]))]
         if [row["combination"] for row in rows] != [number for number in numbers for _ in self.needles]:
             raise Refuted("its rows are not one for each needle of each combination")
@@ -192,7 +197,8 @@ class Answer:
         least = [int(n.leeway[c]) for n, c in zip(self.needles, chosen) if n.has_leeway[c]]
         for (i, k), leeways in self.pairs.items():
             least.append(int(leeways[chosen[i], chosen[k]]))
-        if (least and min(least) == NONE) or not self.keeps_arcs(dict(enumerate(chosen))):
+        contacts = sum(int(n.contacts[c]) for n, c in zip(self.needles, chosen))
+        if (least and min(least) == NONE) or contacts < self.contacts or not self.keeps_arcs(dict(enumerate(chosen))):
             return None
         sums = [sum(int(values) for values in each) for each in (
             (n.leeway[c] for n, c in zip(self.needles, chosen)), (-n.depth[c] for n, c in zip(self.needles, chosen)))]
@@ -252,9 +258,11 @@ class Answer:
         def visit(chosen, domains):
             """Places the next needle at each candidate that goes with those before it."""
             most = sum(int(self.needles[i].leeway[c]) for i, c in chosen.items())
+            contacts = sum(int(self.needles[i].contacts[c]) for i, c in chosen.items())
             for i in order[len(chosen):]:
+                contacts += int(self.needles[i].contacts[domains[i]].max(initial=0))
                 most += int(self.needles[i].leeway[domains[i]].max()) if domains[i].any() else -(10**18)
-            if most < total or most < 0 or not self.keeps_arcs(chosen):
+            if most < total or most < 0 or contacts < self.contacts or not self.keeps_arcs(chosen):
                 return None
             if len(chosen) == len(order):
                 whole = [chosen[i] for i in range(len(order))]

@@ -93,6 +93,7 @@ static const struct sentence of_rows[] = {
     {"Plan.arcs", " A rig was to carry them on arcs {Plan.arcs.spacing_deg} degrees or more apart"
                   "{Plan.arcs.most?, @ at most}, needles on one arc {Plan.arcs.slider_deg} degrees or more apart"
                   "{Plan.arcs.each?, @ at most}."},
+    {"Plan.cover.0", " Contacts of all needles together were counted in {Plan.cover}."},
     {"Plan.diverse", " Each further combination is the best of those that differ from all before it in "
                      "{Plan.diverse.needles} or more needles, by {Plan.diverse.apart_mm} mm or more at the position or "
                      "the far end."},
@@ -213,6 +214,8 @@ static const struct sentence of_part[] = {
 };
 static const struct sentence of_item[] = {
     {"asked", "{asked}"},
+    {"names contacts", "{names} (at least {contacts})"},
+    {"names", "{names}"},
     {"!asked low high", "{name} (from {low} to below {high})"},
     {"!asked low !high", "{name} (from {low})"},
     {"!asked !low high", "{name} (to below {high})"},

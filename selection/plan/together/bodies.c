@@ -97,8 +97,7 @@ static void find_ends(double out[2][3], const struct bodies *bodies, size_t body
     }
 }
 
-/* The angles of a rig with arcs, degrees (Eq. 26): an arc is a plane through the right-left axis. */
-static void find_arc(double *arc, double *slider, const conus_frame *frame, const double out[3])
+void arc_angles(double *arc, double *slider, const conus_frame *frame, const double out[3])
 {
     double v[3];
     direction_to_anatomical(v, out, frame);
@@ -109,7 +108,7 @@ static void find_arc(double *arc, double *slider, const conus_frame *frame, cons
 void body_list_set(struct body_list *list, size_t index, const conus_planned *pose)
 {
     const double *m = pose->pose.world_from_device;
-    find_arc(column(list, ARC) + index, column(list, SLIDER) + index, list->bodies->frame, m + 8);
+    arc_angles(column(list, ARC) + index, column(list, SLIDER) + index, list->bodies->frame, m + 8);
     for (size_t a = 0; a < 3; a++) {
         column(list, ORIGIN + a)[index] = m[12 + a];
         column(list, TIP + a)[index] = m[12 + a] - pose->far * m[8 + a];

@@ -324,6 +324,26 @@ static bool keeps_arcs_with(const struct search *search, const struct node *node
     return keeps_arcs(search, at, node->placed | 1U << needle);
 }
 
+/* Contacts of a candidate in a cover. */
+static int64_t covered_by(const struct search *search, size_t needle, size_t candidate, size_t cover)
+{
+    return search->lists[needle].items[candidate].covered[cover];
+}
+
+/* Whether candidates of all needles have so many contacts together in each cover. */
+static bool keeps_covers(const struct search *search, const size_t at[NEEDLE_LIMIT])
+{
+    bool keeps = true;
+    for (size_t k = 0; k < search->test.covers.count && keeps; k++) {
+        int64_t sum = 0;
+        for (size_t i = 0; i < search->count; i++) {
+            sum += is_among(search, i) ? covered_by(search, i, at[i], k) : 0;
+        }
+        keeps = sum >= (int64_t)search->test.covers.least[k];
+    }
+    return keeps;
+}
+
 static size_t count_left(const struct search *search, const struct node *node, size_t needle)
 {
     size_t count = 0;
@@ -333,8 +353,8 @@ static size_t count_left(const struct search *search, const struct node *node, s
     return count;
 }
 
-/* Finds the needle to place: of those whose first candidates conflict the one with the fewest left; where only the
- * limits of arcs are in the way, of all that are not placed. SIZE_MAX: the first ones are a combination. */
+/* Finds the needle to place: of those whose first candidates conflict the one with the fewest left; where only
+ * limits of all needles are in the way, of all that are not placed. SIZE_MAX: the first ones are a combination. */
 static conus_status find_next(size_t *next, struct search *search, const struct node *node)
 {
     uint32_t conflicts = 0;
@@ -352,7 +372,7 @@ static conus_status find_next(size_t *next, struct search *search, const struct 
             }
         }
     }
-    if (!conflicts && !keeps_arcs(search, node->at, search->among)) {
+    if (!conflicts && !(keeps_arcs(search, node->at, search->among) && keeps_covers(search, node->at))) {
         conflicts = search->among & ~node->placed;
     }
     for (size_t i = 0; i < search->count; i++) {
@@ -423,15 +443,52 @@ static bool keep_variety(struct search *search, struct node *node)
     return true;
 }
 
+/* So many contacts may a candidate of each needle lack against the best one that is left, in each cover. */
+struct spare {
+    int64_t best[NEEDLE_LIMIT][COVER_LIMIT], lack[COVER_LIMIT];
+};
+
+/* False where even the best ones have too few. */
+static bool find_spare(struct spare *out, const struct search *search, const struct node *node)
+{
+    bool is_enough = true;
+    for (size_t k = 0; k < search->test.covers.count && is_enough; k++) {
+        out->lack[k] = -(int64_t)search->test.covers.least[k];
+        for (size_t i = 0; i < search->count; i++) {
+            bool is_placed = node->placed >> i & 1;
+            int64_t *best = &out->best[i][k];
+            *best = is_placed && is_among(search, i) ? covered_by(search, i, node->at[i], k) : 0;
+            for (size_t w = 0; is_among(search, i) && !is_placed && w < words_of(search->used[i]); w++) {
+                for (uint64_t bits = node->domains[i][w]; bits; bits &= bits - 1) {
+                    int64_t own = covered_by(search, i, WORD * w + (size_t)__builtin_ctzll(bits), k);
+                    *best = own > *best ? own : *best;
+                }
+            }
+            out->lack[k] += *best;
+        }
+        is_enough = out->lack[k] >= 0;
+    }
+    return is_enough;
+}
+
+static bool keeps_spare(const struct search *search, const struct spare *spare, size_t needle, size_t candidate)
+{
+    bool keeps = true;
+    for (size_t k = 0; k < search->test.covers.count && keeps; k++) {
+        keeps = spare->best[needle][k] - covered_by(search, needle, candidate, k) <= spare->lack[k];
+    }
+    return keeps;
+}
+
 /* The first candidate of a needle that is left; SIZE_MAX = none. Those before it that are on an arc too many, or one
- * too many on an arc, are left no more. */
-static size_t first_left(struct search *search, struct node *node, size_t needle)
+ * too many on an arc, or have too few contacts, are left no more. */
+static size_t first_left(struct search *search, struct node *node, size_t needle, const struct spare *spare)
 {
     uint64_t *domain = node->domains[needle];
     for (size_t w = 0; w < words_of(search->used[needle]); w++) {
         for (; domain[w]; domain[w] &= domain[w] - 1) {
             size_t candidate = WORD * w + (size_t)__builtin_ctzll(domain[w]);
-            if (keeps_arcs_with(search, node, needle, candidate)) {
+            if (keeps_arcs_with(search, node, needle, candidate) && keeps_spare(search, spare, needle, candidate)) {
                 return candidate;
             }
         }
@@ -442,10 +499,11 @@ static size_t first_left(struct search *search, struct node *node, size_t needle
 /* Finds the first ones of a node whose domains are set. False where a needle has none. */
 static bool settle(struct search *search, struct node *node)
 {
-    bool is_possible = keep_variety(search, node);
+    struct spare spare;
+    bool is_possible = keep_variety(search, node) && find_spare(&spare, search, node);
     for (size_t i = 0; i < search->count && is_possible; i++) {
         if (is_among(search, i) && !(node->placed >> i & 1)) {
-            node->at[i] = first_left(search, node, i);
+            node->at[i] = first_left(search, node, i, &spare);
             is_possible = node->at[i] < SIZE_MAX;
         }
     }

@@ -37,6 +37,10 @@ conus_status body_list_init(struct body_list *out, const struct bodies *bodies, 
 void body_list_finish(struct body_list *list);
 void body_list_set(struct body_list *list, size_t index, const conus_planned *pose);
 
+/** The angles of a rig with arcs, degrees (Eq. 26), of a way out along a needle: an arc is a plane through the
+ * right-left axis of the frame. */
+void arc_angles(double *arc, double *slider, const conus_frame *frame, const double out[3]);
+
 /** Whether two candidates are the same, or neither their positions nor their far ends are @p apart mm or more from each
  * other. */
 bool bodies_are_near(const struct body_list *list, size_t index, const struct body_list *other, size_t other_index,
@@ -90,10 +94,19 @@ enum pair_quantity {
     PAIR_ENTRIES  /**< That of the entries, likewise. */
 };
 
+enum { COVER_LIMIT = 16 };
+
+/** What all needles together have to have: so many contacts in each cover, at least. */
+struct covers {
+    size_t count;
+    uint64_t least[COVER_LIMIT];
+};
+
 struct pair_test {
     struct margins margins;
     enum pair_quantity quantity;
     int64_t least; /**< nm */
+    struct covers covers;
 };
 
 /** Whole nanometres: floor(10^6 mm + 1/2). */
@@ -139,6 +152,7 @@ struct search_item {
     uint64_t number;
     size_t index; /**< Of its bodies in those of its part. */
     uint32_t part;
+    const uint32_t *covered; /**< Contacts in each cover. */
 };
 
 /** The candidates of a needle that answer one question. */

@@ -886,6 +886,7 @@ static void answers_do_not_depend_on_threads(void **state)
                 }
                 combination.chosen = NULL;
                 combination.leeway_of = NULL;
+                combination.covered = NULL;
                 first[n] = t ? first[n] : combination;
                 assert_memory_equal(&first[n], &combination, sizeof combination);
                 assert_true(effort || combination.proven);
@@ -1134,7 +1135,7 @@ static conus_status try_once(void *data)
     const conus_together_options limited = {.arcs = 1e-3, .same = 1e-4, .slider = 1e-9, .arcs_most = 1};
     status = status ? status : conus_plan_together(&together, scene->needles, scene->count, &limited);
     if (!status) {
-        assert_true(conus_together_conflict(together)->by_arcs);
+        assert_true(conus_together_conflict(together)->by_limits);
     }
     conus_together_destroy(together);
     return status;
