@@ -101,6 +101,10 @@ nifti.write("many.nii", (60, 10, 10), "B", lambda i, j, k: i // 4 + 1)'
 nifti.write("sides.nii", (12, 10, 10), "B", lambda i, j, k: i // 2 + 1)'
     answers render sides.nii --labels wrong.tsv --cuts axial -q -o sides.png --caption sides.txt
     grep -q '^Warning: .*left and right exchanged' sides.txt
+    printf '7\tD\n' >>wrong.tsv # a name of no area is a note, which --quiet leaves out
+    not grep '^Note: ' sides.txt
+    conus render sides.nii --labels wrong.tsv --cuts axial -o noted.png --caption noted.txt
+    grep -q '^Note: areas of the label table without a voxel: 1 (7)$' noted.txt
     printf 'name,x,y,z,tx,ty,tz\nC1,0,-60,0,0,0,0\nC2,5,-60,0,5,0,0\n' >poses.csv
     answers render slabs.nii.gz --pose poses.csv --cuts axial -q -o poses.png --caption poses.txt
     [ "$(head -1 poses.txt)" = 'Cuts of the atlas slabs.nii.gz: axial, with 2 poses of poses.csv.' ]

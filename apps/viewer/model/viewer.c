@@ -401,8 +401,7 @@ struct answer *viewer_pictured(const struct viewer *viewer)
     return view_atlas_nothing(view, &options, &away);
 }
 
-/* As conus_view.own_colours says. */
-static bool colours_by_rank(const struct viewer *viewer, uint32_t object)
+bool viewer_colours_by_rank(const struct viewer *viewer, uint32_t object)
 {
     const conus_object *info = conus_atlas_object(viewer->drawn->atlas, object);
     const bool is_beside = !shows_colours(viewer) && info && info->kind == CONUS_KIND_AREA; /* fibres */
@@ -412,27 +411,12 @@ static bool colours_by_rank(const struct viewer *viewer, uint32_t object)
 
 size_t viewer_rank(const struct viewer *viewer, uint32_t object)
 {
-    return object && colours_by_rank(viewer, object) ? conus_selection_rank(viewer_selection(viewer), object) : 0;
+    return object && viewer_colours_by_rank(viewer, object) ? conus_selection_rank(viewer_selection(viewer), object) : 0;
 }
 
 unsigned viewer_cut_version(const struct viewer *viewer)
 {
     return viewer->version - viewer->moves;
-}
-
-void viewer_rank_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object, size_t rank)
-{
-    const conus_object *info = conus_atlas_object(viewer->drawn->atlas, object);
-    if (info && colours_by_rank(viewer, object)) {
-        look_ranked(rgb, rank, conus_selection_weight(viewer_selection(viewer), object), LOOK_NOT_HIT);
-    } else {
-        memcpy(rgb, info ? info->rgb : (const uint8_t[]){LOOK_RGB(LOOK_NO_OBJECT)}, 3);
-    }
-}
-
-void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object)
-{
-    viewer_rank_colour(rgb, viewer, object, viewer_rank(viewer, object));
 }
 
 const char *viewer_find_score(const char *name)

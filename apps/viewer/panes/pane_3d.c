@@ -317,6 +317,7 @@ static void reserve_places(struct window *window)
     labels_reserve(&window->frame.labels,
                    (struct ui_box){box->x, box->y + box->height - 3 * line, box->width, 3 * line}); /* notices */
     if (screen_is_bare(&window->screen)) {
+        window->frame.labels.high = card_hit * box->height;
         const float high = (card_name + card_more + card_hit + 5 * card_gap) * box->height + 4 * line;
         labels_reserve(&window->frame.labels,
                        (struct ui_box){box->x, box->y + box->height - high, 0.65F * box->width, high});

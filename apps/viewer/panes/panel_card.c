@@ -74,18 +74,28 @@ static void draw_facts(struct viewer *viewer, const conus_object *object, uint32
     draw_fact("Atlas", text);
 }
 
-static void draw_target(struct window *window, uint32_t number, const char *name)
+/* Makes and ends what the plan asks of the area. */
+static void draw_asked(struct window *window, uint32_t number, const char *name)
 {
-    static const char label[] = "Set as target";
-    bool is_target = plans_is_target(window->viewer, number);
-    ui_flow(label);
-    if (ui_button(
-            is_target ? "No target" : label,
-            is_target
-                ? "the needle of the plan need not reach it any more"
-                : "the needle of the plan is to reach it (--reach), in place of what it was to reach; F5 sets how "
-                  "deep the needle goes")) {
-        window_request_target(window, is_target ? NULL : name);
+    static const struct {
+        conus_constraint_kind kind;
+        const char *labels[2], *tips[2]; /* [whether it is asked] */
+    } rows[] = {
+        {CONUS_CONSTRAINT_REACH,
+         {"Set as target", "No target"},
+         {"the needle of the plan is to reach it (--reach), in place of what it was to reach; F5 sets how deep the "
+          "needle goes",
+          "the needle of the plan need not reach it any more"}},
+        {CONUS_CONSTRAINT_AVOID,
+         {"Avoid", "Avoid no more"},
+         {"the needle of the plan may not touch it (--avoid), nor what it was to avoid before",
+          "the needle of the plan may touch it again"}}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const bool is = plans_asks(window->viewer, rows[i].kind, number);
+        ui_flow(rows[i].labels[is]);
+        if (ui_button(rows[i].labels[is], rows[i].tips[is])) {
+            window_request_asked(window, rows[i].kind, name, !is);
+        }
     }
 }
 
@@ -112,7 +122,7 @@ void panel_card(struct window *window)
         viewer->version++;
     }
     if (viewer->drawn == viewer->atlases) { /* which plans are about */
-        draw_target(window, number, object->name);
+        draw_asked(window, number, object->name);
     }
     panel_look_area(viewer, number);
     ui_id_end();
