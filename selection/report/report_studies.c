@@ -350,7 +350,7 @@ static void write_number(char out[CELL_SIZE], const conus_report *report, const 
     } else if (shown->look == LOOK_VOLUME) {
         table_volume(out, number);
     } else if (shown->look == LOOK_SHARE) {
-        table_share(out, number, report->selector.resolution);
+        text_share(out, number, report_share_digits(report));
     } else if (shown->look == LOOK_STRIKES && !(number > 0)) {
         snprintf(out, CELL_SIZE, "%s", report_number(row, shown->beside) > 0 ? "touches" : "pierces");
     } else {

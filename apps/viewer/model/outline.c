@@ -35,13 +35,13 @@ void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object)
 
 bool *outline_wanted(struct viewer *viewer, enum outline which)
 {
-    uint32_t chosen = viewer->drawn->shown.chosen;
-    if (which != OUTLINE_CHOSEN) {
-        return plans_structure(viewer, kinds[which]);
-    }
-    bool *wanted = chosen ? calloc(viewer->drawn->object_count + 1, sizeof *wanted) : NULL;
-    for (uint32_t number = 1; wanted && number <= viewer->drawn->object_count; number++) {
-        wanted[number] = viewer_is_below(viewer, number, chosen);
+    const struct view_atlas *view = viewer->drawn;
+    const uint32_t chosen = view->shown.chosen;
+    const bool is_there = which == OUTLINE_CHOSEN ? chosen : view == viewer->atlases && outline_name(viewer, which);
+    bool *wanted = is_there ? calloc(view->object_count + 1, sizeof *wanted) : NULL;
+    for (uint32_t number = 1; wanted && number <= view->object_count; number++) {
+        wanted[number] = which == OUTLINE_CHOSEN ? viewer_is_below(viewer, number, chosen)
+                                                 : plans_is_in(viewer, kinds[which], number);
     }
     return wanted;
 }

@@ -231,16 +231,6 @@ bool plans_is_in(const struct viewer *viewer, conus_constraint_kind kind, uint32
     return is;
 }
 
-bool *plans_structure(struct viewer *viewer, conus_constraint_kind kind)
-{
-    const struct view_atlas *view = viewer->drawn;
-    bool *is = view == viewer->atlases && plans_name(viewer, kind) ? calloc(view->object_count + 1, sizeof *is) : NULL;
-    for (uint32_t number = 1; is && number <= view->object_count; number++) {
-        is[number] = plans_is_in(viewer, kind, number);
-    }
-    return is;
-}
-
 /* Less is better of `up`: then it is rounded up. */
 static const char *round_number(char out[PLAN_NUMBER], double value, bool up)
 {

@@ -411,7 +411,8 @@ bool viewer_colours_by_rank(const struct viewer *viewer, uint32_t object)
 
 size_t viewer_rank(const struct viewer *viewer, uint32_t object)
 {
-    return object && viewer_colours_by_rank(viewer, object) ? conus_selection_rank(viewer_selection(viewer), object) : 0;
+    return object && viewer_colours_by_rank(viewer, object) ? conus_selection_rank(viewer_selection(viewer), object)
+                                                            : 0;
 }
 
 unsigned viewer_cut_version(const struct viewer *viewer)

@@ -615,9 +615,6 @@ bool plans_asks(const struct viewer *viewer, conus_constraint_kind kind, uint32_
 /** Whether an object of the drawn atlas is, or is below, a structure of this kind. */
 bool plans_is_in(const struct viewer *viewer, conus_constraint_kind kind, uint32_t object);
 
-/** The objects of the drawn atlas that are, or are below, what the needle is to reach (@p kind) or to avoid, [objects +
- * 1], to be freed; NULL: there are none, or no memory. */
-bool *plans_structure(struct viewer *viewer, conus_constraint_kind kind);
 /** How the first of these structures is called: "Thalamus_L, Putamen_L"; NULL without one. */
 const char *plans_name(struct viewer *viewer, conus_constraint_kind kind);
 

@@ -35,18 +35,11 @@ static void write_tree(char out[TREE_TEXT], const conus_atlas *atlas, uint32_t n
     }
 }
 
-/* The side that the table or the name gives; "" = none. */
-static const char *find_side(const struct view_atlas *view, uint32_t number)
-{
-    char side = view_atlas_side(view, number);
-    return side == 'L' ? "left" : side == 'R' ? "right" : side == 'B' ? "both" : "";
-}
-
 static void draw_facts(struct viewer *viewer, const conus_object *object, uint32_t number)
 {
     const struct view_atlas *view = viewer->drawn;
     char text[TREE_TEXT];
-    const char *side = find_side(view, number);
+    const char side = view_atlas_side(view, number); /* that the table or the name gives */
     ui_text_wrapped(THEME_ACCENT, object->name);
     if (!ui_can_write(object->name)) {
         ui_text_wrapped(
@@ -62,8 +55,8 @@ static void draw_facts(struct viewer *viewer, const conus_object *object, uint32
         snprintf(text, sizeof text, "%.2f cm\u00b3 (%.0f mm\u00b3)", object->volume_mm3 / 1000, object->volume_mm3);
         draw_fact("Volume", text);
     }
-    if (side[0]) {
-        draw_fact("Side", side);
+    if (side != ' ') {
+        draw_fact("Side", side == 'L' ? "left" : side == 'R' ? "right" : "both");
     }
     if (object->parent) {
         write_tree(text, view->atlas, number);
