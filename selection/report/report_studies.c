@@ -18,7 +18,7 @@ enum look {
     LOOK_PERCENT, /* Likewise, a hundred times as much. */
     LOOK_SHORT,   /* A number with 5 digits that count. */
     LOOK_VOLUME,  /* A volume, by table_volume(). */
-    LOOK_SHARE,   /* A share of the rays, by table_share(). */
+    LOOK_SHARE,   /* A share of the rays, by text_share(). */
     LOOK_STRIKES, /* A clearance; where there is none a word by the distance in the column `beside`. */
     LOOK_POINT    /* Columns `column`x, y and z. */
 };

@@ -319,13 +319,16 @@ static bool find_voxel(double voxel[3], const double m[16], const double at[3])
 {
     double d[3];
     const double determinant = mat4_determinant3(m);
+    if (determinant == 0) {
+        return false;
+    }
     vec3_sub(d, at, m + 12);
-    for (int c = 0; c < 3 && determinant != 0; c++) {
+    for (int c = 0; c < 3; c++) {
         double minors[3];
         vec3_cross(minors, m + 4 * ((c + 1) % 3), m + 4 * ((c + 2) % 3));
         voxel[c] = vec3_dot(d, minors) / determinant;
     }
-    return determinant != 0;
+    return true;
 }
 
 bool viewer_voxel(long voxel[3], const struct viewer *viewer, const double at[3])
