@@ -55,7 +55,7 @@ static void draw_facts(struct viewer *viewer, const conus_object *object, uint32
         snprintf(text, sizeof text, "%.2f cm\u00b3 (%.0f mm\u00b3)", object->volume_mm3 / 1000, object->volume_mm3);
         draw_fact("Volume", text);
     }
-    if (side != ' ') {
+    if (side == 'L' || side == 'R' || side == 'B') {
         draw_fact("Side", side == 'L' ? "left" : side == 'R' ? "right" : "both");
     }
     if (object->parent) {
