@@ -26,6 +26,11 @@ size_t text_number_length(char out[TEXT_NUMBER_SIZE], double value);
 /** @p value in decimal; gives the text's length. */
 size_t text_whole(char out[TEXT_NUMBER_SIZE], uint64_t value);
 
+enum { TEXT_SHARE_SIZE = 16 };
+
+/** A part in per cent with one digit behind the point or none: "12.3"; "<0.1" or "<1" of what would be 0 but is not. */
+const char *text_share(char out[TEXT_SHARE_SIZE], double share, int digits);
+
 enum { TEXT_TIME_DIGITS = 15 };
 
 /** As text_number() with up to TEXT_TIME_DIGITS digits: a hundred-thousandth of a calendar's seconds. */

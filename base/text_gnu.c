@@ -1,13 +1,23 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What GNU's C library has for text, and others have not. It needs nothing else of conus, so that programs have it,
- * too. */
+/* What GNU's C library has for text, and others have not, and parts in per cent. It needs nothing else of conus, so
+ * that programs have it, too. */
 #include "base/text.h"
 
 #include <ctype.h>
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+
+const char *text_share(char out[TEXT_SHARE_SIZE], double share, int digits)
+{
+    const double least = digits ? 0.1 : 1;
+    const double percent = 100 * share;
+    bool is_less = percent > 0 && percent < least / 2;
+    snprintf(out, TEXT_SHARE_SIZE, "%s%.*f", is_less ? "<" : "", digits, is_less ? least : percent);
+    return out;
+}
 
 const char *text_find(struct text text, const char *part)
 {

@@ -60,14 +60,17 @@ static void put_thresholds(FILE *out, const conus_atlas *atlas)
 
 static void put_caption(FILE *out, const struct caption *caption)
 {
-    const char *line;
     fprintf(out, "%s.\n\n", caption->shown);
     if (caption->legend && caption->legend[0]) {
         fprintf(out, "%s\n", caption->legend);
     }
-    for (size_t i = 0; (line = warning_line(i)); i++) {
-        fprintf(out, "Warning: %s\n%s", line, warning_line(i + 1) ? "" : "\n");
+    for (size_t i = 0; warning_line(i); i++) {
+        fprintf(out, "Warning: %s\n", warning_line(i));
     }
+    for (size_t i = 0; note_line(i); i++) {
+        fprintf(out, "Note: %s\n", note_line(i));
+    }
+    fputs(warning_line(0) || note_line(0) ? "\n" : "", out);
 }
 
 int caption_write(const struct caption *caption, const char *path, const char *given, const conus_atlas *atlas)

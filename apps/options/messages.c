@@ -21,9 +21,11 @@ static _Thread_local char said[LINE_SIZE];
 static _Thread_local unsigned holds;
 static _Thread_local bool is_unfinished;
 
-/* The thread's warnings, which its answers say, too. */
-static _Thread_local char **warnings;
-static _Thread_local size_t warning_count;
+/* The thread's notes and warnings, which its answers say, too: [whether they warn]. */
+static _Thread_local struct lines {
+    char **items;
+    size_t count;
+} kept[2];
 
 void make_plain_line(char *text)
 {
@@ -78,18 +80,18 @@ static void print_error_list(const char *format, va_list args)
 }
 
 /* Without memory it is printed all the same. False where it is known. */
-static bool keep_warning(const char *line)
+static bool keep(struct lines *lines, const char *line)
 {
-    for (size_t i = 0; i < warning_count; i++) {
-        if (strcmp(warnings[i], line) == 0) {
+    for (size_t i = 0; i < lines->count; i++) {
+        if (strcmp(lines->items[i], line) == 0) {
             return false;
         }
     }
-    char **more = realloc(warnings, (warning_count + 1) * sizeof *more);
+    char **more = realloc(lines->items, (lines->count + 1) * sizeof *more);
     char *copy = more ? strdup(line) : NULL;
-    warnings = more ? more : warnings;
+    lines->items = more ? more : lines->items;
     if (copy) {
-        warnings[warning_count++] = copy;
+        lines->items[lines->count++] = copy;
     }
     return true;
 }
@@ -103,24 +105,37 @@ void say_note(conus_severity severity, bool quiet, const char *format, ...)
     vsnprintf(line, sizeof line, format, args);
     va_end(args);
     make_plain_line(line);
-    if (warns ? keep_warning(line) : !quiet) {
+    if ((warns || !quiet) && (keep(&kept[warns], line) || !warns)) {
         print_error_line("%s: %s", warns ? "warning" : "note", line);
     }
 }
 
 const char *warning_line(size_t index)
 {
-    return index < warning_count ? warnings[index] : NULL;
+    return index < kept[true].count ? kept[true].items[index] : NULL;
+}
+
+const char *note_line(size_t index)
+{
+    return index < kept[false].count ? kept[false].items[index] : NULL;
+}
+
+static void forget(struct lines *lines, size_t first)
+{
+    while (lines->count > first) {
+        free(lines->items[--lines->count]);
+    }
+    if (!lines->count) {
+        free(lines->items);
+        *lines = (struct lines){0};
+    }
 }
 
 void warnings_forget(size_t first)
 {
-    while (warning_count > first) {
-        free(warnings[--warning_count]);
-    }
-    if (!warning_count) {
-        free(warnings);
-        warnings = NULL;
+    forget(&kept[true], first);
+    if (!first) {
+        forget(&kept[false], 0);
     }
 }
 

@@ -19,14 +19,15 @@ enum exit_code {
 /** Writes "conus: " and the line to stderr; control characters become spaces. */
 void print_error_line(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/** Prints "note: " and the line, unless @p quiet; a warning as "warning: ", and once. A thread's warnings are kept, so
- * that its answers can say them. */
+/** Prints "note: " and the line, unless @p quiet; a warning as "warning: ", and once. A thread's notes and warnings are
+ * kept, so that its answers can say them. */
 void say_note(conus_severity severity, bool quiet, const char *format, ...) __attribute__((format(printf, 3, 4)));
 #define say_warning(...) say_note(CONUS_SEVERITY_WARNING, false, __VA_ARGS__)
 
-/** Warning @p index of this thread, from 0; NULL past the last. */
+/** Warning, or note that was printed, @p index of this thread, from 0; NULL past the last. */
 const char *warning_line(size_t index);
-/** Forgets the thread's warnings from @p first on: what follows is about other files. */
+const char *note_line(size_t index);
+/** Forgets the thread's warnings from @p first on, with 0 the notes, too: what follows is about other files. */
 void warnings_forget(size_t first);
 
 /** Whether the terminal's last line is unfinished, as that of a progress is: a message takes its place. */

@@ -112,10 +112,9 @@ static void say_slow(const struct atlases *atlases, bool quiet)
     for (size_t i = 0; i < atlases->count && !slow; i++) {
         slow = conus_atlas_pack_info(atlases->items[i].atlas) ? NULL : atlases->items[i].given;
     }
-    if (slow && atlases->opening_ms > SLOW_MS && system_is_terminal(STDERR_FILENO)) {
-        say_note(CONUS_SEVERITY_NOTE, quiet,
-                 "opening took %.1f s; conus pack %s ... -o NAME.conus makes a file that opens at once",
-                 atlases->opening_ms / 1e3, slow);
+    if (slow && !quiet && atlases->opening_ms > SLOW_MS && system_is_terminal(STDERR_FILENO)) {
+        print_error_line("note: opening took %.1f s; conus pack %s ... -o NAME.conus makes a file that opens at once",
+                         atlases->opening_ms / 1e3, slow); /* which is not about any answer */
     }
 }
 

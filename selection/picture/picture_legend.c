@@ -6,6 +6,7 @@
 #include "base/look.h"
 #include "base/memory.h"
 #include "base/path.h"
+#include "base/text.h"
 #include "conus/own.h"
 #include "render/colour/colour.h"
 #include "render/draw/draw.h"
@@ -409,6 +410,7 @@ static void add_result(struct picture_legend *out, const struct picture *picture
     const bool is_entry = picture->options.selection->has_layers;
     const struct wording *words = wording_of(&picture->options);
     const bool is_behind = result->object && !result->pixels;
+    char share[TEXT_SHARE_SIZE];
     int column = 0;
     if (!result->object && !words->has_share) {
         return;
@@ -418,7 +420,7 @@ static void add_result(struct picture_legend *out, const struct picture *picture
                                             : add_row(out, "unassigned");
     row->plain = !result->object;
     if (words->has_share) {
-        row->detail[column++] = is_behind ? BEHIND : say(out, "%.1f %%", 100 * result->share);
+        row->detail[column++] = is_behind ? BEHIND : say(out, "%s %%", text_share(share, result->share, 1));
     }
     if (result->object) {
         row->detail[column++] = say(out, "%.1f mm", is_entry ? result->entry : result->distance);

@@ -58,12 +58,6 @@ conus_status picture_points_check(const conus_view *view)
     return CONUS_OK;
 }
 
-/* The first groups have the colours of the first ranks, all others one. */
-static void colour_group(uint8_t rgb[3], size_t group)
-{
-    look_ranked(rgb, group + 1, 1, LOOK_RANK_MORE);
-}
-
 /* The number that a group's name is; NaN of "n/a" and of none. False where it is another text. */
 static bool number_of(double *out, const struct picture_group *group)
 {
@@ -113,7 +107,7 @@ conus_status picture_points_init(struct picture *picture)
         if (group == SIZE_MAX) {
             group = picture->group_count++;
             picture->groups[group] = (struct picture_group){.name = name};
-            colour_group(picture->groups[group].rgb, group);
+            look_ranked(picture->groups[group].rgb, group + 1, 1, LOOK_RANK_MORE); /* of all further ones the same */
             if (is_ranked) {
                 memcpy(picture->groups[group].rgb, neutral, sizeof neutral);
             }

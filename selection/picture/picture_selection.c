@@ -260,7 +260,8 @@ static conus_status draw_legend(struct draw_list *panel, const conus_selection *
                                    .detail = {text->pixels, text->share, text->distance}};
         memcpy(row->rgb, object ? object->rgb : (const uint8_t[]){LOOK_RGB(LOOK_NO_OBJECT)}, sizeof row->rgb);
         snprintf(text->pixels, sizeof text->pixels, "%u", result->pixels);
-        snprintf(text->share, sizeof text->share, "%.1f %%", 100 * result->share);
+        char share[TEXT_SHARE_SIZE];
+        snprintf(text->share, sizeof text->share, "%s %%", text_share(share, result->share, 1));
         if (isfinite(result->distance)) {
             snprintf(text->distance, sizeof text->distance, "%.1f mm", result->distance);
         }

@@ -442,12 +442,6 @@ static void look_across(double out[3], const struct picture *picture)
     }
 }
 
-/* Whether the camera sees the cone from a side, and so all of it. */
-static bool sees_whole_cone(const conus_view *options)
-{
-    return options->selection && (options->side == CONUS_SIDE_BESIDE_CONE || options->side == CONUS_SIDE_ACROSS_CONE);
-}
-
 /* Finds from which side a camera looks that is not given. */
 static conus_status choose_side(struct picture *picture)
 {
@@ -482,7 +476,9 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
         set_frame(picture, false);
         return status ? fail_in(status, "camera") : CONUS_OK;
     }
-    const bool is_beside = sees_whole_cone(options);
+    const bool is_beside =
+        options->selection && (options->side == CONUS_SIDE_BESIDE_CONE ||
+                               options->side == CONUS_SIDE_ACROSS_CONE); /* all of the cone is seen */
     double(*points)[3] = memory_raw(pass->content_count + 2 * options->probe_count +
                                         BALL_POINTS * (options->point_count + 1) + WALL_POINTS,
                                     sizeof *points);

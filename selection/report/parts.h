@@ -88,11 +88,8 @@ enum { TABLE_VOLUME_SIZE = 32 };
 /** A volume in mm³, written to @p out: with one digit behind the point, below 0.1 with three that count. */
 const char *table_volume(char out[TABLE_VOLUME_SIZE], double volume);
 
-enum { TABLE_SHARE_SIZE = 16 };
-
-/** A share of the rays in per cent, written to @p out with the digits that @p resolution rays along a side bear: one
- * behind the point from 32 on, none below; "<0.1" or "<1" of what would be 0 but is not. */
-const char *table_share(char out[TABLE_SHARE_SIZE], double share, uint32_t resolution);
+/** Digits behind the point of shares in per cent that the rays of a report bear: one from 32 along a side on. */
+int report_share_digits(const conus_report *report);
 
 /** A number of a row of a table: NaN where it is n/a. */
 double report_number(const struct report_row *row, const char *column);

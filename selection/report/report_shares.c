@@ -43,8 +43,8 @@ static void write_shares_row(struct buffer *out, const conus_report *report, con
     buffer_format(out, "  %10s", table_label(label, report, row->result.object));
     for (size_t i = 0; i < shares->block.end - shares->block.first; i++) {
         if (line->at[i]) {
-            char share[TABLE_SHARE_SIZE];
-            buffer_format(out, "  %6s", table_share(share, line->at[i]->share, report->selector.resolution));
+            char share[TEXT_SHARE_SIZE];
+            buffer_format(out, "  %6s", text_share(share, line->at[i]->share, report_share_digits(report)));
         } else {
             buffer_format(out, "  %6s", "");
         }

@@ -18,7 +18,7 @@ enum look {
     LOOK_PERCENT, /* Likewise, a hundred times as much. */
     LOOK_SHORT,   /* A number with 5 digits that count. */
     LOOK_VOLUME,  /* A volume, by table_volume(). */
-    LOOK_SHARE,   /* A share of the rays, by table_share(). */
+    LOOK_SHARE,   /* A share of the rays, by text_share(). */
     LOOK_STRIKES, /* A clearance; where there is none a word by the distance in the column `beside`. */
     LOOK_POINT    /* Columns `column`x, y and z. */
 };
@@ -350,7 +350,7 @@ static void write_number(char out[CELL_SIZE], const conus_report *report, const 
     } else if (shown->look == LOOK_VOLUME) {
         table_volume(out, number);
     } else if (shown->look == LOOK_SHARE) {
-        table_share(out, number, report->selector.resolution);
+        text_share(out, number, report_share_digits(report));
     } else if (shown->look == LOOK_STRIKES && !(number > 0)) {
         snprintf(out, CELL_SIZE, "%s", report_number(row, shown->beside) > 0 ? "touches" : "pierces");
     } else {

@@ -231,14 +231,9 @@ static void write_short(struct buffer *out, double value)
     buffer_format(out, "  %9s", isfinite(value) ? text : "-");
 }
 
-const char *table_share(char out[TABLE_SHARE_SIZE], double share, uint32_t resolution)
+int report_share_digits(const conus_report *report)
 {
-    const int digits = resolution >= 32;
-    const double least = digits ? 0.1 : 1;
-    const double percent = 100 * share;
-    bool is_less = percent > 0 && percent < least / 2;
-    snprintf(out, TABLE_SHARE_SIZE, "%s%.*f", is_less ? "<" : "", digits, is_less ? least : percent);
-    return out;
+    return report->selector.resolution >= 32;
 }
 
 const char *table_volume(char out[TABLE_VOLUME_SIZE], double volume)
@@ -414,7 +409,7 @@ static void write_people_cell(struct buffer *out, const conus_report *report, co
         buffer_format(out, "  %*" PRIu64, width, *(const uint64_t *)at);
         break;
     case SHARE:
-        buffer_format(out, "  %6s %%", table_share(text, *number, report->selector.resolution));
+        buffer_format(out, "  %6s %%", text_share(text, *number, report_share_digits(report)));
         break;
     case STREAMLINES:
         snprintf(text, sizeof text, "%" PRIu64 " of %" PRIu64, result->streamlines, result->streamlines_total);

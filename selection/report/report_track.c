@@ -65,13 +65,13 @@ static void write_row(void *user, const conus_report *report, const struct repor
     table_write_name(out, table_name(report, row->result.object), writing->widths.name);
     char score[TEXT_NUMBER_SIZE] = "";
     char label[16] = "";
-    char share[TABLE_SHARE_SIZE];
+    char share[TEXT_SHARE_SIZE];
     if (object) {
         snprintf(score, sizeof score, "%.4g", row->result.score);
         snprintf(label, sizeof label, "%u", object->label);
     }
     buffer_format(out, "  %10s  %10s  %6s %%  %6u", label, isfinite(row->result.score) ? score : "",
-                  table_share(share, row->result.share, report->selector.resolution), row->result.pixels);
+                  text_share(share, row->result.share, report_share_digits(report)), row->result.pixels);
     if (isfinite(row->result.offset)) {
         buffer_format(out, "  %8.2f", row->result.offset);
     } else if (object) {

@@ -5,6 +5,7 @@
 #include "ui_audit.h"
 #include "viewer/commands/commands.h"
 #include "viewer/panes/panes.h"
+#include "viewer/tools/tools.h"
 
 #include "builders/area_rows.h"
 #include "conus/own.h"
@@ -230,21 +231,83 @@ static void warnings_of_the_program_stand_beside_the_answer(void **state)
     assert_ok(area_rows_pairs(&atlas, true));
     say_warning("%s", other);
     say_warning("six: %s; more", conus_atlas_exchanged(atlas));
+    say_note(CONUS_SEVERITY_NOTE, false, "its spaces are two");
+    say_note(CONUS_SEVERITY_NOTE, false, "its spaces are two");
+    say_note(CONUS_SEVERITY_NOTE, true, "nobody wants to know");
     assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas, .path = "six"}, 1, NULL, NULL, NULL));
     lay_out(&window);
     draw(&window);
     assert_true(has("Warning: the two do not overlap: are they in one space?"));
     assert_true(has("Names or places have left and right exchanged"));
+    assert_true(has("Note: its spaces are two"));
     struct panel_warning warning;
     size_t count = 0;
     for (size_t i = 0; panel_warning(&warning, &i, &viewer);) {
         count++;
     }
-    assert_int_equal(count, 2);
+    assert_int_equal(count, 3);
     warnings_forget(0);
     draw(&window);
     assert_false(has("Warning: the two do not overlap: are they in one space?"));
+    assert_false(has("Note: its spaces are two"));
     ui_destroy();
+    viewer_finish(&viewer);
+}
+
+/* A needle begins at the surface, since its depths are told from there: no other word is lit, and none that does
+ * nothing is offered. */
+static void the_start_that_is_lit_is_the_start(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    window_scene_open(&window, &viewer);
+    window.viewer = &viewer;
+    window.screen.enlarged = -1;
+    lay_out(&window);
+    assert_int_equal(viewer.cone.start, START_BEFORE);
+    for (int has_end = 0; has_end < 2; has_end++) {
+        viewer.cone.options.range[1] = 30 * has_end;
+        draw(&window);
+        assert_int_equal(point_start(&viewer), has_end ? START_SURFACE : START_BEFORE);
+        assert_int_equal(has("in front"), !has_end);
+        assert_true(has("surface") && has("eye"));
+    }
+    ui_destroy();
+    viewer_finish(&viewer);
+}
+
+/* Without panels names are read from the back of a room: capital letters, at least 0.7 of the height of a font, have
+ * 1/60 of the picture's height. */
+static void names_fill_a_projector(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    window_scene_open(&window, &viewer);
+    window.viewer = &viewer;
+    window.screen.scale = 1;
+    window.screen.enlarged = -1;
+    tool_aim_along(&viewer, FIRST_TOOL, (double[]){0, 60, 0}, (double[]){0, -1, 0});
+    for (int bare = 0; bare < 2; bare++) {
+        size_t names = 0;
+        window.screen.bare = bare;
+        window.screen.width = 2560;
+        window.screen.height = 1440;
+        screen_divide(&window.screen);
+        assert_true(ui_audit_create(1, 2560, 1440));
+        ui_audit_begin();
+        pane_3d(&window);
+        ui_audit_end();
+        const struct labels *labels = &window.frame.labels;
+        for (size_t i = 0; i < labels->count; i++) {
+            names += labels->items[i].object > 0;
+            assert_true(!bare || !labels->items[i].object || labels->items[i].box.height >= labels->high);
+        }
+        assert_int_equal(names, 1);
+        assert_int_equal(0.7F * labels->high >= window.screen.panes[PANE_3D].height / 60, bare);
+        ui_destroy();
+    }
     viewer_finish(&viewer);
 }
 
@@ -321,6 +384,8 @@ TEST_GROUP(panels)
         cmocka_unit_test(a_tab_comes_to_the_front_when_it_is_switched_on),
         cmocka_unit_test(an_exchanged_atlas_is_exchanged_and_has_no_side),
         cmocka_unit_test(warnings_of_the_program_stand_beside_the_answer),
+        cmocka_unit_test(the_start_that_is_lit_is_the_start),
+        cmocka_unit_test(names_fill_a_projector),
         cmocka_unit_test(an_atlas_whose_areas_have_no_names_says_so),
         cmocka_unit_test(what_is_drawn_is_not_said_to_be_left_out),
         cmocka_unit_test(an_address_that_is_refused_stays_in_its_field),

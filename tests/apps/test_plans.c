@@ -95,6 +95,50 @@ static void the_tool_is_judged_where_it_is(void **state)
     viewer_finish(&viewer);
 }
 
+/* The row of a coil has no depth, and F5 is no way to one: what its cone hits is told. From 18 mm on the U fills the
+ * cone of 5 degrees, 0.8 mm to each side, the ball behind it all of it, too (1.6 to 2 mm of 5). The mouse may be a
+ * needle. */
+static void a_row_without_a_depth_is_no_needle(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    open_usual(&window, &viewer);
+    viewer.cone.options.radius = 0;
+    says(&viewer, 0, "no depth yet: F5 sets the tip", "");
+    viewer.tools[FIRST_TOOL].pointer = POINT_BY_REPLAY;
+    says(&viewer, 0, "100 % of the cone on U, 0 % of the cone on Ball", "");
+    assert_string_equal(plans_verdict(&viewer)->details, "lengths and margins are not judged: it has no depth");
+    assert_false(plans_has_needle(&viewer));
+    viewer.cone.options.layers = CONUS_LAYERS_ALL;
+    says(&viewer, 0, "100 % of the cone on U, 0 % of the cone on Ball, which lies behind", "");
+    says(&viewer, 30, "holds, 5.0 mm to Ball", ", may be off by 2.0 mm"); /* without a radius */
+    viewer_finish(&viewer);
+}
+
+/* The list, the names and the pictures have one colour for what is to be reached, hit or not; only that has it. */
+static void a_target_has_one_colour(void **state)
+{
+    static const uint8_t green[] = {LOOK_RGB(LOOK_HOLDS)};
+    static const uint8_t neutral[] = {LOOK_RGB(LOOK_NOT_HIT)};
+    struct viewer viewer;
+    struct window window;
+    uint8_t rgb[3];
+    (void)state;
+    open_usual(&window, &viewer);
+    assert_int_equal(viewer_rank(&viewer, 1), 1);
+    viewer_colour(rgb, &viewer, 1);
+    assert_memory_equal(rgb, green, 3);
+    assert_memory_equal(outline_looks[OUTLINE_TARGET].rgb, green, 3);
+    assert_true(outline_looks[OUTLINE_TARGET].fill > 0.8); /* so what is below does not change its hue */
+    viewer_colour(rgb, &viewer, 2);
+    assert_memory_equal(rgb, neutral, 3);
+    assert_int_equal(open_plan(&viewer, (const char *const[]){"--avoid=U"}, 1), 0);
+    viewer_colour(rgb, &viewer, 1);
+    assert_true(memcmp(rgb, green, 3) != 0);
+    viewer_finish(&viewer);
+}
+
 static void assert_headline(struct viewer *viewer, double depth, const char *what, const char *more)
 {
     struct headline headline;
@@ -184,7 +228,7 @@ static void the_needle_is_kept_not_its_first_hit(void **state)
 static void check_structure(struct viewer *viewer, conus_constraint_kind kind, const char *name, bool u, bool ball)
 {
     const char *is = plans_name(viewer, kind);
-    bool *wanted = plans_structure(viewer, kind);
+    bool *wanted = outline_wanted(viewer, kind == CONUS_CONSTRAINT_REACH ? OUTLINE_TARGET : OUTLINE_AVOIDED);
     assert_int_equal(!is, !name);
     assert_int_equal(!wanted, !name);
     if (name) {
@@ -435,7 +479,7 @@ static void before_the_first_pose_nothing_has_a_colour(void **state)
     viewer.drawn->shown.chosen = 1;
     assert_int_equal(viewer_full(&viewer), 0);
     viewer.display.own_colours = false;
-    viewer_colour(rgb, &viewer, 1);
+    viewer_colour(rgb, &viewer, 2); /* 1 is the target */
     assert_memory_equal(rgb, neutral, 3);
     const conus_selection *nothing = answer_selection(viewer_pictured(&viewer));
     assert_int_equal(conus_selection_count(nothing), 1);
@@ -453,6 +497,8 @@ TEST_GROUP(plans)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(before_the_first_pose_nothing_has_a_colour),
         cmocka_unit_test(the_tool_is_judged_where_it_is),
+        cmocka_unit_test(a_row_without_a_depth_is_no_needle),
+        cmocka_unit_test(a_target_has_one_colour),
         cmocka_unit_test(the_answer_is_whether_the_target_is_reached),
         cmocka_unit_test(the_needle_is_kept_not_its_first_hit),
         cmocka_unit_test(the_structures_of_a_plan_are_shown),

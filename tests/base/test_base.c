@@ -138,6 +138,11 @@ static void numbers_are_written_short_and_without_locale(void **state)
     char out[TEXT_NUMBER_SIZE];
     setlocale(LC_ALL, "de_DE.UTF-8"); /* where installed, printf would write a comma */
     assert_string_equal(text_number(out, 0.1), "0.1");
+    assert_string_equal(text_share(out, 0, 1), "0.0"); /* what is not nothing is not said to be */
+    assert_string_equal(text_share(out, 0.0004, 1), "<0.1");
+    assert_string_equal(text_share(out, 0.0006, 1), "0.1");
+    assert_string_equal(text_share(out, 0.004, 0), "<1");
+    assert_string_equal(text_share(out, 1, 1), "100.0");
     assert_string_equal(text_number(out, -0.0), "0");
     assert_string_equal(text_number(out, 25.5314207153), "25.5314207");
     assert_string_equal(text_number(out, 3e-20), "3e-20");

@@ -32,6 +32,7 @@ def commands(rng):
         lambda: f"opacity {rng.choice(('slab', 'anterior', 'posterior'))} {rng.uniform(0, 1):.2f}",
         lambda: f"choose {rng.choice(('slab', 'anterior', 'posterior'))}",
         lambda: f"target {rng.choice(('anterior', 'posterior', ''))}",
+        lambda: f"avoid {rng.choice(('anterior', 'posterior'))}{rng.choice(('', ' off'))}",
         lambda: f"second aim {random_actions.place(rng, 90)} {random_actions.place(rng, 20)}",
         lambda: rng.choice(("ask", "ask --radius 3", "ask --layers all", "ask --resolution 8", "ask --range 10,60")),
         lambda: f"fade {rng.random():.2f}",

@@ -101,6 +101,15 @@ nifti.write("many.nii", (60, 10, 10), "B", lambda i, j, k: i // 4 + 1)'
 nifti.write("sides.nii", (12, 10, 10), "B", lambda i, j, k: i // 2 + 1)'
     answers render sides.nii --labels wrong.tsv --cuts axial -q -o sides.png --caption sides.txt
     grep -q '^Warning: .*left and right exchanged' sides.txt
+    # 3 of 12,892 pixels are something, in the legend as in the list
+    local edge=(slabs.nii.gz --origin=18,-60,18 --toward 18,0,18 --angle 20 --resolution 128 -q)
+    conus query "${edge[@]}" | grep -q '^ *1  Slab anterior  *1  *<0\.1 %'
+    answers render "${edge[@]}" --cuts axial -o edge.png --caption edge.txt
+    grep -q '^Slab anterior (#[0-9A-F]*): <0\.1 %, distance' edge.txt
+    printf '7\tD\n' >>wrong.tsv # a name of no area is a note, which --quiet leaves out
+    not grep '^Note: ' sides.txt
+    conus render sides.nii --labels wrong.tsv --cuts axial -o noted.png --caption noted.txt
+    grep -q '^Note: areas of the label table without a voxel: 1 (7)$' noted.txt
     printf 'name,x,y,z,tx,ty,tz\nC1,0,-60,0,0,0,0\nC2,5,-60,0,5,0,0\n' >poses.csv
     answers render slabs.nii.gz --pose poses.csv --cuts axial -q -o poses.png --caption poses.txt
     [ "$(head -1 poses.txt)" = 'Cuts of the atlas slabs.nii.gz: axial, with 2 poses of poses.csv.' ]

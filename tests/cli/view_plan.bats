@@ -136,3 +136,40 @@ save new.json
 END
     jq -e '.opened.options == ["--reach=\"U\""]' new.json
 }
+
+# The words of the window are those of conus plan: so are its lists, byte for byte.
+@test "what the needle is to avoid is chosen and let go in the window" {
+    needles
+    view u-shape.nii.gz --length 1,40 --reach 'U,length=5' --radius 1 --poses needles.tsv <<'END'
+settle
+plan first.tsv
+avoid Ball
+settle
+plan avoids.tsv
+save avoids.json
+avoid Ball off
+settle
+plan none.tsv
+key ctrl+z
+settle
+plan back.tsv
+END
+    local asked=(conus plan u-shape.nii.gz --length 1,40 --reach U,length=5 --radius 1 --poses needles.tsv -q --format tsv)
+    "${asked[@]}" >wanted.tsv
+    "${asked[@]}" --avoid Ball >other.tsv
+    not diff wanted.tsv other.tsv
+    diff wanted.tsv first.tsv
+    diff other.tsv avoids.tsv
+    diff wanted.tsv none.tsv
+    diff other.tsv back.tsv
+    jq -e '.opened.options | map(select(startswith("--avoid"))) == ["--avoid=\"Ball\""]' avoids.json
+    # one with a margin goes, too, and others stay
+    view u-shape.nii.gz --avoid Ball,margin=3 --avoid U,share=0.1 <<'END'
+avoid Ball off
+save off.json
+avoid Ball
+save on.json
+END
+    jq -e '.opened.options == ["--avoid=U,share=0.1"]' off.json
+    jq -e '.opened.options == ["--avoid=U,share=0.1", "--avoid=\"Ball\""]' on.json
+}

@@ -343,7 +343,18 @@ static bool do_target(struct call *call)
     const conus_object *object = call->count ? conus_atlas_object(atlas, search_best(atlas, call->arguments[0])) : NULL;
     bool fine = object || !call->count;
     if (fine) {
-        window_request_target(call->window, object ? object->name : NULL);
+        window_request_asked(call->window, CONUS_CONSTRAINT_REACH, object ? object->name : "", object);
+    }
+    return fine;
+}
+
+static bool do_avoid(struct call *call)
+{
+    const conus_atlas *atlas = call->viewer->atlases->atlas;
+    const conus_object *object = conus_atlas_object(atlas, search_best(atlas, call->arguments[0]));
+    bool fine = object && (call->count == 1 || is_word(call, 1, "off"));
+    if (fine) {
+        window_request_asked(call->window, CONUS_CONSTRAINT_AVOID, object->name, call->count == 1);
     }
     return fine;
 }
@@ -731,6 +742,7 @@ static const struct script_command {
     {"jitter", 1, 3, "DEGREES MM [SAMPLES], or off", .act = do_jitter},
     {"study", 1, 1, "FILE.tsv", .act = do_study},
     {"target", 0, 1, "[NAME]", .act = do_target},
+    {"avoid", 1, 2, "NAME [off]", .act = do_avoid},
     {"planned", 1, 1, "ROW of the plan, from 1", .act = do_planned, .numbers = 1},
     {"plan", 1, 1, "FILE.tsv", .act = do_plan},
     {"pointer", 1, 1, "mouse|wand|replay|tracker|spacemouse|gamepad", .act = do_pointer},

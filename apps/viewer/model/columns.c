@@ -258,10 +258,15 @@ const char *result_cell(char out[RESULT_TEXT], const struct viewer *viewer, cons
     if (column == RESULT_SHARE && result->object && !result->pixels && !viewer->tools[FIRST_TOOL].is_point) {
         snprintf(out, RESULT_TEXT, "behind"); /* others, with all layers */
     } else if (isfinite(value)) {
-        bool is_part = of->kind == PART;
+        const bool is_part = of->kind == PART;
         /* As conus query's table: a hundredth of a mm, but a tenth of a micrometre. */
         int digits = of->kind != PLACE ? of->digits : viewer->frame.space == CONUS_SPACE_CCF ? 1 : 2;
-        snprintf(out, RESULT_TEXT, "%.*f%s", digits, is_part ? 100 * value : value, is_part ? " %" : "");
+        char part[TEXT_SHARE_SIZE];
+        if (is_part) {
+            snprintf(out, RESULT_TEXT, "%s %%", text_share(part, value, digits));
+        } else {
+            snprintf(out, RESULT_TEXT, "%.*f", digits, value);
+        }
     } else {
         snprintf(out, RESULT_TEXT, "-");
     }

@@ -3,6 +3,7 @@
 #ifndef CONUS_VIEWER_MODEL_COLUMNS_H
 #define CONUS_VIEWER_MODEL_COLUMNS_H
 
+#include "base/text.h"
 #include "viewer/model/viewer.h"
 
 /* The columns of the lists of hits: which are shown, their cells as conus query gives them, the order of rows, and
@@ -95,6 +96,10 @@ struct headline {
                                    nothing to say. */
     bool is_of_plan;          /**< It says what the needle of a plan does, in place of what is hit first. */
 };
+
+enum { SHARE_TEXT = TEXT_SHARE_SIZE + 2 };
+/** "91 %", with a digit more below 1 and above 99 %: what is not all is not 100 %, and what is not nothing not 0. */
+void headline_share(char out[SHARE_TEXT], double share);
 
 /** Words the first tool's answer in the drawn atlas: what the needle of a plan does, wherever that is judged, or else
  * what is hit best: of several whose shares are shown as the same number all, as far as shares decide. */

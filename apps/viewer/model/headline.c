@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { NAMED = 3 /* of those that are as good as the best */, SHARE_TEXT = 16 };
+enum { NAMED = 3 /* of those that are as good as the best */ };
 
 static bool find_verdict(struct headline *out, struct viewer *viewer)
 {
@@ -26,10 +26,11 @@ static bool find_verdict(struct headline *out, struct viewer *viewer)
     return true;
 }
 
-static void put_share(char out[SHARE_TEXT], double share)
+void headline_share(char out[SHARE_TEXT], double share)
 {
     const bool is_fine = share < 0.01 || (share > 0.99 && share < 1); /* what is not all is not 100 % */
-    snprintf(out, SHARE_TEXT, is_fine ? "%.1f %%" : "%.0f %%", share < 1 ? fmin(100 * share, 99.9) : 100);
+    char part[TEXT_SHARE_SIZE];
+    snprintf(out, SHARE_TEXT, "%s %%", text_share(part, share < 1 ? fmin(share, 0.999) : 1, is_fine));
 }
 
 /* Whether the answer is of a point, and not of a ball. */
@@ -46,10 +47,10 @@ static size_t count_best(const struct viewer *viewer, const conus_selection *sel
     bool by_share = !viewer->cone.one_ray && best->pixels && (!score || strcmp(score, "share") == 0);
     char shown[2][SHARE_TEXT];
     size_t count = is_point(viewer) ? conus_selection_count(selection) : 1; /* all are as near */
-    put_share(shown[0], best->share);
+    headline_share(shown[0], best->share);
     for (bool is_same = by_share; is_same && count < conus_selection_count(selection); count += is_same) {
         const conus_result *next = conus_selection_result(selection, count);
-        put_share(shown[1], next->share);
+        headline_share(shown[1], next->share);
         is_same = next->object && next->pixels && strcmp(shown[0], shown[1]) == 0;
     }
     return count;
@@ -131,7 +132,7 @@ void headline_find(struct headline *out, struct viewer *viewer)
     char share[SHARE_TEXT];
     char distance[128];
     char of[64];
-    put_share(share, best->share);
+    headline_share(share, best->share);
     snprintf(of, sizeof of, "%s of the %s%s", share, viewer_shape(viewer), count > 1 ? " each" : "");
     put_distance(distance, sizeof distance, viewer, selection, count);
     name_best(out->what, viewer, selection, count);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Draws outlines into pictures. */
+/* The colours of objects, and outlines in pictures. */
 #include "viewer/model/viewer.h"
 
 #include "base/look.h"
@@ -9,22 +9,39 @@
 #include <string.h>
 
 const struct outline_look outline_looks[OUTLINE_COUNT] = {[OUTLINE_AVOIDED] = {{LOOK_RGB(LOOK_BROKEN)}, 0},
-                                                          [OUTLINE_TARGET] = {{LOOK_RGB(LOOK_HOLDS)}, 0.7},
+                                                          [OUTLINE_TARGET] = {{LOOK_RGB(LOOK_HOLDS)}, 0.85},
                                                           [OUTLINE_CHOSEN] = {{LOOK_RGB(LOOK_CHOSEN)}, 0}};
 static const uint8_t dark[4] = {LOOK_RGB(LOOK_BLACK), 255};
 
 static const conus_constraint_kind kinds[] = {
     [OUTLINE_AVOIDED] = CONUS_CONSTRAINT_AVOID, [OUTLINE_TARGET] = CONUS_CONSTRAINT_REACH};
 
+void viewer_rank_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object, size_t rank)
+{
+    const conus_object *info = conus_atlas_object(viewer->drawn->atlas, object);
+    if (plans_is_in(viewer, CONUS_CONSTRAINT_REACH, object)) {
+        memcpy(rgb, outline_looks[OUTLINE_TARGET].rgb, 3);
+    } else if (info && viewer_colours_by_rank(viewer, object)) {
+        look_ranked(rgb, rank, conus_selection_weight(viewer_selection(viewer), object), LOOK_NOT_HIT);
+    } else {
+        memcpy(rgb, info ? info->rgb : (const uint8_t[]){LOOK_RGB(LOOK_NO_OBJECT)}, 3);
+    }
+}
+
+void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object)
+{
+    viewer_rank_colour(rgb, viewer, object, viewer_rank(viewer, object));
+}
+
 bool *outline_wanted(struct viewer *viewer, enum outline which)
 {
-    uint32_t chosen = viewer->drawn->shown.chosen;
-    if (which != OUTLINE_CHOSEN) {
-        return plans_structure(viewer, kinds[which]);
-    }
-    bool *wanted = chosen ? calloc(viewer->drawn->object_count + 1, sizeof *wanted) : NULL;
-    for (uint32_t number = 1; wanted && number <= viewer->drawn->object_count; number++) {
-        wanted[number] = viewer_is_below(viewer, number, chosen);
+    const struct view_atlas *view = viewer->drawn;
+    const uint32_t chosen = view->shown.chosen;
+    const bool is_there = which == OUTLINE_CHOSEN ? chosen : view == viewer->atlases && outline_name(viewer, which);
+    bool *wanted = is_there ? calloc(view->object_count + 1, sizeof *wanted) : NULL;
+    for (uint32_t number = 1; wanted && number <= view->object_count; number++) {
+        wanted[number] = which == OUTLINE_CHOSEN ? viewer_is_below(viewer, number, chosen)
+                                                 : plans_is_in(viewer, kinds[which], number);
     }
     return wanted;
 }

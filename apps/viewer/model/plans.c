@@ -91,69 +91,91 @@ int plans_open(struct viewer *viewer, const struct arguments *arguments, const c
     return plans_change(viewer, arguments, poses);
 }
 
-static const char reach[] = "--reach=";
-
-/* The option that asks for this name, in quotes, since it may have commas. */
-static json_t *word_of(const char *name)
+/* The name as the value of an option: in quotes, since it may have commas. To be freed; NULL without memory. */
+static char *quote(const char *name)
 {
-    struct system_text word;
-    FILE *out = system_text_open(&word);
+    struct system_text text;
+    FILE *out = system_text_open(&text);
     if (!out) {
         return NULL;
     }
-    fprintf(out, "%s\"", reach);
+    fputc('"', out);
     for (; *name; name++) {
         fprintf(out, *name == '"' ? "\"\"" : "%c", *name);
     }
     fputc('"', out);
-    json_t *made = json_string(system_text_close(&word));
-    free(word.data);
-    return made;
+    (void)system_text_close(&text); /* whose text is then NULL */
+    return text.data;
 }
 
-json_t *plans_target(const char *name)
+/* Whether a constraint is about this alone. */
+static bool is_of_name(const conus_constraint *asked, const char *name, const char *quoted)
 {
-    json_t *words = json_array();
-    return words_or_none(words, words && (!name || !json_array_append_new(words, word_of(name))));
+    return strcmp(asked->names, name) == 0 || strcmp(asked->names, quoted) == 0;
 }
 
-json_t *plans_put_targets(const json_t *words, const json_t *targets)
+json_t *plans_ask(const struct viewer *viewer, const json_t *words, conus_constraint_kind kind, const char *name,
+                  bool asks)
 {
-    const json_t *const lists[] = {words, targets};
+    const struct constraints *now = &viewer->plan.task.constraints;
+    char *quoted = quote(name);
+    json_t *all = json_array();
+    bool fine = all && quoted;
+    size_t item = 0; /* constraints are in the order of their words */
+    for (size_t i = 0; i < json_array_size(words) && fine; i++) {
+        json_t *word = json_array_get(words, i);
+        bool goes = word_value(json_string_value(word), constraint_options[kind].name);
+        if (goes && kind == CONUS_CONSTRAINT_AVOID) {
+            while (item < now->count && now->items[item].kind != kind) {
+                item++;
+            }
+            goes = item < now->count && is_of_name(&now->items[item++], name, quoted);
+        }
+        fine = goes || !json_array_append(all, word);
+    }
+    if (fine && asks) {
+        fine = !json_array_append_new(all, json_sprintf("--%s=%s", constraint_options[kind].name, quoted));
+    }
+    free(quoted);
+    return words_or_none(all, fine);
+}
+
+json_t *plans_put_asked(const json_t *words, const json_t *asked)
+{
+    const json_t *const lists[] = {words, asked};
     json_t *all = json_array();
     bool fine = all;
     for (size_t l = 0; l < 2; l++) {
         for (size_t i = 0; i < json_array_size(lists[l]) && fine; i++) {
             json_t *word = json_array_get(lists[l], i);
-            bool is_target = word_value(json_string_value(word), "reach");
-            fine = is_target != (l == 1) || !json_array_append(all, word);
+            const char *text = json_string_value(word);
+            bool is_asked = word_value(text, "reach") || word_value(text, "avoid");
+            fine = is_asked != (l == 1) || !json_array_append(all, word);
         }
     }
     return words_or_none(all, fine);
 }
 
-bool plans_targets_are_same(const json_t *a, const json_t *b)
+bool plans_asked_is_same(const json_t *a, const json_t *b)
 {
-    json_t *of_a = plans_put_targets(NULL, a);
-    json_t *of_b = plans_put_targets(NULL, b);
+    json_t *of_a = plans_put_asked(NULL, a);
+    json_t *of_b = plans_put_asked(NULL, b);
     bool same = of_a && json_equal(of_a, of_b);
     json_decref(of_a);
     json_decref(of_b);
     return same;
 }
 
-bool plans_is_target(const struct viewer *viewer, uint32_t object)
+bool plans_asks(const struct viewer *viewer, conus_constraint_kind kind, uint32_t object)
 {
     const struct constraints *asked = &viewer->plan.task.constraints;
     const conus_object *is = conus_atlas_object(viewer->atlases->atlas, object);
-    json_t *word = is ? word_of(is->name) : NULL;
-    const char *quoted = word ? json_string_value(word) + strlen(reach) : "";
+    char *quoted = is ? quote(is->name) : NULL;
     bool found = false;
-    for (size_t i = 0; i < asked->count && word; i++) {
-        const char *names = asked->items[i].kind == CONUS_CONSTRAINT_REACH ? asked->items[i].names : NULL;
-        found = found || (names && (strcmp(names, is->name) == 0 || strcmp(names, quoted) == 0));
+    for (size_t i = 0; i < asked->count && quoted; i++) {
+        found = found || (asked->items[i].kind == kind && is_of_name(&asked->items[i], is->name, quoted));
     }
-    json_decref(word);
+    free(quoted);
     return found;
 }
 
@@ -189,19 +211,22 @@ static bool is_among(const char *name, const char *names)
     return at;
 }
 
-bool *plans_structure(struct viewer *viewer, conus_constraint_kind kind)
+/* Whether an object of the first atlas is one of those, or below one. */
+static bool is_below_one(const struct viewer *viewer, uint32_t object, const char *names)
 {
-    const struct view_atlas *view = viewer->drawn;
+    const conus_object *at = conus_atlas_object(viewer->atlases->atlas, object);
+    while (at && !is_among(at->name, names)) {
+        at = conus_atlas_object(viewer->atlases->atlas, at->parent);
+    }
+    return at;
+}
+
+bool plans_is_in(const struct viewer *viewer, conus_constraint_kind kind, uint32_t object)
+{
     const char *names;
-    bool *is = view == viewer->atlases && plans_name(viewer, kind) ? calloc(view->object_count + 1, sizeof *is) : NULL;
-    for (size_t from = 0; is && (names = next_structure(&from, viewer, kind));) {
-        for (uint32_t number = 1; number <= view->object_count; number++) {
-            const conus_object *object = conus_atlas_object(view->atlas, number);
-            while (object && !is_among(object->name, names)) {
-                object = conus_atlas_object(view->atlas, object->parent);
-            }
-            is[number] = is[number] || object;
-        }
+    bool is = false;
+    for (size_t from = 0; !is && viewer->drawn == viewer->atlases && (names = next_structure(&from, viewer, kind));) {
+        is = is_below_one(viewer, object, names);
     }
     return is;
 }
@@ -388,6 +413,38 @@ static void word(struct plan_verdict *out, const struct viewer *viewer, const co
     out->state = planned->feasible ? PLAN_HOLDS : PLAN_BREAKS;
 }
 
+/* What a cone without an end, such as a coil's or a transducer's, hits of each structure that is asked for: "62 % of
+ * the cone on Precentral_L". With all depths it may lie behind others. */
+static void judge_cone(struct plan_verdict *out, const struct viewer *viewer)
+{
+    const conus_plan *plan = viewer->plan.live;
+    const conus_selection *selection = viewer_selection(viewer);
+    struct system_text written;
+    FILE *text = system_text_open(&written);
+    const char *before = "";
+    for (size_t i = 0; i < conus_plan_constraint_count(plan) && text; i++) {
+        const conus_constraint_kind kind = conus_plan_constraint(plan, i)->kind;
+        const char *name = conus_plan_name(plan, i);
+        double share = 0;
+        bool is_in_cone = false;
+        for (size_t k = 0; k < conus_selection_count(selection); k++) {
+            const conus_result *result = conus_selection_result(selection, k);
+            const bool is = is_below_one(viewer, result->object, name);
+            share += is ? result->share : 0;
+            is_in_cone = is_in_cone || is;
+        }
+        if (kind == CONUS_CONSTRAINT_REACH || kind == CONUS_CONSTRAINT_AVOID) {
+            fputs(before, text);
+            fprintf(text, share > 0 && share < 0.01 ? "%.2f" : "%.0f", 100 * share);
+            fprintf(text, " %% of the %s on %s%s", viewer_shape(viewer), name,
+                    is_in_cone && !(share > 0) ? ", which lies behind" : "");
+            before = ", ";
+        }
+    }
+    take_text(out->text, sizeof out->text, &written);
+    snprintf(out->details, sizeof out->details, "lengths and margins are not judged: it has no depth");
+}
+
 /* Judges the tool as it is now. */
 static void judge(struct plan_verdict *out, struct viewer *viewer)
 {
@@ -396,6 +453,12 @@ static void judge(struct plan_verdict *out, struct viewer *viewer)
     const conus_planned *planned = NULL;
     *out = (struct plan_verdict){.state = PLAN_UNKNOWN};
     const bool has_axis = tool_has_cone(viewer, FIRST_TOOL);
+    const bool is_of_list =
+        viewer->chosen_point || tool->pointer == POINT_BY_REPLAY; /* which has the depths of needles */
+    if (has_axis && !(range[1] > 0) && is_of_list && !prepare_live(viewer)) {
+        judge_cone(out, viewer);
+        return;
+    }
     if (!has_axis || !(range[1] > 0)) {
         snprintf(out->text, sizeof out->text, "%s",
                  !has_axis ? "no pose yet: point at the brain" : "no depth yet: F5 sets the tip");
@@ -494,14 +557,15 @@ bool plans_is_behind(const struct viewer *viewer)
 static const char *find_next_step(const struct viewer *viewer)
 {
     const bool has_points = viewer->points.count;
-    return plans_is_on(viewer) ? (has_points ? "choose a row in Points, or aim by hand: the answer above judges it; F5 "
-                                               "sets a needle's depth"
-                                             : "aim by hand, or open a file of needles or coils (Ctrl+O) and choose a "
-                                               "row in Points: the answer above judges it; F5 sets a needle's depth")
-                               : (has_points ? "no target yet: choose an area and, under Area, \"Set as target\"; then "
-                                               "choose a row in Points"
-                                             : "no target yet: choose an area and, under Area, \"Set as target\"; then "
-                                               "aim by hand, or open a file of needles or coils (Ctrl+O)");
+    return plans_is_on(viewer)
+               ? (has_points ? "choose a row in Points, or aim by hand: the answer above judges it; F5 "
+                               "sets a needle's depth"
+                             : "aim by hand, or open a file of needles or coils (Ctrl+O) and choose a "
+                               "row in Points: the answer above judges it; F5 sets a needle's depth")
+               : (has_points ? "no target yet: choose an area and, under Area, \"Set as target\", or "
+                               "\"Avoid\"; then choose a row in Points"
+                             : "no target yet: choose an area and, under Area, \"Set as target\", or "
+                               "\"Avoid\"; then aim by hand, or open a file of needles or coils (Ctrl+O)");
 }
 
 const struct plan_list *plans_list(const struct viewer *viewer, const char **why)

@@ -319,13 +319,16 @@ static bool find_voxel(double voxel[3], const double m[16], const double at[3])
 {
     double d[3];
     const double determinant = mat4_determinant3(m);
+    if (determinant == 0) {
+        return false;
+    }
     vec3_sub(d, at, m + 12);
-    for (int c = 0; c < 3 && determinant != 0; c++) {
+    for (int c = 0; c < 3; c++) {
         double minors[3];
         vec3_cross(minors, m + 4 * ((c + 1) % 3), m + 4 * ((c + 2) % 3));
         voxel[c] = vec3_dot(d, minors) / determinant;
     }
-    return determinant != 0;
+    return true;
 }
 
 bool viewer_voxel(long voxel[3], const struct viewer *viewer, const double at[3])
@@ -401,8 +404,7 @@ struct answer *viewer_pictured(const struct viewer *viewer)
     return view_atlas_nothing(view, &options, &away);
 }
 
-/* As conus_view.own_colours says. */
-static bool colours_by_rank(const struct viewer *viewer, uint32_t object)
+bool viewer_colours_by_rank(const struct viewer *viewer, uint32_t object)
 {
     const conus_object *info = conus_atlas_object(viewer->drawn->atlas, object);
     const bool is_beside = !shows_colours(viewer) && info && info->kind == CONUS_KIND_AREA; /* fibres */
@@ -412,27 +414,13 @@ static bool colours_by_rank(const struct viewer *viewer, uint32_t object)
 
 size_t viewer_rank(const struct viewer *viewer, uint32_t object)
 {
-    return object && colours_by_rank(viewer, object) ? conus_selection_rank(viewer_selection(viewer), object) : 0;
+    return object && viewer_colours_by_rank(viewer, object) ? conus_selection_rank(viewer_selection(viewer), object)
+                                                            : 0;
 }
 
 unsigned viewer_cut_version(const struct viewer *viewer)
 {
     return viewer->version - viewer->moves;
-}
-
-void viewer_rank_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object, size_t rank)
-{
-    const conus_object *info = conus_atlas_object(viewer->drawn->atlas, object);
-    if (info && colours_by_rank(viewer, object)) {
-        look_ranked(rgb, rank, conus_selection_weight(viewer_selection(viewer), object), LOOK_NOT_HIT);
-    } else {
-        memcpy(rgb, info ? info->rgb : (const uint8_t[]){LOOK_RGB(LOOK_NO_OBJECT)}, 3);
-    }
-}
-
-void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object)
-{
-    viewer_rank_colour(rgb, viewer, object, viewer_rank(viewer, object));
 }
 
 const char *viewer_find_score(const char *name)

@@ -453,7 +453,9 @@ double viewer_fade(const struct viewer *viewer);
 bool viewer_leaves_context(const struct viewer *viewer);
 /** Grows with what cuts show: not with moves after which their colours are the same. */
 unsigned viewer_cut_version(const struct viewer *viewer);
-/** sRGB of an object that has this place; 0 = none. */
+/** Whether an object's colour is that of its place, as conus_view.own_colours says. */
+bool viewer_colours_by_rank(const struct viewer *viewer, uint32_t object);
+/** sRGB of an object that has this place; 0 = none; what a plan's needle is to reach has its own. */
 void viewer_rank_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object, size_t rank);
 /** sRGB of an object, as pictures have it. */
 void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object);
@@ -599,18 +601,20 @@ int plans_open(struct viewer *viewer, const struct arguments *arguments, const c
  * is. Likewise; where it fails, the plan does, too. */
 int plans_change(struct viewer *viewer, const struct arguments *arguments, const char *poses);
 
-/** The options, as words, that make the object of this name the target, which the needle is to reach; NULL = none. NULL
- * without memory, or where the name is not UTF-8. */
-json_t *plans_target(const char *name);
-/** @p words with the targets (--reach) of @p targets in place of their own; either may be NULL. NULL without memory. */
-json_t *plans_put_targets(const json_t *words, const json_t *targets);
-bool plans_targets_are_same(const json_t *a, const json_t *b);
-/** Whether an object of the first atlas is by itself what the needle is to reach. */
-bool plans_is_target(const struct viewer *viewer, uint32_t object);
+/** @p words with a click in the window done: this object of the first atlas is what the needle is to reach (@p kind),
+ * in place of all before, or one more that it is to avoid; or, unless @p asks, nothing is to be reached, or this need
+ * not be avoided. NULL without memory, or where the name is not UTF-8. */
+json_t *plans_ask(const struct viewer *viewer, const json_t *words, conus_constraint_kind kind, const char *name,
+                  bool asks);
+/** @p words with what is asked (--reach, --avoid) by @p asked in place of their own; either may be NULL. NULL without
+ * memory. */
+json_t *plans_put_asked(const json_t *words, const json_t *asked);
+bool plans_asked_is_same(const json_t *a, const json_t *b);
+/** Whether an object of the first atlas is by itself what the needle is to reach (@p kind) or to avoid. */
+bool plans_asks(const struct viewer *viewer, conus_constraint_kind kind, uint32_t object);
+/** Whether an object of the drawn atlas is, or is below, a structure of this kind. */
+bool plans_is_in(const struct viewer *viewer, conus_constraint_kind kind, uint32_t object);
 
-/** The objects of the drawn atlas that are, or are below, what the needle is to reach (@p kind) or to avoid, [objects +
- * 1], to be freed; NULL: there are none, or no memory. */
-bool *plans_structure(struct viewer *viewer, conus_constraint_kind kind);
 /** How the first of these structures is called: "Thalamus_L, Putamen_L"; NULL without one. */
 const char *plans_name(struct viewer *viewer, conus_constraint_kind kind);
 

@@ -171,26 +171,33 @@ static bool change_plan(struct window *window, const struct worded *worded, char
     return fine;
 }
 
-/* Name of the structure that the needle is to reach; NULL = none. */
-static const char *find_target(const struct plan_state *plan)
+/* "target: Hippocampus_L, avoids Insula_L" */
+static void tell_asked(struct viewer *viewer)
 {
-    const char *name = NULL;
+    const struct plan_state *plan = &viewer->plan;
+    char avoided[256] = "";
+    const char *target = NULL;
+    size_t used = 0;
     for (size_t i = 0; i < plan->task.constraints.count && plan->live; i++) {
-        name = plan->task.constraints.items[i].kind == CONUS_CONSTRAINT_REACH ? conus_plan_name(plan->live, i) : name;
+        const conus_constraint_kind kind = plan->task.constraints.items[i].kind;
+        const char *name = conus_plan_name(plan->live, i);
+        target = kind == CONUS_CONSTRAINT_REACH ? name : target;
+        if (kind == CONUS_CONSTRAINT_AVOID && used < sizeof avoided) {
+            used += (size_t)snprintf(avoided + used, sizeof avoided - used, ", avoids %s", name);
+        }
     }
-    return name;
+    viewer_say(viewer, "%s%s%s", target ? "target: " : "there is no target", target ? target : "", avoided);
 }
 
 /* Nothing is read anew. */
-static bool change_target(struct window *window, const struct worded *worded, const json_t *words, int step,
-                          char why[LOADER_WHY])
+static bool change_asked(struct window *window, const struct worded *worded, const json_t *words, int step,
+                         char why[LOADER_WHY])
 {
     if (!change_plan(window, worded, why)) {
         return false;
     }
-    const char *name = find_target(&window->viewer->plan);
     json_object_set(window->files.opened, "options", (json_t *)words);
-    viewer_say(window->viewer, "%s%s", name ? "target: " : "there is no target", name ? name : "");
+    tell_asked(window->viewer);
     if (step) {
         undo_go_on(window, step);
     }
@@ -206,7 +213,7 @@ static bool show_again(struct window *window, struct atlases *loaded, const stru
     conus_hemispheres how = hemispheres_of_words(words);
     char update[LOADER_WHY];
     json_t *added = additions_describe(atlas, words);
-    bool has_target = plans_targets_are_same(words, json_object_get(window->files.opened, "options"));
+    bool has_plan = plans_asked_is_same(words, json_object_get(window->files.opened, "options"));
     struct point_list points = {0};
     const struct view_settings *settings = &worded->settings;
     tell_update(update, sizeof update, window, atlas, words);
@@ -230,7 +237,7 @@ static bool show_again(struct window *window, struct atlases *loaded, const stru
             query_set_level(viewer, "");
             snprintf(why, LOADER_WHY, "level %s is not possible with these hemispheres: each area by itself", level);
         }
-        if (!has_target && !change_plan(window, worded, why)) {
+        if (!has_plan && !change_plan(window, worded, why)) {
             print_error_line("%s", why);
         }
         viewer_say(viewer, "%s", why);
@@ -276,11 +283,11 @@ bool reopen(struct window *window, const json_t *words, int step, const struct v
             char why[LOADER_WHY])
 {
     struct worded worded;
-    json_t *others[2] = {plans_put_targets(words, NULL),
-                         plans_put_targets(json_object_get(window->files.opened, "options"), NULL)};
+    json_t *others[2] = {plans_put_asked(words, NULL),
+                         plans_put_asked(json_object_get(window->files.opened, "options"), NULL)};
     bool fine = worded_parse(&worded, words, settings, false) == EXIT_DONE;
     if (fine && others[0] && json_equal(others[0], others[1])) {
-        fine = change_target(window, &worded, words, step, why);
+        fine = change_asked(window, &worded, words, step, why);
     } else if (fine) {
         fine = load_and_show(window, &worded, step, why);
     } else {

@@ -317,6 +317,7 @@ static void reserve_places(struct window *window)
     labels_reserve(&window->frame.labels,
                    (struct ui_box){box->x, box->y + box->height - 3 * line, box->width, 3 * line}); /* notices */
     if (screen_is_bare(&window->screen)) {
+        window->frame.labels.high = card_hit * box->height;
         const float high = (card_name + card_more + card_hit + 5 * card_gap) * box->height + 4 * line;
         labels_reserve(&window->frame.labels,
                        (struct ui_box){box->x, box->y + box->height - high, 0.65F * box->width, high});
@@ -394,13 +395,14 @@ static float draw_next_hits(const struct viewer *viewer, const float start[2], f
     for (size_t i = 1; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         char title[VIEW_ATLAS_TITLE];
-        char text[VIEW_ATLAS_TITLE + 16];
+        char text[VIEW_ATLAS_TITLE + SHARE_TEXT];
+        char share[SHARE_TEXT];
         uint8_t rgb[3];
         if (!result->object || !result->pixels) {
             continue;
         }
-        snprintf(text, sizeof text, result->share < 0.01 ? "%s %.1f %%" : "%s %.0f %%",
-                 view_atlas_title(title, viewer->drawn, result->object), 100 * result->share);
+        headline_share(share, result->share);
+        snprintf(text, sizeof text, "%s %s", view_atlas_title(title, viewer->drawn, result->object), share);
         const float wide = ui_large_width(text, high) + 1.8F * high;
         if (used + wide > room) {
             break;

@@ -148,6 +148,9 @@ void pane_name(struct labels *labels, const struct ui_box *box, const float at[2
     char shown[PANE_NAME];
     struct ui_box place;
     float phase = 0;
+    if (labels->high > 0) {
+        ui_push_letters(what->name, labels->high);
+    }
     const float edge = what->chip.a ? 0.7F * ui_line() : 0;
     const float before = what->chip.a ? edge + 4 : 0;
     ui_colour colour = what->colour;
@@ -170,6 +173,9 @@ void pane_name(struct labels *labels, const struct ui_box *box, const float at[2
             ui_draw_box((struct ui_box){place.x, place.y + (ui_line() - edge) / 2, edge, edge}, what->chip, 0);
         }
         ui_draw_text((float[]){place.x + before, place.y}, colour, shown);
+    }
+    if (labels->high > 0) {
+        ui_pop_letters();
     }
 }
 

@@ -243,11 +243,16 @@ bool panel_warning(struct panel_warning *out, size_t *index, const struct viewer
             return true;
         }
     }
-    while ((line = warning_line(*index - of_atlases))) {
+    size_t warnings_said = 0;
+    while (warning_line(warnings_said)) {
+        warnings_said++;
+    }
+    for (size_t i;
+         (i = *index - of_atlases, line = i < warnings_said ? warning_line(i) : note_line(i - warnings_said));) {
         ++*index;
         if (!is_said(viewer, line)) {
-            *out = (struct panel_warning){.colour = THEME_ORANGE};
-            snprintf(out->text, sizeof out->text, "Warning: %s", line);
+            *out = (struct panel_warning){.colour = i < warnings_said ? THEME_ORANGE : THEME_HINT};
+            snprintf(out->text, sizeof out->text, "%s: %s", i < warnings_said ? "Warning" : "Note", line);
             return true;
         }
     }

@@ -35,18 +35,11 @@ static void write_tree(char out[TREE_TEXT], const conus_atlas *atlas, uint32_t n
     }
 }
 
-/* The side that the table or the name gives; "" = none. */
-static const char *find_side(const struct view_atlas *view, uint32_t number)
-{
-    char side = view_atlas_side(view, number);
-    return side == 'L' ? "left" : side == 'R' ? "right" : side == 'B' ? "both" : "";
-}
-
 static void draw_facts(struct viewer *viewer, const conus_object *object, uint32_t number)
 {
     const struct view_atlas *view = viewer->drawn;
     char text[TREE_TEXT];
-    const char *side = find_side(view, number);
+    const char side = view_atlas_side(view, number); /* that the table or the name gives */
     ui_text_wrapped(THEME_ACCENT, object->name);
     if (!ui_can_write(object->name)) {
         ui_text_wrapped(
@@ -62,8 +55,8 @@ static void draw_facts(struct viewer *viewer, const conus_object *object, uint32
         snprintf(text, sizeof text, "%.2f cm\u00b3 (%.0f mm\u00b3)", object->volume_mm3 / 1000, object->volume_mm3);
         draw_fact("Volume", text);
     }
-    if (side[0]) {
-        draw_fact("Side", side);
+    if (side == 'L' || side == 'R' || side == 'B') {
+        draw_fact("Side", side == 'L' ? "left" : side == 'R' ? "right" : "both");
     }
     if (object->parent) {
         write_tree(text, view->atlas, number);
@@ -74,18 +67,28 @@ static void draw_facts(struct viewer *viewer, const conus_object *object, uint32
     draw_fact("Atlas", text);
 }
 
-static void draw_target(struct window *window, uint32_t number, const char *name)
+/* Makes and ends what the plan asks of the area. */
+static void draw_asked(struct window *window, uint32_t number, const char *name)
 {
-    static const char label[] = "Set as target";
-    bool is_target = plans_is_target(window->viewer, number);
-    ui_flow(label);
-    if (ui_button(
-            is_target ? "No target" : label,
-            is_target
-                ? "the needle of the plan need not reach it any more"
-                : "the needle of the plan is to reach it (--reach), in place of what it was to reach; F5 sets how "
-                  "deep the needle goes")) {
-        window_request_target(window, is_target ? NULL : name);
+    static const struct {
+        conus_constraint_kind kind;
+        const char *labels[2], *tips[2]; /* [whether it is asked] */
+    } rows[] = {
+        {CONUS_CONSTRAINT_REACH,
+         {"Set as target", "No target"},
+         {"the needle of the plan is to reach it (--reach), in place of what it was to reach; F5 sets how deep the "
+          "needle goes",
+          "the needle of the plan need not reach it any more"}},
+        {CONUS_CONSTRAINT_AVOID,
+         {"Avoid", "Avoid no more"},
+         {"the needle of the plan may not touch it (--avoid), nor what it was to avoid before",
+          "the needle of the plan may touch it again"}}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const bool is = plans_asks(window->viewer, rows[i].kind, number);
+        ui_flow(rows[i].labels[is]);
+        if (ui_button(rows[i].labels[is], rows[i].tips[is])) {
+            window_request_asked(window, rows[i].kind, name, !is);
+        }
     }
 }
 
@@ -112,7 +115,7 @@ void panel_card(struct window *window)
         viewer->version++;
     }
     if (viewer->drawn == viewer->atlases) { /* which plans are about */
-        draw_target(window, number, object->name);
+        draw_asked(window, number, object->name);
     }
     panel_look_area(viewer, number);
     ui_id_end();

@@ -241,13 +241,26 @@ static void search_area(struct window *window)
     free(found);
 }
 
+/* A needle, whose depths are told from the surface, has no start before it: what is lit is what is. */
+static void choose_start(struct window *window)
+{
+    const struct property *row = &properties[PROPERTY_START];
+    const char *const choices[] = {row->choices[START_SURFACE], row->choices[START_EYE]};
+    size_t index = point_start(window->viewer) == START_EYE;
+    if (!(window->viewer->cone.options.range[1] > 0)) {
+        panel_property(window, PROPERTY_START);
+    } else if (ui_choose(row->label, &index, choices, 2, row->tip)) {
+        property_set(window, PROPERTY_START, index ? START_EYE : START_SURFACE);
+    }
+}
+
 void panel_question(struct window *window)
 {
     struct viewer *viewer = window->viewer;
     choose_pointer(window);
     panel_property(window, viewer->cone.options.radius > 0 ? PROPERTY_RADIUS : PROPERTY_ANGLE);
     if (viewer->tools[FIRST_TOOL].pointer == POINT_BY_MOUSE) {
-        panel_property(window, PROPERTY_START);
+        choose_start(window);
     }
     panel_property(window, PROPERTY_LAYERS);
     search_area(window);

@@ -15,13 +15,6 @@ enum { LEAST_LINES = 4 /* of the list */, MOST_BELOW = 30 /* lines of all below 
 
 static const float answer_part = 0.42F; /* of the panel's height, or more where the rest would stay empty */
 
-/* Two lines, which are there without a hit, too: nothing moves then. */
-static void draw_answer(const struct headline *headline)
-{
-    ui_heading(headline->what);
-    ui_text_wrapped(THEME_HINT, headline->more);
-}
-
 static void draw_pins(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
@@ -170,7 +163,8 @@ static void draw_all_of_answer(struct window *window, const struct notice *notic
     draw_title(window);
     draw_notices(window, notice);
     ui_dim(notice->is_old ? theme_pale : 1);
-    draw_answer(headline);
+    ui_heading(headline->what); /* two lines, which are there without a hit, too: nothing moves then */
+    ui_text_wrapped(THEME_HINT, headline->more);
     panel_plan(window);
     panel_lists(window, FIRST_TOOL, fmaxf(floorf((ui_room_below() - rest) / ui_list_line()), LEAST_LINES));
     window_note_shown(window, SHOWN_LIST);

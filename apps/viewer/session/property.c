@@ -25,9 +25,11 @@ static const char *const fold_names[] = {"as-at-first", "folded", "open"};
 static const char *const legend_names[] = {"auto", "right", "below", "none"};
 
 static const char *const start_names[] = {"surface", "before", "eye"};
-static const char *const start_says[] = {"the mouse's cone begins at the surface: of the context, or of the atlas",
-                                         "the mouse's cone begins before the surface, where its ball is",
-                                         "the mouse's cone begins at your eye"};
+static const char *const start_says[] = {
+    "the mouse's cone begins at the surface: of the context, or of the atlas",
+    "the mouse's cone begins before the surface, where its ball is; with an end of "
+    "its depths at the surface",
+    "the mouse's cone begins at your eye"};
 static const char *const ray_says[] = {"all areas in the cone",
                                        "one area: the one that a ray along the axis hits first"};
 static const char *const follow_says[] = {"the cuts stay where they are", "the cuts follow the cone's tip",

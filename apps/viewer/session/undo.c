@@ -123,7 +123,7 @@ void undo_step(struct window *window, int by)
     const json_t *options = json_object_get(json_object_get(root, "opened"), "options");
     const json_t *now = json_object_get(window->files.opened, "options");
     bool needs_others = options && (hemispheres_of_words(options) != window->files.hemispheres ||
-                                    !plans_targets_are_same(options, now)); /* atlases, or a plan, are made anew */
+                                    !plans_asked_is_same(options, now)); /* atlases, or a plan, are made anew */
     if (!state) {
         viewer_say(window->viewer, by < 0 ? "nothing to undo" : "nothing to do again");
     } else if (needs_others) {

@@ -91,12 +91,18 @@ double point_before(const struct viewer *viewer)
     return fmin(before_mm, viewer->radius / 2);
 }
 
+enum starts point_start(const struct viewer *viewer)
+{
+    const bool has_end = viewer->cone.options.range[1] > 0;
+    return viewer->cone.start == START_BEFORE && has_end ? START_SURFACE : viewer->cone.start;
+}
+
 bool point_find(conus_pose *out, struct viewer *viewer, const double eye[3], const double direction[3])
 {
-    const bool is_before = viewer->cone.start == START_BEFORE && !(viewer->cone.options.range[1] > 0);
-    double depth = viewer->cone.start == START_EYE ? 0 : point_depth(viewer, eye, direction);
+    const enum starts start = point_start(viewer);
+    double depth = start == START_EYE ? 0 : point_depth(viewer, eye, direction);
     double apex[3];
-    depth = is_before ? fmax(depth - point_before(viewer), 0) : depth;
+    depth = start == START_BEFORE ? fmax(depth - point_before(viewer), 0) : depth;
     vec3_add_scaled(apex, eye, depth, direction);
     return isfinite(depth) && !conus_pose_along(out, apex, direction, NULL);
 }

@@ -95,6 +95,8 @@ bool point_find(conus_pose *out, struct viewer *viewer, const double eye[3], con
 /** How far before the surface the mouse's cone begins, mm, where it does so: 40, or half the radius of a small atlas. A
  * cone whose range has an end begins on the surface then: its depths are told from there. */
 double point_before(const struct viewer *viewer);
+/** Where it does begin. */
+enum starts point_start(const struct viewer *viewer);
 
 /* How far a tool's cone reaches, and how it is turned about the place where it comes into the brain. World RAS+, mm. */
 

@@ -574,6 +574,7 @@ static bool switch_between(const char *label, size_t *index, const char *const *
                   is_on ? THEME_PLAIN : THEME_HINT)) {
             *index = i;
         }
+        audit(AUDIT_ITEM, choices[i], 0);
         if (is_on) {
             underline_chosen(theme_marks[THEME_MARK]);
         }
@@ -927,6 +928,18 @@ static ImFont *font_of(const char *text)
 {
     const ImVector<ImFont *> &fonts = ImGui::GetIO().Fonts->Fonts;
     return fonts[has_letters(*fonts[1], text)];
+}
+
+void ui_push_letters(const char *text, float height)
+{
+    ImFont *font = font_of(text);
+    ImGui::PushFont(font);
+    ImGui::SetWindowFontScale(height / font->FontSize);
+}
+
+void ui_pop_letters(void)
+{
+    pop_heading();
 }
 
 float ui_large_width(const char *text, float height)

@@ -225,6 +225,11 @@ void ui_draw_heading(const float at[2], ui_colour colour, const char *text);
 /** Likewise, in letters so high, without a shade; and how wide that is. */
 void ui_draw_large(const float at[2], ui_colour colour, const char *text, float height);
 float ui_large_width(const char *text, float height);
+/** Until ui_pop_letters() all texts, widths and lines are of large letters so high, but where those lack one of @p
+ * text.
+ */
+void ui_push_letters(const char *text, float height);
+void ui_pop_letters(void);
 /** Text there on a panel, without a shade. */
 void ui_draw_label(const float at[2], ui_colour colour, const char *text);
 

@@ -731,25 +731,23 @@ void window_request_hemispheres(struct window *window, conus_hemispheres how)
     }
 }
 
-void window_request_target(struct window *window, const char *name)
+void window_request_asked(struct window *window, conus_constraint_kind kind, const char *name, bool asks)
 {
     const json_t *words = window_words(window);
-    json_t *target = plans_target(name);
     if (words) {
-        request_words(window, target ? plans_put_targets(words, target) : NULL);
+        request_words(window, plans_ask(window->viewer, words, kind, name, asks));
     }
-    json_decref(target);
 }
 
 void window_request_options(struct window *window, const json_t *options, int step)
 {
     const json_t *words = window_words(window);
-    json_t *targeted = words ? plans_put_targets(words, options) : NULL;
+    json_t *asked = words ? plans_put_asked(words, options) : NULL;
     if (words) {
-        request_words(window, targeted ? hemispheres_put_in_words(targeted, hemispheres_of_words(options)) : NULL);
+        request_words(window, asked ? hemispheres_put_in_words(asked, hemispheres_of_words(options)) : NULL);
         window->files.requested.step = step;
     }
-    json_decref(targeted);
+    json_decref(asked);
 }
 
 bool window_connect(struct window *window)

@@ -70,6 +70,7 @@ struct labels {
     bool (*allows)(void *user, const struct ui_box *box, uint32_t object); /**< Whether an object's name may lie there,
                                                                                besides; NULL = anywhere. */
     void *user;                                                            /**< Its first argument. */
+    float high; /**< Pixels: height of names on a picture without panels; 0 = that of all texts. */
 };
 
 /** No name may lie there. */
@@ -480,9 +481,9 @@ void window_change(struct window *window, size_t index, enum addition kind, cons
 const struct json_t *window_words(struct window *window);
 /** Asks for the atlas with other hemispheres, or says that it has them. */
 void window_request_hemispheres(struct window *window, conus_hemispheres how);
-/** Asks for the plan's needle to reach the object of this name and nothing else; NULL = nothing. */
-void window_request_target(struct window *window, const char *name);
-/** Asks for the hemispheres and the target of other options, for which undo goes @p step. */
+/** Asks for a plan as plans_ask() words it. */
+void window_request_asked(struct window *window, conus_constraint_kind kind, const char *name, bool asks);
+/** Asks for the hemispheres and what the plan asks of other options, for which undo goes @p step. */
 void window_request_options(struct window *window, const struct json_t *options, int step);
 /** Connects to the tracker whose address was typed, and says so. False: it was said why not. */
 bool window_connect(struct window *window);
