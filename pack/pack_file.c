@@ -541,7 +541,7 @@ static conus_status attach(conus_atlas **out, const struct opening *opening)
     if (status) {
         conus_atlas_destroy(atlas);
         memory_free(origin);
-        return status == CONUS_ERROR_DATA ? fail_in(status, opening->path) : status;
+        return origin && status == CONUS_ERROR_DATA ? fail_in(status, opening->path) : status;
     }
     atlas->pack = origin;
     status = note_age(atlas, opening);

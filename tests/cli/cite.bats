@@ -378,3 +378,32 @@ END
     cites plan.tsv
     has 'A: some of the axis in Core; B: some of the axis in Core.'
 }
+
+@test "where candidates come from, how a handle stands, and how wide a trial's cone is" {
+    scene
+    conus plan nested.nii.gz --from angles,arc=0:20:10,slider=0:0:1,back=60 --toward centroid --depth target --reach Core \
+        -q -o plan.tsv
+    cites plan.tsv
+    has 'The candidates were those of the command "conus plan nested.nii.gz --from angles,arc=0:20:10,slider=0:0:1,back=60 --toward centroid --depth target --reach Core -q -o plan.tsv".'
+    conus positions C3 --handle 45 -q -o coil.tsv
+    cites coil.tsv
+    has "The device's handle (its -y) pointed backwards, turned by 45° to the side of the position, on the midline to the left."
+    conus positions C3 -q -o cap.tsv
+    cites cap.tsv
+    [[ "$output" != *handle* && "$output" != *off\ the\ scalp* ]]
+    conus query nested.nii.gz --origin 1020:C3 --inward --out 5 -q -o out.tsv
+    cites out.tsv
+    has 'The device stood 5 mm off the scalp, along its normal.'
+    has 'Places that were named: origin, the position C3 of the 10-10 system on the head of MNI 152 (the rule of Jurcak, Tsuzuki'
+    conus query nested.nii.gz --origin=-60,0,0 --toward near:Core -q -o near.tsv
+    cites near.tsv
+    has 'Places that were named: toward, the nearest point of Core.'
+    printf 'x\ty\tz\ttx\tty\ttz\tmeant\n0\t0\t100\t0\t0\t0\tShell outer\n' >meant.tsv
+    for y in 3 6 9 12; do printf '0\t%s\t100\t0\t0\t0\tShell outer\n' $y; done >>meant.tsv
+    conus calibrate nested.nii.gz --poses meant.tsv --weight gauss=1.5 -q -o rows.tsv
+    cites rows.tsv
+    has "A trial's cone had a full opening angle of 12°, or its own where the file gives one." # 8 times 1.5
+    conus calibrate nested.nii.gz --poses meant.tsv --weight gauss=1.5 --angle 20 -q -o wide.tsv
+    cites wide.tsv
+    has "A trial's cone had a full opening angle of 20°, or its own"
+}

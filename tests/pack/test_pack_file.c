@@ -293,6 +293,13 @@ static void other_heads_are_refused_by_what_they_say(void **state)
     set_head(&bytes, other);
     assert_fails(open_bytes(&bytes), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "another build of conus; pack it again: conus pack v.nii"));
+    other = head;
+    other.sources.size = 1;
+    set_head(&bytes, other);
+    assert_fails(open_bytes(&bytes), CONUS_ERROR_DATA);
+    const char *once = strstr(conus_message(), ".conus: is damaged in its list of sources; pack it again");
+    assert_non_null(once);
+    assert_ptr_equal(once, strstr(conus_message(), ".conus: "));
     struct pack_part *parts[] = {&other.words, &other.sources, &other.atlas, &other.sums};
     for (size_t i = 0; i < 4; i++) {
         for (int far = 0; far < 4; far++) {

@@ -80,6 +80,9 @@ static const struct sentence of_rows[] = {
     {"of=reliability",
      "How often the {object} with the largest posterior was the one that was meant was determined from "
      "{Settings.trials} trials " CONUS " Intervals are Wilson's of 95 % (Eq. 34 of conus's documentation)."},
+    {"of=reliability Settings.weight.own_angle_deg",
+     " A trial's cone had a full opening angle of {Question.options.angle|{Settings.weight.own_angle_deg}}°, or its "
+     "own where the file gives one."},
     {"of=coverages", VOLUME},
     {"of=clusters", VOLUME " Voxels with a face, an edge or a corner in common were one cluster"
                            "{Question.options.threshold?; its local maxima were at least 8 mm apart}."},
@@ -104,6 +107,7 @@ static const struct sentence of_rows[] = {
      "poses " CONUS " Constraints were {Plan.constraints}. {Plan.funnel.last} poses hold all of them (Eq. 21 "
      "and 22 of conus's documentation), and were ranked by {Question.options.rank|leeway,-depth}. The leeway "
      "of a pose is a distance for which is proven that no pose whose axis is off by less breaks a constraint."},
+    {"Plan", " The candidates were those of the command \"{GeneratedBy.0.CommandLine}\"."},
     {0},
 };
 
@@ -166,11 +170,16 @@ static const struct sentence of_settings[] = {
     {"Question.options.jitter Plan", " Probabilities to break nothing were estimated" FROM_SAMPLES
                                      ": {Question.options.jitter} (options of conus plan)."},
     {"Settings.error", " These errors are published, as {Settings.error.measured} (see the references)."},
+    {"Places.0", " Places that were named: {Places}."},
     {"Places.0.head=own", " The position {Places.0.name} was found on a scalp by sections through its landmarks, at "
                           "fractions of their lengths (Eq. 35 of conus's documentation)."},
     {"Places.0.toward",
      " The place is {Places.0.way_mm} mm from it towards {Places.0.toward}, along the section of the "
      "scalp through both and their normals."},
+    {"Question.options.out", " The device stood {Question.options.out} mm off the scalp, along its normal."},
+    {"Question.options.handle",
+     " The device's handle (its -y) pointed backwards, turned by {Question.options.handle}° to the "
+     "side of the position, on the midline to the left."},
     {"Question.options.any-space",
      " What the poses, or the scalp, say of their space was not heard (--any-space): they were taken as they are."},
     {"Question.options.summary",
@@ -219,7 +228,12 @@ static const struct sentence of_item[] = {
     {"!asked low high", "{name} (from {low} to below {high})"},
     {"!asked low !high", "{name} (from {low})"},
     {"!asked !low high", "{name} (to below {high})"},
-    {"!asked !low !high !needles", "{name} (all values)"},
+    {"!asked !low !high !needles !is", "{name} (all values)"},
+    {"is=numbers", "{option}, {words}"},
+    {"is=position !head=own", "{option}, the position {name} of the 10-10 system on the head of MNI 152 (the rule of "
+                              "Jurcak, Tsuzuki and Dan 2007, doi:10.1016/j.neuroimage.2006.09.024)"},
+    {"is=position head=own", "{option}, the position {name} of the scalp"},
+    {"is !is=position !is=numbers", "{option}, the {is} of {name}"},
     {"needles", "{needles}{radius_mm? (radius @ mm)}{once?, for one needle only}: {constraints}{candidates? "
                 "({feasible} of @ hold)}"},
     {0},
