@@ -2,7 +2,7 @@
 // npm's package as whoever depends on it has it: node --test npm.mjs, in a folder whose node_modules has conus. Its rows
 // and files are those of the program $CONUS; of AAL, where mricron's templates are.
 import assert from "node:assert";
-import { execFileSync } from "node:child_process";
+import { execFileSync, spawnSync } from "node:child_process";
 import fs from "node:fs";
 import { createRequire } from "node:module";
 import os from "node:os";
@@ -14,6 +14,7 @@ const from = createRequire(path.join(process.cwd(), "app.js")).resolve("conus/pa
 const inPackage = (name) => import(pathToFileURL(path.join(path.dirname(from), name)));
 const { exports } = JSON.parse(fs.readFileSync(from, "utf8"));
 const { ConusError, load } = await inPackage(exports["."].node);
+const { run } = await inPackage(exports["./run"].node);
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), "conus-npm-"));
 process.on("exit", () => fs.rmSync(folder, { recursive: true }));
@@ -87,4 +88,50 @@ test("what is no atlas is refused in conus's words", async () => {
   for (const source of [{}, [new Uint8Array(10)], "x.nii", null]) await assert.rejects(load(source), /^ConusError: name: /);
   const worker = () => ({ postMessage() { queueMicrotask(() => this.onerror({})); }, terminate() {} }); // as where its file is missing
   await assert.rejects(load({ "x.nii": new Uint8Array(1) }, { worker }), /^ConusError: the worker cannot be started/);
+});
+
+/** What the program says, and the files that it writes into a folder which has these. */
+function asked(words, files) {
+  const place = fs.mkdtempSync(path.join(folder, "asked-"));
+  for (const [name, bytes] of Object.entries(files)) {
+    fs.mkdirSync(path.dirname(path.join(place, name)), { recursive: true });
+    fs.writeFileSync(path.join(place, name), bytes);
+  }
+  const { status: code, stdout, stderr } = spawnSync(process.env.CONUS, words, { cwd: place, encoding: "utf8", input: "" });
+  const made = fs.readdirSync(place, { recursive: true }).filter((name) => !Object.hasOwn(files, name) && fs.statSync(path.join(place, name)).isFile());
+  return { code, stdout, stderr, files: Object.fromEntries(made.map((name) => [name, fs.readFileSync(path.join(place, name))])) };
+}
+
+/** As texts in order, without the engine, which the processor names, and the sum of a sidecar that names it. */
+function shown({ code, stdout, stderr, files }) {
+  const plain = (text) => text.replaceAll(/rays, \w+/g, "rays").replace(/("Checksum": )"\w{64}"/, "$1");
+  return { code, stdout: plain(stdout), stderr, files: Object.entries(files).map(([name, bytes]) => [name, plain(Buffer.from(bytes).toString("latin1"))]).sort() };
+}
+
+test("run: any command in memory as on a disk, to the byte", async () => {
+  const poses = "query_id\tx\ty\tz\ttx\tty\ttz\na\t0\t0\t90\t0\t0\t0\nb\t80\t0\t0\t0\t3\t0\n";
+  const files = { ...beside("nested.nii.gz"), "in/poses.tsv": Buffer.from(poses) };
+  const aim = ["--origin", "0,0,90", "--toward", "0,0,0"];
+  for (const words of [["--version"], ["help", "query"], ["info", "nested.nii.gz"], ["info", "nested.nii.gz", "--format", "tsv"],
+    ["query", "nested.nii.gz", ...aim], ["query", "nested.nii.gz", ...aim, "-o", "in/a.tsv", "--mask", "in/mask.nii"],
+    ["query", "nested.nii.gz", "--pose", "in/poses.tsv", "--format", "ndjson", "--layers", "all"],
+    ["batch", "nested.nii.gz", "--poses", "in/poses.tsv", "--angle", "20", "-o", "in/rows.csv"],
+    ["batch", "nested.nii.gz", "--poses", "-", "--angle", "20"],
+    ["plan", "nested.nii.gz", "--poses", "in/poses.tsv", "--depth", "90", "--reach", "Core", "-o", "plan.json"],
+    ["plan", "nested.nii.gz", "--poses", "in/poses.tsv", "--depth", "90", "--reach", "Core", "--avoid", "Shell outer,margin=2"],
+    ["overlap", "nested.nii.gz", "nested.nii.gz", "--threshold", "1"], ["phantom", "slabs", "-o", "made"],
+    ["query", "nested.nii.gz", "--angle", "200"], ["query", "nothing.nii", ...aim], ["nonsense"], []]) {
+    assert.deepEqual(shown(await run(words, files)), shown(asked(words, files)), words.join(" "));
+  }
+});
+
+test("run: a file that is replaced comes back, one that stays does not, and no call knows of another", async () => {
+  const aim = ["query", "nested.nii.gz", "--origin", "0,0,90", "--toward", "0,0,0", "-q", "-o", "a.tsv"];
+  const [first, second] = await Promise.all([aim, aim].map((words) => run(words, beside("nested.nii.gz"))));
+  assert.deepEqual(first, second);
+  const again = await run([...aim, "--force"], { ...beside("nested.nii.gz"), "a.tsv": new Uint8Array(3), "b/c.txt": new ArrayBuffer(2) });
+  assert.deepEqual([again.code, Object.keys(again.files).sort()], [0, ["a.json", "a.tsv"]]);
+  await assert.rejects(run(["info", "x.nii"], { "x.nii": "text" }), /x\.nii: bytes are needed/);
+  await assert.rejects(run("info x.nii"), /words: a list of texts is needed/);
+  await assert.rejects(run(["info", "x.nii"], { "../x.nii": new Uint8Array(1) }), /a name of a file in the folder is needed/);
 });

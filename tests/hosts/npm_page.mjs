@@ -11,12 +11,14 @@ import path from "node:path";
 const here = createRequire(path.join(process.cwd(), "app.js"));
 const { chromium } = here("playwright-core");
 const APP = `import { load } from "conus";
+import { run } from "conus/run";
 window.answer = async (bytes) => {
   const cone = { origin: [0, 0, 90], toward: [0, 0, 0], angle: 20 };
   const atlas = await load(new File([new Uint8Array(bytes)], "nested.nii.gz"));
   await atlas.select(cone);
   const rows = await atlas.text("tsv");
-  return [rows, await load(new Uint8Array(3), { name: "x.nii" }).catch(String)];
+  const ran = await run(["query", "nested.nii.gz", "--origin", "0,0,90", "--toward", "0,0,0", "--angle", "20", "-q", "--format", "tsv"], { "nested.nii.gz": new Uint8Array(bytes) });
+  return [rows, ran, await load(new Uint8Array(3), { name: "x.nii" }).catch(String)];
 };`;
 execFileSync(process.env.CONUS, ["phantom", "nested", "-o", ".", "--size", "24"]);
 fs.rmSync("nested.tsv", { force: true });
@@ -24,9 +26,9 @@ const wanted = execFileSync(process.env.CONUS, ["query", "nested.nii.gz", "--ori
 fs.writeFileSync("app.js", APP);
 // What bundlers copy that know new URL(..., import.meta.url), esbuild leaves where it is.
 execFileSync(path.join(path.dirname(here.resolve("esbuild/package.json")), "bin/esbuild"), ["app.js", "--bundle", "--format=esm", "--outfile=bundled/app.js", "--log-level=error"]);
-for (const name of ["worker.js", "conus.wasm"]) fs.copyFileSync(`node_modules/conus/lib/${name}`, `bundled/${name}`);
+for (const name of ["worker.js", "conus.wasm", "conus-run.wasm"]) fs.copyFileSync(`node_modules/conus/lib/${name}`, `bundled/${name}`);
 
-const imports = JSON.stringify({ imports: { conus: "/node_modules/conus/lib/index.mjs" } });
+const imports = JSON.stringify({ imports: { conus: "/node_modules/conus/lib/index.mjs", "conus/run": "/node_modules/conus/lib/run.mjs" } });
 const page = (src) => `<!doctype html><script type="importmap">${imports}</script><script type="module" src="${src}"></script>`;
 const TYPES = { ".js": "text/javascript", ".mjs": "text/javascript", ".wasm": "application/wasm" };
 const server = http.createServer(({ url }, answer) => {
@@ -42,8 +44,9 @@ for (const way of ["/", "/bundled"]) {
   tab.on("request", (request) => assert.ok(/^(blob:)?http:\/\/localhost:/.test(request.url()), request.url()));
   await tab.goto(base + way);
   await tab.waitForFunction(() => window.answer);
-  const [rows, refused] = await tab.evaluate((bytes) => window.answer(bytes), [...fs.readFileSync("nested.nii.gz")]);
+  const [rows, ran, refused] = await tab.evaluate((bytes) => window.answer(bytes), [...fs.readFileSync("nested.nii.gz")]);
   assert.equal(rows, wanted);
+  assert.deepEqual(ran, { code: 0, stdout: wanted, stderr: "", files: {} });
   assert.match(refused, /^ConusError: x\.nii: /);
   console.log(`npm: ${way} in Chromium has the program's rows`);
 }
