@@ -169,7 +169,7 @@ struct text text_from_bytes(const uint8_t *data, size_t size)
     if (size >= 3 && memcmp(data, "\xef\xbb\xbf", 3) == 0) {
         text = (struct text){text.data + 3, text.size - 3};
     }
-    while (text.size && strchr(" \t\r\n\v\f", text.data[text.size - 1])) { /* NUL too */
+    while (text.size && (!text.data[text.size - 1] || is_space(text.data[text.size - 1]))) {
         text.size--;
     }
     return text;
@@ -281,24 +281,26 @@ static bool read_short_decimal(struct text text, double *out)
                                     1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
     enum { DIGITS = 15 };
     uint64_t digits = 0;
-    size_t count = 0;
-    size_t places = 0;
-    bool point = false;
-    for (size_t i = text.data[0] == '-' || text.data[0] == '+'; i < text.size; i++) {
-        char c = text.data[i];
-        if (c == '.' && !point) {
-            point = true;
-        } else if (c >= '0' && c <= '9' && count < DIGITS) {
-            digits = 10 * digits + (uint64_t)(c - '0');
-            count++;
-            places += point;
+    const size_t first = text.data[0] == '-' || text.data[0] == '+';
+    size_t point = text.size;
+    for (size_t i = first; i < text.size; i++) {
+        const unsigned digit = (unsigned char)text.data[i] - (unsigned)'0';
+        if (digit <= 9) {
+            digits = 10 * digits + digit; /* of too many it is not asked */
+        } else if (text.data[i] == '.' && point == text.size) {
+            point = i;
         } else {
             return false;
         }
     }
-    double value = (double)digits / powers[places];
+    const bool has_point = point < text.size;
+    const size_t count = text.size - first - has_point;
+    if (!count || count > DIGITS) {
+        return false;
+    }
+    double value = (double)digits / powers[has_point ? text.size - point - 1 : 0];
     *out = text.data[0] == '-' ? -value : value;
-    return count > 0;
+    return true;
 }
 
 /* Copies the text with a final NUL; false if it is clearly no decimal number. */

@@ -26,10 +26,27 @@ size_t text_character(struct text text) /* Unicode 15, table 3-7 */
     return overlong || outside ? 0 : length;
 }
 
+/* Length of the characters of one byte in front, eight by eight. */
+static size_t count_plain(struct text text)
+{
+    uint64_t eight = 0;
+    size_t count = 0;
+    while (count + sizeof eight <= text.size && !(eight & UINT64_C(0x8080808080808080))) {
+        memcpy(&eight, text.data + count, sizeof eight);
+        count += sizeof eight;
+    }
+    count -= eight & UINT64_C(0x8080808080808080) ? sizeof eight : 0;
+    while (count < text.size && !(text.data[count] & 0x80)) {
+        count++;
+    }
+    return count;
+}
+
 bool text_is_utf8(struct text text)
 {
     while (text.size) {
-        size_t length = text_character(text);
+        const size_t plain = count_plain(text);
+        const size_t length = plain ? plain : text_character(text);
         if (!length) {
             return false;
         }

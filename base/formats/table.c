@@ -11,15 +11,22 @@ static struct text behind(struct text text, size_t size)
     return (struct text){text.data + size, text.size - size};
 }
 
+static bool is_visible(char c)
+{
+    return c > ' ' && !(c & 0x80);
+}
+
 struct text table_trim(struct text text)
 {
+    if (text.size && is_visible(text.data[0]) && is_visible(text.data[text.size - 1])) { /* as most cells */
+        return text;
+    }
     text = text_trim(text);
     while (text.size && (unsigned char)text.data[0] >= 0x80 && text_blank(text)) {
         text = text_trim(behind(text, text_blank(text)));
     }
-    for (size_t size = 2; size <= 3;) { /* of the last character */
-        bool is_blank = text.size >= size && (unsigned char)text.data[text.size - 1] >= 0x80 &&
-                        text_blank(behind(text, text.size - size)) == size;
+    for (size_t size = 2; size <= 3 && text.size >= size && (unsigned char)text.data[text.size - 1] >= 0x80;) {
+        bool is_blank = text_blank(behind(text, text.size - size)) == size; /* of the last character */
         text.size -= is_blank ? size : 0;
         text = is_blank ? text_trim(text) : text;
         size = is_blank ? 2 : size + 1;
@@ -30,6 +37,9 @@ struct text table_trim(struct text text)
 bool table_is_comment(struct text *inside, struct text line)
 {
     *inside = line;
+    if (line.size && is_visible(line.data[0]) && !strchr("#%/", line.data[0])) {
+        return false; /* most lines */
+    }
     struct text rest = text_trim(line);
     bool is_one = rest.size && (rest.data[0] == '#' || rest.data[0] == '%');
     if (!is_one && !text_starts(rest, "//")) {
@@ -224,9 +234,13 @@ static bool read_odd_number(double *out, const struct table *table, struct text 
 
 bool table_number(double *out, const struct table *table, struct text cell)
 {
+    const bool is_decimal = table->comma == TABLE_COMMA_DECIMAL;
+    if (!is_decimal && text_to_double(cell, out)) {
+        return true;
+    }
     const struct text own = table_trim(cell);
-    bool is_unclear = table->comma == TABLE_COMMA_DECIMAL && own.size && grouped_by_points(own) == own.size;
-    return !is_unclear && (text_to_double(cell, out) || read_odd_number(out, table, own));
+    bool is_unclear = is_decimal && own.size && grouped_by_points(own) == own.size;
+    return !is_unclear && ((is_decimal && text_to_double(cell, out)) || read_odd_number(out, table, own));
 }
 
 /* Whether a cell is a number whatever a comma is. */
@@ -260,7 +274,9 @@ static enum table_comma join(enum table_comma a, enum table_comma b)
 
 void table_add_comma(struct table *table, struct text cell)
 {
-    table->comma = join(table->comma, is_number(cell) ? comma_of(cell) : TABLE_COMMA_UNKNOWN);
+    if (cell.size && memchr(cell.data, ',', cell.size) && is_number(cell)) {
+        table->comma = join(table->comma, comma_of(cell));
+    }
 }
 
 enum { NUMBERS = 3 }; /* of a row, at least */

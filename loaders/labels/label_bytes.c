@@ -295,7 +295,7 @@ void label_bytes_parse(struct job *job, struct label_table *out, const char **fo
         return;
     }
     label_text_parse(job, table, found, text, use);
-    label_check_zero(job, table, found->kind == LABEL_CHOSEN || found->kind == LABEL_MARKUP ? NULL : use->voxels);
+    label_check_zero(job, table, found->kind == LABEL_CHOSEN ? NULL : use->voxels);
     if (job_ok(job) && !table->count) {
         job_bad(job, "%s: no label but 0", found->name);
     }

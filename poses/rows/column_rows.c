@@ -18,7 +18,9 @@ double columns_space_mm(conus_space space)
 
 bool columns_is_absent(struct text cell)
 {
-    return !cell.size || text_equal_ignoring_case(cell, "n/a") || text_is_one_of(cell, "NA/none/-/--", false);
+    enum { LONGEST = sizeof "none" - 1 };
+    return !cell.size || (cell.size <= LONGEST &&
+                          (text_equal_ignoring_case(cell, "n/a") || text_is_one_of(cell, "NA/none/-/--", false)));
 }
 
 struct text columns_cell(const struct head *head, size_t row, size_t column)
@@ -450,12 +452,14 @@ static conus_status read_row(conus_pose_row *row, struct pose_name *name, const 
 static bool is_without_position(const struct columns *columns, const struct table_line *line)
 {
     size_t absent = 0;
-    for (size_t i = 0; i < columns->count && i < line->count; i++) {
+    bool is_there = line->count < columns->count;
+    for (size_t i = 0; !is_there && i < columns->count; i++) {
         bool is_coordinate = columns->role_of[i] < ROLE_X + 3;
-        absent +=
-            is_coordinate && (columns_is_absent(line->cells[i]) || text_equal_ignoring_case(line->cells[i], "nan"));
+        is_there =
+            is_coordinate && !columns_is_absent(line->cells[i]) && !text_equal_ignoring_case(line->cells[i], "nan");
+        absent += is_coordinate;
     }
-    return absent == 3 && line->count >= columns->count;
+    return !is_there && absent == 3;
 }
 
 /* A line of a table that has no digit. Three cells of words, with blanks between them only where they are as many

@@ -73,7 +73,39 @@ void cell_point(double out[3], enum column_type type, const double world[3], con
                 const conus_frame *frame);
 
 /** The value at @p place, which is of the type. */
-struct cell cell_at(enum column_type type, const void *place, const conus_atlas *atlas, const conus_frame *frame);
+static inline struct cell cell_at(enum column_type type, const void *place, const conus_atlas *atlas,
+                                  const conus_frame *frame)
+{
+    const uint32_t *count = place;
+    const double *numbers = place;
+    double point[3];
+    switch (type) {
+    case COLUMN_RANK:
+        return *count ? integer_cell(*count) : no_cell();
+    case COLUMN_COUNT:
+        return integer_cell(*count);
+    case COLUMN_LARGE_COUNT:
+        return integer_cell(*(const uint64_t *)place);
+    case COLUMN_LARGE_RANK:
+        return *(const uint64_t *)place ? integer_cell(*(const uint64_t *)place) : no_cell();
+    case COLUMN_FLAG:
+        return integer_cell(*(const bool *)place);
+    case COLUMN_TEXT:
+        return text_cell(*(const char *const *)place);
+    case COLUMN_TIME:
+        return isfinite(*numbers) ? (struct cell){.type = CELL_TIME, .number = *numbers} : no_cell();
+    case COLUMN_X:
+    case COLUMN_Y:
+    case COLUMN_Z:
+    case COLUMN_OWN_X:
+    case COLUMN_OWN_Y:
+    case COLUMN_OWN_Z:
+        cell_point(point, type, numbers, atlas, frame);
+        return number_cell(point[(type - COLUMN_X) % 3]);
+    default:
+        return number_cell(*numbers);
+    }
+}
 
 /* Tables from inside: how a study makes one of its rows, by a list of its columns, and what a report reads. */
 

@@ -233,6 +233,12 @@ static void utf8_is_told_from_latin1(void **state)
     for (size_t i = 0; i < sizeof not / sizeof not [0]; i++) {
         assert_false(text_is_utf8(text_from(not [i])));
     }
+    for (size_t i = 0; i < 20; i++) { /* eight bytes are looked at together: a wrong one at each place */
+        char text[] = "abcdefghijklmnopqrst";
+        text[i] = '\xff';
+        assert_false(text_is_utf8((struct text){text, 20}));
+        assert_int_equal(text_is_utf8((struct text){text, i}), true);
+    }
 }
 
 static void any_bytes_become_clean_utf8(void **state)

@@ -316,3 +316,18 @@ END
     run -0 --separate-stderr "$CONUS" query MNI_nested.nii.gz $aim --atlas-transform $name,inverse
     [[ "$stderr" == *"by its name it moves points of T1w to MNI152: it is for poses in the first"* ]]
 }
+
+# What the file calls left lies on the right of poses then, halves as well as names (by hand: x becomes -x).
+@test "a transform with a determinant below 0 turns sides, and it is said" {
+    conus phantom sphere -o .
+    printf -- '-1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >mirror.txt
+    for side in left right; do
+        local x=$([ $side = left ] && echo -8 || echo 8) other=$([ $side = left ] && echo right || echo left)
+        local ask="query sphere.nii.gz --point $x,5,5 --radius 1 --hemispheres split --format tsv"
+        answers $ask --quiet
+        [ "$(cell name 1)" = "Sphere $side" ]
+        run -0 --separate-stderr "$CONUS" $ask --atlas-transform mirror.txt
+        [ "$(cell name 1)" = "Sphere $other" ]
+        [[ "$stderr" == *'mirror.txt mirrors: left areas of the atlas are right ones where poses are'* ]]
+    done
+}
